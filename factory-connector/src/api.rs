@@ -56,7 +56,6 @@ use daemon::{
 use mapping_engine::MappingEngineHandle;
 use messaging::LinkHandle;
 use shop_floor::ShopFloorHandle;
-use sqlx::{Sqlite, SqlitePool, pool::PoolConnection};
 use tokio::sync::{Notify, watch};
 use tokio_util::sync::CancellationToken;
 use twin::TwinHandle;
@@ -68,7 +67,13 @@ use utoipa_axum::{
 
 pub use accounts::{Principal, StoredAccounts};
 
-use crate::{books::ConnectorEvent, catalog::CatalogHandle, desk::DeskHandle, lease::LeaseStatus};
+use crate::{
+    books::ConnectorEvent,
+    catalog::CatalogHandle,
+    desk::DeskHandle,
+    lease::LeaseStatus,
+    store::{Readers, Session},
+};
 
 const COOKIE: &str = "verbund_connector";
 /// Largest body of any request, in bytes.
@@ -79,7 +84,7 @@ pub struct Parts {
     /// Changes anything.
     pub desk: DeskHandle,
     /// Reads the store.
-    pub readers: SqlitePool,
+    pub readers: Readers,
     /// Local OPC UA servers.
     pub shop_floor: ShopFloorHandle,
     /// Checks and tries mappings.
@@ -135,9 +140,9 @@ impl Api {
 }
 
 impl Api {
-    /// A connection for reading.
-    async fn reader(&self) -> Result<PoolConnection<Sqlite>, Problem> {
-        self.parts.readers.acquire().await.map_err(|error| Problem::internal(&error))
+    /// Takes a connection to the store for reading.
+    async fn store(&self) -> Result<Session, Problem> {
+        Ok(self.parts.readers.session().await?)
     }
 }
 

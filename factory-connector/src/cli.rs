@@ -2,10 +2,11 @@
 
 mod certificate;
 mod ledger;
+mod output;
 mod spool;
 
 use std::{
-    io::{Read as _, Write},
+    io::Read as _,
     path::{Path, PathBuf},
     process::ExitCode,
     time::Duration,
@@ -23,8 +24,10 @@ use factory_connector::{
     config::{ConnectorConfig, EXAMPLE},
     desk::now,
     enrolment, service,
-    store::{Role, Store, User, put_user, remove_user, users},
+    store::{Role, Store, User},
 };
+
+use output::print;
 
 /// Time for all tasks together to finish after the first signal.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(15);
@@ -156,11 +159,11 @@ async fn serve(config: ConnectorConfig) -> anyhow::Result<()> {
 }
 
 async fn manage_users(command: UsersCommand, config: &ConnectorConfig) -> anyhow::Result<()> {
-    let mut connection = Store::connect(&config.data_directory).await?;
+    let mut session = Store::connect(&config.data_directory).await?;
     match command {
         UsersCommand::List => {
-            for (name, role) in users(&mut connection).await? {
-                print(&format!("{name}\t{role}"))?;
+            for user in session.users().all().await? {
+                print(&format!("{}\t{}", user.user_name, user.role.name()))?;
             }
         }
         UsersCommand::Set { user, role } => {
@@ -172,10 +175,10 @@ async fn manage_users(command: UsersCommand, config: &ConnectorConfig) -> anyhow
             let password = Confidential::from(password.trim_end_matches(['\r', '\n']).to_owned());
             let hash = PasswordHash::of(&password, PasswordPolicy::default())?;
             let user = User { user_name: user, role, password_hash: hash.as_str().to_owned() };
-            put_user(&mut connection, &user, now()).await?;
+            session.users().put(&user, now()).await?;
         }
         UsersCommand::Remove { user } => {
-            anyhow::ensure!(remove_user(&mut connection, &user).await?, "there is no user {user}");
+            anyhow::ensure!(session.users().remove(&user).await?, "there is no user {user}");
         }
     }
     Ok(())
@@ -189,8 +192,4 @@ fn load(path: Option<&Path>) -> anyhow::Result<ConnectorConfig> {
         return Ok(config);
     }
     anyhow::bail!("the configuration has {} fault(s):\n  {}", faults.len(), faults.join("\n  "))
-}
-
-fn print(text: &str) -> anyhow::Result<()> {
-    writeln!(std::io::stdout(), "{text}").context("writing to standard output")
 }

@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use crate::{
     desk::now,
-    store::{Enrolment, Store, put_enrolment},
+    store::{Enrolment, Store},
 };
 
 /// What the platform answers.
@@ -49,7 +49,7 @@ pub async fn enrol(
     let answer: Answer = answer.json().await.context("reading the platform's answer")?;
     std::fs::create_dir_all(data_directory)
         .with_context(|| format!("making the data directory {}", data_directory.display()))?;
-    let mut connection = Store::connect(data_directory).await?;
+    let mut session = Store::connect(data_directory).await?;
     let enrolment = Enrolment {
         factory_id: answer.factory_id.to_string(),
         broker_url: answer.broker_url,
@@ -58,7 +58,7 @@ pub async fn enrol(
         password: answer.password,
         root_certificate_pem: answer.root_certificate_pem,
     };
-    put_enrolment(&mut connection, &enrolment, now()).await?;
+    session.enrolments().put(&enrolment, now()).await?;
     Ok(answer.factory_id)
 }
 

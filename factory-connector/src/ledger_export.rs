@@ -2,16 +2,19 @@
 
 use std::collections::BTreeMap;
 
-use asi_model::pubsub::unit_member;
+use asi_model::{DateTime, pubsub::unit_member};
 use serde::Deserialize as _;
 use serde_json::Value;
 
 use disclosure::{Language, Statement};
 use ledger::EventKind;
 
-use crate::print::{END, TABLE_END, begin, row, table};
+use crate::{
+    print::{END, TABLE_END, begin, row, table},
+    store::LedgerRow,
+};
 
-/// In which form.
+/// Form of an export.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum ExportFormat {
@@ -24,7 +27,7 @@ pub enum ExportFormat {
 }
 
 impl ExportFormat {
-    /// The media type.
+    /// Returns the media type.
     #[must_use]
     pub const fn media_type(self) -> &'static str {
         match self {
@@ -34,7 +37,7 @@ impl ExportFormat {
         }
     }
 
-    /// The usual ending of a file's name.
+    /// Returns the usual extension of a file's name.
     #[must_use]
     pub const fn extension(self) -> &'static str {
         match self {
@@ -43,25 +46,6 @@ impl ExportFormat {
             Self::Html => "html",
         }
     }
-}
-
-/// An entry with everything around it that explains it.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct ExportedEntry {
-    /// The hashed text.
-    pub content: String,
-    /// Its hash, hexadecimal.
-    pub hash: String,
-    /// The DataSetMessage that left, while it is kept.
-    pub report: Option<String>,
-    /// The message it left in.
-    pub message_id: Option<String>,
-    /// When the broker accepted it.
-    pub sent_at: Option<String>,
-    /// When the platform said that it holds it.
-    pub delivered_at: Option<String>,
-    /// How each consent named by the entry coarsens, by field: what the partner is told.
-    pub precision: BTreeMap<String, Statement>,
 }
 
 const COLUMNS: [(&str, &str, &str); 20] = [
@@ -95,13 +79,13 @@ pub struct Exporter {
 }
 
 impl Exporter {
-    /// In this form; the language matters for pages to print.
+    /// Exports in this form; the language matters for pages to print only.
     #[must_use]
     pub const fn new(format: ExportFormat, language: Language) -> Self {
         Self { format, language }
     }
 
-    /// What stands before the first entry.
+    /// Writes the head before the first entry.
     #[must_use]
     pub fn begin(&self, factory: &str) -> String {
         match self.format {
@@ -119,9 +103,9 @@ impl Exporter {
         }
     }
 
-    /// One entry.
+    /// Writes one entry.
     #[must_use]
-    pub fn entry(&self, entry: &ExportedEntry) -> String {
+    pub fn entry(&self, entry: &LedgerRow) -> String {
         match self.format {
             ExportFormat::Jsonl => json_line(entry),
             ExportFormat::Csv => {
@@ -134,7 +118,7 @@ impl Exporter {
         }
     }
 
-    /// What stands after the last entry.
+    /// Writes the end after the last entry.
     #[must_use]
     pub fn end(&self) -> String {
         match self.format {
@@ -144,24 +128,26 @@ impl Exporter {
     }
 }
 
-fn json_line(entry: &ExportedEntry) -> String {
+fn json_line(entry: &LedgerRow) -> String {
     let report =
         entry.report.as_deref().and_then(|report| serde_json::from_str::<Value>(report).ok());
+    let precision: BTreeMap<&String, &String> =
+        entry.precision.iter().map(|(field, precision)| (field, &precision.statement)).collect();
     let line = serde_json::json!({
         "entry": entry.content,
         "hash": entry.hash,
         "report": report,
         "messageId": entry.message_id,
-        "sentAt": entry.sent_at,
-        "deliveredAt": entry.delivered_at,
-        "precision": entry.precision.iter().map(|(field, told)| (field, &told.statement)).collect::<BTreeMap<_, _>>(),
+        "sentAt": entry.sent_at.map(|at| at.to_string()),
+        "deliveredAt": entry.delivered_at.map(|at| at.to_string()),
+        "precision": precision,
     });
     format!("{line}\n")
 }
 
 /// One row per value of a report, one for any other entry.
 fn rows(
-    exported: &ExportedEntry,
+    exported: &LedgerRow,
     language: Language,
     event: impl Fn(&Value) -> String,
 ) -> Vec<Vec<String>> {
@@ -172,8 +158,10 @@ fn rows(
         .and_then(|report| serde_json::from_str(report).ok())
         .unwrap_or_default();
     let payload = &report["Payload"];
-    let precision =
-        |told: Option<&Statement>| told.map(|told| told.in_language(language)).unwrap_or_default();
+    let precision = |statement: Option<&Statement>| {
+        statement.map(|statement| statement.in_language(language)).unwrap_or_default()
+    };
+    let time = |at: Option<DateTime>| at.map(|at| at.to_string()).unwrap_or_default();
     let of_row = |field: Option<&str>| -> Vec<String> {
         COLUMNS
             .iter()
@@ -196,8 +184,8 @@ fn rows(
                 ("messageId", _) => {
                     exported.message_id.clone().unwrap_or_else(|| plain(&entry["messageId"]))
                 }
-                ("sentAt", _) => exported.sent_at.clone().unwrap_or_default(),
-                ("deliveredAt", _) => exported.delivered_at.clone().unwrap_or_default(),
+                ("sentAt", _) => time(exported.sent_at),
+                ("deliveredAt", _) => time(exported.delivered_at),
                 ("hash", _) => exported.hash.clone(),
                 ("event", _) => event(&entry["event"]),
                 (name, _) => plain(&entry[name]),
@@ -213,13 +201,13 @@ fn rows(
     }
 }
 
-/// An event in words; one of a later version by its code.
+/// Names an event in words; one of a later version by its code.
 fn said(event: &Value, language: Language) -> String {
     EventKind::deserialize(event)
         .map_or_else(|_| plain(event), |kind| kind.in_language(language).to_owned())
 }
 
-/// A JSON value as a person reads it: the body of a variant, texts without quotes.
+/// Writes a JSON value as a person reads it: the body of a variant, texts without quotes.
 fn plain(value: &Value) -> String {
     match value {
         Value::Null => String::new(),
@@ -232,7 +220,7 @@ fn plain(value: &Value) -> String {
     }
 }
 
-/// A line of CSV after RFC 4180, in which no cell is taken for a formula.
+/// Writes a line of CSV after RFC 4180, in which no cell is taken for a formula.
 fn csv_line(cells: impl IntoIterator<Item = String>) -> String {
     let cells: Vec<String> = cells.into_iter().map(|cell| quoted(&harmless(cell))).collect();
     cells.join(",") + "\r\n"
@@ -260,33 +248,48 @@ mod tests {
     use super::*;
     use disclosure::DisclosurePolicy;
 
-    fn queued(value: Value) -> ExportedEntry {
-        let report = serde_json::json!({ "SequenceNumber": 4, "Payload": { "operationNetworkId": { "Type": 12, "Body": "n" },
-            "operationId": { "Type": 12, "Body": "op" }, "dynamicDataRequestId": { "Type": 12, "Body": "R1" },
-            "note": { "Type": 12, "Body": value }, "noteUnit": { "Type": 12, "Body": "PIECE" } } });
-        ExportedEntry {
-            content: r#"{"recipient":"acme","number":7,"recordedAt":"2026-11-21T10:00:00Z","event":"QUEUED","dataSetWriterId":1,"epoch":9,"firstSequence":4,"lastSequence":4,"values":"00ff","consents":{"note":2}}"#.to_owned(),
+    fn queued(value: Value) -> LedgerRow {
+        let report = serde_json::json!({
+            "SequenceNumber": 4,
+            "Payload": {
+                "operationNetworkId": { "Type": 12, "Body": "n" },
+                "operationId": { "Type": 12, "Body": "op" },
+                "dynamicDataRequestId": { "Type": 12, "Body": "R1" },
+                "note": { "Type": 12, "Body": value },
+                "noteUnit": { "Type": 12, "Body": "PIECE" },
+            },
+        });
+        LedgerRow {
+            number: 7,
+            content: [
+                r#"{"recipient":"acme","number":7,"recordedAt":"2026-11-21T10:00:00Z","#,
+                r#""event":"QUEUED","dataSetWriterId":1,"epoch":9,"firstSequence":4,"#,
+                r#""lastSequence":4,"values":"00ff","consents":{"note":2}}"#,
+            ]
+            .concat(),
             hash: "ab".to_owned(),
             report: Some(report.to_string()),
             message_id: Some("m1".to_owned()),
-            sent_at: Some("2026-11-21T10:00:01Z".to_owned()),
+            sent_at: Some("2026-11-21T10:00:01Z".parse().expect("a time")),
             delivered_at: None,
-            precision: [("note".to_owned(), Statement::of(&DisclosurePolicy::default(), None))].into(),
+            precision: [("note".to_owned(), Statement::of(&DisclosurePolicy::default(), None))]
+                .into(),
         }
     }
 
     #[test]
-    fn a_table_says_what_left_when_and_under_which_consent() {
+    fn a_table_has_value_time_and_consent_of_each_report() {
         let csv = Exporter::new(ExportFormat::Csv, Language::En);
         let text = csv.begin("F") + &csv.entry(&queued("fine".into()));
         let lines: Vec<&str> = text.split("\r\n").collect();
         assert_eq!(
             lines,
             [
-                "recipient,number,recordedAt,event,operationNetworkId,operationId,dynamicDataRequestId,field,value,unit,\
-                 consent,precision,dataSetWriterId,epoch,firstSequence,lastSequence,messageId,sentAt,deliveredAt,hash",
-                "acme,7,2026-11-21T10:00:00Z,QUEUED,n,op,R1,note,fine,PIECE,2,\"Every change, as it is.\",1,9,4,4,m1,\
-                 2026-11-21T10:00:01Z,,ab",
+                "recipient,number,recordedAt,event,operationNetworkId,operationId,\
+                 dynamicDataRequestId,field,value,unit,consent,precision,dataSetWriterId,epoch,\
+                 firstSequence,lastSequence,messageId,sentAt,deliveredAt,hash",
+                "acme,7,2026-11-21T10:00:00Z,QUEUED,n,op,R1,note,fine,PIECE,2,\
+                 \"Every change, as it is.\",1,9,4,4,m1,2026-11-21T10:00:01Z,,ab",
                 "",
             ]
         );

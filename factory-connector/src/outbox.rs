@@ -19,7 +19,7 @@ pub use departures::{Departure, Departures};
 use crate::{
     desk::DeskHandle,
     lease::{LeaseAnswers, LeaseGate},
-    store::{Message, SpoolReader},
+    store::{ControlMessage, Message, Readers, ReportMessage},
 };
 
 /// Messages that are made when they are sent and never kept: keep-alives.
@@ -58,7 +58,7 @@ impl Ephemerals {
 /// The spool as the link sees it.
 pub struct Outbox {
     factory_id: FactoryId,
-    reader: SpoolReader,
+    readers: Readers,
     desk: DeskHandle,
     ephemerals: Arc<Ephemerals>,
     departures: Arc<Departures>,
@@ -70,19 +70,19 @@ impl Outbox {
     #[must_use]
     pub const fn new(
         factory_id: FactoryId,
-        reader: SpoolReader,
+        readers: Readers,
         desk: DeskHandle,
         ephemerals: Arc<Ephemerals>,
         departures: Arc<Departures>,
         gate: Arc<LeaseGate>,
     ) -> Self {
-        Self { factory_id, reader, desk, ephemerals, departures, gate }
+        Self { factory_id, readers, desk, ephemerals, departures, gate }
     }
 
     fn row(&self, message: Message) -> SpoolRow {
         let address = LogicalAddress::FactoryIngress(self.factory_id.clone());
         match message {
-            Message::Control {
+            Message::Control(ControlMessage {
                 id,
                 message_id,
                 subject,
@@ -91,14 +91,14 @@ impl Outbox {
                 created_at,
                 ttl_ms,
                 attempts,
-            } => {
+            }) => {
                 let mut envelope = Envelope::new(message_id, subject, body);
                 envelope.correlation_id = correlation_id;
                 envelope.creation_time = Some(created_at.into());
                 envelope.ttl = ttl_ms.map(std::time::Duration::from_millis);
                 SpoolRow { id: RowId(id), address, envelope, attempts }
             }
-            Message::Reports { id, reports, created_at, attempts } => {
+            Message::Reports(ReportMessage { id, reports, created_at, attempts }) => {
                 let message_id = self.message_id(id, &reports);
                 self.departures
                     .fetched(message_id.clone(), reports.iter().map(|(report, _)| *report));
@@ -139,8 +139,9 @@ impl SpoolStore for Outbox {
 
     async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, StoreError> {
         let Some(lease) = self.gate.number() else { return Ok(Vec::new()) };
+        let messages = self.readers.session().await?.spool().fetch(fetch).await?;
         let mut rows: Vec<SpoolRow> =
-            self.reader.fetch(fetch).await?.into_iter().map(|message| self.row(message)).collect();
+            messages.into_iter().map(|message| self.row(message)).collect();
         if fetch.lane == Lane::Control {
             rows.extend(self.ephemerals.after(fetch).into_iter().map(|(id, message_id, body)| {
                 SpoolRow {
@@ -181,11 +182,11 @@ impl SpoolStore for Outbox {
     }
 
     async fn last_row(&self) -> Result<RowId, StoreError> {
-        Ok(self.reader.last_row().await?)
+        Ok(self.readers.session().await?.spool().last_message().await?)
     }
 
     async fn backlog(&self) -> Result<Backlog, StoreError> {
-        Ok(self.reader.backlog().await?)
+        Ok(self.readers.session().await?.spool().backlog().await?)
     }
 }
 

@@ -34,7 +34,7 @@ use crate::{
     desk::{self, Desk, DeskConfig, Rooms, now},
     lease::{self, Instance, LeaseGate, LeaseKeeper},
     outbox::{Departures, Ephemerals, Outbox, PlatformInbox},
-    store::{Role, SpoolReader, Store, User, count_users, enrolment, put_user},
+    store::{Readers, Role, Session, Store, User},
     twin_side::{DeskWriter, StoredUsers, UserWatch},
 };
 
@@ -66,13 +66,13 @@ pub async fn start(
     let directory = config.data_directory.clone();
     std::fs::create_dir_all(&directory)
         .with_context(|| format!("making the data directory {}", directory.display()))?;
-    let mut connection = Store::connect(&directory).await?;
-    let enrolled = enrolment(&mut connection).await?.context(
+    let mut session = Store::connect(&directory).await?;
+    let enrolled = session.enrolments().current().await?.context(
         "this connector is not enrolled yet: ask an administrator of the platform for a token and run \
          `factory-connector enrol <token>` with the same --config",
     )?;
-    ensure_first_user(&mut connection, &config).await?;
-    drop(connection);
+    ensure_first_user(&mut session, &config).await?;
+    drop(session);
     let factory_id = FactoryId::new(&enrolled.factory_id)?;
     let store = Store::open(&directory, &factory_id, started_at).await?;
     let key = ledger_key::open(&directory.join(LEDGER_KEY_FILE))?;
@@ -112,7 +112,7 @@ pub async fn start(
     let (catalog, catalog_handle) = Catalog::new(floor_handle.clone());
     let outbox = Outbox::new(
         factory_id.clone(),
-        SpoolReader::new(readers.clone()),
+        readers.clone(),
         desk_handle.clone(),
         Arc::clone(&ephemerals),
         Arc::clone(&departures),
@@ -256,9 +256,9 @@ pub async fn start(
 }
 
 /// The sources as configured, passwords included.
-async fn stored_sources(readers: &sqlx::SqlitePool) -> anyhow::Result<Vec<SourceConfig>> {
+async fn stored_sources(readers: &Readers) -> anyhow::Result<Vec<SourceConfig>> {
     let mut configs = Vec::new();
-    for row in crate::store::sources(readers).await? {
+    for row in readers.session().await?.sources().all().await? {
         let mut json: serde_json::Value = serde_json::from_str(&row.config)
             .with_context(|| format!("reading the stored source {}", row.source_id))?;
         if let Some(password) = row.password {
@@ -274,11 +274,8 @@ async fn stored_sources(readers: &sqlx::SqlitePool) -> anyhow::Result<Vec<Source
 
 /// The first start makes an engineer; a made-up password goes into a file that only the owner can
 /// read.
-async fn ensure_first_user(
-    connection: &mut sqlx::SqliteConnection,
-    config: &ConnectorConfig,
-) -> anyhow::Result<()> {
-    if count_users(connection).await? > 0 {
+async fn ensure_first_user(session: &mut Session, config: &ConnectorConfig) -> anyhow::Result<()> {
+    if session.users().count().await? > 0 {
         return Ok(());
     }
     let (password, is_made_up) = match &config.admin.password {
@@ -292,7 +289,7 @@ async fn ensure_first_user(
         role: Role::Engineer,
         password_hash: hash.as_str().to_owned(),
     };
-    put_user(connection, &user, now()).await?;
+    session.users().put(&user, now()).await?;
     if is_made_up {
         let file = config.data_directory.join("engineer-password.txt");
         write_secret(&file, password.expose())

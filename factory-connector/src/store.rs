@@ -1,55 +1,83 @@
 //! The connector's durable file: one SQLite database in full-sync mode with one writer.
 //!
-//! The desk collects everything that belongs together in [`Changes`] and commits it in one
-//! transaction: what cannot be logged does not leave, what is logged is not lost. Reading goes
-//! through connections of its own and never waits.
+//! One module per noun, with its columns, its reading and its writing; each statement is in exactly
+//! one place. Everything that belongs together is collected in [`Changes`] and committed in one
+//! transaction ([`Store::commit`]): nothing leaves that is not logged, and nothing that is logged
+//! is lost. Reading goes through repositories that borrow a [`Session`], a connection of its own,
+//! and never waits for a transaction.
 
-mod accounts;
+mod carried_fields;
 mod changes;
+mod comments;
 mod commit;
+mod consents;
+mod control_messages;
+mod dead_letters;
+mod enrolments;
 mod error;
+mod fields;
+mod handle;
+mod identity;
 mod ledger;
 mod load;
-mod lookups;
-mod mappings;
-mod open;
-mod operator;
+mod mapping_templates;
+mod mapping_versions;
+mod migrations;
+mod names;
+mod networks;
+mod operator_entries;
 mod place;
-mod policies;
-mod retention;
-mod revisions;
-mod revocation;
+mod policy_documents;
+mod query;
+mod received_messages;
+mod recipient_policies;
+mod records;
+mod reports;
+mod revocations;
+mod row;
+mod rule_decisions;
+mod session;
+mod shadow_mappings;
+mod sources;
 mod spool;
-mod spooled;
-mod verify;
-mod writer;
+mod statement;
+mod users;
+mod write_connection;
+mod writers;
 
-pub use accounts::{Role, User, count_users, everybody, put_user, remove_user, user, users};
 pub use changes::{
     CarriedFieldRow, Changes, CheckpointRow, CommentRow, ConsentRow, ControlRow, DeadLetterRow,
     FieldRow, FieldValueRow, NetworkRow, NewReport, ReportMove, RevocationRow, SourceRow,
     WriterRow,
 };
+pub use comments::{Comments, StoredComment};
+pub use control_messages::ControlMessage;
+pub use dead_letters::{DeadLetter, DeadLetters};
+pub use enrolments::{Enrolment, Enrolments};
 pub use error::StoreError;
+pub use fields::Fields;
+pub use handle::Store;
+pub use identity::Identity;
 pub use ledger::{
-    LedgerFilter, LedgerReader, LedgerRow, LedgerSubject, StoredCheckpoint, ledger_checkpoints,
-    ledger_fields, ledger_recipients,
+    Checkpoints, Ledger, LedgerCursor, LedgerFilter, LedgerRow, LedgerSubject, StoredCheckpoint,
 };
-pub use load::Snapshot;
-pub use lookups::{
-    DeadLetter, Enrolment, StoredComment, comments, dead_letters, enrolment, put_enrolment, sources,
+pub use mapping_templates::MappingTemplates;
+pub use mapping_versions::{MappingVersions, VERSIONS_MAX};
+pub use networks::{Networks, Revisions};
+pub use operator_entries::OperatorEntries;
+pub use policy_documents::{DocumentKind, PolicyDocuments};
+pub use received_messages::ReceivedMessages;
+pub use recipient_policies::RecipientPolicies;
+pub use records::{
+    DocumentRow, MappingChanges, RecipientPolicyRow, RuleDecisionRow, ShadowRow, Snapshot,
+    StoredMappings, StoredNetwork, TemplateRow, VersionRow, WaitingRow,
 };
-pub use mappings::{
-    MappingChanges, MappingShelf, ShadowRow, TemplateRow, VERSIONS_MAX, VersionRow, templates,
-    versions,
-};
-pub use open::{Identity, Store};
-pub use policies::{
-    DocumentRow, DocumentVersions, RecipientPolicyRow, RuleDecision, RuleDecisionRow,
-    document_versions, rule_decision, rule_decisions,
-};
-pub use revisions::{Revisions, revisions};
-pub use revocation::{StoredRevocation, revocation_by_id, revocations};
-pub use spool::{Message, SpoolReader, WaitingRow};
-pub use spooled::{SpooledMessage, spooled};
-pub use verify::verify_ledger;
+pub use reports::{LastSequences, ReportMessage, Reports};
+pub use revocations::{Revocations, StoredRevocation};
+pub use rule_decisions::{RuleDecision, RuleDecisions};
+pub use session::{Readers, Session};
+pub use shadow_mappings::ShadowMappings;
+pub use sources::Sources;
+pub use spool::{Message, Spool, SpooledMessage};
+pub use users::{Role, User, Users};
+pub use writers::Writers;

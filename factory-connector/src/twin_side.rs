@@ -15,13 +15,12 @@ use daemon::{
     web::session::{PasswordHash, verify_password},
 };
 use disclosure::DecisionBasis;
-use sqlx::SqlitePool;
 use twin::{Authenticator, FieldDecision, FieldWriter, TwinUser};
 
 use crate::{
     books::Verdict,
     desk::{DeskError, DeskHandle, Taken},
-    store::{self, Role},
+    store::{Readers, Role, StoreError, User},
 };
 use disclosure::GateOutcome;
 
@@ -92,12 +91,18 @@ const fn failure(error: &DeskError) -> StatusCode {
 }
 
 /// Knows the users of the store.
-pub struct StoredUsers(pub SqlitePool);
+pub struct StoredUsers(pub Readers);
+
+impl StoredUsers {
+    async fn user(&self, user_name: &str) -> Result<Option<User>, StoreError> {
+        self.0.session().await?.users().lookup(user_name).await
+    }
+}
 
 #[async_trait]
 impl Authenticator for StoredUsers {
     async fn authenticate(&self, user_name: &str, password: &str) -> Option<twin::Role> {
-        let user = match store::user(&self.0, user_name).await {
+        let user = match self.user(user_name).await {
             Ok(user) => user,
             Err(error) => {
                 tracing::error!(

@@ -9,9 +9,8 @@ use std::{collections::HashMap, sync::Arc, time::SystemTime};
 use async_trait::async_trait;
 use daemon::web::session::{Accounts, AccountsError, PasswordHash, SessionId, StoredSession};
 use parking_lot::Mutex;
-use sqlx::SqlitePool;
 
-use crate::store::{Role, user};
+use crate::store::{Readers, Role, StoreError, User};
 
 /// Most sessions at the same time; beyond, the one that ends first goes.
 const SESSIONS_MAX: usize = 10_000;
@@ -28,7 +27,7 @@ pub struct Principal {
 /// Users of the store, sessions in memory.
 #[derive(Clone)]
 pub struct StoredAccounts {
-    readers: SqlitePool,
+    readers: Readers,
     sessions: Arc<Mutex<HashMap<SessionId, Kept>>>,
     changing: Arc<tokio::sync::Mutex<()>>,
 }
@@ -43,8 +42,12 @@ struct Kept {
 impl StoredAccounts {
     /// Over the store's reading connections.
     #[must_use]
-    pub fn new(readers: SqlitePool) -> Self {
+    pub fn new(readers: Readers) -> Self {
         Self { readers, sessions: Arc::default(), changing: Arc::default() }
+    }
+
+    async fn user(&self, user_name: &str) -> Result<Option<User>, StoreError> {
+        self.readers.session().await?.users().lookup(user_name).await
     }
 
     /// Lets nobody else change people while this is held: what was read of them is true until it is
@@ -75,17 +78,17 @@ impl Accounts for StoredAccounts {
     type Principal = Principal;
 
     async fn password_hash(&self, user_name: &str) -> Result<Option<PasswordHash>, AccountsError> {
-        let found = user(&self.readers, user_name).await.map_err(AccountsError::new)?;
+        let found = self.user(user_name).await.map_err(AccountsError::new)?;
         Ok(found.map(|user| PasswordHash::from_stored(user.password_hash)))
     }
 
     async fn principal(&self, user_name: &str) -> Result<Option<Principal>, AccountsError> {
-        let found = user(&self.readers, user_name).await.map_err(AccountsError::new)?;
+        let found = self.user(user_name).await.map_err(AccountsError::new)?;
         Ok(found.map(|user| Principal { user_name: user.user_name, role: user.role }))
     }
 
     async fn put_session(&self, session: &StoredSession) -> Result<(), AccountsError> {
-        let owner = user(&self.readers, &session.user_name).await.map_err(AccountsError::new)?;
+        let owner = self.user(&session.user_name).await.map_err(AccountsError::new)?;
         let good_for = owner.into_iter().map(|user| user.password_hash).collect();
         let mut sessions = self.sessions.lock();
         let now = SystemTime::now();
@@ -105,7 +108,7 @@ impl Accounts for StoredAccounts {
         let Some(Kept { session, good_for }) = self.sessions.lock().get(id).cloned() else {
             return Ok(None);
         };
-        let owner = user(&self.readers, &session.user_name).await.map_err(AccountsError::new)?;
+        let owner = self.user(&session.user_name).await.map_err(AccountsError::new)?;
         Ok(owner.is_some_and(|user| good_for.contains(&user.password_hash)).then_some(session))
     }
 

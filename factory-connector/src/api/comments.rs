@@ -12,10 +12,7 @@ use super::{
     roles::{Operator, Viewer},
     view::Page,
 };
-use crate::{
-    books::new_message_id,
-    store::{StoredComment, comments},
-};
+use crate::{books::new_message_id, store::StoredComment};
 
 /// Longest remark, in characters.
 const TEXT_CHARS_MAX: usize = 4000;
@@ -33,7 +30,7 @@ pub async fn list_comments(
     State(api): State<Api>,
     ApiPath(id): ApiPath<OperationNetworkId>,
 ) -> Result<Json<Page<StoredComment>>, Problem> {
-    Ok(Json(Page::whole(comments(&api.readers, &id).await?)))
+    Ok(Json(Page::whole(api.store().await?.comments().of_network(&id).await?)))
 }
 
 /// A remark to make.

@@ -12,7 +12,7 @@ use serde::de::DeserializeOwned;
 use super::{Api, view::Page};
 use crate::{
     books::{Books, DocumentError},
-    store::{DocumentVersions, document_versions},
+    store::DocumentKind,
 };
 use disclosure::{DocumentId, Versioned};
 
@@ -35,10 +35,10 @@ pub(super) async fn keep<T: Send + 'static>(
 /// Every version of a document, newest first.
 pub(super) async fn versions<T: DeserializeOwned>(
     api: &Api,
-    kind: DocumentVersions,
+    kind: DocumentKind,
     id: &DocumentId,
 ) -> Result<Json<Page<Versioned<T>>>, Problem> {
-    Ok(Json(Page::whole(document_versions(&api.readers, kind, id).await?)))
+    Ok(Json(Page::whole(api.store().await?.policy_documents().versions(kind, id).await?)))
 }
 
 /// The version of `If-Match`, where it is given.

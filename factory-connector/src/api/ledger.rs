@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::{Api, problems::Problems, roles::Viewer};
-use crate::store::{LedgerFilter, LedgerReader, LedgerRow, LedgerSubject, ledger_recipients};
+use crate::store::{LedgerFilter, LedgerRow, LedgerSubject};
 use disclosure::StatementPart;
 use ledger::EventKind;
 
@@ -142,7 +142,7 @@ pub struct EntryView {
 impl From<LedgerRow> for EntryView {
     fn from(row: LedgerRow) -> Self {
         let mut content: serde_json::Map<String, serde_json::Value> =
-            serde_json::from_str(&row.entry.content).unwrap_or_default();
+            serde_json::from_str(&row.content).unwrap_or_default();
         let mut text = |name: &str| {
             content
                 .remove(name)
@@ -155,9 +155,9 @@ impl From<LedgerRow> for EntryView {
             content.extend(field);
         }
         let report: Option<serde_json::Value> =
-            row.entry.report.as_deref().and_then(|report| serde_json::from_str(report).ok());
+            row.report.as_deref().and_then(|report| serde_json::from_str(report).ok());
         let (mut precision, mut precision_parts) = (BTreeMap::new(), BTreeMap::new());
-        for (field, told) in row.entry.precision {
+        for (field, told) in row.precision {
             precision.insert(field.clone(), told.statement);
             precision_parts.insert(field, told.statement_parts);
         }
@@ -170,10 +170,10 @@ impl From<LedgerRow> for EntryView {
             value: report.and_then(|report| report.get("Payload").cloned()),
             precision,
             precision_parts,
-            left_in_message: row.entry.message_id,
-            sent_at: row.entry.sent_at,
-            delivered_at: row.entry.delivered_at,
-            hash: row.entry.hash,
+            left_in_message: row.message_id,
+            sent_at: row.sent_at.map(|at| at.to_string()),
+            delivered_at: row.delivered_at.map(|at| at.to_string()),
+            hash: row.hash,
         }
     }
 }
@@ -195,16 +195,12 @@ pub async fn list_ledger_entries(
 ) -> Result<Json<LedgerView>, Problem> {
     let limit = place.limit.unwrap_or(100).clamp(1, 500);
     let filter = wanted.filter()?;
-    let mut connection = api.reader().await?;
-    let recipients = ledger_recipients(&mut connection).await?;
+    let mut session = api.store().await?;
+    let recipients = session.ledger().recipients().await?;
     let chosen =
         filter.recipient.as_ref().map(ToString::to_string).or_else(|| recipients.first().cloned());
     let rows = match chosen {
-        Some(chosen) => {
-            LedgerReader::default()
-                .page(&mut connection, &chosen, &filter, place.after, limit)
-                .await?
-        }
+        Some(chosen) => session.ledger().page(&chosen, &filter, place.after, limit).await?,
         None => Vec::new(),
     };
     let is_whole = rows.len() < limit as usize;

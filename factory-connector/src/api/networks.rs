@@ -17,7 +17,7 @@ use super::{
     roles::Viewer,
     view::{Page, RequestView, requests},
 };
-use crate::{desk::now, store::revisions};
+use crate::desk::now;
 
 /// A network in short.
 #[derive(Serialize, ToSchema)]
@@ -151,7 +151,7 @@ pub async fn show_revision_difference(
     State(api): State<Api>,
     ApiPath(id): ApiPath<OperationNetworkId>,
 ) -> Result<Json<NetworkNews>, Problem> {
-    let found = revisions(&api.readers, &id).await?;
+    let found = api.store().await?.networks().revisions(&id).await?;
     let found = found.ok_or_else(|| Problem::not_found(format_args!("operation network {id}")))?;
     let nothing = OperationNetwork {
         operation_network_id: id,

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     books::{Books, RecipientPolicy},
-    store::DocumentVersions,
+    store::DocumentKind,
 };
 use disclosure::{DocumentId, DocumentVersion, NamedPolicy, Statement, StatementPart, Versioned};
 
@@ -114,7 +114,7 @@ pub async fn list_policy_versions(
     State(api): State<Api>,
     ApiPath(id): ApiPath<DocumentId>,
 ) -> Result<Json<Page<Versioned<NamedPolicy>>>, Problem> {
-    documents::versions(&api, DocumentVersions::Policies, &id).await
+    documents::versions(&api, DocumentKind::Policy, &id).await
 }
 
 /// What a change of a policy would do to a field.

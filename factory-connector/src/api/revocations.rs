@@ -26,7 +26,7 @@ use super::{
 };
 use crate::{
     books::{Books, Verdict},
-    store::{StoredRevocation, revocation_by_id, revocations},
+    store::StoredRevocation,
 };
 use disclosure::Language;
 
@@ -98,7 +98,7 @@ pub async fn revoke_consents(
         body.fields
     };
     let id = api.desk.revoke(fields, verdict, reason, &user.principal.user_name).await?;
-    let receipt = revocation_by_id(&api.readers, &id.to_string()).await?;
+    let receipt = api.store().await?.revocations().lookup(&id.to_string()).await?;
     receipt
         .map(|receipt| (StatusCode::CREATED, Json(receipt)))
         .ok_or_else(|| Problem::not_found("such revocation"))
@@ -150,7 +150,7 @@ pub async fn list_revocations(
     ApiQuery(query): ApiQuery<RevocationsQuery>,
 ) -> Result<Json<Page<StoredRevocation>>, Problem> {
     let limit = query.limit.unwrap_or(PAGE).clamp(1, PAGE);
-    let items = revocations(&api.readers, query.cursor.as_deref(), limit).await?;
+    let items = api.store().await?.revocations().page(query.cursor.as_deref(), limit).await?;
     Ok(Json(Page::of(items, limit, |last| last.receipt.revocation_id.clone())))
 }
 
@@ -171,7 +171,8 @@ pub async fn show_revocation(
 }
 
 async fn find(api: &Api, id: &str) -> Result<StoredRevocation, Problem> {
-    revocation_by_id(&api.readers, id).await?.ok_or_else(|| Problem::not_found("such revocation"))
+    let found = api.store().await?.revocations().lookup(id).await?;
+    found.ok_or_else(|| Problem::not_found("such revocation"))
 }
 
 /// In which language to print.

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     books::{Books, DocumentError},
-    store::{DocumentVersions, RuleDecision, rule_decision, rule_decisions},
+    store::{DocumentKind, RuleDecision},
 };
 use disclosure::{DocumentId, DocumentVersion, Rule, Versioned};
 
@@ -73,7 +73,7 @@ pub async fn list_rule_versions(
     State(api): State<Api>,
     ApiPath(id): ApiPath<DocumentId>,
 ) -> Result<Json<Page<Versioned<Rule>>>, Problem> {
-    documents::versions(&api, DocumentVersions::Rules, &id).await
+    documents::versions(&api, DocumentKind::Rule, &id).await
 }
 
 /// A field that a rule means.
@@ -191,7 +191,8 @@ pub async fn list_rule_decisions(
     ApiQuery(query): ApiQuery<DecisionsQuery>,
 ) -> Result<Json<Page<RuleDecision>>, Problem> {
     let limit = query.limit.unwrap_or(PAGE).clamp(1, PAGE);
-    let items = rule_decisions(&api.readers, query.cursor.unwrap_or(i64::MAX), limit).await?;
+    let items =
+        api.store().await?.rule_decisions().page(query.cursor.unwrap_or(i64::MAX), limit).await?;
     Ok(Json(Page::of(items, limit, |last| last.id.clone())))
 }
 
@@ -210,7 +211,8 @@ pub async fn undo_rule_decision(
     ApiPath(id): ApiPath<i64>,
 ) -> Result<axum::http::StatusCode, Problem> {
     let unknown = || Problem::not_found(format_args!("decision {id} of a rule"));
-    let decision = rule_decision(&api.readers, id).await?.ok_or_else(unknown)?;
+    let decision = api.store().await?.rule_decisions().lookup(id).await?;
+    let decision = decision.ok_or_else(unknown)?;
     if decision.undone_at.is_some() {
         return Ok(axum::http::StatusCode::NO_CONTENT);
     }

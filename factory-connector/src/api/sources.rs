@@ -45,7 +45,7 @@ pub async fn list_sources(
     _: Viewer,
     State(api): State<Api>,
 ) -> Result<Json<Page<SourceView>>, Problem> {
-    let configs = crate::store::sources(&api.readers).await?;
+    let configs = api.store().await?.sources().all().await?;
     let items = api
         .shop_floor
         .states()

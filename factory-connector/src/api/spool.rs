@@ -6,7 +6,7 @@ use serde::Deserialize;
 use utoipa::IntoParams;
 
 use super::{Api, problems::Problems, roles::Viewer, view::Page};
-use crate::store::{DeadLetter, SpoolReader, dead_letters as stored};
+use crate::store::DeadLetter;
 
 /// Letters per page.
 const PAGE: u32 = 100;
@@ -22,7 +22,7 @@ pub async fn show_spool(
     _: Viewer,
     State(api): State<Api>,
 ) -> Result<Json<serde_json::Value>, Problem> {
-    let backlog = SpoolReader::new(api.readers.clone()).backlog().await?;
+    let backlog = api.store().await?.spool().backlog().await?;
     Ok(Json(serde_json::to_value(backlog).unwrap_or_default()))
 }
 
@@ -47,7 +47,8 @@ pub async fn list_dead_letters(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<LettersQuery>,
 ) -> Result<Json<Page<DeadLetter>>, Problem> {
-    let items = stored(&api.readers, query.cursor.unwrap_or(i64::MAX), PAGE).await?;
+    let items =
+        api.store().await?.dead_letters().page(query.cursor.unwrap_or(i64::MAX), PAGE).await?;
     let next_cursor =
         items.last().filter(|_| items.len() == PAGE as usize).map(|letter| letter.id.clone());
     Ok(Json(Page { items, next_cursor }))

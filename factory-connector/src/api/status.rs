@@ -8,7 +8,7 @@ use shop_floor::SourceStatus;
 use utoipa::ToSchema;
 
 use super::{Api, problems::Problems, roles::Viewer};
-use crate::{desk::now, store::SpoolReader};
+use crate::desk::now;
 
 /// How the connector stands.
 #[derive(Serialize, ToSchema)]
@@ -59,7 +59,7 @@ pub async fn show_status(_: Viewer, State(api): State<Api>) -> Result<Json<Statu
     if let Some(waiting) = link.pointer("/backlog/waiting").cloned() {
         link["backlog"] = waiting;
     }
-    let backlog = SpoolReader::new(api.readers.clone()).backlog().await?;
+    let backlog = api.store().await?.spool().backlog().await?;
     Ok(Json(Status {
         factory_id: api.factory_id.to_string(),
         version: env!("CARGO_PKG_VERSION"),

@@ -17,10 +17,7 @@ use super::{
     roles::{Engineer, Viewer},
     view::Page,
 };
-use crate::{
-    desk::now,
-    store::{self, TemplateRow},
-};
+use crate::{desk::now, store::TemplateRow};
 
 /// Most templates, most mappings of one series, longest id in bytes.
 const TEMPLATES_MAX: usize = 1000;
@@ -52,7 +49,7 @@ pub async fn list_mapping_templates(
     _: Viewer,
     State(api): State<Api>,
 ) -> Result<Json<Page<TemplateView>>, Problem> {
-    let rows = store::templates(&api.readers).await?;
+    let rows = api.store().await?.mapping_templates().all().await?;
     let items = rows
         .into_iter()
         .map(|row| {
@@ -262,7 +259,7 @@ fn members(series: Series) -> Result<Vec<BTreeMap<String, String>>, Problem> {
 
 /// All templates.
 pub(super) async fn all(api: &Api) -> Result<Vec<MappingTemplate>, Problem> {
-    let rows = store::templates(&api.readers).await?;
+    let rows = api.store().await?.mapping_templates().all().await?;
     let templates =
         rows.iter().map(|row| serde_json::from_str(&row.template)).collect::<Result<_, _>>();
     templates.map_err(|error: serde_json::Error| Problem::internal(&error))

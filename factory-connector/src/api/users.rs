@@ -10,13 +10,12 @@ use daemon::{
     },
 };
 use serde::{Deserialize, Serialize};
-use sqlx::SqliteConnection;
 use utoipa::ToSchema;
 
 use super::{Api, problems::Problems, roles::Engineer, view::Page};
 use crate::{
     desk::now,
-    store::{self, Role, Store, StoreError, User, users},
+    store::{Role, Session, Store, StoreError, User},
 };
 
 /// Longest name, in characters.
@@ -75,7 +74,7 @@ pub async fn put_user(
     check_name(&user_name)?;
     // Two engineers who take each other's role at once must not both succeed.
     let _change = api.accounts.change().await;
-    let known = store::user(&api.readers, &user_name).await?;
+    let known = api.store().await?.users().lookup(&user_name).await?;
     let everybody = everybody(&api).await?;
     if known.is_none() && everybody.len() >= USERS_MAX {
         return Err(Problem::conflict(
@@ -96,10 +95,8 @@ pub async fn put_user(
         api.accounts.stay_good_for(&user.session, &password_hash);
     }
     let changed = User { user_name: user_name.clone(), role: body.role, password_hash };
-    on_store(&api, move |mut connection| async move {
-        store::put_user(&mut connection, &changed, now()).await
-    })
-    .await?;
+    on_store(&api, move |mut session| async move { session.users().put(&changed, now()).await })
+        .await?;
     if has_new_password {
         api.accounts.end_sessions_of(&user_name, Some(&user.session));
     }
@@ -129,10 +126,8 @@ pub async fn remove_user(
     let _change = api.accounts.change().await;
     keep_an_engineer(&everybody(&api).await?, &user_name)?;
     let name = user_name.clone();
-    if !on_store(&api, move |mut connection| async move {
-        store::remove_user(&mut connection, &name).await
-    })
-    .await?
+    if !on_store(&api, move |mut session| async move { session.users().remove(&name).await })
+        .await?
     {
         return Err(Problem::not_found(format_args!("user {user_name}")));
     }
@@ -143,10 +138,10 @@ pub async fn remove_user(
 }
 
 async fn everybody(api: &Api) -> Result<Vec<UserView>, Problem> {
-    let found = on_store(api, |mut connection| async move { users(&mut connection).await }).await?;
+    let found = api.store().await?.users().all().await?;
     Ok(found
         .into_iter()
-        .filter_map(|(user_name, role)| Some(UserView { user_name, role: Role::from_name(&role)? }))
+        .map(|user| UserView { user_name: user.user_name, role: user.role })
         .collect())
 }
 
@@ -154,7 +149,7 @@ async fn everybody(api: &Api) -> Result<Vec<UserView>, Problem> {
 async fn on_store<T, W, F>(api: &Api, work: W) -> Result<T, Problem>
 where
     T: Send + 'static,
-    W: FnOnce(SqliteConnection) -> F + Send + 'static,
+    W: FnOnce(Session) -> F + Send + 'static,
     F: Future<Output = Result<T, StoreError>>,
 {
     let (directory, runtime) = (api.data_directory.clone(), tokio::runtime::Handle::current());

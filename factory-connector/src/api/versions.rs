@@ -160,7 +160,7 @@ async fn versions(
         })
         .await?;
     let (id, current) = known.ok_or_else(|| Problem::not_found("such field"))?;
-    let rows = store::versions(&api.readers, id).await?;
+    let rows = api.store().await?.mapping_versions().of_field(id).await?;
     let stored = rows
         .into_iter()
         .map(|row| serde_json::from_str(&row.mapping).map(|mapping| (row, mapping)))

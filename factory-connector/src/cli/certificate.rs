@@ -5,13 +5,10 @@ use std::{io::Write, path::PathBuf};
 use anyhow::Context as _;
 use asi_model::FactoryId;
 use clap::Subcommand;
-use factory_connector::{
-    config::ConnectorConfig,
-    store::{Store, enrolment},
-};
+use factory_connector::{config::ConnectorConfig, store::Store};
 use twin::{ApplicationCertificate, InstalledCertificate, RequestedSubject, TwinError};
 
-use super::print;
+use super::output::print;
 
 /// Who changes something, as the log says it.
 const COMMAND_LINE: &str = "command line";
@@ -51,11 +48,13 @@ pub(super) async fn run(
     command: CertificateCommand,
     config: &ConnectorConfig,
 ) -> anyhow::Result<()> {
-    let mut connection = Store::connect(&config.data_directory).await?;
-    let enrolled = enrolment(&mut connection)
+    let mut session = Store::connect(&config.data_directory).await?;
+    let enrolled = session
+        .enrolments()
+        .current()
         .await?
         .context("this connector is not enrolled yet, so that its OPC UA server has no name: run `enrol` first")?;
-    drop(connection);
+    drop(session);
     let own =
         ApplicationCertificate::new(&FactoryId::new(&enrolled.factory_id)?, config.twin_config());
     match command {

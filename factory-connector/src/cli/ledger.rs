@@ -14,9 +14,11 @@ use factory_connector::{
     config::ConnectorConfig,
     ledger_export::{ExportFormat, Exporter},
     ledger_key::{self, LEDGER_KEY_FILE},
-    store::{LedgerFilter, LedgerReader, Store, enrolment, verify_ledger},
+    store::{LedgerCursor, LedgerFilter, Store},
 };
 use ledger::Hash;
+
+use super::output::print;
 
 #[derive(Debug, Subcommand)]
 pub(super) enum LedgerCommand {
@@ -27,9 +29,9 @@ pub(super) enum LedgerCommand {
         #[arg(long, value_parser = public_key)]
         public_key: Option<Hash>,
     },
-    /// Write out everything that left.
+    /// Write out every value that left, with its consent.
     Export {
-        /// The form.
+        /// Form of the file.
         #[arg(long, value_enum, default_value = "jsonl")]
         format: Format,
         /// Of this recipient's chain only.
@@ -97,19 +99,19 @@ pub(super) async fn run(command: LedgerCommand, config: &ConnectorConfig) -> any
                 }
                 None => Box::new(BufWriter::new(std::io::stdout())),
             };
-            export(config, &filter, Exporter::new(format, language), &mut output).await
+            export(config, filter, Exporter::new(format, language), &mut output).await
         }
     }
 }
 
 async fn verify(config: &ConnectorConfig, public_key: Option<Hash>) -> anyhow::Result<()> {
-    let mut connection = Store::connect(&config.data_directory).await?;
+    let mut session = Store::connect(&config.data_directory).await?;
     let trusted = match public_key {
         Some(key) => Some(key),
         None => ledger_key::public_half(&config.data_directory.join(LEDGER_KEY_FILE))?,
     };
-    let outcome = verify_ledger(&mut connection, trusted).await?;
-    super::print(&serde_json::to_string_pretty(&outcome)?)?;
+    let outcome = session.ledger().verify(trusted).await?;
+    print(&serde_json::to_string_pretty(&outcome)?)?;
     anyhow::ensure!(
         outcome.is_intact(),
         "the ledger was changed: {} fault(s)",
@@ -120,23 +122,23 @@ async fn verify(config: &ConnectorConfig, public_key: Option<Hash>) -> anyhow::R
 
 async fn export(
     config: &ConnectorConfig,
-    filter: &LedgerFilter,
+    filter: LedgerFilter,
     exporter: Exporter,
     output: &mut dyn Write,
 ) -> anyhow::Result<()> {
     let writing = "writing the export";
-    let mut connection = Store::connect(&config.data_directory).await?;
-    let factory =
-        enrolment(&mut connection).await?.map(|enrolment| enrolment.factory_id).unwrap_or_default();
+    let mut session = Store::connect(&config.data_directory).await?;
+    let enrolment = session.enrolments().current().await?;
+    let factory = enrolment.map(|enrolment| enrolment.factory_id).unwrap_or_default();
     output.write_all(exporter.begin(&factory).as_bytes()).context(writing)?;
-    let mut reader = LedgerReader::default();
+    let mut cursor = LedgerCursor::new(filter);
     loop {
-        let rows = reader.next(&mut connection, filter).await?;
+        let rows = session.ledger().next(&mut cursor).await?;
         if rows.is_empty() {
             break;
         }
         for row in rows {
-            output.write_all(exporter.entry(&row.entry).as_bytes()).context(writing)?;
+            output.write_all(exporter.entry(&row).as_bytes()).context(writing)?;
         }
     }
     output.write_all(exporter.end().as_bytes()).context(writing)?;

@@ -6,7 +6,7 @@ use anyhow::Context as _;
 use clap::Subcommand;
 use factory_connector::{
     config::ConnectorConfig,
-    store::{SpooledMessage, Store, spooled},
+    store::{Session, SpooledMessage, Store},
 };
 
 #[derive(Debug, Subcommand)]
@@ -15,7 +15,7 @@ pub(super) enum SpoolCommand {
     List,
     /// Print one message or report with its content.
     Show {
-        /// Its number, as listed.
+        /// Number of the message or report, as listed.
         id: i64,
     },
     /// Write everything with its content, one JSON object per line.
@@ -23,7 +23,7 @@ pub(super) enum SpoolCommand {
 }
 
 pub(super) async fn run(command: SpoolCommand, config: &ConnectorConfig) -> anyhow::Result<()> {
-    let mut connection = Store::connect(&config.data_directory).await?;
+    let mut session = Store::connect(&config.data_directory).await?;
     let mut output = std::io::BufWriter::new(std::io::stdout());
     match command {
         SpoolCommand::List => {
@@ -33,7 +33,7 @@ pub(super) async fn run(command: SpoolCommand, config: &ConnectorConfig) -> anyh
                 "number", "state", "bytes", "made at", "attempts"
             )?;
             let mut after = 0;
-            while let Some(last) = for_block(&mut connection, after, |message| {
+            while let Some(last) = for_block(&mut session, after, |message| {
                 writeln!(
                     output,
                     "{:>10} {:8} {:>10} {:20} {:>8} {}",
@@ -51,17 +51,15 @@ pub(super) async fn run(command: SpoolCommand, config: &ConnectorConfig) -> anyh
             }
         }
         SpoolCommand::Show { id } => {
-            let found = spooled(&mut connection, id - 1, 1)
-                .await?
-                .into_iter()
-                .find(|message| message.id == id);
+            let found =
+                session.spool().list(id - 1, 1).await?.into_iter().find(|message| message.id == id);
             let found =
                 found.with_context(|| format!("the spool holds nothing with the number {id}"))?;
             writeln!(output, "{}", serde_json::to_string_pretty(&found)?)?;
         }
         SpoolCommand::Export => {
             let mut after = 0;
-            while let Some(last) = for_block(&mut connection, after, |message| {
+            while let Some(last) = for_block(&mut session, after, |message| {
                 writeln!(output, "{}", serde_json::to_string(message)?)
             })
             .await?
@@ -73,14 +71,14 @@ pub(super) async fn run(command: SpoolCommand, config: &ConnectorConfig) -> anyh
     output.flush().context("writing to standard output")
 }
 
-/// Hands out the next messages; the number of the last one.
+/// Hands out the next messages and returns the number of the last one.
 async fn for_block(
-    connection: &mut sqlx::SqliteConnection,
+    session: &mut Session,
     after: i64,
     mut each: impl FnMut(&SpooledMessage) -> std::io::Result<()>,
 ) -> anyhow::Result<Option<i64>> {
     const BLOCK: u32 = 500;
-    let block = spooled(connection, after, BLOCK).await?;
+    let block = session.spool().list(after, BLOCK).await?;
     for message in &block {
         each(message).context("writing to standard output")?;
     }

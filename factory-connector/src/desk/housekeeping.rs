@@ -172,7 +172,7 @@ impl Desk {
 
     /// Age, size and missing receipts.
     async fn tidy_spool(&mut self, now: DateTime) -> Result<(), StoreError> {
-        let kept = self.store.oldest_reports(ROWS_MAX).await?;
+        let kept = self.store.read().reports().oldest(ROWS_MAX).await?;
         if kept.is_empty() {
             return Ok(());
         }
@@ -180,11 +180,11 @@ impl Desk {
         let age_max = Duration::from_secs(u64::from(self.config.spool.age_hours_max) * 3600);
         let expired = expire(&rows, age_max, offset_now());
         self.books.dropped(&chosen(&kept, &expired.rows), GapCause::Expired, now);
-        let bytes: u64 = self.store.kept_bytes().await?;
+        let bytes: u64 = self.store.read().reports().spooled_bytes().await?;
         if let Some(excess) =
             bytes.checked_sub(self.config.spool.bytes_max).filter(|excess| *excess > 0)
         {
-            let newest: HashSet<RowId> = self.store.newest_reports().await?;
+            let newest: HashSet<RowId> = self.store.read().reports().newest_of_writers().await?;
             let removal = coalesce(&rows, &newest, excess);
             metrics::counter!("verbund_reports_coalesced_total")
                 .increment(removal.rows.len() as u64);

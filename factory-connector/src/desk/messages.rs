@@ -136,7 +136,8 @@ impl Desk {
             .iter()
             .filter_map(|d| d.envelope.message_id.as_ref().map(ToString::to_string))
             .collect();
-        let mut seen: HashSet<String> = self.store.seen(&ids).await?.into_iter().collect();
+        let mut seen: HashSet<String> =
+            self.store.read().received_messages().known_of(&ids).await?.into_iter().collect();
         seen.extend(self.books.changes.seen.iter().map(|(id, _)| id.to_string()));
         for delivery in &deliveries {
             let transport_id = delivery.envelope.message_id.clone().unwrap_or_else(new_message_id);
@@ -291,8 +292,8 @@ impl Desk {
         if !accepted.is_empty() {
             let departed: HashMap<i64, Departure> =
                 departures.into_iter().map(|left| (left.message, left)).collect();
-            let unsent =
-                moved(self.store.unsent_in(&accepted).await?, &self.books.changes.report_moves);
+            let unsent = self.store.read().reports().unsent_in(&accepted).await?;
+            let unsent = moved(unsent, &self.books.changes.report_moves);
             let left: Vec<_> = unsent
                 .into_iter()
                 .filter(|kept| kept.row.sent_at.is_none())

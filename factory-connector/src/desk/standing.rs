@@ -8,7 +8,7 @@ use asi_model::DateTime;
 use super::Desk;
 use crate::{
     books::Progress,
-    store::{ReportMove, RevocationRow, StoreError, WaitingRow},
+    store::{LastSequences, ReportMove, RevocationRow, StoreError, WaitingRow},
 };
 
 impl Desk {
@@ -50,15 +50,16 @@ impl Desk {
         writer: u16,
         epoch: Option<u32>,
     ) -> Result<Vec<WaitingRow>, StoreError> {
-        let rows = self.store.kept_reports(writer, epoch).await?;
+        let rows = self.store.read().reports().of_writer(writer, epoch).await?;
         Ok(moved(rows, &self.books.changes.report_moves))
     }
 
     /// How far a writer's reports came.
     async fn progress(&mut self, writer: u16, epoch: u32) -> Result<Progress, StoreError> {
-        let (mut sent, mut receipted) = self.store.last_sequences(writer, epoch).await?;
+        let LastSequences { mut sent, mut receipted } =
+            self.store.read().reports().last_sequences(writer, epoch).await?;
         // What this transaction says goes beyond what is stored.
-        for kept in self.store.kept_reports(writer, Some(epoch)).await? {
+        for kept in self.store.read().reports().of_writer(writer, Some(epoch)).await? {
             for change in &self.books.changes.report_moves {
                 match change {
                     ReportMove::Sent { reports, .. }

@@ -21,7 +21,7 @@ use messaging::{
     spool::{Fetch, Lane},
 };
 use serde_json::{Value, json};
-use sqlx::{SqliteConnection, SqlitePool};
+use sqlx::{ConnectOptions as _, SqliteConnection, sqlite::SqliteConnectOptions};
 use tempfile::TempDir;
 use time::OffsetDateTime;
 use tokio::{sync::mpsc, task::JoinHandle};
@@ -34,7 +34,7 @@ use crate::{
     lease::LeaseGate,
     operator::{Action, EntryId, OperationKey, OperatorEntry},
     outbox::{Departures, Outbox},
-    store::SpoolReader,
+    store::{LedgerCursor, LedgerFilter, Readers, Session},
 };
 use disclosure::DisclosurePolicy;
 
@@ -69,7 +69,7 @@ struct Office {
     desk: DeskHandle,
     outbox: Outbox,
     gate: Arc<LeaseGate>,
-    readers: SqlitePool,
+    readers: Readers,
     shutdown: CancellationToken,
     running: JoinHandle<Result<(), StoreError>>,
     _twin: twin::Twin,
@@ -101,12 +101,11 @@ impl Office {
         let (candidates_in, candidates) = mpsc::channel(64);
         let ephemerals = Arc::new(Ephemerals::default());
         let departures = Arc::new(Departures::default());
-        let reader = SpoolReader::new(readers.clone());
         let gate = Arc::new(LeaseGate::default());
         gate.open(1);
         let outbox = Outbox::new(
             factory_id.clone(),
-            reader,
+            readers.clone(),
             desk.clone(),
             Arc::clone(&ephemerals),
             Arc::clone(&departures),
@@ -220,14 +219,14 @@ impl Office {
     }
 
     async fn entries(&self, recipient: &str) -> Vec<Value> {
-        let mut connection = self.readers.acquire().await.expect("a connection");
-        let filter =
-            crate::store::LedgerFilter { recipient: recipient.parse().ok(), ..Default::default() };
-        let rows = crate::store::LedgerReader::default()
-            .next(&mut connection, &filter)
-            .await
-            .expect("read");
-        rows.iter().map(|row| serde_json::from_str(&row.entry.content).expect("JSON")).collect()
+        let filter = LedgerFilter { recipient: recipient.parse().ok(), ..LedgerFilter::default() };
+        let mut cursor = LedgerCursor::new(filter);
+        let rows = self.session().await.ledger().next(&mut cursor).await.expect("read");
+        rows.iter().map(|row| serde_json::from_str(&row.content).expect("JSON")).collect()
+    }
+
+    async fn session(&self) -> Session {
+        self.readers.session().await.expect("a connection")
     }
 }
 
@@ -294,5 +293,6 @@ fn entry(name: &str, value: Value) -> OperatorEntry {
 }
 
 async fn connect(folder: &Path) -> SqliteConnection {
-    Store::connect(folder).await.expect("the store opens beside the desk")
+    let options = SqliteConnectOptions::new().filename(folder.join("connector.sqlite"));
+    options.connect().await.expect("the store opens beside the desk")
 }

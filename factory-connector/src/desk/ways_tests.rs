@@ -59,7 +59,7 @@ impl Authenticator for Nobody {
 struct Running {
     handle: DeskHandle,
     candidates: mpsc::Sender<Vec<Candidate>>,
-    readers: sqlx::SqlitePool,
+    readers: crate::store::Readers,
     shutdown: CancellationToken,
     task: JoinHandle<Result<(), StoreError>>,
     /// Kept so that decisions about mappings have somewhere to go.
@@ -184,7 +184,7 @@ impl Running {
         let statement = "SELECT r.body FROM ledger_entry e JOIN report r ON r.id = e.report_id \
              WHERE e.recipient = 'acme' ORDER BY e.number";
         let bodies: Vec<String> = sqlx::query_scalar(statement)
-            .fetch_all(&self.readers)
+            .fetch_all(self.readers.session().await.expect("a connection").connection())
             .await
             .expect("the ledger is read");
         let reports = bodies

@@ -1,84 +1,60 @@
-//! The one transaction.
+//! The unit of work: all rows of one transaction.
 
-mod decisions;
-mod ledger;
-mod requests;
-mod spool;
-
-use asi_model::messages::{MappingState, ValueSource};
-use rusqlite::{Connection, Transaction};
+use rusqlite::Connection;
 
 use super::{
-    Changes, Store, StoreError, mappings, operator,
-    policies::write_policies,
-    writer::{run, write_rows},
+    Changes, carried_fields, comments, consents, control_messages, dead_letters, fields, identity,
+    ledger, mapping_templates, mapping_versions, networks, operator_entries, policy_documents,
+    received_messages, recipient_policies, reports, revocations, rule_decisions, shadow_mappings,
+    sources, writers,
 };
 
-impl Store {
-    /// Writes everything or nothing.
-    ///
-    /// # Errors
-    /// [`StoreError::Write`]; then nothing was written.
-    pub async fn commit(&mut self, changes: Changes) -> Result<(), StoreError> {
-        let action = "write a transaction";
-        let work = move |connection: &Transaction<'_>| {
-            write(connection, &changes).map_err(StoreError::while_writing(action))
-        };
-        self.writer.transact(action, work).await
-    }
-}
-
-fn write(connection: &Connection, changes: &Changes) -> rusqlite::Result<()> {
-    requests::write(connection, changes)?;
-    decisions::write(connection, changes)?;
-    mappings::write(connection, &changes.mappings)?;
-    write_policies(connection, changes)?;
-    spool::write_reports(connection, changes)?;
-    spool::write_controls(connection, changes)?;
-    ledger::write(connection, changes)?;
-    write_sources(connection, changes)?;
-    operator::write(connection, changes)?;
-    write_identity(connection, changes)
-}
-
-fn write_sources(connection: &Connection, changes: &Changes) -> rusqlite::Result<()> {
-    write_rows(
-        connection,
-        "INSERT INTO source (source_id, config, password) VALUES (?, ?, ?) \
-         ON CONFLICT (source_id) DO UPDATE SET config = excluded.config, password = excluded.password",
-        &changes.sources,
-        |row| (&row.source_id, &row.config, &row.password),
-    )?;
-    write_rows(
-        connection,
-        "DELETE FROM source WHERE source_id = ?",
-        &changes.removed_sources,
-        |id| (id,),
-    )
-}
-
-fn write_identity(connection: &Connection, changes: &Changes) -> rusqlite::Result<()> {
+/// Writes the rows of every noun.
+pub(super) fn write(connection: &Connection, changes: &Changes) -> rusqlite::Result<()> {
+    networks::write(connection, &changes.networks)?;
+    received_messages::write(connection, &changes.seen)?;
+    comments::write(connection, &changes.comments)?;
+    dead_letters::write(connection, &changes.dead_letters)?;
+    // Fields go before everything that refers to them by a foreign key.
+    fields::write(connection, &changes.fields, &changes.removed_fields)?;
+    fields::write_values(connection, &changes.field_values)?;
+    consents::write(connection, &changes.consents)?;
+    mapping_versions::write(connection, &changes.mappings.versions)?;
+    shadow_mappings::write(connection, &changes.mappings.shadows)?;
+    let (templates, removed) = (&changes.mappings.templates, &changes.mappings.removed_templates);
+    mapping_templates::write(connection, templates, removed)?;
+    policy_documents::write_policies(connection, &changes.policies)?;
+    policy_documents::write_rules(connection, &changes.rules)?;
+    recipient_policies::write(connection, &changes.recipient_policies)?;
+    rule_decisions::write(connection, &changes.rule_decisions, &changes.undone_rule_decisions)?;
+    write_spool(connection, changes)?;
+    write_ledger(connection, changes)?;
+    sources::write(connection, &changes.sources, &changes.removed_sources)?;
+    operator_entries::write(connection, &changes.operator_entries, &changes.networks)?;
     if changes.are_epochs_begun {
-        run(connection, "UPDATE identity SET must_begin_epochs = 0", ())?;
+        identity::end_restoration(connection)?;
     }
     if let Some(is_held) = changes.is_lease_held {
-        run(connection, "UPDATE identity SET leased_place = iif(?, place, NULL)", (is_held,))?;
+        identity::write_lease(connection, is_held)?;
     }
     Ok(())
 }
 
-pub(super) const fn mapping_state_name(state: MappingState) -> &'static str {
-    match state {
-        MappingState::Pending => "PENDING",
-        MappingState::Mapped => "MAPPED",
-        MappingState::Refused => "REFUSED",
-    }
+fn write_spool(connection: &Connection, changes: &Changes) -> rusqlite::Result<()> {
+    writers::write(connection, &changes.writers)?;
+    carried_fields::write(connection, &changes.carried_fields)?;
+    // New reports first: one of them may change its state in the same transaction.
+    reports::write(connection, &changes.reports)?;
+    reports::apply_moves(connection, &changes.report_moves)?;
+    control_messages::write(connection, &changes.controls)?;
+    control_messages::remove(connection, &changes.controls_done)?;
+    control_messages::park(connection, &changes.controls_parked)?;
+    control_messages::count_attempt(connection, &changes.controls_attempted)
 }
 
-pub(super) const fn value_source_name(source: ValueSource) -> &'static str {
-    match source {
-        ValueSource::Mapping => "MAPPING",
-        ValueSource::Manual => "MANUAL",
-        ValueSource::External => "EXTERNAL",
-    }
+fn write_ledger(connection: &Connection, changes: &Changes) -> rusqlite::Result<()> {
+    ledger::write_entries(connection, &changes.ledger)?;
+    ledger::write_heads(connection, &changes.heads)?;
+    revocations::write(connection, &changes.revocations)?;
+    ledger::write_checkpoint(connection, changes.checkpoint.as_ref())
 }

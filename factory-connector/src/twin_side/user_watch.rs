@@ -3,12 +3,11 @@
 
 use std::{collections::HashMap, sync::Arc, time::Duration};
 
-use sqlx::SqlitePool;
 use tokio::sync::Notify;
 use tokio_util::sync::CancellationToken;
 use twin::TwinHandle;
 
-use crate::store::{self, StoreError};
+use crate::store::{Readers, StoreError, User};
 
 /// How often the store is looked at without being told to: the command line changes people, too.
 const LOOK: Duration = Duration::from_secs(5);
@@ -18,7 +17,7 @@ type People = HashMap<String, (String, String)>;
 
 /// Watches people.
 pub struct UserWatch {
-    readers: SqlitePool,
+    readers: Readers,
     twin: TwinHandle,
     changed: Arc<Notify>,
     known: People,
@@ -30,11 +29,11 @@ impl UserWatch {
     /// # Errors
     /// [`StoreError`] where the users cannot be read.
     pub async fn new(
-        readers: SqlitePool,
+        readers: Readers,
         twin: TwinHandle,
         changed: Arc<Notify>,
     ) -> Result<Self, StoreError> {
-        let known = store::everybody(&readers).await?;
+        let known = people(&readers).await?;
         Ok(Self { readers, twin, changed, known })
     }
 
@@ -46,7 +45,7 @@ impl UserWatch {
                 () = self.changed.notified() => {}
                 () = shutdown.cancelled() => return,
             }
-            match store::everybody(&self.readers).await {
+            match people(&self.readers).await {
                 Ok(now) => self.compare(now).await,
                 Err(error) => tracing::warn!(
                     error = &error as &dyn std::error::Error,
@@ -69,6 +68,12 @@ impl UserWatch {
             }
         }
     }
+}
+
+async fn people(readers: &Readers) -> Result<People, StoreError> {
+    let users = readers.session().await?.users().all().await?;
+    let entry = |user: User| (user.user_name, (user.role.name().to_owned(), user.password_hash));
+    Ok(users.into_iter().map(entry).collect())
 }
 
 /// Those known before who are others now, or gone.

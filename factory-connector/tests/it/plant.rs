@@ -12,7 +12,7 @@ use factory_connector::{
     config::ConnectorConfig,
     desk::now,
     service,
-    store::{Enrolment, Store, put_enrolment},
+    store::{Enrolment, Store},
 };
 use mapping_engine::ScriptEngine;
 use reqwest::{Method, StatusCode};
@@ -321,7 +321,7 @@ async fn enrol(directory: &TempDir, fields: Value) {
     let data = directory.path().join("data");
     std::fs::create_dir_all(&data).expect("a folder");
     let factory_id: FactoryId = FACTORY.parse().expect("an id");
-    let mut connection = Store::connect(&data).await.expect("a store");
+    let mut session = Store::connect(&data).await.expect("a store");
     let enrolment = Enrolment {
         factory_id: FACTORY.to_owned(),
         broker_url: "amqp://127.0.0.1:1".to_owned(),
@@ -330,8 +330,8 @@ async fn enrol(directory: &TempDir, fields: Value) {
         password: "none".to_owned(),
         root_certificate_pem: None,
     };
-    put_enrolment(&mut connection, &enrolment, now()).await.expect("enrolled");
-    drop(connection);
+    session.enrolments().put(&enrolment, now()).await.expect("enrolled");
+    drop(session);
     let mut store = Store::open(&data, &factory_id, now()).await.expect("opened");
     let config = BooksConfig { factory_id, encoding: Encoding::Digicor };
     let snapshot = store.load().await.expect("loaded");

@@ -10,7 +10,7 @@ use std::{
 use base64::{Engine as _, engine::general_purpose::STANDARD};
 use factory_connector::{
     desk::now,
-    store::{Role, Store, User, put_user},
+    store::{Role, Store, User},
 };
 use opcua_stack::{
     limits,
@@ -88,13 +88,8 @@ async fn endpoint(plant: &Plant) -> String {
 }
 
 async fn password_hash(plant: &Plant, user: &str) -> String {
-    let mut connection = Store::connect(&plant.data_directory()).await.expect("a store");
-    let row: (String,) = sqlx::query_as("SELECT password_hash FROM user WHERE user_name = ?")
-        .bind(user)
-        .fetch_one(&mut connection)
-        .await
-        .expect("a user");
-    row.0
+    let mut session = Store::connect(&plant.data_directory()).await.expect("a store");
+    session.users().lookup(user).await.expect("read").expect("a user").password_hash
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -138,10 +133,10 @@ async fn people_sign_in_at_the_twin_until_their_password_changes() {
     let session =
         sign_in(&url, pki(), "otto", "otto's new secret").await.expect("otto may come in");
     let page = plant.signed_in("otto", "otto's new secret").await.expect("at the pages, too");
-    let mut connection = Store::connect(&plant.data_directory()).await.expect("a store");
+    let mut store = Store::connect(&plant.data_directory()).await.expect("a store");
     let password_hash = password_hash(&plant, "engineer").await;
     let otto = User { user_name: "otto".to_owned(), role: Role::Operator, password_hash };
-    put_user(&mut connection, &otto, now()).await.expect("written");
+    store.users().put(&otto, now()).await.expect("written");
     assert_eq!(page.call(Method::GET, "/session", None).await.0, 401);
     ends(&session).await;
 }

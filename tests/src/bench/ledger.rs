@@ -16,7 +16,7 @@ use disclosure::DisclosurePolicy;
 use factory_connector::{
     books::{Books, BooksConfig, Verdict},
     desk::now,
-    store::{Changes, Store, verify_ledger},
+    store::{Changes, Store},
 };
 use ledger::{LedgerKey, SignedHead};
 use serde_json::{Value, json};
@@ -60,9 +60,9 @@ pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
         plant.disclose(VALUES_PER_TRANSACTION * 20).await?;
     }
     plant.store.close().await;
-    let mut connection = Store::connect(folder.path()).await?;
+    let mut session = Store::connect(folder.path()).await?;
     let began = Instant::now();
-    let outcome = verify_ledger(&mut connection, Some(plant.key.public())).await?;
+    let outcome = session.ledger().verify(Some(plant.key.public())).await?;
     let took = began.elapsed().as_secs_f64();
     anyhow::ensure!(
         outcome.is_intact(),

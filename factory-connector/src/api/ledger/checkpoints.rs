@@ -8,7 +8,7 @@ use utoipa::{IntoParams, ToSchema};
 
 use crate::{
     api::{Api, problems::Problems, roles::Viewer, view::Page},
-    store::{StoredCheckpoint, ledger_checkpoints},
+    store::StoredCheckpoint,
 };
 use ledger::{Checkpoint, CheckpointHead};
 
@@ -74,7 +74,8 @@ pub async fn list_checkpoints(
     ApiQuery(query): ApiQuery<CheckpointsQuery>,
 ) -> Result<Json<Page<CheckpointView>>, Problem> {
     let limit = query.limit.unwrap_or(PAGE).clamp(1, 200);
-    let found = ledger_checkpoints(&api.readers, query.cursor.unwrap_or(i64::MAX), limit).await?;
+    let found =
+        api.store().await?.checkpoints().page(query.cursor.unwrap_or(i64::MAX), limit).await?;
     Ok(Json(Page::of(found.into_iter().map(CheckpointView::from).collect(), limit, |last| {
         last.number.to_string()
     })))

@@ -15,7 +15,7 @@ use super::LedgerSelection;
 use crate::ledger_export::{ExportFormat, Exporter};
 use crate::{
     api::{Api, problems::Problems, roles::Viewer},
-    store::{LedgerReader, StoreError},
+    store::{LedgerCursor, StoreError},
 };
 use disclosure::Language;
 
@@ -48,21 +48,18 @@ pub async fn export_ledger(
 ) -> Result<Response, Problem> {
     let exporter = Exporter::new(query.format, query.language.unwrap_or_default());
     let filter = wanted.filter()?;
-    let connection = api.reader().await?;
+    let session = api.store().await?;
     let first = exporter.begin(api.factory_id.as_str());
     // One part per block of entries: nothing larger is ever in memory.
-    let state = Some((connection, LedgerReader::default()));
-    let parts = futures::stream::try_unfold(state, move |state| {
-        let filter = filter.clone();
-        async move {
-            let Some((mut connection, mut reader)) = state else { return Ok(None) };
-            let rows = reader.next(&mut connection, &filter).await?;
-            if rows.is_empty() {
-                return Ok(Some((exporter.end(), None)));
-            }
-            let part: String = rows.iter().map(|row| exporter.entry(&row.entry)).collect();
-            Ok::<_, StoreError>(Some((part, Some((connection, reader)))))
+    let state = Some((session, LedgerCursor::new(filter)));
+    let parts = futures::stream::try_unfold(state, move |state| async move {
+        let Some((mut session, mut cursor)) = state else { return Ok(None) };
+        let rows = session.ledger().next(&mut cursor).await?;
+        if rows.is_empty() {
+            return Ok(Some((exporter.end(), None)));
         }
+        let part: String = rows.iter().map(|row| exporter.entry(row)).collect();
+        Ok::<_, StoreError>(Some((part, Some((session, cursor)))))
     });
     let body = futures::stream::once(async move { Ok(first) }).chain(parts);
     let name =

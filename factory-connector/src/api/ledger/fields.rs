@@ -6,10 +6,7 @@ use daemon::web::{ApiQuery, Problem};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-use crate::{
-    api::{Api, problems::Problems, roles::Viewer, view::Page},
-    store::ledger_fields,
-};
+use crate::api::{Api, problems::Problems, roles::Viewer, view::Page};
 
 /// Fields in one answer, and most that may be asked for.
 const FIELDS: u32 = 20;
@@ -51,8 +48,7 @@ pub async fn search_ledger_fields(
 ) -> Result<Json<Page<LedgerField>>, Problem> {
     let search = query.search.unwrap_or_default();
     let words: Vec<String> = search.split_whitespace().take(WORDS_MAX).map(str::to_owned).collect();
-    let found =
-        ledger_fields(&api.readers, &words, query.limit.unwrap_or(FIELDS).clamp(1, FIELDS_MAX))
-            .await?;
+    let limit = query.limit.unwrap_or(FIELDS).clamp(1, FIELDS_MAX);
+    let found = api.store().await?.ledger().fields(&words, limit).await?;
     Ok(Json(Page::whole(found.into_iter().map(|key| LedgerField { key }).collect())))
 }

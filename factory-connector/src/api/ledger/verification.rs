@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 
 use crate::{
     api::{Api, problems::Problems, roles::Viewer},
-    store::{self, Store, ledger_recipients},
+    store::Store,
 };
 use ledger::Verification;
 
@@ -45,13 +45,12 @@ pub async fn verify_ledger(
     let runtime = tokio::runtime::Handle::current();
     let verified = tokio::task::spawn_blocking(move || {
         runtime.block_on(async {
-            let mut connection = Store::connect(&directory).await?;
-            store::verify_ledger(&mut connection, trusted).await
+            let mut session = Store::connect(&directory).await?;
+            session.ledger().verify(trusted).await
         })
     });
     let verification = verified.await.map_err(|error| Problem::internal(&error))??;
-    let mut connection = api.reader().await?;
-    let chains = ledger_recipients(&mut connection).await?.len();
+    let chains = api.store().await?.ledger().recipients().await?.len();
     let fault = verification
         .fault_list
         .first()

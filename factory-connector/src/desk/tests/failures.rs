@@ -1,4 +1,5 @@
 use super::*;
+use crate::store::Ledger;
 
 /// The disk fails at any statement of the transaction: who asked is told, nothing of it happened,
 /// and the next attempt goes on without a hole.
@@ -57,7 +58,7 @@ async fn fail(office: &Office, table: &str, entries: Vec<OperatorEntry>) {
 /// The ledger is intact; each report has its entry in each recipient's chain; sequence numbers have
 /// no hole.
 pub(super) async fn consistent(connection: &mut SqliteConnection) {
-    let outcome = crate::store::verify_ledger(connection, None).await.expect("read");
+    let outcome = Ledger(&mut *connection).verify(None).await.expect("read");
     assert!(outcome.is_intact(), "{outcome:?}");
     let unmatched: i64 = sqlx::query_scalar(
         "SELECT count(*) FROM report r WHERE (SELECT count(*) FROM ledger_entry e WHERE e.report_id = r.id) \

@@ -3,7 +3,7 @@ use sqlx::{
 };
 
 use super::*;
-use crate::store::verify_ledger;
+use crate::store::Ledger;
 use ::ledger::Verification;
 
 /// Everything that the ledger rests on. What the spool alone works with (states, counters) is not
@@ -46,7 +46,7 @@ async fn small_ledger() -> TempDir {
     let until = Instant::now() + DEADLINE;
     loop {
         let count: i64 = sqlx::query_scalar("SELECT count(*) FROM ledger_checkpoint")
-            .fetch_one(&office.readers)
+            .fetch_one(office.session().await.connection())
             .await
             .expect("counted");
         if count > 0 {
@@ -59,7 +59,7 @@ async fn small_ledger() -> TempDir {
 }
 
 async fn verified(connection: &mut SqliteConnection) -> Verification {
-    verify_ledger(connection, None).await.expect("the tables can be read")
+    Ledger(connection).verify(None).await.expect("the tables can be read")
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -226,7 +226,7 @@ async fn another_key_is_found() {
     let folder = small_ledger().await;
     let mut connection = connect(folder.path()).await;
     let other = crate::ledger_key::open(&folder.path().join("other.pem")).expect("a key");
-    let outcome = verify_ledger(&mut connection, Some(other.public())).await.expect("read");
+    let outcome = Ledger(&mut connection).verify(Some(other.public())).await.expect("read");
     assert!(!outcome.is_intact());
 }
 

@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use super::*;
-use crate::store::{LedgerFilter, LedgerReader, LedgerSubject, ledger_fields};
+use crate::store::{LedgerCursor, LedgerFilter, LedgerSubject};
 use ::ledger::EventKind;
 
 /// Two requests, filled, sent, partly receipted; one revoked and opened again, which begins an
@@ -55,7 +55,7 @@ async fn what_is_looked_up_is_what_is_there() {
     for kind in ["CONSENT", "QUEUED", "SENT", "RECEIPTED", "REVOKED"] {
         assert!(all.iter().any(|entry| entry["event"] == kind), "there is a {kind}");
     }
-    let mut connection = office.readers.acquire().await.expect("a connection");
+    let mut session = office.session().await;
     let kinds =
         EventKind::OF_REPORTS.into_iter().chain([EventKind::Consent]).map(Some).chain([None]);
     for kind in kinds {
@@ -78,16 +78,13 @@ async fn what_is_looked_up_is_what_is_there() {
                 recipient: "hull".parse().ok(),
                 ..LedgerFilter::default()
             };
-            let forwards =
-                LedgerReader::default().next(&mut connection, &filter).await.expect("read");
+            let mut cursor = LedgerCursor::new(filter.clone());
+            let forwards = session.ledger().next(&mut cursor).await.expect("read");
             let forwards: Vec<u64> = forwards.iter().map(|row| row.number).collect();
             assert_eq!(forwards, expected, "{kind:?} of {name:?}");
             let (mut backwards, mut before) = (Vec::new(), None);
             loop {
-                let page = LedgerReader::default()
-                    .page(&mut connection, "hull", &filter, before, 2)
-                    .await
-                    .expect("read");
+                let page = session.ledger().page("hull", &filter, before, 2).await.expect("read");
                 before = page.last().map(|row| row.number);
                 if before.is_none() {
                     break;
@@ -105,7 +102,7 @@ async fn fields_are_found_by_words() {
     let office = long_ledger().await;
     let check = async |words: &[&str], expected: &[&str]| {
         let words: Vec<String> = words.iter().map(|word| (*word).to_owned()).collect();
-        let found = ledger_fields(&office.readers, &words, 10).await.expect("read");
+        let found = office.session().await.ledger().fields(&words, 10).await.expect("read");
         let names: Vec<&str> = found.iter().map(|key| key.field_name.as_str()).collect();
         assert_eq!(names, expected, "{words:?}");
     };

@@ -1,4 +1,5 @@
 use super::*;
+use crate::store::Ledger;
 
 /// Stopped at once, what waits taken back, the partner told, and a receipt that names the last
 /// number delivered.
@@ -34,10 +35,8 @@ async fn a_revocation_stops_takes_back_tells_and_states_what_had_left() {
     let refused = office.desk.enter(vec![entry("made", json!(5))]).await.expect("answered");
     assert!(matches!(refused[0], EntryOutcome::Refused(_)), "{refused:?}");
 
-    let found = crate::store::revocation_by_id(&office.readers, &id)
-        .await
-        .expect("read")
-        .expect("a receipt");
+    let found = office.session().await.revocations().lookup(&id).await.expect("read");
+    let found = found.expect("a receipt");
     let receipt = &found.receipt;
     assert_eq!(
         (receipt.revoked_by.as_deref(), receipt.reason.as_deref()),
@@ -79,10 +78,8 @@ async fn a_revocation_stops_takes_back_tells_and_states_what_had_left() {
 
     // What was on its way arrives all the same, and the receipt's page knows.
     office.receipt(&made, 1).await;
-    let found = crate::store::revocation_by_id(&office.readers, &id)
-        .await
-        .expect("read")
-        .expect("a receipt");
+    let found = office.session().await.revocations().lookup(&id).await.expect("read");
+    let found = found.expect("a receipt");
     assert_eq!((found.arrived_since, found.open), (1, 0));
 
     for recipient in ["acme", "hull"] {
@@ -97,8 +94,7 @@ async fn a_revocation_stops_takes_back_tells_and_states_what_had_left() {
         );
     }
     let folder = office.close().await;
-    let outcome =
-        crate::store::verify_ledger(&mut connect(folder.path()).await, None).await.expect("read");
+    let outcome = Ledger(&mut connect(folder.path()).await).verify(None).await.expect("read");
     assert!(outcome.is_intact(), "{outcome:?}");
     assert_eq!(outcome.revocations, 1);
 }
@@ -145,7 +141,7 @@ async fn a_withdrawal_yields_a_receipt() {
     let withdraw = json!({ "messageType": "withdraw", "messageId": new_message_id(), "factoryId": "F",
         "operationNetworkId": "n", "revision": 2 });
     office.receive("withdraw", withdraw).await;
-    let all = crate::store::revocations(&office.readers, None, 10).await.expect("read");
+    let all = office.session().await.revocations().page(None, 10).await.expect("read");
     let [found] = &all[..] else { panic!("{all:?}") };
     assert_eq!((found.receipt.fields.len(), found.receipt.writers.len()), (2, 2));
     assert_eq!(found.receipt.revoked_by, None);

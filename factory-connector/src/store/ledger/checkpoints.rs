@@ -1,19 +1,22 @@
-//! Signed statements of all chains' heads, for people to compare and keep elsewhere.
+//! Checkpoints: signed statements of all chains' heads, for people to compare and store elsewhere.
 
 use asi_model::DateTime;
-use sqlx::SqlitePool;
+use rusqlite::Connection;
+use sqlx::{SqliteConnection, sqlite::SqliteRow};
 
 use crate::store::{
-    StoreError,
-    load::{get, unsigned},
+    CheckpointRow,
+    error::StoreError,
+    query::{all, optional, query},
+    row::{Columns as _, signed},
+    statement::write_rows,
 };
 
 /// A checkpoint with its signature.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StoredCheckpoint {
-    /// Its place, from 1 without gaps.
+    /// Number from 1 without gaps.
     pub number: u64,
-    /// When it was made.
     pub recorded_at: DateTime,
     /// The exact text that was signed.
     pub signed_text: String,
@@ -23,33 +26,65 @@ pub struct StoredCheckpoint {
     pub public_key: Vec<u8>,
 }
 
-/// Checkpoints, newest first, before a number.
-///
-/// # Errors
-/// [`StoreError`] where the table cannot be read.
-pub async fn ledger_checkpoints(
-    readers: &SqlitePool,
-    before: i64,
-    limit: u32,
-) -> Result<Vec<StoredCheckpoint>, StoreError> {
-    let rows = sqlx::query(
-        "SELECT number, recorded_at, content, signature, public_key FROM ledger_checkpoint WHERE number < ? \
-         ORDER BY number DESC LIMIT ?",
+/// Repository of checkpoints.
+pub struct Checkpoints<'c>(pub(in crate::store) &'c mut SqliteConnection);
+
+const READ: &str = "read the checkpoints";
+
+impl Checkpoints<'_> {
+    /// Reads checkpoints with smaller numbers than `before`, newest first.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn page(
+        &mut self,
+        before: i64,
+        limit: u32,
+    ) -> Result<Vec<StoredCheckpoint>, StoreError> {
+        let sql = "SELECT * FROM ledger_checkpoint WHERE number < ? ORDER BY number DESC LIMIT ?";
+        let query = query(sql).bind(before).bind(i64::from(limit));
+        all(self.0, query, READ, checkpoint).await
+    }
+
+    /// Returns number and time of the last checkpoint; `None` before the first.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn last(&mut self) -> Result<Option<(u64, DateTime)>, StoreError> {
+        let sql = "SELECT number, recorded_at FROM ledger_checkpoint ORDER BY number DESC LIMIT 1";
+        let read = |row: &SqliteRow| Ok((row.number("number")?, row.time("recorded_at")?));
+        optional(self.0, query(sql), READ, read).await
+    }
+}
+
+fn checkpoint(row: &SqliteRow) -> Result<StoredCheckpoint, StoreError> {
+    Ok(StoredCheckpoint {
+        number: row.number("number")?,
+        recorded_at: row.time("recorded_at")?,
+        signed_text: row.column("content")?,
+        signature: row.column("signature")?,
+        public_key: row.column("public_key")?,
+    })
+}
+
+/// Stores a new checkpoint.
+pub(in crate::store) fn write(
+    connection: &Connection,
+    checkpoint: Option<&CheckpointRow>,
+) -> rusqlite::Result<()> {
+    write_rows(
+        connection,
+        "INSERT INTO ledger_checkpoint (number, recorded_at, content, signature, public_key)
+         VALUES (?, ?, ?, ?, ?)",
+        checkpoint,
+        |row| {
+            (
+                signed(row.number),
+                row.recorded_at.unix_micros(),
+                &row.content,
+                &row.signature,
+                &row.public_key,
+            )
+        },
     )
-    .bind(before)
-    .bind(i64::from(limit))
-    .fetch_all(readers)
-    .await
-    .map_err(StoreError::while_doing("read the checkpoints"))?;
-    rows.iter()
-        .map(|row| {
-            Ok(StoredCheckpoint {
-                number: unsigned(get(row, 0)?),
-                recorded_at: DateTime::from_unix_micros(get(row, 1)?),
-                signed_text: get(row, 2)?,
-                signature: get(row, 3)?,
-                public_key: get(row, 4)?,
-            })
-        })
-        .collect()
 }

@@ -1,18 +1,12 @@
-//! Which entries: looked up by what they are about, so that a long chain is never read through.
+//! Selection of entries by their subject, through indexes: a long chain is never read through.
 
 use asi_model::{
-    DateTime, DynamicDataRequestId, FieldKey, FieldName, OperationId, OperationNetworkId,
-    OrganisationId,
-};
-use sqlx::{QueryBuilder, Sqlite, SqlitePool};
-
-use crate::store::{
-    StoreError,
-    load::{id, request_key},
+    DateTime, DynamicDataRequestId, FieldName, OperationId, OperationNetworkId, OrganisationId,
 };
 use ledger::EventKind;
+use sqlx::{QueryBuilder, Sqlite};
 
-/// Which entries.
+/// Conditions that entries meet; all entries by default.
 #[derive(Debug, Clone, Default)]
 pub struct LedgerFilter {
     /// Of this chain only.
@@ -27,42 +21,41 @@ pub struct LedgerFilter {
     pub subject: Option<LedgerSubject>,
 }
 
-/// What entries are about: decisions about fields, the reports that carried them, and what became
+/// Subject of entries: decisions about fields, the reports that carried them, and the further way
 /// of those.
 #[derive(Debug, Clone)]
 pub struct LedgerSubject {
-    /// The network.
     pub operation_network_id: OperationNetworkId,
-    /// One operation of it.
+    /// One operation of the network.
     pub operation_id: Option<OperationId>,
-    /// One request of it.
+    /// One request of the operation.
     pub dynamic_data_request_id: Option<DynamicDataRequestId>,
-    /// One field of it.
+    /// One field of the request.
     pub field_name: Option<FieldName>,
 }
 
-/// From where on, and in which order.
+/// Range of numbers and order of the entries.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Place {
+pub(super) enum Window {
     /// Newest first, before this number.
     Before(i64),
     /// Oldest first, after this number.
     After(i64),
 }
 
-/// The entries of a chain that a filter means, with their reports.
+/// Selects the entries of a chain that meet a filter, with their reports.
 pub(super) fn selection(
     recipient: &str,
     filter: &LedgerFilter,
-    place: Place,
+    window: Window,
     limit: u32,
 ) -> QueryBuilder<Sqlite> {
     let mut sql = QueryBuilder::new(
-        "SELECT e.recipient, e.number, e.content, e.hash, r.body, r.message_id, r.sent_at, r.receipted_at \
+        "SELECT e.number, e.content, e.hash, r.body, r.message_id, r.sent_at, r.receipted_at
          FROM ledger_entry e LEFT JOIN report r ON r.id = e.report_id WHERE e.recipient = ",
     );
     sql.push_bind(recipient.to_owned());
-    let chain = Chain { recipient, filter, place, limit };
+    let chain = Chain { recipient, filter, window, limit };
     match (&filter.subject, filter.kind) {
         (None, None) => chain.push_window(&mut sql, "e"),
         (None, Some(kind)) => {
@@ -89,13 +82,13 @@ pub(super) fn selection(
 struct Chain<'c> {
     recipient: &'c str,
     filter: &'c LedgerFilter,
-    place: Place,
+    window: Window,
     limit: u32,
 }
 
 impl Chain<'_> {
-    /// Numbers by an index. Without statistics SQLite would rather read the whole chain than use
-    /// it.
+    /// Selects numbers by an index, which is named: without statistics SQLite would rather read the
+    /// whole chain.
     fn push_numbers(&self, sql: &mut QueryBuilder<Sqlite>, index: &'static str) {
         sql.push("SELECT x.number FROM ledger_entry x INDEXED BY ")
             .push(index)
@@ -103,7 +96,7 @@ impl Chain<'_> {
         sql.push_bind(self.recipient.to_owned());
     }
 
-    /// Decisions about the subject.
+    /// Selects decisions about the subject.
     fn push_decisions(
         &self,
         sql: &mut QueryBuilder<Sqlite>,
@@ -119,8 +112,8 @@ impl Chain<'_> {
         self.push_window(sql, "x");
     }
 
-    /// Reports that carried the subject: of each writer, epoch and kind as many as are wanted at
-    /// all.
+    /// Selects reports that carried the subject: as many of each writer, epoch and kind as the
+    /// whole selection has at most.
     fn push_reports(
         &self,
         sql: &mut QueryBuilder<Sqlite>,
@@ -129,10 +122,13 @@ impl Chain<'_> {
     ) {
         let kinds: Vec<&str> = EventKind::OF_REPORTS
             .into_iter()
-            .filter(|known| kind.is_none_or(|wanted| wanted == *known))
+            .filter(|known| kind.is_none_or(|kind| kind == *known))
             .map(EventKind::name)
             .collect();
-        sql.push("SELECT y.number FROM (SELECT writer_id, epoch, min(first_sequence) AS first_sequence FROM carried_field WHERE ");
+        sql.push(
+            "SELECT y.number FROM (SELECT writer_id, epoch, min(first_sequence) AS first_sequence
+                 FROM carried_field WHERE ",
+        );
         push_subject(sql, subject);
         sql.push(" GROUP BY writer_id, epoch) AS carried CROSS JOIN json_each(");
         sql.push_bind(serde_json::to_string(&kinds).expect("names serialise"));
@@ -141,13 +137,17 @@ impl Chain<'_> {
         sql.push(" AND y.number IN (");
         self.push_numbers(sql, "ledger_by_writer");
         // The sign makes them values without a declared type, as those of the index are.
-        sql.push(" AND x.writer_id = +carried.writer_id AND x.epoch = +carried.epoch AND x.event = kind.value");
+        sql.push(
+            " AND x.writer_id = +carried.writer_id AND x.epoch = +carried.epoch
+              AND x.event = kind.value",
+        );
         if let Some(name) = &subject.field_name {
             sql.push(
                 " AND (x.last_sequence IS NULL OR x.last_sequence >= +carried.first_sequence)",
             );
             sql.push(
-                " AND (x.event <> 'QUEUED' OR EXISTS (SELECT 1 FROM json_each(x.content, '$.consents') WHERE key = ",
+                " AND (x.event <> 'QUEUED'
+                      OR EXISTS (SELECT 1 FROM json_each(x.content, '$.consents') WHERE key = ",
             );
             sql.push_bind(name.to_string()).push("))");
         }
@@ -156,9 +156,9 @@ impl Chain<'_> {
     }
 
     fn push_window(&self, sql: &mut QueryBuilder<Sqlite>, of: &'static str) {
-        let (sign, number) = match self.place {
-            Place::Before(number) => (".number < ", number),
-            Place::After(number) => (".number > ", number),
+        let (sign, number) = match self.window {
+            Window::Before(number) => (".number < ", number),
+            Window::After(number) => (".number > ", number),
         };
         sql.push(" AND ").push(of).push(sign).push_bind(number);
         let bounds =
@@ -169,7 +169,8 @@ impl Chain<'_> {
     }
 
     fn push_order(&self, sql: &mut QueryBuilder<Sqlite>, of: &'static str) {
-        let order = if matches!(self.place, Place::Before(_)) { ".number DESC" } else { ".number" };
+        let order =
+            if matches!(self.window, Window::Before(_)) { ".number DESC" } else { ".number" };
         sql.push(" ORDER BY ")
             .push(of)
             .push(order)
@@ -198,35 +199,6 @@ fn push_subject(sql: &mut QueryBuilder<Sqlite>, subject: &LedgerSubject) {
     }
 }
 
-/// Fields that the ledger speaks of, in whose ids all these words occur, in the order of their
-/// keys.
-///
-/// # Errors
-/// [`StoreError`] where the tables cannot be read.
-pub async fn ledger_fields(
-    readers: &SqlitePool,
-    words: &[String],
-    limit: u32,
-) -> Result<Vec<FieldKey>, StoreError> {
-    let mut sql = QueryBuilder::<Sqlite>::new(
-        "SELECT operation_network_id, operation_id, dynamic_data_request_id, field_name FROM (\
-         SELECT operation_network_id, operation_id, dynamic_data_request_id, field_name FROM carried_field UNION \
-         SELECT operation_network_id, operation_id, dynamic_data_request_id, field_name FROM ledger_entry \
-         INDEXED BY ledger_by_field WHERE operation_network_id IS NOT NULL) WHERE true",
-    );
-    for word in words {
-        sql.push(
-            " AND instr(lower(operation_network_id || char(10) || operation_id || char(10) || dynamic_data_request_id \
-             || char(10) || field_name), lower(",
-        );
-        sql.push_bind(word.clone()).push("))");
-    }
-    sql.push(" ORDER BY 1, 2, 3, 4 LIMIT ").push_bind(i64::from(limit));
-    let rows =
-        sql.build().fetch_all(readers).await.map_err(StoreError::while_doing("read the ledger"))?;
-    rows.iter().map(|row| Ok(request_key(row, 0)?.field(id::<FieldName>(row, 3)?))).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use sqlx::Row as _;
@@ -237,7 +209,7 @@ mod tests {
     #[tokio::test]
     async fn no_chain_is_read_through() {
         let folder = tempfile::tempdir().expect("a folder");
-        let mut connection = Store::connect(folder.path()).await.expect("a store");
+        let mut session = Store::connect(folder.path()).await.expect("a store");
         let subject = LedgerSubject {
             operation_network_id: "n".parse().expect("an id"),
             operation_id: Some("op".parse().expect("an id")),
@@ -256,12 +228,13 @@ mod tests {
             (sent, Some(subject), vec![by_field, by_writer]),
         ] {
             let filter = LedgerFilter { kind, subject, ..LedgerFilter::default() };
-            let sql = selection("acme", &filter, Place::Before(9), 5).sql().as_str().to_owned();
+            let sql = selection("acme", &filter, Window::Before(9), 5).sql().as_str().to_owned();
             let explained = sqlx::query(sqlx::AssertSqlSafe(format!("EXPLAIN QUERY PLAN {sql}")))
-                .fetch_all(&mut connection)
+                .fetch_all(session.connection())
                 .await
                 .expect("a plan");
-            let plan: Vec<String> = explained.iter().map(|row| row.get::<String, _>(3)).collect();
+            let plan: Vec<String> =
+                explained.iter().map(|row| row.get::<String, _>("detail")).collect();
             for expected in expected {
                 assert!(plan.iter().any(|step| step.contains(expected)), "{expected}: {plan:#?}");
             }

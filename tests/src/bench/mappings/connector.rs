@@ -15,7 +15,7 @@ use asi_model::{
 use disclosure::DisclosurePolicy;
 use factory_connector::{
     books::{Books, BooksConfig, Verdict},
-    store::{Enrolment, SourceRow, Store, put_enrolment},
+    store::{Enrolment, SourceRow, Store},
 };
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -159,7 +159,7 @@ async fn fill(data: &std::path::Path, bank: &Bank, steps: &Value) -> anyhow::Res
     fs::create_dir_all(data)?;
     let now = DateTime::from(std::time::SystemTime::now());
     let factory_id: FactoryId = FACTORY.parse()?;
-    let mut connection = Store::connect(data).await?;
+    let mut session = Store::connect(data).await?;
     // Nothing listens there: what is measured ends at the spool.
     let enrolment = Enrolment {
         factory_id: FACTORY.to_owned(),
@@ -169,8 +169,8 @@ async fn fill(data: &std::path::Path, bank: &Bank, steps: &Value) -> anyhow::Res
         password: "none".to_owned(),
         root_certificate_pem: None,
     };
-    put_enrolment(&mut connection, &enrolment, now).await?;
-    drop(connection);
+    session.enrolments().put(&enrolment, now).await?;
+    drop(session);
     let mut store = Store::open(data, &factory_id, now).await?;
     let config = BooksConfig { factory_id, encoding: Encoding::Digicor };
     let mut books = Books::new(config, store.load().await?, false, now)?;

@@ -2,16 +2,18 @@
 
 use std::collections::{BTreeSet, HashMap};
 
+use ledger::{ReportDigest, StoredReport};
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
 
-use super::on_all_processors;
-use crate::store::{StoreError, load::get, writer::id_list};
-use ledger::{ReportDigest, StoredReport};
+use super::parallel::on_all_processors;
+use crate::store::{
+    error::StoreError,
+    query::{all, query},
+    row::{Columns as _, document},
+};
 
-/// Most reports remembered for chains that are behind; what is forgotten is read again.
+/// Reports remembered at most for chains that are behind; a forgotten one is read again.
 const REMEMBERED_MAX: usize = 100_000;
-const REPORTS: &str = "SELECT id, writer_id, epoch, sequence, created_at, CAST(recipients AS BLOB), CAST(body AS BLOB), salt \
-    FROM report WHERE id IN (SELECT value FROM json_each(?))";
 
 /// Reports that were not at hand, and those that no chain needs any more.
 pub(super) struct NewReports {
@@ -19,11 +21,11 @@ pub(super) struct NewReports {
     stored: Vec<(i64, StoredReport)>,
 }
 
-/// Which reports are at hand where entries are looked at.
+/// Reader of reports, which knows those that the check of the entries has at hand.
 #[derive(Default)]
-pub(super) struct Wanted(BTreeSet<i64>);
+pub(super) struct ReportReader(BTreeSet<i64>);
 
-impl Wanted {
+impl ReportReader {
     /// Reads those of the reports that are not at hand. All chains are past `behind`.
     pub async fn read(
         &mut self,
@@ -44,34 +46,34 @@ impl Wanted {
         if missing.is_empty() {
             return Ok(NewReports { forgotten, stored: Vec::new() });
         }
-        let rows = sqlx::query(REPORTS)
-            .bind(id_list(&missing))
-            .fetch_all(connection)
-            .await
-            .map_err(StoreError::while_doing("read the ledger's reports"))?;
-        Ok(NewReports { forgotten, stored: rows.iter().map(report).collect::<Result<_, _>>()? })
+        let sql = "SELECT id, writer_id, epoch, sequence, created_at,
+                       CAST(recipients AS BLOB) AS recipients, CAST(body AS BLOB) AS body, salt
+                   FROM report WHERE id IN (SELECT value FROM json_each(?))";
+        let query = query(sql).bind(document(&missing));
+        let stored = all(connection, query, "read the ledger's reports", report).await?;
+        Ok(NewReports { forgotten, stored })
     }
 }
 
 fn report(row: &SqliteRow) -> Result<(i64, StoredReport), StoreError> {
     let report = StoredReport {
-        data_set_writer_id: get(row, 1)?,
-        epoch: get(row, 2)?,
-        sequence: get(row, 3)?,
-        created_at: get(row, 4)?,
-        recipients: get(row, 5)?,
-        body: get(row, 6)?,
-        salt: get(row, 7)?,
+        data_set_writer_id: row.column("writer_id")?,
+        epoch: row.column("epoch")?,
+        sequence: row.column("sequence")?,
+        created_at: row.column("created_at")?,
+        recipients: row.column("recipients")?,
+        body: row.column("body")?,
+        salt: row.column("salt")?,
     };
-    Ok((get(row, 0)?, report))
+    Ok((row.column("id")?, report))
 }
 
-/// What entries are compared with.
+/// Digests that entries are compared with, by the numbers of the reports.
 #[derive(Default)]
 pub(super) struct Digests(HashMap<i64, ReportDigest>);
 
 impl Digests {
-    /// Takes further reports.
+    /// Adds further reports and forgets others.
     pub fn add(&mut self, reports: NewReports) {
         for id in reports.forgotten {
             self.0.remove(&id);
@@ -79,7 +81,7 @@ impl Digests {
         self.0.extend(on_all_processors(&reports.stored, |(id, report)| (*id, report.digest())));
     }
 
-    /// The report with a number; none where there is none.
+    /// Returns the digest of a report; `None` for one that is not stored.
     pub fn get(&self, id: i64) -> Option<&ReportDigest> {
         self.0.get(&id)
     }

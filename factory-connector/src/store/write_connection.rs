@@ -1,7 +1,7 @@
 //! The one connection that writes, on a thread of its own.
 //!
-//! A transaction takes one trip to that thread and goes to its end there, whoever still waits for
-//! it: none is left open, and what came earlier is stored earlier.
+//! A transaction takes one trip to that thread and goes to its end there, even if its caller was
+//! cancelled meanwhile: none is left open, and transactions are stored in the order of their calls.
 
 use std::{
     panic::resume_unwind,
@@ -11,13 +11,13 @@ use std::{
     time::Duration,
 };
 
-use rusqlite::{Connection, Params, Transaction, TransactionBehavior};
+use rusqlite::{Connection, Transaction, TransactionBehavior};
 use tokio::sync::oneshot;
 
-use super::StoreError;
+use super::error::StoreError;
 
-/// The connection keeps so much of the file in memory, in KiB with a minus sign: the ends of the
-/// indexes, which every transaction touches.
+/// Cache of the connection, in KiB with a minus sign: enough for the ends of the indexes, which
+/// every transaction touches.
 const CACHE: i64 = -32_768;
 /// Pages in the write-ahead log after which it is written back: pages that many transactions change
 /// are written once.
@@ -28,14 +28,14 @@ const PREPARED_STATEMENTS: usize = 64;
 type Job = Box<dyn FnOnce(&mut Connection) + Send>;
 
 /// The writing connection.
-pub(super) struct Writer {
-    /// One at a time, but for those that nobody waited for to their end.
+pub(super) struct WriteConnection {
+    /// Jobs run one at a time, in the order in which they were sent.
     jobs: mpsc::Sender<Job>,
-    /// `None` after it ended by a panic.
+    /// `None` after a panic has ended it.
     thread: Option<JoinHandle<()>>,
 }
 
-impl Writer {
+impl WriteConnection {
     /// Opens a file whose tables are up to date.
     ///
     /// # Errors
@@ -55,15 +55,19 @@ impl Writer {
                     job(&mut connection);
                 }
                 if let Err((_, error)) = connection.close() {
-                    tracing::warn!(%error, "The store could not be closed in good order; it will be recovered at the next start.");
+                    tracing::warn!(
+                        %error,
+                        "The store could not be closed in good order; \
+                         it will be recovered at the next start."
+                    );
                 }
             })
             .map_err(|source| StoreError::Access { path: database.to_owned(), source })?;
         Ok(Self { jobs, thread: Some(thread) })
     }
 
-    /// Does all of the work or nothing of it. It goes on when nobody waits for its outcome any
-    /// more.
+    /// Does all of the work or nothing of it. A transaction whose caller was cancelled still
+    /// finishes.
     ///
     /// # Errors
     /// That of the work, or that of the transaction.
@@ -74,7 +78,7 @@ impl Writer {
     ) -> Result<T, StoreError> {
         let (answer, outcome) = oneshot::channel();
         let job = move |connection: &mut Connection| {
-            // Whoever asked may have gone.
+            // The caller may have been cancelled, and its receiver be gone.
             drop(answer.send(transaction(connection, action, work)));
         };
         if self.jobs.send(Box::new(job)).is_ok()
@@ -127,57 +131,28 @@ fn transaction<T>(
     Ok(outcome)
 }
 
-/// One statement with its parameters; answers how many rows it changed.
-pub(super) fn run(
-    connection: &Connection,
-    statement: &str,
-    parameters: impl Params,
-) -> rusqlite::Result<usize> {
-    connection.prepare_cached(statement)?.execute(parameters)
-}
-
-/// One statement for each of many rows.
-pub(super) fn write_rows<R, P: Params>(
-    connection: &Connection,
-    statement: &str,
-    rows: impl IntoIterator<Item = R>,
-    parameters: impl Fn(R) -> P,
-) -> rusqlite::Result<()> {
-    let mut rows = rows.into_iter().peekable();
-    if rows.peek().is_none() {
-        return Ok(());
-    }
-    let mut statement = connection.prepare_cached(statement)?;
-    for row in rows {
-        statement.execute(parameters(row))?;
-    }
-    Ok(())
-}
-
-/// Row numbers as one JSON parameter for `IN (SELECT value FROM json_each(?))`.
-pub(super) fn id_list<I: Into<i64> + Copy>(ids: &[I]) -> String {
-    let ids: Vec<i64> = ids.iter().map(|id| (*id).into()).collect();
-    serde_json::to_string(&ids).expect("numbers serialise")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     const LOG_BYTES: &str = "1000000";
 
-    fn open(folder: &Path) -> Writer {
-        Writer::open(&folder.join("test.db"), Duration::from_secs(1), LOG_BYTES).expect("opened")
+    fn open(folder: &Path) -> WriteConnection {
+        WriteConnection::open(&folder.join("test.db"), Duration::from_secs(1), LOG_BYTES)
+            .expect("opened")
     }
 
-    async fn execute(writer: &mut Writer, statements: &'static str) -> Result<(), StoreError> {
+    async fn execute(
+        writer: &mut WriteConnection,
+        statements: &'static str,
+    ) -> Result<(), StoreError> {
         let work = move |transaction: &Transaction<'_>| {
             transaction.execute_batch(statements).map_err(StoreError::while_writing("test"))
         };
         writer.transact("test", work).await
     }
 
-    async fn count(writer: &mut Writer) -> i64 {
+    async fn count(writer: &mut WriteConnection) -> i64 {
         let count = |transaction: &Transaction<'_>| {
             let count = transaction.query_row("SELECT count(*) FROM number", (), |row| row.get(0));
             count.map_err(StoreError::while_writing("count"))
@@ -186,7 +161,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn a_fault_leaves_nothing_and_the_connection_goes_on() {
+    async fn a_failed_transaction_leaves_nothing_and_the_connection_works_on() {
         let folder = tempfile::tempdir().expect("a folder");
         let mut writer = open(folder.path());
         execute(&mut writer, "CREATE TABLE number (value INTEGER PRIMARY KEY)")
@@ -207,13 +182,14 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn a_transaction_that_nobody_waits_for_is_written_before_the_next() {
+    async fn a_transaction_of_a_cancelled_caller_is_written_before_the_next() {
         let folder = tempfile::tempdir().expect("a folder");
         let mut writer = open(folder.path());
         execute(&mut writer, "CREATE TABLE number (value INTEGER PRIMARY KEY)")
             .await
             .expect("a table");
-        let rows = "WITH RECURSIVE n(value) AS (SELECT 1 UNION ALL SELECT value + 1 FROM n WHERE value < 100000) \
+        let rows = "WITH RECURSIVE n(value) AS (
+                        SELECT 1 UNION ALL SELECT value + 1 FROM n WHERE value < 100000)
                     INSERT INTO number SELECT value FROM n";
         let given_up = tokio::time::timeout(Duration::ZERO, execute(&mut writer, rows)).await;
         assert!(given_up.is_err(), "the transaction takes longer than nothing");
@@ -222,7 +198,7 @@ mod tests {
 
     #[tokio::test]
     #[should_panic(expected = "a fault in the work")]
-    async fn a_panic_of_the_work_is_its_callers() {
+    async fn a_panic_of_the_work_reaches_its_caller() {
         let folder = tempfile::tempdir().expect("a folder");
         let mut writer = open(folder.path());
         drop(

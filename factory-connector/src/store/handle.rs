@@ -1,0 +1,225 @@
+//! Handle of the open file: one process at a time, tables up to date, restored copies recognised.
+
+use std::{
+    fs::{File, TryLockError},
+    path::{Path, PathBuf},
+    time::Duration,
+};
+
+use ::ledger::LedgerKey;
+use asi_model::{DateTime, FactoryId, InstanceId};
+use rusqlite::Transaction;
+use sqlx::{
+    ConnectOptions as _,
+    sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous},
+};
+use uuid::Uuid;
+
+use super::{
+    Changes, Snapshot, commit,
+    error::StoreError,
+    identity::{Identity, Start, identify},
+    ledger, load,
+    migrations::migrate,
+    place::{host_of, place_of},
+    reports,
+    session::{Readers, Session},
+    write_connection::WriteConnection,
+};
+
+const DATABASE_FILE: &str = "connector.sqlite";
+const LOCK_FILE: &str = "connector.lock";
+const GENERATION_FILE: &str = "generation";
+const READERS_MAX: u32 = 4;
+const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
+/// Size to which the write-ahead log is cut back after a checkpoint, in bytes.
+const LOG_BYTES: &str = "67108864";
+
+/// The open file. Its own session and the writing connection serve its owner alone.
+pub struct Store {
+    writer: WriteConnection,
+    /// Sees each transaction once it is committed, and waits for no other reader.
+    session: Session,
+    readers: Readers,
+    identity: Identity,
+    directory: PathBuf,
+    /// Locked as long as the store is open; a second connector is refused by it.
+    _lock: File,
+}
+
+impl Store {
+    /// Opens the store in a folder, making both where they are missing.
+    ///
+    /// # Errors
+    /// [`StoreError`] where the folder is in use, belongs to another factory, or cannot be read and
+    /// written.
+    pub async fn open(
+        directory: &Path,
+        factory_id: &FactoryId,
+        now: DateTime,
+    ) -> Result<Self, StoreError> {
+        let access = |path: &Path| {
+            let path = path.to_owned();
+            move |source| StoreError::Access { path, source }
+        };
+        std::fs::create_dir_all(directory).map_err(access(directory))?;
+        let lock = lock(directory)?;
+        let mut session = Self::connect(directory).await?;
+        let generation_file = directory.join(GENERATION_FILE);
+        let known = std::fs::read_to_string(&generation_file).ok();
+        let instance_id =
+            InstanceId::new(Uuid::new_v4().to_string()).expect("a UUID makes an instance id");
+        let start = Start {
+            known_generation: known.as_deref(),
+            instance_id,
+            place: place_of(&lock).map_err(access(directory))?,
+            host: host_of(directory),
+            at: now,
+        };
+        let identity = identify(session.connection(), factory_id, start).await?;
+        std::fs::write(&generation_file, identity.instance_id.as_str())
+            .map_err(access(&generation_file))?;
+        let database = directory.join(DATABASE_FILE);
+        let pool = SqlitePoolOptions::new()
+            .max_connections(READERS_MAX)
+            .connect_with(options(&database).read_only(true))
+            .await
+            .map_err(StoreError::while_doing("open the store for reading"))?;
+        Ok(Self {
+            writer: WriteConnection::open(&database, BUSY_TIMEOUT, LOG_BYTES)?,
+            session,
+            readers: Readers::new(pool),
+            identity,
+            directory: directory.to_owned(),
+            _lock: lock,
+        })
+    }
+
+    /// Opens the store beside a running connector, for a command that reads or that changes users
+    /// or the enrolment.
+    ///
+    /// # Errors
+    /// [`StoreError`] where the file cannot be opened, or its tables not be brought up to date.
+    pub async fn connect(directory: &Path) -> Result<Session, StoreError> {
+        let mut connection = options(&directory.join(DATABASE_FILE))
+            .create_if_missing(true)
+            .connect()
+            .await
+            .map_err(StoreError::while_doing("open the store"))?;
+        migrate(&mut connection).await?;
+        Ok(Session::new(connection))
+    }
+
+    /// Returns factory, place and lease of the store.
+    #[must_use]
+    pub const fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    /// Returns the folder of the store.
+    #[must_use]
+    pub fn directory(&self) -> &Path {
+        &self.directory
+    }
+
+    /// Returns connections for others to read.
+    #[must_use]
+    pub fn readers(&self) -> Readers {
+        self.readers.clone()
+    }
+
+    /// Reads through the owner's connection.
+    pub const fn read(&mut self) -> &mut Session {
+        &mut self.session
+    }
+
+    /// Reads everything that the connector keeps in memory.
+    ///
+    /// # Errors
+    /// [`StoreError`] where a table or a document cannot be read.
+    pub async fn load(&mut self) -> Result<Snapshot, StoreError> {
+        load::load(&mut self.session).await
+    }
+
+    /// Writes everything or nothing.
+    ///
+    /// # Errors
+    /// [`StoreError::Write`]; then nothing was written.
+    pub async fn commit(&mut self, changes: Changes) -> Result<(), StoreError> {
+        let action = "write a transaction";
+        let work = move |connection: &Transaction<'_>| {
+            commit::write(connection, &changes).map_err(StoreError::while_writing(action))
+        };
+        self.writer.transact(action, work).await
+    }
+
+    /// Empties the values of finished reports that were made before `before`, after the report with
+    /// the number `after`; a bounded number at a time. Returns the number of the last one; `None`
+    /// when there are no more.
+    ///
+    /// # Errors
+    /// [`StoreError`] where the table cannot be written.
+    pub async fn empty_values(
+        &mut self,
+        before: DateTime,
+        after: i64,
+    ) -> Result<Option<i64>, StoreError> {
+        let action = "empty old values";
+        let work = move |connection: &Transaction<'_>| {
+            reports::empty_values(connection, before, after)
+                .map_err(StoreError::while_writing(action))
+        };
+        self.writer.transact(action, work).await
+    }
+
+    /// Removes the oldest entries of each chain that were recorded before a time, with the reports
+    /// that no chain refers to any more, and puts signed anchors in their place; a bounded number
+    /// at a time. Entries about reports that the spool works with stay. Returns the number of
+    /// removed entries.
+    ///
+    /// # Errors
+    /// [`StoreError`] where the tables cannot be written; then nothing was removed.
+    pub async fn prune_ledger(
+        &mut self,
+        before: DateTime,
+        factory: &FactoryId,
+        key: &LedgerKey,
+        now: DateTime,
+    ) -> Result<u64, StoreError> {
+        let (factory, key) = (factory.clone(), key.clone());
+        let work = move |connection: &Transaction<'_>| {
+            ledger::prune(connection, before, &factory, &key, now)
+        };
+        self.writer.transact("remove old entries", work).await
+    }
+
+    /// Closes the file in good order.
+    pub async fn close(self) {
+        self.readers.close().await;
+        self.session.close().await;
+        self.writer.close().await;
+    }
+}
+
+fn options(database: &Path) -> SqliteConnectOptions {
+    SqliteConnectOptions::new()
+        .filename(database)
+        .journal_mode(SqliteJournalMode::Wal)
+        .synchronous(SqliteSynchronous::Full)
+        .foreign_keys(true)
+        .busy_timeout(BUSY_TIMEOUT)
+        .pragma("journal_size_limit", LOG_BYTES)
+        .disable_statement_logging()
+}
+
+fn lock(directory: &Path) -> Result<File, StoreError> {
+    let path = directory.join(LOCK_FILE);
+    let access = |source| StoreError::Access { path: path.clone(), source };
+    let file =
+        File::options().create(true).truncate(false).write(true).open(&path).map_err(access)?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(StoreError::InUse { path: directory.to_owned() }),
+        Err(TryLockError::Error(source)) => Err(access(source)),
+    }
+}

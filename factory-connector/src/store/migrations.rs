@@ -1,0 +1,32 @@
+//! Migrations of the tables, oldest first. They only go forward and never change after a release.
+
+use sqlx::{
+    SqlSafeStr as _, SqliteConnection,
+    migrate::{Migration, MigrationType, Migrator},
+};
+
+use super::error::StoreError;
+
+const MIGRATIONS: &[(i64, &str, &str)] = &[
+    (1, "initial", include_str!("../../migrations/0001_initial.sql")),
+    (10, "mapping versions", include_str!("../../migrations/0010_mapping_versions.sql")),
+    (20, "policies", include_str!("../../migrations/0020_policies.sql")),
+    (21, "previous revision", include_str!("../../migrations/0021_previous_revision.sql")),
+    (30, "operator entries", include_str!("../../migrations/0030_operator_entries.sql")),
+    (31, "revocations", include_str!("../../migrations/0031_revocations.sql")),
+    (32, "ledger ends", include_str!("../../migrations/0032_ledger_ends.sql")),
+    (33, "ledger lookup", include_str!("../../migrations/0033_ledger_lookup.sql")),
+    (40, "places", include_str!("../../migrations/0040_places.sql")),
+];
+
+/// Brings the tables up to date.
+///
+/// # Errors
+/// [`StoreError::Migrate`], also for a file of a newer version.
+pub(super) async fn migrate(connection: &mut SqliteConnection) -> Result<(), StoreError> {
+    let migrations = MIGRATIONS.iter().map(|&(version, name, sql)| {
+        Migration::new(version, name.into(), MigrationType::Simple, sql.into_sql_str(), false)
+    });
+    Migrator::with_migrations(migrations.collect()).run(connection).await?;
+    Ok(())
+}

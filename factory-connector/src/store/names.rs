@@ -1,0 +1,42 @@
+//! Enumerations that columns store by name.
+
+use asi_model::messages::{MappingState, ValueSource};
+
+/// Enumeration with a name for each variant, as tables store it.
+///
+/// Conditions on a state are written into statements as literals all the same: SQLite uses a
+/// partial index (`WHERE state = 'WAITING'`) for a literal only, never for a parameter.
+pub(super) trait Named: Copy + 'static {
+    const ALL: &'static [Self];
+
+    fn name(self) -> &'static str;
+
+    /// Returns the variant with this name.
+    fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|variant| variant.name() == name)
+    }
+}
+
+impl Named for MappingState {
+    const ALL: &'static [Self] = &[Self::Pending, Self::Mapped, Self::Refused];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Pending => "PENDING",
+            Self::Mapped => "MAPPED",
+            Self::Refused => "REFUSED",
+        }
+    }
+}
+
+impl Named for ValueSource {
+    const ALL: &'static [Self] = &[Self::Mapping, Self::Manual, Self::External];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Mapping => "MAPPING",
+            Self::Manual => "MANUAL",
+            Self::External => "EXTERNAL",
+        }
+    }
+}

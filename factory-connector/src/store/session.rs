@@ -1,0 +1,185 @@
+//! Connections for reading, and the repositories that borrow them.
+
+use sqlx::{Sqlite, SqliteConnection, SqlitePool, pool::PoolConnection};
+
+use super::{
+    comments::Comments,
+    dead_letters::DeadLetters,
+    enrolments::Enrolments,
+    error::StoreError,
+    fields::Fields,
+    ledger::{Checkpoints, Ledger},
+    mapping_templates::MappingTemplates,
+    mapping_versions::MappingVersions,
+    networks::Networks,
+    operator_entries::OperatorEntries,
+    policy_documents::PolicyDocuments,
+    received_messages::ReceivedMessages,
+    recipient_policies::RecipientPolicies,
+    reports::Reports,
+    revocations::Revocations,
+    rule_decisions::RuleDecisions,
+    shadow_mappings::ShadowMappings,
+    sources::Sources,
+    spool::Spool,
+    users::Users,
+    writers::Writers,
+};
+
+/// Reading connections of an open store; clones share them.
+#[derive(Clone, Debug)]
+pub struct Readers(SqlitePool);
+
+impl Readers {
+    pub(super) const fn new(pool: SqlitePool) -> Self {
+        Self(pool)
+    }
+
+    /// Takes a connection, and waits for one while all are in use.
+    ///
+    /// # Errors
+    /// [`StoreError::Database`], for instance when the store is closed.
+    pub async fn session(&self) -> Result<Session, StoreError> {
+        let connection =
+            self.0.acquire().await.map_err(StoreError::while_doing("connect to the store"))?;
+        Ok(Session(Connection::Pooled(connection)))
+    }
+
+    pub(super) async fn close(&self) {
+        self.0.close().await;
+    }
+}
+
+/// One connection, which sees every transaction that was committed before its statement.
+pub struct Session(Connection);
+
+enum Connection {
+    Own(Box<SqliteConnection>),
+    Pooled(PoolConnection<Sqlite>),
+}
+
+impl Session {
+    pub(super) fn new(connection: SqliteConnection) -> Self {
+        Self(Connection::Own(Box::new(connection)))
+    }
+
+    /// Ledger checkpoints.
+    pub fn checkpoints(&mut self) -> Checkpoints<'_> {
+        Checkpoints(self.connection())
+    }
+
+    /// Comments of both sides.
+    pub fn comments(&mut self) -> Comments<'_> {
+        Comments(self.connection())
+    }
+
+    /// Rejected messages.
+    pub fn dead_letters(&mut self) -> DeadLetters<'_> {
+        DeadLetters(self.connection())
+    }
+
+    /// The enrolment at the platform.
+    pub fn enrolments(&mut self) -> Enrolments<'_> {
+        Enrolments(self.connection())
+    }
+
+    /// Requested fields with decisions and values.
+    pub fn fields(&mut self) -> Fields<'_> {
+        Fields(self.connection())
+    }
+
+    /// Chains of ledger entries.
+    pub fn ledger(&mut self) -> Ledger<'_> {
+        Ledger(self.connection())
+    }
+
+    /// Templates of mappings.
+    pub fn mapping_templates(&mut self) -> MappingTemplates<'_> {
+        MappingTemplates(self.connection())
+    }
+
+    /// Published versions of mappings.
+    pub fn mapping_versions(&mut self) -> MappingVersions<'_> {
+        MappingVersions(self.connection())
+    }
+
+    /// Operation networks.
+    pub fn networks(&mut self) -> Networks<'_> {
+        Networks(self.connection())
+    }
+
+    /// Entries of operators.
+    pub fn operator_entries(&mut self) -> OperatorEntries<'_> {
+        OperatorEntries(self.connection())
+    }
+
+    /// Named policies and standing rules.
+    pub fn policy_documents(&mut self) -> PolicyDocuments<'_> {
+        PolicyDocuments(self.connection())
+    }
+
+    /// Ids of received messages, for deduplication.
+    pub fn received_messages(&mut self) -> ReceivedMessages<'_> {
+        ReceivedMessages(self.connection())
+    }
+
+    /// Policies of recipients.
+    pub fn recipient_policies(&mut self) -> RecipientPolicies<'_> {
+        RecipientPolicies(self.connection())
+    }
+
+    /// Reports.
+    pub fn reports(&mut self) -> Reports<'_> {
+        Reports(self.connection())
+    }
+
+    /// Receipts of ended consents.
+    pub fn revocations(&mut self) -> Revocations<'_> {
+        Revocations(self.connection())
+    }
+
+    /// Decisions of standing rules.
+    pub fn rule_decisions(&mut self) -> RuleDecisions<'_> {
+        RuleDecisions(self.connection())
+    }
+
+    /// Shadow mappings.
+    pub fn shadow_mappings(&mut self) -> ShadowMappings<'_> {
+        ShadowMappings(self.connection())
+    }
+
+    /// Sources of values.
+    pub fn sources(&mut self) -> Sources<'_> {
+        Sources(self.connection())
+    }
+
+    /// The spool: reports and control messages on their way out.
+    pub fn spool(&mut self) -> Spool<'_> {
+        Spool(self.connection())
+    }
+
+    /// People who may sign in.
+    pub fn users(&mut self) -> Users<'_> {
+        Users(self.connection())
+    }
+
+    /// Data set writers.
+    pub fn writers(&mut self) -> Writers<'_> {
+        Writers(self.connection())
+    }
+
+    /// Ends the session and, unless it is one of a pool, its connection.
+    pub(super) async fn close(self) {
+        if let Connection::Own(connection) = self.0 {
+            // A connection that does not close in good order is recovered at the next start.
+            drop(sqlx::Connection::close(*connection).await);
+        }
+    }
+
+    pub(crate) fn connection(&mut self) -> &mut SqliteConnection {
+        match &mut self.0 {
+            Connection::Own(connection) => connection,
+            Connection::Pooled(connection) => connection,
+        }
+    }
+}
