@@ -12,7 +12,7 @@ use std::collections::HashSet;
 use asi_model::DateTime;
 use messaging::{
     RowId,
-    spool::{Fetch, Lane, ReportRow},
+    spool::{Fetch, ReportRow},
 };
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
 use time::OffsetDateTime;
@@ -33,6 +33,21 @@ const COLUMNS: &str = "id, message, writer_id, epoch, sequence, state, created_a
                        sent_count, is_revoked, recipients, bytes";
 /// Reports that the spool works with. The text is the condition of partial indexes.
 const IN_SPOOL: &str = "state IN ('WAITING', 'SENT')";
+/// Numbers of the waiting messages between two numbers.
+const WAITING_MESSAGES: &str = "SELECT DISTINCT message FROM report
+    WHERE state = 'WAITING' AND message > ?1 AND message <= ?2 ORDER BY message LIMIT ?3";
+/// Numbers of those that have the newest waiting report of a writer. A message with a report whose
+/// writer has sent newer ones already is left to the replay lane: in the live lane it would arrive
+/// behind them.
+const NEWEST_MESSAGES: &str = "SELECT DISTINCT r.message FROM report r
+    JOIN (SELECT writer_id, max(id) AS id FROM report
+          WHERE state = 'WAITING' AND message > ?1 AND message <= ?2
+          GROUP BY writer_id) n ON n.id = r.id
+    WHERE NOT EXISTS (
+        SELECT 1 FROM report s
+        JOIN report l ON l.writer_id = s.writer_id AND (l.epoch, l.sequence) > (s.epoch, s.sequence)
+        WHERE s.state = 'WAITING' AND s.message = r.message AND l.state <> 'WAITING')
+    ORDER BY r.message LIMIT ?3";
 const READ: &str = "read the spool";
 
 /// Reports that wait in one message.
@@ -157,28 +172,21 @@ impl Reports<'_> {
         .await
     }
 
-    /// Reads the waiting messages of a lane of reports, oldest first.
+    /// Reads waiting messages, oldest first.
     pub(super) async fn waiting(&mut self, fetch: Fetch) -> Result<Vec<ReportMessage>, StoreError> {
-        let messages = match fetch.lane {
-            // A message with a report whose writer has sent newer ones already is left to the
-            // replay lane: in the live lane it would arrive behind them.
-            Lane::Newest => {
-                "SELECT DISTINCT r.message FROM report r
-                 JOIN (SELECT writer_id, max(id) AS id FROM report
-                       WHERE state = 'WAITING' AND message > ?1 AND message <= ?2
-                       GROUP BY writer_id) n ON n.id = r.id
-                 WHERE NOT EXISTS (
-                     SELECT 1 FROM report s JOIN report l ON l.writer_id = s.writer_id
-                         AND (l.epoch, l.sequence) > (s.epoch, s.sequence)
-                     WHERE s.state = 'WAITING' AND s.message = r.message AND l.state <> 'WAITING')
-                 ORDER BY r.message LIMIT ?3"
-            }
-            Lane::Reports | Lane::Control => {
-                "SELECT DISTINCT message FROM report
-                 WHERE state = 'WAITING' AND message > ?1 AND message <= ?2
-                 ORDER BY message LIMIT ?3"
-            }
-        };
+        self.messages(WAITING_MESSAGES, fetch).await
+    }
+
+    /// Reads the waiting messages that have the newest report of a writer, oldest first.
+    pub(super) async fn newest(&mut self, fetch: Fetch) -> Result<Vec<ReportMessage>, StoreError> {
+        self.messages(NEWEST_MESSAGES, fetch).await
+    }
+
+    async fn messages(
+        &mut self,
+        messages: &'static str,
+        fetch: Fetch,
+    ) -> Result<Vec<ReportMessage>, StoreError> {
         let sql = format!(
             "SELECT message, id, body, created_at, attempts FROM report
              WHERE state = 'WAITING' AND message IN ({messages}) ORDER BY message, id"

@@ -58,16 +58,15 @@ impl Spool<'_> {
     /// # Errors
     /// [`StoreError`].
     pub async fn fetch(&mut self, fetch: Fetch) -> Result<Vec<Message>, StoreError> {
-        match fetch.lane {
+        let reports = match fetch.lane {
             Lane::Control => {
                 let found = control_messages::waiting(self.0, fetch).await?;
-                Ok(found.into_iter().map(Message::Control).collect())
+                return Ok(found.into_iter().map(Message::Control).collect());
             }
-            Lane::Newest | Lane::Reports => {
-                let found = Reports(self.0).waiting(fetch).await?;
-                Ok(found.into_iter().map(Message::Reports).collect())
-            }
-        }
+            Lane::Newest => Reports(self.0).newest(fetch).await?,
+            Lane::Reports => Reports(self.0).waiting(fetch).await?,
+        };
+        Ok(reports.into_iter().map(Message::Reports).collect())
     }
 
     /// Measures the spool.

@@ -2618,7 +2618,7 @@ export interface paths {
                 };
             };
             responses: {
-                /** @description A receipt with its signature, and what is known today of what was on its way. */
+                /** @description A receipt with its signature, and the arrivals since of reports that were on their way. */
                 201: {
                     headers: {
                         [name: string]: unknown;
@@ -2657,7 +2657,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
-                /** @description A receipt with its signature, and what is known today of what was on its way. */
+                /** @description A receipt with its signature, and the arrivals since of reports that were on their way. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -4045,27 +4045,24 @@ export interface components {
         CounterInput: "increments" | "risingEdges" | "values";
         /** @description A message that was received or sent and rejected. */
         DeadLetter: {
-            /**
-             * Format: date-time
-             * @description When.
-             */
+            /** Format: date-time */
             at: string;
             /**
              * Format: int64
-             * @description Its size, in bytes.
+             * @description Size of the body, in bytes.
              */
             bytes: number;
-            /** @description Why, as a code. */
+            /** @description Cause of the rejection, as a code. */
             code: string;
             /** @description `RECEIVED` or `SENT`. */
             direction: string;
-            /** @description Its number, as text. */
+            /** @description Number of the dead letter, as text. */
             id: string;
-            /** @description Its id, where it has one. */
+            /** @description Id of the message; none for one that could not be read. */
             messageId?: string | null;
-            /** @description Why, in words. */
+            /** @description Cause of the rejection, in words. */
             reason: string;
-            /** @description Its type, as far as it is known. */
+            /** @description Type of the message, as far as it is known. */
             subject: string;
         };
         /**
@@ -5677,7 +5674,7 @@ export interface components {
             takenBack: components["schemas"]["Sequences"][];
         };
         /**
-         * @description What a person may do.
+         * @description Rights of a person.
          * @enum {string}
          */
         Role: "ENGINEER" | "OPERATOR" | "VIEWER";
@@ -5733,31 +5730,25 @@ export interface components {
              */
             units: string[];
         };
-        /** @description What rules decided by themselves. */
+        /** @description A decision of standing rules, with its undoing if there was one. */
         RuleDecision: {
             /** @description `ACCEPT` or `REFUSE`. */
             action: string;
             /**
              * Format: int32
-             * @description The consent that this made.
+             * @description Number of the consent that the decision made.
              */
             consentVersion: number;
-            /**
-             * Format: date-time
-             * @description When.
-             */
+            /** Format: date-time */
             decidedAt: string;
             field: components["schemas"]["FieldKey"];
-            /** @description Its number, as text. */
+            /** @description Number of the decision, as text. */
             id: string;
             /** @description The rules, in the versions that decided. */
             rules: components["schemas"]["DocumentVersion"][];
-            /**
-             * Format: date-time
-             * @description When.
-             */
+            /** Format: date-time */
             undoneAt?: string | null;
-            /** @description Who undid it. */
+            /** @description The person who undid it; none while it is in force. */
             undoneBy?: string | null;
         };
         /** @description A field that a rule means. */
@@ -6276,30 +6267,25 @@ export interface components {
             message?: string | null;
             value?: components["schemas"]["ShownValue"] | null;
         };
-        /** @description A remark as it was made. */
+        /** @description A comment as it was made. */
         StoredComment: {
-            /** @description Who says it. */
             authorId: string;
-            /** @description The request talked about, if one. */
+            /** @description The request it is about; none for the whole network. */
             dynamicDataRequestId?: string | null;
-            /** @description The field talked about, if one. */
+            /** @description The field it is about; none for the whole request. */
             fieldName?: string | null;
             /**
              * Format: int64
-             * @description Its number.
+             * @description Number of the comment at this connector, counting up in the order of arrival.
              */
             id: number;
-            /** @description Said by this factory. */
+            /** @description True if it was made at this factory. */
             isOwn: boolean;
-            /** @description What is said. */
             text: string;
-            /**
-             * Format: date-time
-             * @description When.
-             */
+            /** Format: date-time */
             writtenAt: string;
         };
-        /** @description A receipt with its signature, and what is known today of what was on its way. */
+        /** @description A receipt with its signature, and the arrivals since of reports that were on their way. */
         StoredRevocation: components["schemas"]["RevocationReceipt"] & {
             /**
              * Format: int32
