@@ -89,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn states_are_told_by_value() {
+    fn states_are_compared_by_value() {
         let check = |states: &str, value: Variant, expected| {
             let condition: WithholdCondition =
                 serde_json::from_str(&format!(r#"{{"states":{states}}}"#)).expect("a condition");

@@ -336,7 +336,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_says_how_to_write_the_address() {
+    fn an_error_contains_the_form_of_an_address() {
         for (text, advice) in [
             ("amqps://h/path", "only amqp+wss:// and mqtt+wss:// have one"),
             ("amqp+wss://h/a b", "%20"),

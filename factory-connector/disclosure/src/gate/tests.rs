@@ -49,7 +49,7 @@ fn rounding_does_not_let_the_changes_below_it_show() {
 }
 
 #[test]
-fn the_latest_value_leaves_when_the_interval_is_over() {
+fn the_latest_value_is_released_when_the_interval_is_over() {
     let mut gate = gate(r#"{"minimumIntervalMs":1000}"#);
     gate.on(at(0), candidate(0, 1));
     assert!(gate.take_released());
@@ -69,7 +69,7 @@ fn the_latest_value_leaves_when_the_interval_is_over() {
 }
 
 #[test]
-fn what_waits_survives_a_restart_and_a_clock_set_back() {
+fn waiting_values_survive_a_restart_and_a_clock_set_back() {
     let mut gate = gate(r#"{"minimumIntervalMs":1000}"#);
     gate.on(at(5000), candidate(0, 1));
     gate.on(at(5100), candidate(0, 2));
@@ -98,7 +98,7 @@ fn delay_releases_each_value_late_and_in_order() {
 }
 
 #[test]
-fn a_closed_gate_forgets_what_waited() {
+fn a_closed_gate_drops_waiting_values() {
     let mut gate = gate(r#"{"minimumIntervalMs":1000}"#);
     gate.on(at(0), candidate(0, 1));
     gate.on(at(10), candidate(10, 2));
@@ -108,7 +108,7 @@ fn a_closed_gate_forgets_what_waited() {
 }
 
 #[test]
-fn a_lost_source_shows_as_its_status() {
+fn the_status_of_a_lost_source_is_released() {
     let mut gate = gate("{}");
     gate.on(at(0), candidate(0, 1));
     let mut lost = candidate(0, 1);
@@ -118,7 +118,7 @@ fn a_lost_source_shows_as_its_status() {
 }
 
 #[test]
-fn what_was_due_within_the_hours_does_not_leave_after_them() {
+fn a_value_due_within_the_hours_is_not_released_after_them() {
     // START is a Friday at 08:00 UTC.
     let mut gate = gate(
         r#"{"delayMs":1000,"workingHours":{"days":["FRIDAY"],"from":"06:00","until":"09:00"}}"#,
@@ -134,7 +134,7 @@ fn what_was_due_within_the_hours_does_not_leave_after_them() {
 }
 
 #[test]
-fn an_aggregate_leaves_once_per_window_and_survives_a_restart() {
+fn an_aggregate_is_released_once_per_window_and_survives_a_restart() {
     let mut gate = gate(r#"{"roundingStep":5,"aggregate":{"function":"MEAN","windowMs":1000}}"#);
     assert_eq!(gate.on(at(0), candidate(0, 10)), GateOutcome::Withheld { until: at(1000) });
     gate.on(at(500), candidate(500, 30));
@@ -152,7 +152,7 @@ fn an_aggregate_leaves_once_per_window_and_survives_a_restart() {
 }
 
 #[test]
-fn a_sum_is_told_for_every_window() {
+fn a_sum_is_released_for_every_window() {
     let mut gate = gate(r#"{"aggregate":{"function":"SUM","windowMs":1000}}"#);
     let mut released = Vec::new();
     for ms in [0, 400, 1100, 1500, 2000, 3000, 4000, 5000] {
@@ -169,7 +169,7 @@ fn a_sum_is_told_for_every_window() {
 }
 
 #[test]
-fn a_rate_holds_in_any_period() {
+fn a_rate_limit_applies_to_any_period() {
     let mut gate = gate(r#"{"rateLimits":[{"values":2,"periodMs":1000}]}"#);
     let mut left = Vec::new();
     for ms in (0_u64..3000).step_by(100) {
@@ -183,7 +183,7 @@ fn a_rate_holds_in_any_period() {
 }
 
 #[test]
-fn what_comes_in_a_withheld_state_never_leaves() {
+fn candidates_in_a_withheld_state_are_never_released() {
     let mut gate =
         gate(r#"{"withholdWhile":[{"states":[-1]},{"field":"state","states":["SETUP"]}]}"#);
     let other: FieldName = "state".parse().expect("a name");
@@ -213,7 +213,7 @@ fn what_comes_in_a_withheld_state_never_leaves() {
 }
 
 #[test]
-fn what_waits_does_not_leave_within_a_withheld_state() {
+fn waiting_values_are_not_released_in_a_withheld_state() {
     let mut gate = gate(r#"{"delayMs":100,"withholdWhile":[{"field":"state","states":[1]}]}"#);
     let other: FieldName = "state".parse().expect("a name");
     gate.on_state(at(0), &other, Some(false));
@@ -226,7 +226,7 @@ fn what_waits_does_not_leave_within_a_withheld_state() {
 }
 
 #[test]
-fn what_was_meant_for_a_mean_never_leaves_singly() {
+fn candidates_of_a_mean_are_never_released_individually() {
     let mut gate = gate(r#"{"aggregate":{"function":"MEAN","windowMs":1000}}"#);
     gate.on(at(0), candidate(0, 7));
     gate.change_policy(Arc::default(), at(10));
@@ -235,7 +235,7 @@ fn what_was_meant_for_a_mean_never_leaves_singly() {
 }
 
 #[test]
-fn a_clock_set_back_keeps_the_interval_and_no_more() {
+fn a_clock_set_back_delays_by_one_interval_at_most() {
     let mut gate = gate(r#"{"minimumIntervalMs":1000}"#);
     gate.on(at(300_000), candidate(0, 1));
     assert!(gate.take_released());

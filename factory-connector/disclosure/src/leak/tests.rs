@@ -90,7 +90,7 @@ fn figures_add_up() {
 }
 
 #[test]
-fn a_summary_says_the_same_in_short() {
+fn a_summary_has_the_totals_of_the_budget() {
     let made = json!({ "name": "made", "type": 9, "semantic": "PRODUCED_QUANTITY" });
     let state = json!({ "name": "robotState", "type": 6 });
     let limited = |step: u64| json!({ "minimumIntervalMs": 60_000, "timeStepMs": step });

@@ -156,7 +156,7 @@ fn a_rewritten_chain_contradicts_its_checkpoint() {
 }
 
 #[test]
-fn a_chain_goes_on_from_its_anchor() {
+fn a_chain_continues_from_its_anchor() {
     let key = key();
     let (intact, _, linked) = entries(6);
     let anchor = |number: usize| {

@@ -13,31 +13,31 @@ const LIMIT: usize = 64 * 1024;
 async fn connected(answer: &str) -> (String, Result<(), ConnectError>) {
     let (client, mut server) = duplex(64 * 1024);
     let answering = async {
-        let asked = head(&mut server).await;
+        let request = head(&mut server).await;
         server.write_all(answer.as_bytes()).await.expect("written");
         drop(server);
-        asked
+        request
     };
     let endpoint = Endpoint { authority: "[::1]:8443", path: "/amqp?tenant=a" };
-    let (asked, opened) =
+    let (request, opened) =
         tokio::join!(answering, connect(client, endpoint, Subprotocol::Amqp, LIMIT));
-    (asked, opened.map(drop))
+    (request, opened.map(drop))
 }
 
 #[tokio::test]
-async fn the_client_asks_for_path_and_subprotocol_and_says_what_it_got() {
-    let (asked, refused) = connected("HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n").await;
-    assert!(asked.starts_with("GET /amqp?tenant=a HTTP/1.1\r\n"), "{asked}");
-    let lines = asked.to_ascii_lowercase();
+async fn the_client_requests_path_and_subprotocol_and_reports_the_answer() {
+    let (request, refused) = connected("HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n").await;
+    assert!(request.starts_with("GET /amqp?tenant=a HTTP/1.1\r\n"), "{request}");
+    let lines = request.to_ascii_lowercase();
     for line in [
         "host: [::1]:8443",
         "upgrade: websocket",
         "sec-websocket-version: 13",
         "sec-websocket-protocol: amqp",
     ] {
-        assert!(lines.contains(&format!("\r\n{line}\r\n")), "{line} in {asked}");
+        assert!(lines.contains(&format!("\r\n{line}\r\n")), "{line} in {request}");
     }
-    assert!(!lines.contains("sec-websocket-extensions"), "{asked}");
+    assert!(!lines.contains("sec-websocket-extensions"), "{request}");
     assert!(matches!(refused, Err(ConnectError::Refused { status: 404 })), "{refused:?}");
 
     for (answer, is_expected) in [
@@ -85,9 +85,9 @@ async fn a_server_that_agrees_to_nothing_or_to_something_else_is_left() {
 
 /// A server whose answer is right but for the subprotocol that it says.
 async fn agreeing_to(mut client: DuplexStream, agreed: &str) {
-    let asked = head(&mut client).await;
+    let request = head(&mut client).await;
     let (mut true_client, server) = duplex(64 * 1024);
-    true_client.write_all(asked.as_bytes()).await.expect("written");
+    true_client.write_all(request.as_bytes()).await.expect("written");
     let (answer, _accepted) =
         tokio::join!(head(&mut true_client), accept(server, Subprotocol::Amqp, LIMIT));
     let is_kept = |line: &&str| {
@@ -130,7 +130,7 @@ async fn the_server_takes_its_own_subprotocol_from_what_is_offered() {
 }
 
 #[tokio::test]
-async fn what_is_no_request_for_a_websocket_gets_none() {
+async fn a_request_that_is_not_for_a_websocket_is_refused() {
     let long = format!("GET /{} HTTP/1.1\r\n", "x".repeat(200_000));
     let headers = format!("GET / HTTP/1.1\r\n{}\r\n", "A: b\r\n".repeat(500));
     for rubbish in [

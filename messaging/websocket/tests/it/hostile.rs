@@ -69,7 +69,7 @@ async fn an_end_without_close_frame_and_a_close_with_a_reason_are_failures() {
 }
 
 #[tokio::test]
-async fn pings_whose_answers_nobody_reads_are_bounded() {
+async fn answers_to_pings_that_are_not_read_are_bounded() {
     let (mut client, mut server) = raw::client(LIMIT).await;
     let pings = frame(FINAL | PING, &[1; 125]).repeat(8000);
     let flooding = async {

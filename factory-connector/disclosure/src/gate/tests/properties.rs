@@ -245,13 +245,13 @@ proptest! {
     /// Never finer, faster or earlier. The pauses are short, so that windows, intervals and delays
     /// overlap.
     #[test]
-    fn nothing_leaves_that_the_policy_does_not_allow(policy in policies(), steps in steps(2_000), is_late in any::<bool>()) {
+    fn only_values_that_the_policy_allows_are_released(policy in policies(), steps in steps(2_000), is_late in any::<bool>()) {
         check(&policy, &steps, &run(&policy, &steps, is_late))?;
     }
 
     /// The same over days, for the hours.
     #[test]
-    fn nothing_leaves_outside_of_the_hours(policy in policies(), steps in steps(8 * HOUR_MS), is_late in any::<bool>()) {
+    fn no_value_is_released_outside_of_the_hours(policy in policies(), steps in steps(8 * HOUR_MS), is_late in any::<bool>()) {
         check(&policy, &steps, &run(&policy, &steps, is_late))?;
     }
 
@@ -281,7 +281,7 @@ proptest! {
     /// Two sequences that differ only below the rounding step release the same values at the same
     /// times.
     #[test]
-    fn what_is_below_the_step_cannot_be_told(
+    fn differences_below_the_step_are_not_observable(
         step in 1_i64..100,
         values in proptest::collection::vec((0_u64..2_000, -20_i64..20, 0_i64..100, 0_i64..100), 1..40),
         minimum_interval_ms in proptest::option::of(1_u64..5_000),
@@ -300,7 +300,7 @@ proptest! {
 
     /// Two sequences that differ only in times within a time step release the same values.
     #[test]
-    fn what_is_within_a_time_step_cannot_be_told(
+    fn differences_within_a_time_step_are_not_observable(
         values in proptest::collection::vec((0_u64..3, -9_i64..9, 0_u64..100, 0_u64..100), 1..40),
     ) {
         let policy = DisclosurePolicy { time_step_ms: Some(1_000), ..Default::default() };
@@ -356,7 +356,7 @@ proptest! {
 
     /// After the last limit has passed, the newest value is shown.
     #[test]
-    fn the_newest_value_leaves_in_the_end(policy in policies(), values in proptest::collection::vec((0_u64..2_000, -1000_i64..1000), 1..40)) {
+    fn the_newest_value_is_released_in_the_end(policy in policies(), values in proptest::collection::vec((0_u64..2_000, -1000_i64..1000), 1..40)) {
         let policy = DisclosurePolicy { withhold_while: Vec::new(), aggregate: None, ..policy };
         let mut steps: Vec<_> =
             values.iter().map(|(pause, value)| (*pause, Step::Candidate(DataValue::good(*value, at(0))))).collect();
