@@ -1,7 +1,7 @@
 //! What a report costs on its way out and in, and that hostile input costs no more than its size.
 //!
 //! `cargo bench -p asi-model` prints times; the test in `tests/it` asserts the allocations.
-#![allow(missing_docs, clippy::unwrap_used)]
+#![allow(clippy::unwrap_used)]
 
 use std::{hint::black_box, time::Duration};
 

@@ -5,14 +5,18 @@
 //! (64-bit integers stay exact) and reports member names that occur twice, which general-purpose
 //! readers pass over.
 
+mod error;
 mod escapes;
 mod node;
 mod reader;
 mod tape;
+mod token;
 pub mod write;
 
+pub use error::{JsonError, Limits};
 pub use node::{Elements, Members, Node};
-pub use tape::{JsonError, Kind, Limits, Tape};
+pub use tape::Tape;
+pub use token::Kind;
 
 /// Appends a member as it came to the text of an object, with the comma it needs.
 pub(crate) fn push_separated(json: &mut String, name: Node<'_, '_>, value: Node<'_, '_>) {

@@ -1,20 +1,22 @@
 //! The messages of the wire contract besides reports: each self-contained, with `messageType` and
 //! `messageId`.
 
+mod asset;
+mod comment;
+mod disclosure;
 mod from_factory;
 mod lease;
 mod to_factory;
 
+pub use asset::{AssetKind, AssetOffer, AssetRequest};
+pub use comment::Comment;
+pub use disclosure::{AggregateStatement, DisclosureStatement, HoursStatement, RateStatement};
 pub use from_factory::{
-    Acknowledgement, AcknowledgementResult, AggregateStatement, AssetKind, AssetOffer, Decision,
-    DecisionTarget, DisclosureStatement, FactoryMessage, Fault, Gap, GapCause, HoursStatement,
-    MappingState, RateStatement, ValueSource,
+    Acknowledgement, AcknowledgementResult, Decision, DecisionTarget, FactoryMessage, Fault, Gap,
+    GapCause, MappingState, ValueSource,
 };
 pub use lease::{Lease, LeaseParty, LeaseRequest, LeaseResult};
-pub use to_factory::{
-    AssetRequest, Comment, OperationNetworkMessage, PlatformMessage, Receipt, Withdraw,
-    WriterReceipt,
-};
+pub use to_factory::{OperationNetworkMessage, PlatformMessage, Receipt, Withdraw, WriterReceipt};
 
 /// Largest body of a message to a factory, in bytes after compression.
 pub const REQUEST_BYTES_MAX: usize = 1024 * 1024;

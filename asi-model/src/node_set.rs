@@ -3,12 +3,16 @@
 //! The reader is bounded and takes what our models need: objects, variables with values, methods
 //! and types. Namespace indexes are resolved, so that a node set in memory knows URIs only.
 
+mod error;
+mod names;
+mod namespaces;
 mod read;
 mod value;
 mod write;
 mod xml;
 
-pub use read::{NodeSetError, read};
+pub use error::NodeSetError;
+pub use read::read;
 pub use write::write;
 
 use crate::values::{DateTime, NodeId, QualifiedName, Variant};
@@ -67,7 +71,6 @@ pub struct Node {
 
 /// What a node is, with the attributes of its class.
 #[derive(Debug, Clone, PartialEq)]
-#[allow(missing_docs)]
 pub enum NodeClass {
     Object,
     Variable {
@@ -147,7 +150,6 @@ impl Node {
 }
 
 /// Nodes of namespace 0 that every model uses.
-#[allow(missing_docs)]
 pub mod ns0 {
     use crate::values::NodeId;
 

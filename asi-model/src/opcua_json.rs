@@ -7,107 +7,30 @@
 
 pub(crate) mod decode;
 mod decode_array;
+mod decode_names;
 pub(crate) mod decode_scalar;
 mod decode_structure;
+mod decoded_value;
+mod diagnostics;
 pub(crate) mod encode;
 mod encode_names;
 mod encode_structure;
+mod mismatch;
 mod shape;
 
-use std::{borrow::Cow, sync::Arc};
+use std::sync::Arc;
 
-pub use decode::{DecodedValue, Decoder};
-pub use encode::Encoder;
+pub use decode::Decoder;
+pub use decoded_value::DecodedValue;
+pub use diagnostics::{Diagnostic, Leniency};
+pub use encode::{DataEncoding, Encoder};
+pub(crate) use mismatch::Mismatch;
+pub use mismatch::ValueError;
 
 use crate::{
-    json::{JsonError, Limits, Node, Tape},
+    json::{Limits, Tape},
     values::{DataValue, StatusCode, StructureType, Variant},
 };
-
-/// The forms in which values are written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum DataEncoding {
-    /// 1.04 reversible: `{"Type": 9, "Body": "1"}`.
-    Reversible104,
-    /// 1.04 non-reversible: the bare value. Locales, types and switch fields are lost.
-    NonReversible104,
-    /// 1.05 compact: `{"UaType": 9, "Value": "1"}`.
-    Compact105,
-    /// 1.05 verbose: as compact, with symbols and defaults for people.
-    Verbose105,
-}
-
-impl DataEncoding {
-    /// One of the two forms of 1.05.
-    #[must_use]
-    pub const fn is_105(self) -> bool {
-        matches!(self, Self::Compact105 | Self::Verbose105)
-    }
-}
-
-/// How deviations from the standard are met on input.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Leniency {
-    /// Harmless ones are taken, with a diagnostic.
-    #[default]
-    Lenient,
-    /// They are errors.
-    Strict,
-}
-
-/// Something noteworthy about an input that was taken nevertheless.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Diagnostic {
-    /// JSON pointer to it.
-    pub pointer: String,
-    /// A sentence.
-    pub message: String,
-}
-
-/// A value that cannot be taken.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum ValueError {
-    /// The text is not JSON or breaks a limit.
-    #[error("the value is not acceptable JSON")]
-    Json(#[from] JsonError),
-    /// The JSON is not a value of the type.
-    #[error("{pointer}: {message}")]
-    Mismatch {
-        /// JSON pointer to what is wrong.
-        pointer: String,
-        /// What is wrong.
-        message: String,
-        /// The status that a field with this value gets.
-        status: StatusCode,
-    },
-}
-
-/// Where in a text a value is not what it should be; the pointer is only made when somebody wants
-/// to read it.
-#[derive(Debug)]
-pub(crate) struct Mismatch<'t, 'a> {
-    pub(crate) node: Node<'t, 'a>,
-    pub(crate) message: Cow<'static, str>,
-    pub(crate) status: StatusCode,
-}
-
-impl<'t, 'a> Mismatch<'t, 'a> {
-    pub(crate) fn new(node: Node<'t, 'a>, message: impl Into<Cow<'static, str>>) -> Self {
-        Self { node, message: message.into(), status: StatusCode::BAD_TYPE_MISMATCH }
-    }
-
-    pub(crate) fn out_of_range(node: Node<'t, 'a>, message: impl Into<Cow<'static, str>>) -> Self {
-        Self { status: StatusCode::BAD_OUT_OF_RANGE, ..Self::new(node, message) }
-    }
-
-    pub(crate) fn into_error(self) -> ValueError {
-        ValueError::Mismatch {
-            pointer: self.node.pointer(),
-            message: self.message.into_owned(),
-            status: self.status,
-        }
-    }
-}
 
 /// Bounds on values and messages: 1 MiB, nesting of 100 (OPC 10000-6 §5.1.5), and one token per two
 /// bytes at most.
@@ -151,7 +74,7 @@ pub fn decode_value(
         });
     }
     let value = decoder.value(tape.root(), None).map_err(Mismatch::into_error)?;
-    Ok((value, decoder.into_diagnostics()))
+    Ok((value, decoder.diagnostics.into_list()))
 }
 
 #[cfg(test)]

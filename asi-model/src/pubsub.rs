@@ -8,11 +8,11 @@ mod meta_data;
 mod report;
 
 pub use message::{
-    DataSetMessage, DataSetMessageKind, FieldRepresentation, MetaDataMessage, MetaDataVersion,
-    NetworkMessage, PayloadField, PubSubMessage, PubSubState, StatusMessage,
+    DataSetMessage, DataSetMessageKind, FieldRepresentation, MetaDataMessage, NetworkMessage,
+    PayloadField, PubSubMessage, PubSubState, StatusMessage,
 };
 pub use meta_data::{
-    DataSetMetaData, FieldMetaData, MetaDataChange, MetaDataLookup, PROPERTY_DISCLOSURE,
-    PROPERTY_ENGINEERING_UNITS, PROPERTY_SEMANTIC,
+    DataSetMetaData, FieldMetaData, MetaDataChange, MetaDataLookup, MetaDataVersion,
+    PROPERTY_DISCLOSURE, PROPERTY_ENGINEERING_UNITS, PROPERTY_SEMANTIC,
 };
 pub use report::{ReportHeader, is_report_field, measured_field, unit_member};

@@ -6,16 +6,15 @@
 //! need another pass forward. The number of passes is bounded, each takes time linear in operations
 //! and relations.
 
-mod pass;
+mod earliest;
+mod graph;
+mod latest;
+mod passes;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{
-    ids::OperationId,
-    network::{IsoDuration, OperationNetwork},
-    values::DateTime,
-};
+use crate::{ids::OperationId, network::IsoDuration, values::DateTime};
 
 /// The result of the passes.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -66,20 +65,10 @@ pub struct Conflict {
 
 /// Where a bound stands in the network, by position in its lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)]
 pub enum ConflictPlace {
     PlannedStart { operation: usize },
     PlannedEnd { operation: usize },
     Condition { relation: usize, condition: usize },
-}
-
-impl Schedule {
-    /// Computes the time frames. Relations that name unknown operations are left out, and where the
-    /// relations form a cycle, so are the operations on it (the validation reports both).
-    #[must_use]
-    pub fn of(network: &OperationNetwork) -> Self {
-        pass::Pass::new(network).run()
-    }
 }
 
 #[cfg(test)]

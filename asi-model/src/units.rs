@@ -3,6 +3,9 @@
 //! OPC 10000-8 §5.6.3.3 derives the numeric UnitId from the code's bytes, big endian.
 
 mod table;
+mod unit;
+
+pub use unit::{EngineeringUnit, Quantity};
 
 use std::{collections::HashMap, sync::LazyLock};
 
@@ -16,73 +19,6 @@ use table::UNITS;
 pub const UNECE_NAMESPACE_URI: &str = "http://www.opcfoundation.org/UA/units/un/cefact";
 /// The DataType EUInformation in namespace 0.
 const EU_INFORMATION: u32 = 887;
-
-/// A unit of measure.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EngineeringUnit {
-    /// The UNECE common code, as `H87`.
-    pub code: &'static str,
-    /// The symbol people read, as `°C`; for counts the name.
-    pub display_name: &'static str,
-    /// The name in the recommendation, as `degree Celsius`.
-    pub description: &'static str,
-    /// What is measured; only units of one quantity convert into each other.
-    pub quantity: Quantity,
-    /// `value in base unit = value * factor + offset`.
-    factor: f64,
-    offset: f64,
-}
-
-/// What a unit measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs)]
-pub enum Quantity {
-    Length,
-    Area,
-    Volume,
-    Mass,
-    Time,
-    Frequency,
-    Angle,
-    AngularVelocity,
-    Velocity,
-    Acceleration,
-    Force,
-    Torque,
-    Pressure,
-    Energy,
-    Power,
-    ApparentPower,
-    ReactivePower,
-    Current,
-    Voltage,
-    Resistance,
-    Capacitance,
-    Inductance,
-    Charge,
-    MagneticFlux,
-    MagneticFluxDensity,
-    Conductance,
-    Temperature,
-    Luminosity,
-    Illuminance,
-    LuminousFlux,
-    VolumeFlow,
-    MassFlow,
-    DynamicViscosity,
-    KinematicViscosity,
-    Density,
-    AreaDensity,
-    Ratio,
-    Count,
-    Amount,
-    Stiffness,
-    DataAmount,
-    Level,
-    Acidity,
-    Packaging,
-    Other,
-}
 
 impl EngineeringUnit {
     /// The numeric id: the code's bytes, big endian.

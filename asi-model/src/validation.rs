@@ -5,14 +5,23 @@
 //! acknowledgement.
 
 mod acyclic;
+mod bounds;
 mod conditions;
+mod disclosure;
+mod factory_message;
 mod faults;
-mod messages;
+mod lists;
+mod message_members;
 mod network;
 mod operations;
+mod platform_message;
 mod reader;
 mod report_format;
 
+pub use bounds::{
+    LIST_MAX, MESSAGE_LIMITS, NAME_CHARS_MAX, OPERATIONS_MAX, RELATIONS_MAX, REQUEST_LIMITS,
+    REVISION_MAX, TEXT_CHARS_MAX,
+};
 pub use faults::{FAULTS_MAX, FaultCode};
 
 use crate::{
@@ -20,33 +29,13 @@ use crate::{
     instance,
     json::{Limits, Tape},
     messages::{
-        Acknowledgement, AcknowledgementResult, FactoryMessage, Fault, MESSAGE_BYTES_MAX,
-        PlatformMessage, REQUEST_BYTES_MAX,
+        Acknowledgement, AcknowledgementResult, FactoryMessage, Fault, PlatformMessage,
+        REQUEST_BYTES_MAX,
     },
     network::OperationNetwork,
     node_set,
 };
 use reader::Reader;
-
-/// Bounds on a message to a factory.
-pub const REQUEST_LIMITS: Limits =
-    Limits { bytes_max: REQUEST_BYTES_MAX, depth_max: 32, tokens_max: 300_000 };
-/// Bounds on a message from a factory.
-pub const MESSAGE_LIMITS: Limits =
-    Limits { bytes_max: MESSAGE_BYTES_MAX, depth_max: 32, tokens_max: 100_000 };
-
-/// Most operations of a network.
-pub const OPERATIONS_MAX: usize = 5_000;
-/// Most relations of a network.
-pub const RELATIONS_MAX: usize = 20_000;
-/// Most elements of any list inside an operation, request or relation.
-pub const LIST_MAX: usize = 500;
-/// Longest name or foreign identifier, in characters.
-pub const NAME_CHARS_MAX: usize = 256;
-/// Longest description, purpose or remark, in characters.
-pub const TEXT_CHARS_MAX: usize = 8_192;
-/// Highest revision: what every JSON reader keeps exact.
-pub const REVISION_MAX: u64 = (1 << 53) - 1;
 
 /// Why a message is rejected, and what could be read of it nevertheless.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -122,7 +111,7 @@ fn platform_message(
             == Some(&b'<');
     let json = if is_xml { Some(from_node_set(bytes)?) } else { None };
     parse(json.as_deref().unwrap_or(bytes), REQUEST_LIMITS, |reader, tape| {
-        messages::platform_message(reader, tape.root(), expected)
+        platform_message::platform_message(reader, tape.root(), expected)
     })
 }
 
@@ -163,7 +152,9 @@ fn from_node_set(bytes: &[u8]) -> Result<Vec<u8>, Rejection> {
 /// # Errors
 /// [`Rejection`] with all faults.
 pub fn parse_factory_message(bytes: &[u8]) -> Result<FactoryMessage, Rejection> {
-    parse(bytes, MESSAGE_LIMITS, |reader, tape| messages::factory_message(reader, tape.root()))
+    parse(bytes, MESSAGE_LIMITS, |reader, tape| {
+        factory_message::factory_message(reader, tape.root())
+    })
 }
 
 /// Reads and checks a whole network, as partners' tools hand it to the platform. Pointers are

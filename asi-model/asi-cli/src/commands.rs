@@ -7,22 +7,23 @@ use std::{
 
 use anyhow::{Context as _, bail};
 use asi_model::{
-    FactoryId, MessageId, asi_types,
+    FactoryId, asi_types,
     instance::{self, Instance},
-    messages::{Acknowledgement, AcknowledgementResult, Fault, PlatformMessage},
+    messages::{Fault, PlatformMessage},
     node_set,
     opcua_json::{Diagnostic, Leniency},
     pubsub::{
         DataSetMetaData, PubSubMessage,
-        json::{Encoding, PubSubError, decode_described, encode_described, encode_message},
+        json::{Encoding, decode_described, encode_described, encode_message},
     },
     schema, validation,
 };
-use serde_json::json;
 
 use crate::{
+    check::{Check, pubsub_fault},
     explain,
     input::{Input, Kind},
+    outcome::Outcome,
 };
 
 /// What `asi` can do.
@@ -88,26 +89,13 @@ pub enum NodesetCommand {
     },
 }
 
-/// How a command ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome {
-    /// All is well.
-    Valid,
-    /// The input is not valid.
-    Invalid,
-}
-
 /// Carries out a command.
 pub fn run(command: Command, out: &mut dyn Write) -> anyhow::Result<Outcome> {
     match command {
         Command::Validate { file, factory, json, strict } => {
             let input = Input::read(file.as_deref())?;
-            let verdict = validate(&input, factory.as_ref(), strict);
-            if json {
-                print_acknowledgement(&verdict, factory.as_ref(), out)
-            } else {
-                print_verdict(&verdict, out)
-            }
+            let check = Check::of(&input, factory.as_ref(), strict);
+            if json { check.print_acknowledgement(factory.as_ref(), out) } else { check.print(out) }
         }
         Command::Convert { file, to, meta_data } => {
             let input = Input::read(file.as_deref())?;
@@ -126,167 +114,6 @@ pub fn run(command: Command, out: &mut dyn Write) -> anyhow::Result<Outcome> {
             }
             Ok(Outcome::Valid)
         }
-    }
-}
-
-/// What is to be said about a message.
-struct Verdict {
-    /// What it is, for people.
-    what: String,
-    faults: Vec<Fault>,
-    diagnostics: Vec<Diagnostic>,
-    /// What an acknowledgement refers to; only messages to factories are acknowledged.
-    message: Option<PlatformMessage>,
-    rejection: Option<validation::Rejection>,
-}
-
-impl Verdict {
-    fn of(what: impl Into<String>) -> Self {
-        Self {
-            what: what.into(),
-            faults: Vec::new(),
-            diagnostics: Vec::new(),
-            message: None,
-            rejection: None,
-        }
-    }
-
-    const fn outcome(&self) -> Outcome {
-        if self.faults.is_empty() { Outcome::Valid } else { Outcome::Invalid }
-    }
-}
-
-fn validate(input: &Input, factory: Option<&FactoryId>, strict: bool) -> Verdict {
-    let mut verdict = Verdict::of(input.kind.name());
-    match input.kind {
-        Kind::ToFactory | Kind::NodeSet | Kind::Unknown => {
-            let parsed = match factory {
-                Some(factory) => validation::parse_platform_message(&input.bytes, factory),
-                None => validation::parse_any_platform_message(&input.bytes),
-            };
-            match parsed {
-                Ok(message) => verdict.message = Some(message),
-                Err(rejection) => {
-                    verdict.faults.clone_from(&rejection.faults);
-                    verdict.rejection = Some(rejection);
-                }
-            }
-        }
-        Kind::FromFactory => {
-            if let Err(rejection) = validation::parse_factory_message(&input.bytes) {
-                verdict.faults = rejection.faults;
-            }
-        }
-        Kind::Network => {
-            if let Err(rejection) = validation::parse_network(&input.bytes) {
-                verdict.faults = rejection.faults;
-            }
-        }
-        Kind::PubSub => {
-            let leniency = if strict { Leniency::Strict } else { Leniency::Lenient };
-            match decode_described(&input.bytes, leniency, &()) {
-                Ok(decoded) => verdict.diagnostics = decoded.diagnostics,
-                Err(error) => verdict.faults = vec![pubsub_fault(&error)],
-            }
-            if strict {
-                let deviations =
-                    std::mem::take(&mut verdict.diagnostics).into_iter().map(|diagnostic| Fault {
-                        pointer: diagnostic.pointer,
-                        code: "DEVIATION".to_owned(),
-                        message: diagnostic.message,
-                    });
-                verdict.faults.extend(deviations);
-            }
-        }
-    }
-    verdict
-}
-
-fn pubsub_fault(error: &PubSubError) -> Fault {
-    let (pointer, code, message) = match error {
-        PubSubError::Json(cause) => (String::new(), "NOT_JSON", format!("{error}: {cause}")),
-        PubSubError::Duplicate { pointer } => {
-            (pointer.clone(), "DUPLICATE_MEMBER", "The member occurs twice.".into())
-        }
-        PubSubError::Malformed { pointer, message } => {
-            (pointer.clone(), "INVALID_VALUE", message.clone())
-        }
-    };
-    Fault { pointer, code: code.to_owned(), message }
-}
-
-fn print_verdict(verdict: &Verdict, out: &mut dyn Write) -> anyhow::Result<Outcome> {
-    for fault in &verdict.faults {
-        let place = if fault.pointer.is_empty() { "(the whole)" } else { &fault.pointer };
-        writeln!(out, "{place}: {} [{}]", fault.message, fault.code)?;
-    }
-    for note in &verdict.diagnostics {
-        writeln!(out, "{}: note: {}", note.pointer, note.message)?;
-    }
-    match verdict.faults.len() {
-        0 => writeln!(out, "valid: {}", verdict.what)?,
-        1 => writeln!(out, "not valid: {}, 1 fault", verdict.what)?,
-        count => writeln!(out, "not valid: {}, {count} faults", verdict.what)?,
-    }
-    Ok(verdict.outcome())
-}
-
-fn print_acknowledgement(
-    verdict: &Verdict,
-    factory: Option<&FactoryId>,
-    out: &mut dyn Write,
-) -> anyhow::Result<Outcome> {
-    let new_id = || MessageId::from(uuid::Uuid::now_v7());
-    let unnamed = || "unknown".parse::<FactoryId>().context("`unknown` is a factory id");
-    let acknowledgement = match (&verdict.message, verdict.rejection.clone()) {
-        (Some(message), _) => {
-            let (factory_id, network_id, revision) = about(message);
-            Acknowledgement {
-                message_id: new_id(),
-                factory_id,
-                correlation_id: message.message_id().clone(),
-                operation_network_id: network_id,
-                revision,
-                result: AcknowledgementResult::Accepted,
-                fault_list: Vec::new(),
-            }
-        }
-        // Without a transport there is no id but ours to refer to.
-        (None, Some(rejection)) => rejection.into_acknowledgement(
-            new_id(),
-            factory.cloned().map_or_else(unnamed, Ok)?,
-            new_id(),
-        ),
-        (None, None) => {
-            let result = if verdict.faults.is_empty() { "ACCEPTED" } else { "REJECTED" };
-            let text = json!({ "result": result, "faultList": verdict.faults });
-            writeln!(out, "{text:#}")?;
-            return Ok(verdict.outcome());
-        }
-    };
-    let message = asi_model::messages::FactoryMessage::Acknowledgement(acknowledgement);
-    writeln!(out, "{}", serde_json::to_string_pretty(&message)?)?;
-    Ok(verdict.outcome())
-}
-
-fn about(
-    message: &PlatformMessage,
-) -> (FactoryId, Option<asi_model::OperationNetworkId>, Option<u64>) {
-    match message {
-        PlatformMessage::OperationNetwork(m) => (
-            m.factory_id.clone(),
-            Some(m.operation_network.operation_network_id.clone()),
-            Some(m.revision),
-        ),
-        PlatformMessage::Withdraw(m) => {
-            (m.factory_id.clone(), Some(m.operation_network_id.clone()), Some(m.revision))
-        }
-        PlatformMessage::Comment(m) => {
-            (m.factory_id.clone(), Some(m.operation_network_id.clone()), None)
-        }
-        PlatformMessage::AssetRequest(m) => (m.factory_id.clone(), None, None),
-        PlatformMessage::Receipt(m) => (m.factory_id.clone(), None, None),
-        PlatformMessage::Lease(m) => (m.factory_id.clone(), None, None),
     }
 }
 
@@ -325,7 +152,7 @@ fn convert(
         Ok(decoded) => decoded,
         Err(error) => {
             let fault = pubsub_fault(&error);
-            bail_invalid(&fault);
+            note_fault(&fault);
             return Ok(Outcome::Invalid);
         }
     };
@@ -339,7 +166,7 @@ fn convert(
     Ok(Outcome::Valid)
 }
 
-fn bail_invalid(fault: &Fault) {
+fn note_fault(fault: &Fault) {
     note(&[Diagnostic { pointer: fault.pointer.clone(), message: fault.message.clone() }]);
 }
 
@@ -370,7 +197,7 @@ fn nodeset(command: NodesetCommand, out: &mut dyn Write) -> anyhow::Result<Outco
 }
 
 fn rejected(rejection: &validation::Rejection) -> anyhow::Result<Outcome> {
-    rejection.faults.iter().for_each(bail_invalid);
+    rejection.faults.iter().for_each(note_fault);
     Ok(Outcome::Invalid)
 }
 
@@ -380,11 +207,11 @@ fn explain_message(
     out: &mut dyn Write,
 ) -> anyhow::Result<Outcome> {
     let meta_data = read_meta_data(meta_data)?;
-    let verdict = validate(input, None, false);
-    if verdict.outcome() == Outcome::Invalid {
-        return print_verdict(&verdict, out);
+    let check = Check::of(input, None, false);
+    if check.outcome() == Outcome::Invalid {
+        return check.print(out);
     }
-    match (&verdict.message, input.kind) {
+    match (&check.message, input.kind) {
         (Some(message), _) => explain::platform_message(message, out)?,
         (None, Kind::PubSub) => {
             let decoded = match &meta_data {

@@ -3,15 +3,18 @@
 //!
 //! Exit codes: 0 all is well, 1 the input is not valid, 2 the command could not be carried out.
 
+mod check;
 mod commands;
 mod explain;
 mod input;
+mod outcome;
 
 use std::{io::Write as _, process::ExitCode};
 
 use clap::Parser as _;
 
-use commands::{Command, Outcome};
+use commands::Command;
+use outcome::Outcome;
 
 /// Checks, converts and explains messages of the Activity Status Interface.
 #[derive(Debug, clap::Parser)]

@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 
 use super::{
-    escapes::unescape,
-    tape::{Kind, Tape, Token},
+    tape::Tape,
+    token::{Kind, Token},
 };
 
 /// A value within a [`Tape`].
@@ -14,13 +14,17 @@ pub struct Node<'t, 'a> {
     index: u32,
 }
 
-impl<'t, 'a> Node<'t, 'a> {
-    pub(super) const fn new(tape: &'t Tape<'a>, index: u32) -> Self {
-        Self { tape, index }
+impl<'a> Tape<'a> {
+    /// The outermost value.
+    #[must_use]
+    pub fn root(&self) -> Node<'_, 'a> {
+        Node { tape: self, index: 0 }
     }
+}
 
+impl<'t, 'a> Node<'t, 'a> {
     fn token(self) -> Token {
-        self.tape.tokens[self.index as usize]
+        self.tape.token(self.index)
     }
 
     /// What kind of value it is.
@@ -38,9 +42,7 @@ impl<'t, 'a> Node<'t, 'a> {
     /// The JSON text of the value, as it came.
     #[must_use]
     pub fn raw(self) -> &'a str {
-        let token = self.token();
-        let quote = u32::from(token.kind == Kind::String);
-        &self.tape.text[(token.start - quote) as usize..(token.end + quote) as usize]
+        self.tape.raw(self.index)
     }
 
     /// Where the value begins in the text, in bytes.
@@ -53,12 +55,7 @@ impl<'t, 'a> Node<'t, 'a> {
     /// The content of a string.
     #[must_use]
     pub fn text(self) -> Option<Cow<'a, str>> {
-        let token = self.token();
-        if token.kind != Kind::String {
-            return None;
-        }
-        let raw = &self.tape.text[token.start as usize..token.end as usize];
-        Some(if token.escaped { Cow::Owned(unescape(raw.as_bytes())) } else { Cow::Borrowed(raw) })
+        self.tape.string(self.index)
     }
 
     /// The digits of a number, as they came.
@@ -106,12 +103,7 @@ impl<'t, 'a> Node<'t, 'a> {
     /// True for a string with this content.
     #[must_use]
     pub fn is_text(self, text: &str) -> bool {
-        let token = self.token();
-        if token.kind != Kind::String {
-            return false;
-        }
-        let raw = &self.tape.text[token.start as usize..token.end as usize];
-        if token.escaped { unescape(raw.as_bytes()) == text } else { raw == text }
+        self.tape.string(self.index).is_some_and(|found| found == text)
     }
 
     /// The JSON pointer of the value.
@@ -137,7 +129,7 @@ impl<'t, 'a> Iterator for Members<'t, 'a> {
             return None;
         }
         let (key, value) = (self.at, self.at + 1);
-        self.at = self.tape.tokens[value as usize].next;
+        self.at = self.tape.token(value).next;
         Some((Node { tape: self.tape, index: key }, Node { tape: self.tape, index: value }))
     }
 }
@@ -158,7 +150,31 @@ impl<'t, 'a> Iterator for Elements<'t, 'a> {
             return None;
         }
         let index = self.at;
-        self.at = self.tape.tokens[index as usize].next;
+        self.at = self.tape.token(index).next;
         Some(Node { tape: self.tape, index })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::json::Limits;
+
+    const LIMITS: Limits = Limits { bytes_max: 1 << 20, depth_max: 10, tokens_max: 1000 };
+
+    #[test]
+    fn values_are_reached() {
+        let text = r#"{"a":[1,{"b~/":"x\u00e9\n"}],"c":-12,"d":{}}"#;
+        let tape = Tape::read(text.as_bytes(), LIMITS).expect("JSON");
+        let root = tape.root();
+        let inner = root.get("a").and_then(|a| a.elements().nth(1)).expect("there");
+        let text = inner.get("b~/").expect("there");
+        assert_eq!(text.text().as_deref(), Some("xé\n"));
+        assert_eq!(text.pointer(), "/a/1/b~0~1");
+        assert_eq!(root.get("c").and_then(Node::integer::<i64>), Some(-12));
+        assert_eq!(root.get("c").and_then(Node::integer::<u64>), None);
+        assert_eq!(root.get("d").map(|d| (d.raw(), d.members().count())), Some(("{}", 0)));
+        assert_eq!(root.members().count(), 3);
+        assert_eq!(root.pointer(), "");
     }
 }

@@ -3,9 +3,13 @@
 use std::{borrow::Cow, collections::HashSet};
 
 use super::{
+    error::{JsonError, Limits},
     escapes::{code_unit, unescape},
-    tape::{DUPLICATES_MAX, JsonError, Kind, Limits, Token},
+    token::{Kind, Token},
 };
+
+/// How many repeated member names are remembered.
+const DUPLICATES_MAX: usize = 64;
 
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],

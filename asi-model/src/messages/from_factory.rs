@@ -3,7 +3,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{lease::LeaseRequest, to_factory::Comment};
+use super::{
+    asset::{AssetKind, AssetOffer},
+    comment::Comment,
+    disclosure::DisclosureStatement,
+    lease::LeaseRequest,
+};
 use crate::{
     ids::{
         AssetId, DynamicDataRequestId, FactoryId, FieldName, MessageId, OperationId,
@@ -143,20 +148,6 @@ pub enum ValueSource {
     External,
 }
 
-/// A kind of status data set of an asset.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
-pub enum AssetKind {
-    /// Axis positions with their ranges.
-    Pose,
-    /// Power and energy.
-    Power,
-    /// Health and overall condition.
-    Condition,
-    /// Safety states.
-    Safety,
-}
-
 /// What a decision is about.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged, rename_all_fields = "camelCase")]
@@ -204,80 +195,6 @@ pub struct Decision {
     pub disclosure: Option<Box<DisclosureStatement>>,
 }
 
-/// In words and numbers, how a value is coarsened before it leaves.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct DisclosureStatement {
-    /// One sentence for people.
-    pub description: String,
-    /// Values are rounded to multiples of this, in the field's unit.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rounding_step: Option<f64>,
-    /// Values have at most so many significant digits.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub significant_digits: Option<u8>,
-    /// One value per window of time.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub aggregate: Option<AggregateStatement>,
-    /// At most one value per this many milliseconds.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub minimum_interval_ms: Option<u64>,
-    /// At most so many values per period; all of these hold.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub rate_limit_list: Vec<RateStatement>,
-    /// Times are rounded down to multiples of this many milliseconds.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub time_step_ms: Option<u64>,
-    /// Values leave this many milliseconds late.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub delay_ms: Option<u64>,
-    /// Values are these bounds: of each the greatest not above it, in the field's unit.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub band_list: Vec<f64>,
-    /// Values leave within these hours only; all of them hold.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub hours_list: Vec<HoursStatement>,
-    /// Nothing leaves in certain states; which these are is not told.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub is_withheld_in_states: bool,
-}
-
-/// Hours of the plant's clock.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct HoursStatement {
-    /// The days, `MONDAY` to `SUNDAY`.
-    pub day_list: Vec<String>,
-    /// The first minute, `HH:MM`.
-    pub from: String,
-    /// The first minute no more, `HH:MM`.
-    pub until: String,
-    /// How far the plant's clock is ahead of UTC, in minutes.
-    #[serde(default)]
-    pub utc_offset_minutes: i16,
-}
-
-/// What is made of a window's values.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct AggregateStatement {
-    /// Which aggregate, in words: the last value, the maximum, the minimum, the sum, the mean over
-    /// time.
-    pub function: String,
-    /// Length of a window in milliseconds; windows are multiples of it since 1970.
-    pub window_ms: u64,
-}
-
-/// At most so many values within any period of this length.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct RateStatement {
-    /// How many values.
-    pub values: u32,
-    /// The period in milliseconds.
-    pub period_ms: u64,
-}
-
 /// Sequence numbers that will never come, committed with their deletion.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
@@ -310,20 +227,4 @@ pub enum GapCause {
     Withdrawn,
     /// The engineer revoked the consent.
     Revoked,
-}
-
-/// Status data sets that could be asked for.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct AssetOffer {
-    /// Unique per message.
-    pub message_id: MessageId,
-    /// The factory.
-    pub factory_id: FactoryId,
-    /// The asset.
-    pub asset_id: AssetId,
-    /// Which data sets there are.
-    pub kind_list: Vec<AssetKind>,
-    /// What the asset is, in words.
-    pub description: String,
 }

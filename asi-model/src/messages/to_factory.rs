@@ -3,14 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{from_factory::AssetKind, lease::Lease};
+use super::{asset::AssetRequest, comment::Comment, lease::Lease};
 use crate::{
-    ids::{
-        AssetId, CollaborationId, DynamicDataRequestId, FactoryId, FieldName, MessageId,
-        OperationNetworkId, OrganisationId,
-    },
+    ids::{CollaborationId, FactoryId, MessageId, OperationNetworkId},
     network::OperationNetwork,
-    values::DateTime,
 };
 
 /// Any message from the platform to a factory, told apart by `messageType`.
@@ -87,51 +83,6 @@ pub struct Withdraw {
     pub operation_network_id: OperationNetworkId,
     /// The revision of the withdrawal itself: higher than any before.
     pub revision: u64,
-}
-
-/// A remark on a network, a request or a field; goes both ways.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct Comment {
-    /// Unique per message.
-    pub message_id: MessageId,
-    /// The factory that takes part in the talk.
-    pub factory_id: FactoryId,
-    /// The network talked about.
-    pub operation_network_id: OperationNetworkId,
-    /// The request talked about, if one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub dynamic_data_request_id: Option<DynamicDataRequestId>,
-    /// The field talked about, if one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub field_name: Option<FieldName>,
-    /// Who says it.
-    pub author_id: String,
-    /// What is said.
-    pub text: String,
-}
-
-/// A wish for an asset's status data sets.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct AssetRequest {
-    /// Unique per message.
-    pub message_id: MessageId,
-    /// The factory that owns the asset.
-    pub factory_id: FactoryId,
-    /// The asset.
-    pub asset_id: AssetId,
-    /// Which of its data sets.
-    pub kind_list: Vec<AssetKind>,
-    /// The organisation that asks.
-    pub requester_id: OrganisationId,
-    /// The organisations that may see the answers.
-    pub recipient_list: Vec<OrganisationId>,
-    /// What for.
-    pub purpose: String,
-    /// Until when.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub valid_until: Option<DateTime>,
 }
 
 /// What the platform holds of a factory's reports. The connector keeps a report until it is

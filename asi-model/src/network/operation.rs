@@ -117,7 +117,6 @@ pub struct EquipmentRequirement {
 
 /// The state of an operation after the ISA-95 job states (OPC 10031-4).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
-#[allow(missing_docs)]
 pub enum OperationState {
     NotAllowedToStart,
     AllowedToStart,

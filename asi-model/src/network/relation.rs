@@ -13,7 +13,6 @@ use crate::{
 /// Which end of the predecessor precedes which end of the successor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
-#[allow(missing_docs)]
 pub enum RelationType {
     FinishToStart = 0,
     StartToStart = 1,
@@ -57,7 +56,6 @@ pub struct RelationCondition {
 /// The kinds of condition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
-#[allow(missing_docs)]
 pub enum ConditionKind {
     StartNoEarlierThan,
     StartNoLaterThan,

@@ -60,7 +60,6 @@ impl DynamicDataRequest {
 /// The period of an update frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
-#[allow(missing_docs)]
 pub enum UpdateFrequencyUnit {
     Second,
     Minute,
@@ -184,7 +183,6 @@ impl JsonSchema for FieldType {
 
 /// What a field means.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-#[allow(missing_docs)]
 pub enum Semantic {
     ProducedQuantity,
     GoodQuantity,

@@ -1,47 +1,14 @@
 //! Reading NodeSet2.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
 use super::{
-    Model, Node, NodeClass, NodeSet, Reference, value,
+    Model, Node, NodeClass, NodeSet, NodeSetError, Reference,
+    names::Names,
+    value,
     xml::{self, Element},
 };
-use crate::values::{Namespace, NodeId, QualifiedName, Variant};
-
-/// Why a document is not a node set we take.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum NodeSetError {
-    /// It breaks a limit.
-    #[error("the document has more than {count_max} {what}")]
-    TooLarge {
-        /// What there is too much of.
-        what: &'static str,
-        /// How many are accepted.
-        count_max: usize,
-    },
-    /// It is not XML or not a NodeSet2.
-    #[error("at byte {position}: {message}")]
-    Malformed {
-        /// Where, roughly.
-        position: u64,
-        /// What is wrong.
-        message: String,
-    },
-    /// A node is not as it should be.
-    #[error("node {node_id}: {message}")]
-    Node {
-        /// The node as the document names it, cut after 120 characters.
-        node_id: String,
-        /// What is wrong.
-        message: String,
-    },
-}
-
-impl NodeSetError {
-    pub(super) fn malformed(position: u64, message: &str) -> Self {
-        Self::Malformed { position, message: message.to_owned() }
-    }
-}
+use crate::values::Variant;
 
 /// Reads a document.
 ///
@@ -66,49 +33,6 @@ pub fn read(bytes: &[u8]) -> Result<NodeSet, NodeSetError> {
         }
     }
     Ok(NodeSet { models: models.unwrap_or_default(), nodes })
-}
-
-/// The document's namespaces and aliases.
-pub(super) struct Names {
-    namespaces: Vec<Namespace>,
-    aliases: HashMap<String, String>,
-}
-
-impl Names {
-    fn of(root: &Element) -> Self {
-        let uris =
-            root.child("NamespaceUris").map(|list| list.children.as_slice()).unwrap_or_default();
-        let aliases =
-            root.child("Aliases").map(|list| list.children.as_slice()).unwrap_or_default();
-        Self {
-            namespaces: uris.iter().map(|uri| Namespace::uri(uri.trimmed())).collect(),
-            aliases: aliases
-                .iter()
-                .filter_map(|alias| {
-                    Some((alias.attribute("Alias")?.to_owned(), alias.trimmed().to_owned()))
-                })
-                .collect(),
-        }
-    }
-
-    pub(super) fn namespace(&self, namespace: Namespace) -> Option<Namespace> {
-        match namespace {
-            Namespace::Index(0) => Some(Namespace::Ua),
-            Namespace::Index(index) => self.namespaces.get(usize::from(index) - 1).cloned(),
-            known => Some(known),
-        }
-    }
-
-    pub(super) fn node_id(&self, text: &str) -> Option<NodeId> {
-        let text = self.aliases.get(text).map_or(text, String::as_str);
-        let id: NodeId = text.parse().ok()?;
-        Some(NodeId { namespace: self.namespace(id.namespace)?, ..id })
-    }
-
-    fn browse_name(&self, text: &str) -> Option<QualifiedName> {
-        let name: QualifiedName = text.parse().ok()?;
-        Some(QualifiedName { namespace: self.namespace(name.namespace)?, ..name })
-    }
 }
 
 fn model(element: &Element) -> Model {

@@ -5,39 +5,14 @@ use std::sync::Arc;
 use base64::Engine as _;
 
 use super::{
-    read::Names,
-    write::Namespaces,
+    names::Names,
+    namespaces::{Namespaces, scalars},
     xml::{Element, escape},
 };
 use crate::values::{
     Array, BuiltInType, ExtensionBody, ExtensionObject, LocalizedText, Namespace, QualifiedName,
     Scalar, StatusCode, StructureType, StructureValue, Variant,
 };
-
-/// Calls `visit` for each namespace inside a value.
-pub(super) fn for_each_namespace(value: &Variant, visit: &mut dyn FnMut(&Namespace)) {
-    for scalar in scalars(value) {
-        match scalar {
-            Scalar::NodeId(id) => visit(&id.namespace),
-            Scalar::ExpandedNodeId(id) => visit(&id.node_id.namespace),
-            Scalar::QualifiedName(name) => visit(&name.namespace),
-            Scalar::ExtensionObject(object) => {
-                if let ExtensionBody::Structure(structure) = &object.body {
-                    structure.fields.values().for_each(|field| for_each_namespace(field, visit));
-                }
-            }
-            _ => {}
-        }
-    }
-}
-
-fn scalars(value: &Variant) -> &[Scalar] {
-    match value {
-        Variant::Null => &[],
-        Variant::Scalar(scalar) => std::slice::from_ref(scalar),
-        Variant::Array(array) => array.elements.as_slice(),
-    }
-}
 
 /// True for what this form carries: no matrices, no values inside values, no structures but those
 /// of namespace 0, and no null texts, which would come back as empty ones.

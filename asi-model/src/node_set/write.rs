@@ -2,8 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Model, Node, NodeClass, NodeSet, value, xml::escape};
-use crate::values::{Namespace, NodeId, QualifiedName};
+use super::{Model, Node, NodeClass, NodeSet, namespaces::Namespaces, value, xml::escape};
 
 /// The text of a node set. Namespaces are numbered in order of models, then of first mention.
 #[must_use]
@@ -16,7 +15,7 @@ pub fn write(node_set: &NodeSet) -> String {
         " xmlns:uax=\"http://opcfoundation.org/UA/2008/02/Types.xsd\">\n"
     ));
     out.push_str("  <NamespaceUris>\n");
-    for uri in &namespaces.0 {
+    for uri in namespaces.uris() {
         line(&mut out, 2, format_args!("<Uri>{}</Uri>", escape(uri)));
     }
     out.push_str("  </NamespaceUris>\n  <Models>\n");
@@ -29,65 +28,6 @@ pub fn write(node_set: &NodeSet) -> String {
     }
     out.push_str("</UANodeSet>\n");
     out
-}
-
-/// The URIs behind the indexes from 1 on.
-pub(super) struct Namespaces(Vec<String>);
-
-impl Namespaces {
-    fn of(node_set: &NodeSet) -> Self {
-        let mut namespaces = Self(node_set.models.iter().map(|model| model.uri.clone()).collect());
-        for node in &node_set.nodes {
-            namespaces.note(&node.node_id.namespace);
-            namespaces.note(&node.browse_name.namespace);
-            for reference in &node.references {
-                namespaces.note(&reference.reference_type.namespace);
-                namespaces.note(&reference.target.namespace);
-            }
-            match &node.class {
-                NodeClass::Variable { data_type, value, .. } => {
-                    namespaces.note(&data_type.namespace);
-                    value::for_each_namespace(value, &mut |namespace| namespaces.note(namespace));
-                }
-                NodeClass::VariableType { data_type, .. } => namespaces.note(&data_type.namespace),
-                _ => {}
-            }
-        }
-        namespaces
-    }
-
-    fn note(&mut self, namespace: &Namespace) {
-        if let Namespace::Uri(uri) = namespace
-            && !self.0.iter().any(|known| **known == **uri)
-        {
-            self.0.push(uri.to_string());
-        }
-    }
-
-    pub(super) fn index(&self, namespace: &Namespace) -> usize {
-        match namespace {
-            Namespace::Ua => 0,
-            Namespace::Index(index) => usize::from(*index),
-            Namespace::Uri(uri) => {
-                self.0.iter().position(|known| **known == **uri).map_or(0, |at| at + 1)
-            }
-        }
-    }
-
-    pub(super) fn node_id(&self, id: &NodeId) -> String {
-        match self.index(&id.namespace) {
-            0 => id.identifier.to_string(),
-            index => format!("ns={index};{}", id.identifier),
-        }
-    }
-
-    fn browse_name(&self, name: &QualifiedName) -> String {
-        let text = name.name.as_deref().unwrap_or_default();
-        match self.index(&name.namespace) {
-            0 => text.to_owned(),
-            index => format!("{index}:{text}"),
-        }
-    }
 }
 
 fn line(out: &mut String, depth: usize, content: std::fmt::Arguments<'_>) {

@@ -2,7 +2,10 @@
 
 use std::borrow::Cow;
 
-use quick_xml::{Reader, XmlVersion, events::Event};
+use quick_xml::{
+    Reader, XmlVersion,
+    events::{BytesRef, BytesStart, Event},
+};
 
 use super::NodeSetError;
 
@@ -75,106 +78,123 @@ pub(super) fn read(bytes: &[u8]) -> Result<Element, NodeSetError> {
     let text = std::str::from_utf8(bytes)
         .map_err(|_| NodeSetError::malformed(0, "the document is not UTF-8"))?;
     let mut reader = Reader::from_str(text.trim_start_matches('\u{feff}'));
-    let mut open = vec![Element::default()];
-    let mut count = 0;
+    let mut tree = Tree { open: vec![Element::default()], count: 0 };
     loop {
         let position = reader.buffer_position();
         let malformed = |message: String| NodeSetError::Malformed { position, message };
-        let event = reader.read_event().map_err(|error| malformed(error.to_string()))?;
-        match event {
-            Event::Start(_) | Event::Empty(_) => {
-                count += 1;
-                if count > ELEMENTS_MAX {
-                    return Err(NodeSetError::TooLarge {
-                        what: "elements",
-                        count_max: ELEMENTS_MAX,
-                    });
-                }
-                let is_empty = matches!(event, Event::Empty(_));
-                let (Event::Start(start) | Event::Empty(start)) = event else { continue };
-                let mut element =
-                    Element { name: start.local_name().as_ref().to_owned(), ..Element::default() };
-                // The reader's own search for repeated attributes takes quadratic time; here the
-                // first one counts.
-                for (number, attribute) in start.attributes().with_checks(false).enumerate() {
-                    if number == ATTRIBUTES_MAX {
-                        let what = "attributes in one element";
-                        return Err(NodeSetError::TooLarge { what, count_max: ATTRIBUTES_MAX });
-                    }
-                    let attribute = attribute.map_err(|error| malformed(error.to_string()))?;
-                    let value = attribute
-                        .normalized_value(XmlVersion::Implicit1_0)
-                        .map_err(|error| malformed(error.to_string()))?;
-                    element
-                        .attributes
-                        .push((attribute.key.local_name().as_ref().to_owned(), value.into_owned()));
-                }
-                if is_empty {
-                    push_child(&mut open, element);
-                } else if open.len() >= DEPTH_MAX {
-                    return Err(NodeSetError::TooLarge {
-                        what: "levels of nesting",
-                        count_max: DEPTH_MAX,
-                    });
-                } else {
-                    open.push(element);
-                }
+        match reader.read_event().map_err(|error| malformed(error.to_string()))? {
+            Event::Start(start) => {
+                let element = tree.element(&start, position)?;
+                tree.push_open(element)?;
             }
-            Event::End(_) => {
-                // The reader has checked that it closes the element last opened.
-                if open.len() > 1
-                    && let Some(element) = open.pop()
-                {
-                    push_child(&mut open, element);
-                }
+            Event::Empty(start) => {
+                let element = tree.element(&start, position)?;
+                tree.push_child(element);
             }
-            Event::Text(content) => {
-                push_text(&mut open, &content.xml_content(XmlVersion::Implicit1_0))
-            }
-            Event::CData(content) => {
-                push_text(&mut open, &content.xml_content(XmlVersion::Implicit1_0))
-            }
+            Event::End(_) => tree.close(),
+            Event::Text(content) => tree.push_text(&content.xml_content(XmlVersion::Implicit1_0)),
+            Event::CData(content) => tree.push_text(&content.xml_content(XmlVersion::Implicit1_0)),
             Event::GeneralRef(reference) => {
-                let resolved =
-                    reference.resolve_char_ref().map_err(|error| malformed(error.to_string()))?;
-                let c = match resolved {
-                    Some(c) => c,
-                    None => match &*reference.xml_content(XmlVersion::Implicit1_0) {
-                        "amp" => '&',
-                        "lt" => '<',
-                        "gt" => '>',
-                        "quot" => '"',
-                        "apos" => '\'',
-                        _ => return Err(malformed("an entity is not known".to_owned())),
-                    },
-                };
-                push_text(&mut open, c.encode_utf8(&mut [0; 4]));
+                let c = referenced(&reference).map_err(malformed)?;
+                tree.push_text(c.encode_utf8(&mut [0; 4]));
             }
             Event::DocType(_) => {
                 return Err(malformed("document types are not accepted".to_owned()));
             }
-            Event::Eof => break,
+            Event::Eof => return tree.into_root(),
             _ => {}
         }
     }
-    let mut document = open.pop().filter(|_| open.is_empty()).unwrap_or_default();
-    match document.children.len() {
-        1 => Ok(document.children.remove(0)),
-        _ => Err(NodeSetError::malformed(
-            0,
-            "the document must have exactly one closed root element",
-        )),
+}
+
+/// The character that a reference stands for: a number, or one of the five entities of XML.
+fn referenced(reference: &BytesRef<'_>) -> Result<char, String> {
+    match reference.resolve_char_ref().map_err(|error| error.to_string())? {
+        Some(c) => Ok(c),
+        None => match &*reference.xml_content(XmlVersion::Implicit1_0) {
+            "amp" => Ok('&'),
+            "lt" => Ok('<'),
+            "gt" => Ok('>'),
+            "quot" => Ok('"'),
+            "apos" => Ok('\''),
+            _ => Err("an entity is not known".to_owned()),
+        },
     }
 }
 
-fn push_child(open: &mut [Element], element: Element) {
-    if let Some(parent) = open.last_mut() {
-        parent.children.push(element);
-    }
+/// The elements read so far.
+struct Tree {
+    /// The document and the elements that are not closed yet, outermost first.
+    open: Vec<Element>,
+    /// Elements begun, those that are closed included.
+    count: usize,
 }
 
-fn push_text(open: &mut [Element], text: &str) {
-    if let Some(element) = open.last_mut() {
-        element.text.push_str(text);
+impl Tree {
+    /// Reads the name and attributes of an element that begins.
+    fn element(&mut self, start: &BytesStart<'_>, position: u64) -> Result<Element, NodeSetError> {
+        self.count += 1;
+        if self.count > ELEMENTS_MAX {
+            return Err(NodeSetError::TooLarge { what: "elements", count_max: ELEMENTS_MAX });
+        }
+        let mut element =
+            Element { name: start.local_name().as_ref().to_owned(), ..Element::default() };
+        // The reader's own search for repeated attributes takes quadratic time; here the first one
+        // counts.
+        for (number, attribute) in start.attributes().with_checks(false).enumerate() {
+            if number == ATTRIBUTES_MAX {
+                let what = "attributes in one element";
+                return Err(NodeSetError::TooLarge { what, count_max: ATTRIBUTES_MAX });
+            }
+            let attribute =
+                attribute.map_err(|error| NodeSetError::malformed(position, &error.to_string()))?;
+            let value = attribute
+                .normalized_value(XmlVersion::Implicit1_0)
+                .map_err(|error| NodeSetError::malformed(position, &error.to_string()))?;
+            element
+                .attributes
+                .push((attribute.key.local_name().as_ref().to_owned(), value.into_owned()));
+        }
+        Ok(element)
+    }
+
+    fn push_open(&mut self, element: Element) -> Result<(), NodeSetError> {
+        if self.open.len() >= DEPTH_MAX {
+            return Err(NodeSetError::TooLarge { what: "levels of nesting", count_max: DEPTH_MAX });
+        }
+        self.open.push(element);
+        Ok(())
+    }
+
+    /// Closes the element last opened. The reader has checked that the names agree.
+    fn close(&mut self) {
+        if self.open.len() > 1
+            && let Some(element) = self.open.pop()
+        {
+            self.push_child(element);
+        }
+    }
+
+    fn push_child(&mut self, element: Element) {
+        if let Some(parent) = self.open.last_mut() {
+            parent.children.push(element);
+        }
+    }
+
+    fn push_text(&mut self, text: &str) {
+        if let Some(element) = self.open.last_mut() {
+            element.text.push_str(text);
+        }
+    }
+
+    fn into_root(mut self) -> Result<Element, NodeSetError> {
+        let mut document = self.open.pop().filter(|_| self.open.is_empty()).unwrap_or_default();
+        match document.children.len() {
+            1 => Ok(document.children.remove(0)),
+            _ => Err(NodeSetError::malformed(
+                0,
+                "the document must have exactly one closed root element",
+            )),
+        }
     }
 }

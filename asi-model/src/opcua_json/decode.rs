@@ -2,49 +2,28 @@
 
 use std::sync::Arc;
 
-use super::{Diagnostic, Leniency, Mismatch, shape::Shape};
+use super::{
+    decode_names::NamespaceTable,
+    decode_scalar::{
+        boolean, bytes, date_time, default_scalar, diagnostic_info, float, guid, integer,
+        integer_64, localized_text, named_value, status_code, text,
+    },
+    decoded_value::DecodedValue,
+    diagnostics::{Diagnostics, Leniency},
+    mismatch::Mismatch,
+    shape::Shape,
+};
 use crate::{
     json::{Kind, Node},
-    pubsub::FieldMetaData,
     values::{
         BuiltInType, DataValue, NodeId, STRUCTURE, Scalar, StatusCode, StructureField,
         StructureType, Variant,
     },
 };
 
-/// How many diagnostics one input yields at most.
-const DIAGNOSTICS_MAX: usize = 64;
 /// How many structure fields one input yields at most, defaults of absent ones included:
 /// `[{},{},…]` under a foreign description is short to write and long to fill in.
 const STRUCTURE_FIELDS_MAX: usize = 500_000;
-
-/// A value and the form in which it came.
-#[derive(Debug, Clone, PartialEq)]
-pub enum DecodedValue {
-    /// With its type, without times.
-    Variant(Variant),
-    /// With its quality and times.
-    DataValue(DataValue),
-    /// Without its type.
-    Bare(Variant),
-}
-
-impl DecodedValue {
-    /// The value with its quality. A Bad status code that stands in a value's place, and a data
-    /// value inside a variant, are what OPC 10000-14 §6.2.4.2 makes of values that are not Good;
-    /// they become a value's quality again.
-    #[must_use]
-    pub fn into_data_value(self) -> DataValue {
-        match self {
-            Self::DataValue(value) => value,
-            Self::Variant(Variant::Scalar(Scalar::DataValue(value))) => *value,
-            Self::Variant(Variant::Scalar(Scalar::StatusCode(status))) if status.is_bad() => {
-                DataValue::status_only(status, None)
-            }
-            Self::Variant(value) | Self::Bare(value) => DataValue { value, ..DataValue::default() },
-        }
-    }
-}
 
 /// What is known of a value's type beforehand.
 #[derive(Debug, Clone, Copy)]
@@ -52,16 +31,6 @@ pub(crate) struct TypeHint<'h> {
     pub(crate) built_in_type: BuiltInType,
     pub(crate) data_type: &'h NodeId,
     pub(crate) value_rank: i32,
-}
-
-impl<'h> From<&'h FieldMetaData> for TypeHint<'h> {
-    fn from(field: &'h FieldMetaData) -> Self {
-        Self {
-            built_in_type: field.built_in_type,
-            data_type: &field.data_type,
-            value_rank: field.value_rank,
-        }
-    }
 }
 
 impl<'h> From<&'h StructureField> for TypeHint<'h> {
@@ -85,10 +54,9 @@ impl TypeHint<'_> {
 /// Reads values in all forms.
 #[derive(Debug)]
 pub struct Decoder<'d> {
-    leniency: Leniency,
+    pub(crate) diagnostics: Diagnostics,
     pub(super) types: &'d [StructureType],
-    pub(super) namespaces: &'d [Arc<str>],
-    diagnostics: Vec<Diagnostic>,
+    pub(crate) namespaces: NamespaceTable<'d>,
     structure_fields_left: usize,
 }
 
@@ -102,36 +70,17 @@ impl<'d> Decoder<'d> {
         namespaces: &'d [Arc<str>],
     ) -> Self {
         Self {
-            leniency,
+            diagnostics: Diagnostics::new(leniency),
             types,
-            namespaces,
-            diagnostics: Vec::new(),
+            namespaces: NamespaceTable(namespaces),
             structure_fields_left: STRUCTURE_FIELDS_MAX,
-        }
-    }
-
-    /// What was noteworthy so far.
-    #[must_use]
-    pub fn into_diagnostics(self) -> Vec<Diagnostic> {
-        self.diagnostics
-    }
-
-    /// How deviations are met.
-    pub(crate) const fn leniency(&self) -> Leniency {
-        self.leniency
-    }
-
-    /// Takes over what another decoder noted.
-    pub(crate) fn adopt(&mut self, diagnostic: Diagnostic) {
-        if self.diagnostics.len() < DIAGNOSTICS_MAX {
-            self.diagnostics.push(diagnostic);
         }
     }
 
     /// Replaces what is known from metadata.
     pub(crate) fn set_described(&mut self, types: &'d [StructureType], namespaces: &'d [Arc<str>]) {
         self.types = types;
-        self.namespaces = namespaces;
+        self.namespaces = NamespaceTable(namespaces);
     }
 
     /// Takes structure fields from the budget of this input.
@@ -151,26 +100,6 @@ impl<'d> Decoder<'d> {
         let left = self.structure_fields_left.checked_sub(count);
         self.structure_fields_left = left.unwrap_or(0);
         left.is_some()
-    }
-
-    /// Notes something about a node.
-    pub(crate) fn note(&mut self, node: Node<'_, '_>, message: impl Into<String>) {
-        if self.diagnostics.len() < DIAGNOSTICS_MAX {
-            self.diagnostics.push(Diagnostic { pointer: node.pointer(), message: message.into() });
-        }
-    }
-
-    /// Takes a deviation with a note, or refuses it where strictness is asked for.
-    pub(crate) fn tolerate<'t, 'a>(
-        &mut self,
-        node: Node<'t, 'a>,
-        message: &'static str,
-    ) -> Result<(), Mismatch<'t, 'a>> {
-        if self.leniency == Leniency::Strict {
-            return Err(Mismatch::new(node, message));
-        }
-        self.note(node, message);
-        Ok(())
     }
 
     /// A value in whichever form it is. Where metadata says what to expect, bare values follow it.
@@ -247,16 +176,10 @@ impl<'d> Decoder<'d> {
         };
         Ok(DataValue {
             value,
-            status: shape.status.map_or(Ok(StatusCode::GOOD), |status| self.status_code(status))?,
-            source_timestamp: shape
-                .source_timestamp
-                .map(|time| self.date_time(time))
-                .transpose()?,
+            status: shape.status.map_or(Ok(StatusCode::GOOD), status_code)?,
+            source_timestamp: shape.source_timestamp.map(date_time).transpose()?,
             source_picoseconds: self.picoseconds(shape.source_picoseconds)?,
-            server_timestamp: shape
-                .server_timestamp
-                .map(|time| self.date_time(time))
-                .transpose()?,
+            server_timestamp: shape.server_timestamp.map(date_time).transpose()?,
             server_picoseconds: self.picoseconds(shape.server_picoseconds)?,
         })
     }
@@ -310,7 +233,7 @@ impl<'d> Decoder<'d> {
             Mismatch::new(type_node, "the type must be the id of a built-in type, 0 to 25")
         })?;
         match body {
-            None => Ok(self.default_of(built_in_type)),
+            None => Ok(Variant::Scalar(default_scalar(built_in_type))),
             Some(body) if body.kind() == Kind::Array => {
                 if body.elements().next().is_some_and(|first| first.kind() == Kind::Array) {
                     return self.matrix(body, built_in_type, None);
@@ -320,5 +243,73 @@ impl<'d> Decoder<'d> {
             }
             Some(body) => self.scalar(body, built_in_type, None).map(Variant::Scalar),
         }
+    }
+
+    /// A single value of a type; `structure` is the DataType that a structure must have, where one
+    /// is declared.
+    pub(super) fn scalar<'t, 'a>(
+        &mut self,
+        node: Node<'t, 'a>,
+        built_in_type: BuiltInType,
+        structure: Option<&NodeId>,
+    ) -> Result<Scalar, Mismatch<'t, 'a>> {
+        use BuiltInType as T;
+        if node.is_null() {
+            return Ok(default_scalar(built_in_type));
+        }
+        Ok(match built_in_type {
+            T::Boolean => Scalar::Boolean(boolean(node, &mut self.diagnostics)?),
+            T::SByte => Scalar::SByte(integer(node, "a number from -128 to 127")?),
+            T::Byte => Scalar::Byte(integer(node, "a number from 0 to 255")?),
+            T::Int16 => Scalar::Int16(integer(node, "a number from -32768 to 32767")?),
+            T::UInt16 => Scalar::UInt16(integer(node, "a number from 0 to 65535")?),
+            T::Int32 => Scalar::Int32(match named_value(node) {
+                Some(value) => value,
+                None => integer(node, "a number from -2147483648 to 2147483647")?,
+            }),
+            T::UInt32 => Scalar::UInt32(integer(node, "a number from 0 to 4294967295")?),
+            T::Int64 => Scalar::Int64(integer_64(
+                node,
+                "an Int64 as a string of digits",
+                &mut self.diagnostics,
+            )?),
+            T::UInt64 => Scalar::UInt64(integer_64(
+                node,
+                "a UInt64 as a string of digits",
+                &mut self.diagnostics,
+            )?),
+            T::Float => Scalar::Float(float(
+                node,
+                f32::INFINITY,
+                |value: &f32| value.is_finite(),
+                f32::NAN,
+            )?),
+            T::Double => Scalar::Double(float(
+                node,
+                f64::INFINITY,
+                |value: &f64| value.is_finite(),
+                f64::NAN,
+            )?),
+            T::String => Scalar::String(Some(text(node)?.into())),
+            T::XmlElement => Scalar::XmlElement(Some(text(node)?.into())),
+            T::DateTime => Scalar::DateTime(date_time(node)?),
+            T::Guid => Scalar::Guid(guid(node)?),
+            T::ByteString => Scalar::ByteString(Some(bytes(node)?)),
+            T::NodeId => Scalar::NodeId(Box::new(self.namespaces.node_id(node)?)),
+            T::ExpandedNodeId => {
+                Scalar::ExpandedNodeId(Box::new(self.namespaces.expanded_node_id(node)?))
+            }
+            T::StatusCode => Scalar::StatusCode(status_code(node)?),
+            T::QualifiedName => {
+                Scalar::QualifiedName(Box::new(self.namespaces.qualified_name(node)?))
+            }
+            T::LocalizedText => Scalar::LocalizedText(Box::new(localized_text(node)?)),
+            T::ExtensionObject => {
+                Scalar::ExtensionObject(Box::new(self.extension_object(node, structure)?))
+            }
+            T::DataValue => Scalar::DataValue(Box::new(self.data_value(node)?)),
+            T::Variant => Scalar::Variant(Box::new(self.variant(node)?)),
+            T::DiagnosticInfo => Scalar::DiagnosticInfo(Box::new(diagnostic_info(node)?)),
+        })
     }
 }

@@ -3,8 +3,8 @@
 use std::{borrow::Cow, sync::Arc};
 
 use super::{
-    Mismatch,
     decode::{Decoder, TypeHint},
+    mismatch::Mismatch,
 };
 use crate::{
     json::{Kind, Node},
@@ -96,7 +96,7 @@ impl Decoder<'_> {
             Some(hint) => self.bare(node, hint),
             None if node.is_null() => Ok(Variant::Null),
             None => {
-                self.note(node, "the value does not name its type and there is no metadata; its type is a guess");
+                self.diagnostics.note(node, "the value does not name its type and there is no metadata; its type is a guess");
                 Ok(self.guess(node))
             }
         }

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::{
-    Mismatch,
     decode::Decoder,
     decode_scalar::{default_scalar, integer, text},
+    mismatch::Mismatch,
 };
 use crate::{
     json::{Kind, Node, push_separated},
@@ -64,7 +64,7 @@ impl<'d> Decoder<'d> {
     ) -> Result<ExtensionObject, Mismatch<'t, 'a>> {
         let type_id = match type_node.kind() {
             Kind::Number => NodeId::ua(integer(type_node, "a NodeId")?).into(),
-            _ => self.expanded_node_id(type_node)?,
+            _ => self.namespaces.expanded_node_id(type_node)?,
         };
         let encoding =
             node.get("Encoding").map(|encoding| integer(encoding, "0, 1 or 2")).transpose()?;
@@ -76,7 +76,7 @@ impl<'d> Decoder<'d> {
         node: Node<'t, 'a>,
         type_node: Node<'t, 'a>,
     ) -> Result<ExtensionObject, Mismatch<'t, 'a>> {
-        let type_id = self.expanded_node_id(type_node)?;
+        let type_id = self.namespaces.expanded_node_id(type_node)?;
         let encoding =
             node.get("UaEncoding").map(|encoding| integer(encoding, "0, 1 or 2")).transpose()?;
         if let Some(body) = node.get("UaBody") {
@@ -235,7 +235,7 @@ impl<'d> Decoder<'d> {
         match similar {
             None => Ok(None),
             Some((key, value)) => {
-                self.tolerate(
+                self.diagnostics.tolerate(
                     key,
                     "the field's name is written in other letter case than the standard's",
                 )?;
@@ -255,7 +255,7 @@ impl<'d> Decoder<'d> {
                 description.fields.iter().any(|field| field.name.eq_ignore_ascii_case(&name))
                     || matches!(&*name, "UaTypeId" | "EncodingMask");
             if !is_known {
-                self.tolerate(key, "the structure has no such field; it is ignored")?;
+                self.diagnostics.tolerate(key, "the structure has no such field; it is ignored")?;
             }
         }
         Ok(())

@@ -2,13 +2,33 @@
 
 use std::sync::Arc;
 
-use super::DataEncoding;
 use crate::{
     json::write,
     values::{
         Array, DataValue, DiagnosticInfo, EnumType, Scalar, StatusCode, StructureType, Variant,
     },
 };
+
+/// The forms in which values are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum DataEncoding {
+    /// 1.04 reversible: `{"Type": 9, "Body": "1"}`.
+    Reversible104,
+    /// 1.04 non-reversible: the bare value. Locales, types and switch fields are lost.
+    NonReversible104,
+    /// 1.05 compact: `{"UaType": 9, "Value": "1"}`.
+    Compact105,
+    /// 1.05 verbose: as compact, with symbols and defaults for people.
+    Verbose105,
+}
+
+impl DataEncoding {
+    /// One of the two forms of 1.05.
+    #[must_use]
+    pub const fn is_105(self) -> bool {
+        matches!(self, Self::Compact105 | Self::Verbose105)
+    }
+}
 
 /// Writes values in one encoding, straight into a buffer.
 #[derive(Debug, Clone, Copy)]

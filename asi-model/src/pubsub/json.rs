@@ -2,6 +2,7 @@
 //! in.
 
 mod decode;
+mod decode_members;
 mod decode_message;
 mod decode_meta_data;
 mod encode;

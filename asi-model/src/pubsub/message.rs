@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use uuid::Uuid;
 
-use super::DataSetMetaData;
+use super::meta_data::{DataSetMetaData, MetaDataVersion};
 use crate::{
     ids::MessageId,
     values::{DataValue, DateTime, StatusCode, Variant},
@@ -78,16 +78,6 @@ pub struct NetworkMessage {
     pub data_set_class_id: Option<Uuid>,
     /// The DataSetMessages.
     pub messages: Vec<DataSetMessage>,
-}
-
-/// The version of a data set's metadata (ConfigurationVersionDataType).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
-pub struct MetaDataVersion {
-    /// VersionTime; changes when fields are removed, inserted or retyped. In Verbund the writer's
-    /// *epoch*.
-    pub major: u32,
-    /// VersionTime; changes also when fields are appended.
-    pub minor: u32,
 }
 
 /// What kind of DataSetMessage it is.
@@ -243,7 +233,6 @@ pub struct StatusMessage {
 
 /// The state of a publisher.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-#[allow(missing_docs)]
 pub enum PubSubState {
     Disabled = 0,
     Paused = 1,

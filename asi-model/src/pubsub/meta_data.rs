@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use uuid::Uuid;
 
-use super::MetaDataVersion;
 use crate::{
     asi_types::ASI_NAMESPACE_URI,
     messages::DisclosureStatement,
@@ -22,6 +21,16 @@ pub const PROPERTY_ENGINEERING_UNITS: &str = "EngineeringUnits";
 pub const PROPERTY_SEMANTIC: &str = "Semantic";
 /// Property of a field: how its value is coarsened, in words (BrowseName of the ASI namespace).
 pub const PROPERTY_DISCLOSURE: &str = "Disclosure";
+
+/// The version of a data set's metadata (ConfigurationVersionDataType).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+pub struct MetaDataVersion {
+    /// VersionTime; changes when fields are removed, inserted or retyped. In Verbund the writer's
+    /// *epoch*.
+    pub major: u32,
+    /// VersionTime; changes also when fields are appended.
+    pub minor: u32,
+}
 
 /// What the fields of a data set are.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -244,5 +253,31 @@ impl MetaDataLookup for () {
 impl MetaDataLookup for DataSetMetaData {
     fn meta_data(&self, _: Option<&str>, _: Option<u16>) -> Option<&DataSetMetaData> {
         Some(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn versions_change_as_the_standard_says() {
+        let id = uuid::Uuid::from_u128;
+        let field = |name: &str, n| FieldMetaData::new(name, BuiltInType::Double, id(n));
+        let of =
+            |fields: Vec<FieldMetaData>| DataSetMetaData { fields, ..DataSetMetaData::default() };
+        let old = of(vec![field("a", 1), field("b", 2)]);
+        let mut with_unit = field("b", 2);
+        with_unit.set_engineering_unit(units::lookup("MMT").expect("known"));
+        for (new, expected) in [
+            (of(vec![field("a", 1), field("b", 2)]), MetaDataChange::None),
+            (of(vec![field("a", 1), field("b", 2), field("c", 3)]), MetaDataChange::Minor),
+            (of(vec![field("a", 1)]), MetaDataChange::Major),
+            (of(vec![field("b", 2), field("a", 1)]), MetaDataChange::Major),
+            (of(vec![field("c", 3), field("a", 1), field("b", 2)]), MetaDataChange::Major),
+            (of(vec![field("a", 1), with_unit]), MetaDataChange::Major),
+        ] {
+            assert_eq!(new.change_since(&old), expected);
+        }
     }
 }

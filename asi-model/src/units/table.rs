@@ -4,7 +4,7 @@
 //! The first unit of a quantity with factor 1 is its base unit. Units without a fixed relation
 //! stand under [`Quantity::Other`] and [`Quantity::Packaging`] and do not convert.
 
-use super::{EngineeringUnit, Quantity};
+use super::unit::{EngineeringUnit, Quantity};
 
 const fn unit(
     quantity: Quantity,

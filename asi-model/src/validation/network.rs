@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::{
-    FaultCode, LIST_MAX, OPERATIONS_MAX, RELATIONS_MAX, acyclic, conditions, messages::not_empty,
+    FaultCode, LIST_MAX, OPERATIONS_MAX, RELATIONS_MAX, acyclic, conditions, lists::not_empty,
     operations, reader::Reader, report_format,
 };
 use crate::{

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use super::{
     FaultCode, LIST_MAX,
-    messages::{not_empty, recipients},
+    lists::{not_empty, recipients},
     reader::Reader,
 };
 use crate::{

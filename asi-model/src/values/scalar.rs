@@ -1,85 +1,15 @@
-//! Built-in types, scalars, arrays and variants (OPC 10000-6 §5.1.2).
+//! Scalars, arrays, variants and data values (OPC 10000-6 §5.1.2).
 
-use std::{fmt, str::FromStr, sync::Arc};
+use std::sync::Arc;
 
 use indexmap::IndexMap;
 use uuid::Uuid;
 
-use super::{DataValue, DateTime, ExpandedNodeId, NodeId, QualifiedName, StatusCode};
-
-macro_rules! built_in_types {
-    ($($name:ident = $id:literal),* $(,)?) => {
-        /// The 25 built-in types with their standard ids. On the wire an id or a name; we emit the
-        /// id.
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-        #[repr(u8)]
-        #[allow(missing_docs)]
-        pub enum BuiltInType { $($name = $id),* }
-
-        impl BuiltInType {
-            /// All types, by id.
-            pub const ALL: [Self; 25] = [$(Self::$name),*];
-
-            /// The type with this id (1 to 25).
-            #[must_use]
-            pub const fn from_id(id: u64) -> Option<Self> {
-                match id { $($id => Some(Self::$name),)* _ => None }
-            }
-
-            /// The standard's name of the type.
-            #[must_use]
-            pub const fn name(self) -> &'static str {
-                match self { $(Self::$name => stringify!($name)),* }
-            }
-        }
-
-        impl FromStr for BuiltInType {
-            type Err = ();
-            fn from_str(name: &str) -> Result<Self, ()> {
-                match name { $(stringify!($name) => Ok(Self::$name),)* _ => Err(()) }
-            }
-        }
-    };
-}
-
-built_in_types! {
-    Boolean = 1, SByte = 2, Byte = 3, Int16 = 4, UInt16 = 5, Int32 = 6, UInt32 = 7, Int64 = 8, UInt64 = 9,
-    Float = 10, Double = 11, String = 12, DateTime = 13, Guid = 14, ByteString = 15, XmlElement = 16, NodeId = 17,
-    ExpandedNodeId = 18, StatusCode = 19, QualifiedName = 20, LocalizedText = 21, ExtensionObject = 22,
-    DataValue = 23, Variant = 24, DiagnosticInfo = 25,
-}
-
-impl BuiltInType {
-    /// The type's id, 1 to 25.
-    #[must_use]
-    pub const fn id(self) -> u8 {
-        self as u8
-    }
-
-    /// One of the integer or floating point types: those that may have a unit and be scaled or
-    /// rounded.
-    #[must_use]
-    pub const fn is_numeric(self) -> bool {
-        matches!(self.id(), 2..=11)
-    }
-
-    /// One of the eight integer types.
-    #[must_use]
-    pub const fn is_integer(self) -> bool {
-        matches!(self.id(), 2..=9)
-    }
-}
-
-impl fmt::Display for BuiltInType {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
+use super::{BuiltInType, DateTime, ExpandedNodeId, NodeId, QualifiedName, StatusCode};
 
 /// A single value of a built-in type. Texts and bytes are shared, so that a clone costs no copy;
 /// `None` is the null string or null bytes, which differ from empty ones.
 #[derive(Debug, Clone, PartialEq)]
-#[allow(missing_docs)]
 pub enum Scalar {
     Boolean(bool),
     SByte(i8),
@@ -255,7 +185,6 @@ pub struct StructureValue {
 
 /// Diagnostics beside a status (OPC 10000-4 §7.12); rarely seen, carried for completeness.
 #[derive(Debug, Clone, PartialEq, Default)]
-#[allow(missing_docs)]
 pub struct DiagnosticInfo {
     pub symbolic_id: Option<i32>,
     pub namespace_uri: Option<i32>,
@@ -326,6 +255,37 @@ impl Variant {
     #[must_use]
     pub const fn is_null(&self) -> bool {
         matches!(self, Self::Null)
+    }
+}
+
+/// A value with its quality and times (OPC 10000-4 §7.11). The three never travel apart.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct DataValue {
+    /// The value; [`Variant::Null`] where there is none.
+    pub value: Variant,
+    /// The quality; Good where nothing is said.
+    pub status: StatusCode,
+    /// When the source measured the value.
+    pub source_timestamp: Option<DateTime>,
+    /// Further resolution of the source time, in units of 10 ps (0 to 9999).
+    pub source_picoseconds: u16,
+    /// When the server last knew the value to be true.
+    pub server_timestamp: Option<DateTime>,
+    /// Further resolution of the server time, in units of 10 ps (0 to 9999).
+    pub server_picoseconds: u16,
+}
+
+impl DataValue {
+    /// A Good value measured at a time.
+    #[must_use]
+    pub fn good(value: impl Into<Variant>, source_timestamp: DateTime) -> Self {
+        Self { value: value.into(), source_timestamp: Some(source_timestamp), ..Self::default() }
+    }
+
+    /// No value, only a status and the time since which it holds.
+    #[must_use]
+    pub fn status_only(status: StatusCode, source_timestamp: Option<DateTime>) -> Self {
+        Self { status, source_timestamp, ..Self::default() }
     }
 }
 

@@ -20,70 +20,75 @@ fn quickest(work: &dyn Fn()) -> Duration {
         .unwrap()
 }
 
+fn fields(count: usize) -> String {
+    let fields: Vec<String> =
+        (0..count).map(|n| format!("{{\"name\":\"f{n}\",\"type\":99,\"unit\":\"?\"}}")).collect();
+    format!(
+        "{{\"messageType\":\"operation-network\",\"operationNetwork\":{{\"operationList\":[{{\
+         \"dynamicDataRequestList\":[{{\"reportDataFormat\":{{\"reportFieldList\":[{}]}}}}]}}]}}}}",
+        fields.join(",")
+    )
+}
+
+fn payload(count: usize) -> String {
+    let members: Vec<String> =
+        (0..count).map(|n| format!("\"k{n}\":{{\"Type\":3,\"Body\":\"x\"}}")).collect();
+    format!(
+        "{{\"MessageType\":\"ua-data\",\"Messages\":[{{\"Payload\":{{{}}}}}]}}",
+        members.join(",")
+    )
+}
+
+fn repeated(count: usize) -> String {
+    format!("{{{}\"a\":1}}", "\"a\":1,".repeat(count))
+}
+
+fn structures(count: usize) -> String {
+    format!(
+        "{{\"a\":{{\"UaType\":22,\"Value\":[{}{{}}]}}}}",
+        "{\"UaTypeId\":\"i=12079\"},".repeat(count)
+    )
+}
+
+fn xml(count: usize) -> String {
+    let nodes: String =
+        (0..count).map(|n| format!("<UAObject NodeId=\"i={n}\" BrowseName=\"a\"/>")).collect();
+    format!("<UANodeSet>{nodes}</UANodeSet>")
+}
+
+fn attributes(count: usize) -> String {
+    format!("<UANodeSet {}/>", (0..count).map(|n| format!("a{n}=\"\" ")).collect::<String>())
+}
+
+/// Many operations that claim the same request with many fields.
+fn shared(count: usize) -> String {
+    let node = |kind: &str, id: &str, references: &str| {
+        format!(
+            "<{kind} NodeId=\"{id}\" BrowseName=\"{id}\"><References>{references}</References></{kind}>"
+        )
+    };
+    let reference = |kind: &str, forward: bool, id: &str| {
+        format!("<Reference ReferenceType=\"{kind}\" IsForward=\"{forward}\">{id}</Reference>")
+    };
+    let typed = |id: u32| reference("i=40", true, &format!("ns=1;i={id}"));
+    let mut nodes = node("UAObject", "ns=2;s=n", &typed(1001));
+    nodes += &node("UAObject", "ns=2;s=n#", &(typed(1002) + &reference("i=47", false, "ns=2;s=n")));
+    nodes += &node("UAObject", "ns=2;s=r", &typed(1010));
+    nodes += &node("UAObject", "ns=2;s=f", &(typed(1011) + &reference("i=47", false, "ns=2;s=r")));
+    for n in 0..count {
+        let owned = reference("i=47", false, "ns=2;s=n#") + &reference("i=47", true, "ns=2;s=r");
+        nodes += &node("UAObject", &format!("ns=2;s=o{n}"), &(typed(1004) + &owned));
+        nodes +=
+            &node("UAVariable", &format!("ns=2;s=f{n}"), &reference("i=47", false, "ns=2;s=f"));
+    }
+    let uris = "<Uri>urn:verbund:UA:ASI</Uri><Uri>urn:verbund:cpt:F</Uri>";
+    format!("<UANodeSet><NamespaceUris>{uris}</NamespaceUris>{nodes}</UANodeSet>")
+}
+
 #[test]
 fn hostile_input_costs_linear_time() {
     type Make = fn(usize) -> String;
-    let fields: Make = |count| {
-        let fields: Vec<String> = (0..count)
-            .map(|n| format!("{{\"name\":\"f{n}\",\"type\":99,\"unit\":\"?\"}}"))
-            .collect();
-        format!(
-            "{{\"messageType\":\"operation-network\",\"operationNetwork\":{{\"operationList\":[{{\
-             \"dynamicDataRequestList\":[{{\"reportDataFormat\":{{\"reportFieldList\":[{}]}}}}]}}]}}}}",
-            fields.join(",")
-        )
-    };
-    let payload: Make = |count| {
-        let members: Vec<String> =
-            (0..count).map(|n| format!("\"k{n}\":{{\"Type\":3,\"Body\":\"x\"}}")).collect();
-        format!(
-            "{{\"MessageType\":\"ua-data\",\"Messages\":[{{\"Payload\":{{{}}}}}]}}",
-            members.join(",")
-        )
-    };
-    let repeated: Make = |count| format!("{{{}\"a\":1}}", "\"a\":1,".repeat(count));
-    let structures: Make = |count| {
-        format!(
-            "{{\"a\":{{\"UaType\":22,\"Value\":[{}{{}}]}}}}",
-            "{\"UaTypeId\":\"i=12079\"},".repeat(count)
-        )
-    };
-    let xml: Make = |count| {
-        let nodes: String =
-            (0..count).map(|n| format!("<UAObject NodeId=\"i={n}\" BrowseName=\"a\"/>")).collect();
-        format!("<UANodeSet>{nodes}</UANodeSet>")
-    };
-    // Many operations claim the same request with many fields.
-    let shared: Make = |count| {
-        let node = |kind: &str, id: &str, references: &str| {
-            format!(
-                "<{kind} NodeId=\"{id}\" BrowseName=\"{id}\"><References>{references}</References></{kind}>"
-            )
-        };
-        let reference = |kind: &str, forward: bool, id: &str| {
-            format!("<Reference ReferenceType=\"{kind}\" IsForward=\"{forward}\">{id}</Reference>")
-        };
-        let typed = |id: u32| reference("i=40", true, &format!("ns=1;i={id}"));
-        let mut nodes = node("UAObject", "ns=2;s=n", &typed(1001));
-        nodes +=
-            &node("UAObject", "ns=2;s=n#", &(typed(1002) + &reference("i=47", false, "ns=2;s=n")));
-        nodes += &node("UAObject", "ns=2;s=r", &typed(1010));
-        nodes +=
-            &node("UAObject", "ns=2;s=f", &(typed(1011) + &reference("i=47", false, "ns=2;s=r")));
-        for n in 0..count {
-            let owned =
-                reference("i=47", false, "ns=2;s=n#") + &reference("i=47", true, "ns=2;s=r");
-            nodes += &node("UAObject", &format!("ns=2;s=o{n}"), &(typed(1004) + &owned));
-            nodes +=
-                &node("UAVariable", &format!("ns=2;s=f{n}"), &reference("i=47", false, "ns=2;s=f"));
-        }
-        let uris = "<Uri>urn:verbund:UA:ASI</Uri><Uri>urn:verbund:cpt:F</Uri>";
-        format!("<UANodeSet><NamespaceUris>{uris}</NamespaceUris>{nodes}</UANodeSet>")
-    };
-    let attributes: Make = |count| {
-        format!("<UANodeSet {}/>", (0..count).map(|n| format!("a{n}=\"\" ")).collect::<String>())
-    };
-    for (name, make, count) in [
+    let makers: [(&str, Make, usize); 7] = [
         ("attributes", attributes, 10_000),
         ("fields", fields, 4_000),
         ("payload", payload, 4_000),
@@ -91,7 +96,8 @@ fn hostile_input_costs_linear_time() {
         ("structures", structures, 2_000),
         ("node set", xml, 4_000),
         ("shared nodes", shared, 400),
-    ] {
+    ];
+    for (name, make, count) in makers {
         let time_of = |count: usize| {
             let text = make(count);
             quickest(&|| {

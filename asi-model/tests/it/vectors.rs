@@ -82,50 +82,56 @@ pub fn scalars(numbers: &mut Numbers) -> Vec<Scalar> {
         })));
     }
     for _ in 0..40 {
-        let bits = numbers.next();
-        let id = match bits % 4 {
-            0 => Identifier::Numeric(bits as u32),
-            1 => Identifier::String(format!("Node {bits}").into()),
-            2 => Identifier::Guid(uuid::Uuid::from_u64_pair(bits, numbers.next())),
-            _ => Identifier::Opaque(bits.to_be_bytes().as_slice().into()),
-        };
-        let namespace = if bits & 16 == 0 { Namespace::Ua } else { Namespace::uri("urn:one") };
-        let node_id = NodeId { namespace, identifier: id };
-        let number = f64::from_bits(numbers.next());
-        all.extend([
-            Scalar::UInt64(bits),
-            Scalar::Int64(bits as i64),
-            Scalar::Double(if number.is_nan() { 0.1 } else { number }),
-            Scalar::Float((bits as i32 as f32) / 1000.0),
-            Scalar::DateTime(DateTime::from_ticks(
-                125_000_000_000_000_000 + (bits % 20_000_000_000_000_000) as i64,
-            )),
-            Scalar::Guid(uuid::Uuid::from_u64_pair(bits, numbers.next())),
-            Scalar::ByteString(Some(bits.to_le_bytes()[..1 + (bits % 7) as usize].into())),
-            Scalar::ExpandedNodeId(Box::new(ExpandedNodeId {
-                node_id: node_id.clone(),
-                server: Server::Local,
-            })),
-            Scalar::NodeId(Box::new(node_id)),
-            Scalar::DataValue(Box::new(DataValue::good(
-                number_of(bits),
-                DateTime::from_ticks(132_000_000_000_000_000 + (bits % 1_000_000_000) as i64),
-            ))),
-            Scalar::DiagnosticInfo(Box::new(DiagnosticInfo {
-                symbolic_id: Some((bits % 100) as i32),
-                locale: (bits & 1 == 0).then_some((bits % 7) as i32),
-                additional_info: (bits & 2 == 0).then(|| format!("Info {bits}").into()),
-                inner_status_code: (bits & 4 == 0).then_some(StatusCode::BAD_TIMEOUT),
-                ..DiagnosticInfo::default()
-            })),
-            // It knows the standard's codes only.
-            Scalar::StatusCode(
-                [StatusCode::BAD_TIMEOUT, StatusCode::GOOD_CLAMPED, StatusCode::UNCERTAIN]
-                    [bits as usize % 3],
-            ),
-        ]);
+        all.extend(random(numbers));
     }
     all
+}
+
+/// Scalars of most types from the next numbers.
+#[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)] // Any bits will do.
+fn random(numbers: &mut Numbers) -> [Scalar; 12] {
+    let bits = numbers.next();
+    let id = match bits % 4 {
+        0 => Identifier::Numeric(bits as u32),
+        1 => Identifier::String(format!("Node {bits}").into()),
+        2 => Identifier::Guid(uuid::Uuid::from_u64_pair(bits, numbers.next())),
+        _ => Identifier::Opaque(bits.to_be_bytes().as_slice().into()),
+    };
+    let namespace = if bits & 16 == 0 { Namespace::Ua } else { Namespace::uri("urn:one") };
+    let node_id = NodeId { namespace, identifier: id };
+    let number = f64::from_bits(numbers.next());
+    [
+        Scalar::UInt64(bits),
+        Scalar::Int64(bits as i64),
+        Scalar::Double(if number.is_nan() { 0.1 } else { number }),
+        Scalar::Float((bits as i32 as f32) / 1000.0),
+        Scalar::DateTime(DateTime::from_ticks(
+            125_000_000_000_000_000 + (bits % 20_000_000_000_000_000) as i64,
+        )),
+        Scalar::Guid(uuid::Uuid::from_u64_pair(bits, numbers.next())),
+        Scalar::ByteString(Some(bits.to_le_bytes()[..1 + (bits % 7) as usize].into())),
+        Scalar::ExpandedNodeId(Box::new(ExpandedNodeId {
+            node_id: node_id.clone(),
+            server: Server::Local,
+        })),
+        Scalar::NodeId(Box::new(node_id)),
+        Scalar::DataValue(Box::new(DataValue::good(
+            number_of(bits),
+            DateTime::from_ticks(132_000_000_000_000_000 + (bits % 1_000_000_000) as i64),
+        ))),
+        Scalar::DiagnosticInfo(Box::new(DiagnosticInfo {
+            symbolic_id: Some((bits % 100) as i32),
+            locale: (bits & 1 == 0).then_some((bits % 7) as i32),
+            additional_info: (bits & 2 == 0).then(|| format!("Info {bits}").into()),
+            inner_status_code: (bits & 4 == 0).then_some(StatusCode::BAD_TIMEOUT),
+            ..DiagnosticInfo::default()
+        })),
+        // It knows the standard's codes only.
+        Scalar::StatusCode(
+            [StatusCode::BAD_TIMEOUT, StatusCode::GOOD_CLAMPED, StatusCode::UNCERTAIN]
+                [bits as usize % 3],
+        ),
+    ]
 }
 
 /// A value of one type or another.

@@ -1,10 +1,12 @@
 //! Reading PubSub messages: which type of message, which header layout.
 
-use super::{decode_message, decode_meta_data};
+use super::{
+    decode_members::{message_id, publisher_id},
+    decode_message, decode_meta_data,
+};
 use crate::{
-    ids::MessageId,
     json::{JsonError, Kind, Node, Tape},
-    opcua_json::{Decoder, Diagnostic, LIMITS, Leniency, Mismatch, decode_scalar::text},
+    opcua_json::{Decoder, Diagnostic, LIMITS, Leniency, Mismatch, decode_scalar::date_time},
     pubsub::{MetaDataLookup, NetworkMessage, PubSubMessage, PubSubState, StatusMessage},
 };
 
@@ -71,7 +73,7 @@ pub fn decode_described(
     }
     let mut decoder = Decoder::new(leniency, &[], &[]);
     let message = message(tape.root(), &mut decoder, lookup)?;
-    Ok(Decoded { message, diagnostics: decoder.into_diagnostics() })
+    Ok(Decoded { message, diagnostics: decoder.diagnostics.into_list() })
 }
 
 fn message<'t, 'a, 'd>(
@@ -103,7 +105,7 @@ fn object<'t, 'a, 'd>(
         Some("ua-status") if root.get("Status").is_some() => status(root, decoder),
         Some("ua-data") | None if root.get("Messages").is_some() => {
             if message_type.is_none() {
-                decoder.tolerate(root, "MessageType is missing; ua-data is meant")?;
+                decoder.diagnostics.tolerate(root, "MessageType is missing; ua-data is meant")?;
             }
             decode_message::network_message(root, decoder, lookup).map(PubSubMessage::Data)
         }
@@ -146,7 +148,7 @@ fn status<'t, 'a>(
             PubSubState::ALL.into_iter().find(|state| state.name().eq_ignore_ascii_case(name))
         }
     };
-    let time = |name: &str| root.get(name).map(|node| decoder.date_time(node)).transpose();
+    let time = |name: &str| root.get(name).map(date_time).transpose();
     Ok(PubSubMessage::Status(StatusMessage {
         timestamp: time("Timestamp")?,
         next_report_time: time("NextReportTime")?,
@@ -155,47 +157,4 @@ fn status<'t, 'a>(
         status: state.ok_or_else(|| Mismatch::new(node, EXPECTED))?,
         is_cyclic: root.get("IsCyclic").and_then(Node::boolean).unwrap_or(false),
     }))
-}
-
-/// The message id; one that is not printable ASCII of up to 128 characters is dropped with a note.
-pub(super) fn message_id<'t, 'a>(
-    root: Node<'t, 'a>,
-    decoder: &mut Decoder<'_>,
-) -> Result<Option<MessageId>, Mismatch<'t, 'a>> {
-    let Some(node) = root.get("MessageId") else { return Ok(None) };
-    match MessageId::new(text(node)?) {
-        Ok(id) => Ok(Some(id)),
-        Err(_) => {
-            decoder.tolerate(
-                node,
-                "the MessageId must be 1 to 128 printable ASCII characters without blanks",
-            )?;
-            Ok(None)
-        }
-    }
-}
-
-/// The publisher id: a string, or a number as 1.04 also allowed.
-pub(super) fn publisher_id<'t, 'a>(
-    root: Node<'t, 'a>,
-) -> Result<Option<std::sync::Arc<str>>, Mismatch<'t, 'a>> {
-    match root.get("PublisherId") {
-        None => Ok(None),
-        Some(node) if node.is_null() => Ok(None),
-        Some(node) => match node.integer::<u64>() {
-            Some(number) => Ok(Some(number.to_string().into())),
-            None => Ok(Some(text(node)?.into())),
-        },
-    }
-}
-
-/// A text member, if it is there.
-pub(super) fn optional_text<'t, 'a>(
-    root: Node<'t, 'a>,
-    name: &str,
-) -> Result<Option<std::sync::Arc<str>>, Mismatch<'t, 'a>> {
-    match root.get(name) {
-        Some(node) if !node.is_null() => Ok(Some(text(node)?.into())),
-        _ => Ok(None),
-    }
 }

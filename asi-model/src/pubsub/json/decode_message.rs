@@ -2,17 +2,17 @@
 
 use std::sync::Arc;
 
-use super::decode::{message_id, optional_text, publisher_id};
+use super::decode_members::{message_id, meta_data_version, optional_text, publisher_id};
 use crate::{
     json::{Kind, Node},
     opcua_json::{
-        Decoder, Mismatch,
-        decode::DecodedValue,
-        decode_scalar::{guid, integer, text},
+        DecodedValue, Decoder, Mismatch,
+        decode::TypeHint,
+        decode_scalar::{date_time, guid, integer, status_code, text},
     },
     pubsub::{
-        DataSetMessage, DataSetMessageKind, DataSetMetaData, FieldRepresentation, MetaDataLookup,
-        MetaDataVersion, NetworkMessage, PayloadField,
+        DataSetMessage, DataSetMessageKind, DataSetMetaData, FieldMetaData, FieldRepresentation,
+        MetaDataLookup, NetworkMessage, PayloadField,
     },
     values::{BuiltInType, DataValue},
 };
@@ -73,7 +73,7 @@ pub(super) fn data_set_message<'t, 'a, 'd>(
     let mut message = DataSetMessage::default();
     let mut payload = Some(node);
     if is_data_set_message(node) {
-        payload = header(node, decoder, &mut message)?;
+        payload = header(node, &mut message)?;
     }
     let publisher_id = message.publisher_id.as_deref().or(publisher_id);
     let meta_data = lookup.meta_data(publisher_id, message.data_set_writer_id);
@@ -90,7 +90,6 @@ pub(super) fn data_set_message<'t, 'a, 'd>(
 /// Reads the header's members and finds the payload.
 fn header<'t, 'a>(
     node: Node<'t, 'a>,
-    decoder: &mut Decoder<'_>,
     message: &mut DataSetMessage,
 ) -> Result<Option<Node<'t, 'a>>, Mismatch<'t, 'a>> {
     let mut payload = None;
@@ -109,8 +108,8 @@ fn header<'t, 'a>(
             "MinorVersion" => {
                 message.minor_version = Some(integer(value, "a number from 0 to 4294967295")?)
             }
-            "Timestamp" => message.timestamp = Some(decoder.date_time(value)?),
-            "Status" => message.status = decoder.status_code(value)?,
+            "Timestamp" => message.timestamp = Some(date_time(value)?),
+            "Status" => message.status = status_code(value)?,
             "MessageType" => {
                 message.kind = DataSetMessageKind::from_name(&text(value)?).ok_or_else(|| {
                     Mismatch::new(value, "the MessageType is none of a DataSetMessage")
@@ -132,20 +131,6 @@ fn writer_id<'t, 'a>(node: Node<'t, 'a>) -> Result<u16, Mismatch<'t, 'a>> {
     from_text.map_or_else(|| integer(node, "a DataSetWriterId from 0 to 65535"), Ok)
 }
 
-pub(super) fn meta_data_version<'t, 'a>(
-    node: Node<'t, 'a>,
-) -> Result<MetaDataVersion, Mismatch<'t, 'a>> {
-    let part = |name: &str| match node.get(name) {
-        Some(part) => integer(part, "a number from 0 to 4294967295"),
-        // Compact leaves out zeros.
-        None => Ok(0),
-    };
-    if node.kind() != Kind::Object {
-        return Err(Mismatch::new(node, "expected an object with MajorVersion and MinorVersion"));
-    }
-    Ok(MetaDataVersion { major: part("MajorVersion")?, minor: part("MinorVersion")? })
-}
-
 fn fields<'t, 'a>(
     payload: Node<'t, 'a>,
     decoder: &mut Decoder<'_>,
@@ -161,8 +146,7 @@ fn fields<'t, 'a>(
         let name: Arc<str> = key.text().unwrap_or_default().into();
         let described = meta_data.and_then(|known| described_field(known, index, &name));
         // A described value of any type names its type; there is nothing to go by but its shape.
-        let hint =
-            described.filter(|field| field.built_in_type != BuiltInType::Variant).map(Into::into);
+        let hint = described.filter(|field| field.built_in_type != BuiltInType::Variant).map(hint);
         let value = match decoder.value(node, hint) {
             Ok(value) => {
                 match &value {
@@ -180,7 +164,7 @@ fn fields<'t, 'a>(
                 }
             }
             Err(mismatch) => {
-                decoder.note(mismatch.node, mismatch.message);
+                decoder.diagnostics.note(mismatch.node, mismatch.message);
                 DataValue { status: mismatch.status, ..DataValue::default() }
             }
         };
@@ -194,13 +178,21 @@ fn fields<'t, 'a>(
     Ok(())
 }
 
+fn hint(field: &FieldMetaData) -> TypeHint<'_> {
+    TypeHint {
+        built_in_type: field.built_in_type,
+        data_type: &field.data_type,
+        value_rank: field.value_rank,
+    }
+}
+
 /// The metadata of a field: usually at the same place, else wherever its name is (among the first
 /// few hundred, so that a foreign order stays cheap).
 fn described_field<'m>(
     meta_data: &'m DataSetMetaData,
     index: usize,
     name: &str,
-) -> Option<&'m crate::pubsub::FieldMetaData> {
+) -> Option<&'m FieldMetaData> {
     const SEARCHED_MAX: usize = 512;
     let at_place = meta_data.fields.get(index).filter(|field| &*field.name == name);
     at_place

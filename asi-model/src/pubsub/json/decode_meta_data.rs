@@ -4,15 +4,12 @@ use std::{collections::HashMap, sync::Arc};
 
 use uuid::Uuid;
 
-use super::{
-    decode::{message_id, optional_text, publisher_id},
-    decode_message::meta_data_version,
-};
+use super::decode_members::{message_id, meta_data_version, optional_text, publisher_id};
 use crate::{
     json::{Kind, Node},
     opcua_json::{
         Decoder, Mismatch,
-        decode_scalar::{guid, integer, localized_text, text},
+        decode_scalar::{date_time, guid, integer, integer_64, localized_text, text},
     },
     pubsub::{DataSetMetaData, FieldMetaData, MetaDataMessage, PubSubMessage},
     values::{
@@ -45,7 +42,7 @@ pub(super) fn message<'t, 'a>(
             .map_or_else(|| integer(writer, "a DataSetWriterId from 0 to 65535"), Ok)?,
         writer_group_name: optional_text(root, "WriterGroupName")?,
         data_set_writer_name: optional_text(root, "DataSetWriterName")?,
-        timestamp: root.get("Timestamp").map(|time| decoder.date_time(time)).transpose()?,
+        timestamp: root.get("Timestamp").map(date_time).transpose()?,
         meta_data: data_set(meta_data, decoder)?,
     })))
 }
@@ -97,7 +94,7 @@ fn data_set<'t, 'a>(
             .unwrap_or_default(),
         ..DataSetMetaData::default()
     };
-    let mut local = Decoder::new(decoder.leniency(), &[], &namespaces);
+    let mut local = Decoder::new(decoder.diagnostics.leniency(), &[], &namespaces);
     for entry in list(node, "EnumDataTypes", TYPES_MAX)? {
         known.enum_types.extend(enum_type(entry, &mut local)?);
     }
@@ -113,17 +110,13 @@ fn data_set<'t, 'a>(
         structure_types.push(structure_type(structure, &local, &aliases)?);
     }
     known.structure_types = structure_types;
-    for diagnostic in local.into_diagnostics() {
-        decoder.adopt(diagnostic);
-    }
-    local = Decoder::new(decoder.leniency(), &known.structure_types, &namespaces);
+    decoder.diagnostics.append(local.diagnostics);
+    local = Decoder::new(decoder.diagnostics.leniency(), &known.structure_types, &namespaces);
     for entry in list(node, "Fields", FIELDS_MAX)? {
         let read = field(entry, &mut local)?;
         known.fields.push(read);
     }
-    for diagnostic in local.into_diagnostics() {
-        decoder.adopt(diagnostic);
-    }
+    decoder.diagnostics.append(local.diagnostics);
     known.namespaces = namespaces;
     Ok(known)
 }
@@ -166,7 +159,7 @@ fn field<'t, 'a>(
         field.is_promoted = integer::<u32>(flags, "field flags as a number")? & 1 == 1;
     }
     if let Some(data_type) = node.get("DataType").filter(|id| !id.is_null()) {
-        field.data_type = decoder.node_id(data_type)?;
+        field.data_type = decoder.namespaces.node_id(data_type)?;
     }
     if let Some(rank) = node.get("ValueRank") {
         field.value_rank = integer(rank, "a ValueRank")?;
@@ -176,7 +169,7 @@ fn field<'t, 'a>(
     for property in list(node, "Properties", FIELDS_MAX)? {
         let key = property.get("Key").ok_or_else(|| Mismatch::new(property, "Key is missing"))?;
         let value = property.get("Value").map(|value| decoder.variant(value)).transpose()?;
-        field.properties.push((decoder.qualified_name(key)?, value.unwrap_or_default()));
+        field.properties.push((decoder.namespaces.qualified_name(key)?, value.unwrap_or_default()));
     }
     Ok(field)
 }
@@ -195,9 +188,9 @@ fn enum_type<'t, 'a>(
                 value.get(name).map(localized_text).transpose().map(Option::unwrap_or_default)
             };
             let display_name = part("DisplayName")?;
-            let number = value
-                .get("Value")
-                .map(|number| decoder.integer_64(number, "an Int64 as a string of digits"));
+            let number = value.get("Value").map(|number| {
+                integer_64(number, "an Int64 as a string of digits", &mut decoder.diagnostics)
+            });
             let name = match value.get("Name").filter(|name| !name.is_null()) {
                 Some(name) => text(name)?.into(),
                 None => display_name.text.clone().unwrap_or_default(),
@@ -211,7 +204,7 @@ fn enum_type<'t, 'a>(
         }
     }
     Ok(Some(EnumType {
-        type_id: decoder.node_id(id)?,
+        type_id: decoder.namespaces.node_id(id)?,
         name: type_name(node, decoder)?,
         built_in_type: stated_type(node).unwrap_or(BuiltInType::Int32),
         values,
@@ -227,7 +220,7 @@ fn simple_type<'t, 'a>(
     let base_type = node
         .get("BaseDataType")
         .filter(|id| !id.is_null())
-        .map(|id| decoder.node_id(id))
+        .map(|id| decoder.namespaces.node_id(id))
         .transpose()?;
     let inherited = base_type
         .as_ref()
@@ -235,7 +228,7 @@ fn simple_type<'t, 'a>(
         .filter(|found| *found != BuiltInType::ExtensionObject);
     let built_in_type = stated_type(node).or(inherited).unwrap_or(BuiltInType::Variant);
     Ok(Some(SimpleType {
-        type_id: decoder.node_id(id)?,
+        type_id: decoder.namespaces.node_id(id)?,
         name: type_name(node, decoder)?,
         base_type: base_type.unwrap_or_else(|| NodeId::ua(u32::from(built_in_type.id()))),
         built_in_type,
@@ -250,7 +243,7 @@ fn type_name<'t, 'a>(
     node: Node<'t, 'a>,
     decoder: &Decoder<'_>,
 ) -> Result<Arc<str>, Mismatch<'t, 'a>> {
-    let name = node.get("Name").map(|name| decoder.qualified_name(name)).transpose()?;
+    let name = node.get("Name").map(|name| decoder.namespaces.qualified_name(name)).transpose()?;
     Ok(name.and_then(|name| name.name).unwrap_or_default())
 }
 
@@ -274,7 +267,7 @@ fn structure_type<'t, 'a>(
         Some(_) => return Err(Mismatch::new(definition, "StructureType must be 0 to 4")),
     };
     let encoding_ids = match definition.get("DefaultEncodingId").filter(|id| !id.is_null()) {
-        Some(id) => Some(decoder.node_id(id)?).filter(|id| *id != NodeId::null()),
+        Some(id) => Some(decoder.namespaces.node_id(id)?).filter(|id| *id != NodeId::null()),
         None => None,
     };
     let mut fields = Vec::new();
@@ -282,7 +275,7 @@ fn structure_type<'t, 'a>(
         fields.push(structure_field(field, decoder, aliases)?);
     }
     Ok(StructureType {
-        type_id: decoder.node_id(id)?,
+        type_id: decoder.namespaces.node_id(id)?,
         encoding_ids: encoding_ids.into_iter().collect(),
         name: type_name(node, decoder)?,
         kind,
@@ -297,7 +290,7 @@ fn structure_field<'t, 'a>(
 ) -> Result<StructureField, Mismatch<'t, 'a>> {
     let name = node.get("Name").ok_or_else(|| Mismatch::new(node, "Name is missing"))?;
     let data_type = match node.get("DataType").filter(|id| !id.is_null()) {
-        Some(id) => decoder.node_id(id)?,
+        Some(id) => decoder.namespaces.node_id(id)?,
         None => NodeId::ua(24),
     };
     let built_in_type =

@@ -2,7 +2,10 @@
 
 use super::*;
 use crate::pubsub::*;
-use crate::values::{DataValue, DateTime, StatusCode};
+use crate::values::{
+    BuiltInType, DataValue, DateTime, EnumType, EnumValue, Namespace, NodeId, QualifiedName,
+    SimpleType, StatusCode, StructureField, StructureKind, StructureType,
+};
 
 fn time(text: &str) -> DateTime {
     text.parse().expect("a valid time")
@@ -252,13 +255,38 @@ fn keep_alive_and_status_read_back() {
     }
 }
 
-#[test]
-fn metadata_gives_bare_values_their_types() {
-    use crate::values::{
-        BuiltInType, EnumType, EnumValue, Namespace, NodeId, QualifiedName, SimpleType,
-        StructureField, StructureKind, StructureType,
-    };
-    let power = NodeId::string("urn:robots", "Power");
+/// A structure type of a foreign namespace, with every kind of field.
+fn power_type() -> StructureType {
+    StructureType {
+        type_id: power_id(),
+        encoding_ids: vec![NodeId::string("urn:robots", "PowerJson")],
+        name: "Power".into(),
+        kind: StructureKind::WithOptionalFields,
+        fields: vec![
+            StructureField::scalar("WattsMin", BuiltInType::Double),
+            StructureField {
+                is_optional: true,
+                ..StructureField::scalar("WattsMax", BuiltInType::Double)
+            },
+            StructureField::structure("Range", NodeId::ua(884)).array(),
+            StructureField {
+                data_type: NodeId::string("urn:robots", "Mode"),
+                ..StructureField::scalar("Mode", BuiltInType::Int32)
+            },
+            StructureField {
+                data_type: NodeId::string("urn:robots", "Watts"),
+                ..StructureField::scalar("Limit", BuiltInType::Float)
+            },
+        ],
+    }
+}
+
+fn power_id() -> NodeId {
+    NodeId::string("urn:robots", "Power")
+}
+
+/// Metadata of the progress report and of one field of each described type.
+fn described_report() -> DataSetMetaData {
     let mut fields: Vec<FieldMetaData> = progress_report().messages[0]
         .fields
         .iter()
@@ -272,35 +300,14 @@ fn metadata_gives_bare_values_their_types() {
     fields[5].set_text_property(PROPERTY_DISCLOSURE, "Rounded to 2 pieces.");
     let mut structured =
         FieldMetaData::new("power", BuiltInType::ExtensionObject, uuid::Uuid::from_u128(2));
-    structured.data_type = power.clone();
+    structured.data_type = power_id();
     structured.array_dimensions = vec![3];
     structured.max_string_length = 9;
     fields.push(structured);
-    let meta_data = DataSetMetaData {
+    DataSetMetaData {
         name: "ProgressReport".into(),
         namespaces: vec![crate::asi_types::ASI_NAMESPACE_URI.into(), "urn:robots".into()],
-        structure_types: vec![StructureType {
-            type_id: power.clone(),
-            encoding_ids: vec![NodeId::string("urn:robots", "PowerJson")],
-            name: "Power".into(),
-            kind: StructureKind::WithOptionalFields,
-            fields: vec![
-                StructureField::scalar("WattsMin", BuiltInType::Double),
-                StructureField {
-                    is_optional: true,
-                    ..StructureField::scalar("WattsMax", BuiltInType::Double)
-                },
-                StructureField::structure("Range", NodeId::ua(884)).array(),
-                StructureField {
-                    data_type: NodeId::string("urn:robots", "Mode"),
-                    ..StructureField::scalar("Mode", BuiltInType::Int32)
-                },
-                StructureField {
-                    data_type: NodeId::string("urn:robots", "Watts"),
-                    ..StructureField::scalar("Limit", BuiltInType::Float)
-                },
-            ],
-        }],
+        structure_types: vec![power_type()],
         enum_types: vec![EnumType {
             type_id: NodeId::string("urn:robots", "Mode"),
             name: "Mode".into(),
@@ -316,7 +323,12 @@ fn metadata_gives_bare_values_their_types() {
         fields,
         configuration_version: MetaDataVersion { major: 7, minor: 8 },
         ..DataSetMetaData::default()
-    };
+    }
+}
+
+#[test]
+fn metadata_reads_back_in_every_encoding() {
+    let meta_data = described_report();
     for encoding in Encoding::ALL {
         let message = MetaDataMessage {
             message_id: Some("m".parse().expect("valid")),
@@ -332,6 +344,11 @@ fn metadata_gives_bare_values_their_types() {
         assert_eq!(decoded.diagnostics, []);
         assert_eq!(decoded.message, PubSubMessage::MetaData(Box::new(message)), "{encoding}");
     }
+}
+
+#[test]
+fn metadata_has_unit_semantic_and_disclosure_as_properties() {
+    let meta_data = described_report();
     let field = meta_data.field("progressStatus").expect("there");
     assert_eq!(field.engineering_unit().map(|unit| unit.code), Some("H87"));
     assert_eq!(field.semantic(), Some(crate::network::Semantic::ProducedQuantity));
@@ -341,7 +358,11 @@ fn metadata_gives_bare_values_their_types() {
             namespace: Namespace::uri("urn:verbund:UA:ASI"),
             name: Some("Semantic".into())
         }));
+}
 
+#[test]
+fn metadata_gives_bare_values_their_types() {
+    let meta_data = described_report();
     // Bare in Verbose: types come from the metadata, in any representation.
     for representation in [FieldRepresentation::Raw, FieldRepresentation::DataValue] {
         let mut message = progress_report();
@@ -360,24 +381,4 @@ fn metadata_gives_bare_values_their_types() {
     // Without metadata the values are guessed, and that is said.
     let text = encode(&progress_report(), Encoding::Verbose105);
     assert_eq!(decode(&text).expect("our own").diagnostics.len(), 7);
-}
-
-#[test]
-fn versions_change_as_the_standard_says() {
-    let id = uuid::Uuid::from_u128;
-    let field = |name: &str, n| FieldMetaData::new(name, crate::values::BuiltInType::Double, id(n));
-    let of = |fields: Vec<FieldMetaData>| DataSetMetaData { fields, ..DataSetMetaData::default() };
-    let old = of(vec![field("a", 1), field("b", 2)]);
-    let mut with_unit = field("b", 2);
-    with_unit.set_engineering_unit(crate::units::lookup("MMT").expect("known"));
-    for (new, expected) in [
-        (of(vec![field("a", 1), field("b", 2)]), MetaDataChange::None),
-        (of(vec![field("a", 1), field("b", 2), field("c", 3)]), MetaDataChange::Minor),
-        (of(vec![field("a", 1)]), MetaDataChange::Major),
-        (of(vec![field("b", 2), field("a", 1)]), MetaDataChange::Major),
-        (of(vec![field("c", 3), field("a", 1), field("b", 2)]), MetaDataChange::Major),
-        (of(vec![field("a", 1), with_unit]), MetaDataChange::Major),
-    ] {
-        assert_eq!(new.change_since(&old), expected);
-    }
 }

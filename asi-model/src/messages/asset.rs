@@ -1,0 +1,62 @@
+//! Status data sets of assets: which there are, and requests for them.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    ids::{AssetId, FactoryId, MessageId, OrganisationId},
+    values::DateTime,
+};
+
+/// A kind of status data set of an asset.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum AssetKind {
+    /// Axis positions with their ranges.
+    Pose,
+    /// Power and energy.
+    Power,
+    /// Health and overall condition.
+    Condition,
+    /// Safety states.
+    Safety,
+}
+
+/// Status data sets that could be asked for.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct AssetOffer {
+    /// Unique per message.
+    pub message_id: MessageId,
+    /// The factory.
+    pub factory_id: FactoryId,
+    /// The asset.
+    pub asset_id: AssetId,
+    /// Which data sets there are.
+    pub kind_list: Vec<AssetKind>,
+    /// What the asset is, in words.
+    pub description: String,
+}
+
+/// A wish for an asset's status data sets.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct AssetRequest {
+    /// Unique per message.
+    pub message_id: MessageId,
+    /// The factory that owns the asset.
+    pub factory_id: FactoryId,
+    /// The asset.
+    pub asset_id: AssetId,
+    /// Which of its data sets.
+    pub kind_list: Vec<AssetKind>,
+    /// The organisation that asks.
+    pub requester_id: OrganisationId,
+    /// The organisations that may see the answers.
+    pub recipient_list: Vec<OrganisationId>,
+    /// What for.
+    pub purpose: String,
+    /// Until when.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub valid_until: Option<DateTime>,
+}

@@ -1,0 +1,74 @@
+//! Deviations from the standard, noted or refused.
+
+use super::mismatch::Mismatch;
+use crate::json::Node;
+
+/// How many diagnostics one input yields at most.
+const DIAGNOSTICS_MAX: usize = 64;
+
+/// How deviations from the standard are met on input.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Leniency {
+    /// Harmless ones are taken, with a diagnostic.
+    #[default]
+    Lenient,
+    /// They are errors.
+    Strict,
+}
+
+/// Something noteworthy about an input that was taken nevertheless.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// JSON pointer to it.
+    pub pointer: String,
+    /// A sentence.
+    pub message: String,
+}
+
+/// The deviations of one input, as strict as asked for.
+#[derive(Debug)]
+pub(crate) struct Diagnostics {
+    leniency: Leniency,
+    list: Vec<Diagnostic>,
+}
+
+impl Diagnostics {
+    pub(super) const fn new(leniency: Leniency) -> Self {
+        Self { leniency, list: Vec::new() }
+    }
+
+    pub(crate) const fn leniency(&self) -> Leniency {
+        self.leniency
+    }
+
+    /// Notes something about a node.
+    pub(crate) fn note(&mut self, node: Node<'_, '_>, message: impl Into<String>) {
+        // A pointer costs a walk from the root, which a full list does not need.
+        if self.list.len() < DIAGNOSTICS_MAX {
+            self.list.push(Diagnostic { pointer: node.pointer(), message: message.into() });
+        }
+    }
+
+    /// Takes a deviation with a note, or refuses it where strictness is asked for.
+    pub(crate) fn tolerate<'t, 'a>(
+        &mut self,
+        node: Node<'t, 'a>,
+        message: &'static str,
+    ) -> Result<(), Mismatch<'t, 'a>> {
+        if self.leniency == Leniency::Strict {
+            return Err(Mismatch::new(node, message));
+        }
+        self.note(node, message);
+        Ok(())
+    }
+
+    /// Appends what another decoder of the same input noted.
+    pub(crate) fn append(&mut self, other: Self) {
+        let free = DIAGNOSTICS_MAX.saturating_sub(self.list.len());
+        self.list.extend(other.list.into_iter().take(free));
+    }
+
+    pub(crate) fn into_list(self) -> Vec<Diagnostic> {
+        self.list
+    }
+}

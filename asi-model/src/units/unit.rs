@@ -1,0 +1,67 @@
+//! Units and the quantities they measure.
+
+/// A unit of measure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EngineeringUnit {
+    /// The UNECE common code, as `H87`.
+    pub code: &'static str,
+    /// The symbol people read, as `°C`; for counts the name.
+    pub display_name: &'static str,
+    /// The name in the recommendation, as `degree Celsius`.
+    pub description: &'static str,
+    /// What is measured; only units of one quantity convert into each other.
+    pub quantity: Quantity,
+    /// `value in base unit = value * factor + offset`.
+    pub(super) factor: f64,
+    pub(super) offset: f64,
+}
+
+/// What a unit measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Quantity {
+    Length,
+    Area,
+    Volume,
+    Mass,
+    Time,
+    Frequency,
+    Angle,
+    AngularVelocity,
+    Velocity,
+    Acceleration,
+    Force,
+    Torque,
+    Pressure,
+    Energy,
+    Power,
+    ApparentPower,
+    ReactivePower,
+    Current,
+    Voltage,
+    Resistance,
+    Capacitance,
+    Inductance,
+    Charge,
+    MagneticFlux,
+    MagneticFluxDensity,
+    Conductance,
+    Temperature,
+    Luminosity,
+    Illuminance,
+    LuminousFlux,
+    VolumeFlow,
+    MassFlow,
+    DynamicViscosity,
+    KinematicViscosity,
+    Density,
+    AreaDensity,
+    Ratio,
+    Count,
+    Amount,
+    Stiffness,
+    DataAmount,
+    Level,
+    Acidity,
+    Packaging,
+    Other,
+}

@@ -1,0 +1,143 @@
+//! Reading messages to a factory.
+
+use super::{
+    lists::recipients,
+    message_members::{
+        comment, factory_id, kinds, message_type, milliseconds, number, revision, writer_id,
+    },
+    network,
+    reader::Reader,
+};
+use crate::{
+    ids::FactoryId,
+    json::Node,
+    messages::{
+        AssetRequest, Lease, LeaseParty, LeaseResult, OperationNetworkMessage, PlatformMessage,
+        Receipt, Withdraw, WriterReceipt,
+    },
+};
+
+/// Most writers in one receipt and most missing numbers of one writer.
+const RECEIPTS_MAX: usize = 10_000;
+
+pub(super) fn platform_message(
+    reader: &mut Reader,
+    root: Node<'_, '_>,
+    expected: Option<&FactoryId>,
+) -> Option<PlatformMessage> {
+    if !reader.is_object(root, "A message") {
+        return None;
+    }
+    const TYPES: [&str; 6] =
+        ["operation-network", "withdraw", "comment", "asset-request", "receipt", "lease"];
+    let message = match message_type(reader, root, &TYPES)? {
+        "operation-network" => {
+            PlatformMessage::OperationNetwork(operation_network(reader, root, expected)?)
+        }
+        "withdraw" => PlatformMessage::Withdraw(Withdraw {
+            message_id: reader.required_id(root, "messageId"),
+            factory_id: factory_id(reader, root, expected),
+            operation_network_id: reader.required_id(root, "operationNetworkId"),
+            revision: revision(reader, root),
+        }),
+        "comment" => PlatformMessage::Comment(comment(reader, root, expected)),
+        "asset-request" => PlatformMessage::AssetRequest(asset_request(reader, root, expected)),
+        "lease" => PlatformMessage::Lease(lease(reader, root, expected)?),
+        _ => PlatformMessage::Receipt(Receipt {
+            message_id: reader.required_id(root, "messageId"),
+            factory_id: factory_id(reader, root, expected),
+            receipt_list: reader.list(root, "receiptList", RECEIPTS_MAX, writer_receipt),
+        }),
+    };
+    Some(message)
+}
+
+fn operation_network(
+    reader: &mut Reader,
+    root: Node<'_, '_>,
+    expected: Option<&FactoryId>,
+) -> Option<OperationNetworkMessage> {
+    let message_id = reader.required_id(root, "messageId");
+    let factory_id = factory_id(reader, root, expected);
+    let collaboration_id = reader.required_id(root, "collaborationId");
+    let revision = revision(reader, root);
+    let unreadable_before = reader.unreadable_ids;
+    let operation_network = reader.required(root, "operationNetwork", network::read)?;
+    // Only unreadable ids of the network spoil the check of its references.
+    reader.unreadable_ids -= unreadable_before;
+    network::check(&operation_network, "/operationNetwork", Some(&factory_id), reader);
+    Some(OperationNetworkMessage {
+        message_id,
+        factory_id,
+        collaboration_id,
+        revision,
+        operation_network,
+    })
+}
+
+fn asset_request(
+    reader: &mut Reader,
+    root: Node<'_, '_>,
+    expected: Option<&FactoryId>,
+) -> AssetRequest {
+    AssetRequest {
+        message_id: reader.required_id(root, "messageId"),
+        factory_id: factory_id(reader, root, expected),
+        asset_id: reader.required_id(root, "assetId"),
+        kind_list: kinds(reader, root),
+        requester_id: reader.required_id(root, "requesterId"),
+        recipient_list: recipients(reader, root),
+        purpose: reader.required(root, "purpose", Reader::said).unwrap_or_default(),
+        valid_until: reader.optional(root, "validUntil", Reader::time),
+    }
+}
+
+fn writer_receipt(reader: &mut Reader, node: Node<'_, '_>) -> Option<WriterReceipt> {
+    if !reader.is_object(node, "A receipt") {
+        return None;
+    }
+    Some(WriterReceipt {
+        data_set_writer_id: writer_id(reader, node)?,
+        epoch: number(reader, node, "epoch")?,
+        through_sequence: number(reader, node, "throughSequence")?,
+        missing_list: reader.optional_list(node, "missingList", RECEIPTS_MAX, |reader, node| {
+            reader.integer(node, "a number from 0 to 4294967295")
+        }),
+    })
+}
+
+fn lease(reader: &mut Reader, root: Node<'_, '_>, expected: Option<&FactoryId>) -> Option<Lease> {
+    const RESULTS: [(&str, LeaseResult); 2] =
+        [("GRANTED", LeaseResult::Granted), ("REFUSED", LeaseResult::Refused)];
+    let result = reader.required(root, "result", |reader, node| reader.choice(node, &RESULTS));
+    let lease_number = reader.required(root, "leaseNumber", |reader, node| {
+        reader.integer(node, "a lease's number from 0")
+    });
+    Some(Lease {
+        message_id: reader.required_id(root, "messageId"),
+        factory_id: factory_id(reader, root, expected),
+        correlation_id: reader.required_id(root, "correlationId"),
+        instance_id: reader.required_id(root, "instanceId"),
+        place: reader.required_id(root, "place"),
+        host: reader.required(root, "host", Reader::name).unwrap_or_default(),
+        ask_again_ms: reader.required(root, "askAgainMs", milliseconds).unwrap_or_default(),
+        holder: reader.optional(root, "holder", lease_party),
+        contender: reader.optional(root, "contender", lease_party),
+        result: result?,
+        lease_number: lease_number?,
+    })
+}
+
+fn lease_party(reader: &mut Reader, node: Node<'_, '_>) -> Option<LeaseParty> {
+    if !reader.is_object(node, "A connector") {
+        return None;
+    }
+    let since = reader.required(node, "since", Reader::time);
+    let last_heard_at = reader.required(node, "lastHeardAt", Reader::time);
+    Some(LeaseParty {
+        instance_id: reader.required_id(node, "instanceId"),
+        host: reader.required(node, "host", Reader::name).unwrap_or_default(),
+        since: since?,
+        last_heard_at: last_heard_at?,
+    })
+}
