@@ -1,4 +1,4 @@
-//! What a report costs on its way out and in, and that hostile input costs no more than its size.
+//! Cost of a report on its way out and in, and of hostile input of growing size.
 //!
 //! `cargo bench -p asi-model` prints times; the test in `tests/it` asserts the allocations.
 #![allow(clippy::unwrap_used)]

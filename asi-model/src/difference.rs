@@ -1,4 +1,4 @@
-//! What a new revision of a network changes, and what that does to mappings and consent.
+//! Differences between two revisions of a network, with their effects on mappings and consent.
 //!
 //! | change | mapping | consent |
 //! |---|---|---|
@@ -22,12 +22,13 @@ use crate::{
     values::DateTime,
 };
 
-/// What a new revision changes.
+/// Differences between two revisions of a network.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct NetworkDifference {
     /// The network's own name or description.
-    pub is_described_anew: bool,
+    #[serde(rename = "isDescribedAnew")]
+    pub is_description_changed: bool,
     /// Operations, without regard to their requests.
     pub operations: Changes<OperationId>,
     /// Relations with their conditions.
@@ -39,8 +40,8 @@ pub struct NetworkDifference {
     pub fields: Vec<FieldDifference>,
 }
 
-/// What was added, changed and removed. Added and changed ones are in the new order, removed ones
-/// in the old.
+/// Keys that were added, changed and removed. Added and changed ones are in the new order, removed
+/// ones in the old.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Changes<T> {
@@ -66,23 +67,19 @@ impl<T> Changes<T> {
     }
 }
 
-/// What becomes of one field.
+/// Difference of one field, with its effects.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct FieldDifference {
-    /// The field.
     pub key: FieldKey,
-    /// How it differs.
     pub change: FieldChange,
-    /// What becomes of its mapping.
     pub mapping: MappingEffect,
-    /// What becomes of the engineer's consent.
     pub consent: ConsentEffect,
-    /// Why, for the engineer to read; empty where the field is new or removed.
+    /// Reasons for the engineer to read; empty where the field is new or removed.
     pub reasons: Vec<ChangeReason>,
 }
 
-/// How a field differs.
+/// Kind of a field's difference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum FieldChange {
@@ -91,37 +88,37 @@ pub enum FieldChange {
     Removed,
 }
 
-/// What becomes of a mapping.
+/// Effect of a difference on a mapping.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
 )]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum MappingEffect {
-    /// It goes on.
+    /// The mapping runs on.
     Kept,
-    /// It is kept and offered to the engineer again.
+    /// The mapping is kept and offered to the engineer again.
     OfferedAgain,
-    /// It is re-checked and offered as a suggestion.
+    /// The mapping is checked again and offered as a suggestion.
     Suggested,
-    /// It goes with the field.
+    /// The mapping is removed with the field.
     Removed,
 }
 
-/// What becomes of the engineer's consent.
+/// Effect of a difference on the engineer's consent.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
 )]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum ConsentEffect {
-    /// It stands.
+    /// The decision stays in force.
     Kept,
     /// The field is undecided again (or for the first time).
     BackToPending,
-    /// It goes with the field; what was queued is announced as a gap.
+    /// The decision is removed with the field; queued values are announced as a gap.
     Removed,
 }
 
-/// What changed about a field or its request.
+/// Aspects of a field or its request that differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum ChangeReason {
@@ -163,7 +160,7 @@ impl NetworkDifference {
     /// True where nothing differs.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
-        !self.is_described_anew
+        !self.is_description_changed
             && self.operations.is_empty()
             && self.relations.is_empty()
             && self.requests.is_empty()
@@ -175,7 +172,7 @@ impl NetworkDifference {
 #[must_use]
 pub fn difference(old: &OperationNetwork, new: &OperationNetwork) -> NetworkDifference {
     NetworkDifference {
-        is_described_anew: old.name != new.name || old.description != new.description,
+        is_description_changed: old.name != new.name || old.description != new.description,
         operations: changes(
             old.operation_list.iter().map(|operation| (&operation.operation_id, operation)),
             new.operation_list.iter().map(|operation| (&operation.operation_id, operation)),
@@ -319,7 +316,7 @@ fn request_reasons(old: &DynamicDataRequest, new: &DynamicDataRequest) -> Vec<Ch
     note(recipients(old) != recipients(new), ChangeReason::Recipients);
     note(old.purpose != new.purpose, ChangeReason::Purpose);
     note(old.buffer_id != new.buffer_id, ChangeReason::Buffer);
-    // Without a wish of its own, a partner is content with the slowest.
+    // A request without a frequency of its own accepts the slowest.
     let interval =
         |request: &DynamicDataRequest| request.update_interval().unwrap_or(Duration::MAX);
     note(interval(new) < interval(old), ChangeReason::FasterCadence);

@@ -1,12 +1,12 @@
 //! Identifiers. Each is a type of its own, checked where it enters, so that a factory id can never
-//! stand where an operation id belongs.
+//! be taken for an operation id.
 
 use std::{borrow::Borrow, fmt, str::FromStr, sync::Arc};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Why a text is not an identifier of the wanted kind.
+/// Error for a text that does not match the pattern of its identifier.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{kind} must match {pattern}, but is {found:?}")]
 pub struct InvalidId {
@@ -14,7 +14,7 @@ pub struct InvalidId {
     pub kind: &'static str,
     /// The pattern it must match.
     pub pattern: &'static str,
-    /// What was found, cut after 80 characters.
+    /// The text, cut after 80 characters.
     pub found: String,
 }
 
@@ -171,12 +171,12 @@ id!(
     FieldName, "a field name", "^[A-Za-z_][A-Za-z0-9_.-]{0,63}$", is_field_name
 );
 id!(
-    /// A running connector: drawn anew at every start.
+    /// A running connector: a new id at every start.
     InstanceId, "an instance id", "^[A-Za-z0-9_-]{1,64}$", is_name
 );
 id!(
-    /// Where a connector's store is in use. Two processes name the same place only where the
-    /// operating system lets no more than one of them hold the store.
+    /// The place where a connector's store is in use. Two processes name the same place only where
+    /// the operating system lets no more than one of them open the store.
     PlaceId, "a place id", "^[A-Za-z0-9_-]{1,64}$", is_name
 );
 id!(

@@ -2,7 +2,7 @@
 //! interface, and the way back.
 //!
 //! A node set with one interface is accepted in place of the JSON of an `operation-network`
-//! message: [`to_json`] says what the nodes say, and the usual validation judges it.
+//! message: [`to_json`] returns the content of the nodes, which the usual validation then checks.
 
 mod from_nodes;
 mod nodes;
@@ -23,9 +23,8 @@ use crate::{
 /// An interface to be written as nodes: the message that asked for it, and what has become of it.
 #[derive(Debug, Clone)]
 pub struct Instance<'a> {
-    /// The message.
     pub message: &'a OperationNetworkMessage,
-    /// When it was received.
+    /// Time of receipt, by the connector's clock.
     pub received_at: Option<DateTime>,
     /// The writers of its requests.
     pub writers: HashMap<RequestKey, u16>,
@@ -33,22 +32,20 @@ pub struct Instance<'a> {
     pub fields: HashMap<FieldKey, FieldState>,
 }
 
-/// What has become of a field.
+/// Decision on a field, with the source and precision of its values.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FieldState {
-    /// Where it stands.
     pub mapping_state: MappingState,
-    /// Where its values come from.
+    /// Present for mapped fields.
     pub value_source: Option<ValueSource>,
     /// Its disclosed value.
     pub value: Variant,
-    /// How it is coarsened, in words.
+    /// One sentence on how values are coarsened before they leave.
     pub disclosure: Option<String>,
-    /// Why it was decided so.
+    /// The engineer's reason, in words for the partner.
     pub reason: Option<String>,
-    /// Who decided.
+    /// Name of the user who decided.
     pub decided_by: Option<String>,
-    /// When.
     pub decision_time: Option<DateTime>,
 }
 

@@ -1,7 +1,7 @@
-//! The shared language of Verbund: what partners' tools, factory connectors and the platform say to
-//! each other.
+//! The shared language of Verbund: messages between partners' tools, factory connectors and the
+//! platform.
 //!
-//! This crate knows *what* is said, never how it travels. It is pure: no I/O, no async, no clock,
+//! The crate defines content, never transport. It is pure: no I/O, no async, no clock,
 //! no randomness.
 //!
 //! - [`ids`]: identifiers that cannot be malformed.
@@ -10,8 +10,8 @@
 //! - [`messages`]: every message of the wire contract besides reports.
 //! - [`pubsub`]: reports as OPC UA PubSub messages, meaning apart from encoding.
 //! - [`opcua_json`]: the OPC UA JSON encoding of values (OPC 10000-6 §5.4).
-//! - [`validation`]: what is wrong with a foreign message, all faults at once.
-//! - [`difference`]: what a new revision changes, and what that does to mappings and consent.
+//! - [`validation`]: checks of foreign messages, all faults at once.
+//! - [`difference`]: differences of revisions, with their effects on mappings and consent.
 //! - [`split`]: the part of a network that concerns one factory.
 //! - [`schedule`]: earliest and latest times, slack and the critical path of a network.
 //! - [`schema`]: JSON Schemas of every message.

@@ -1,8 +1,8 @@
-//! Operation networks: who does what, in which order, and what partners want to know about it.
+//! Operation networks: operations in their order, with the data that partners request.
 //!
-//! These are the wire types of `operation-network` and the types the rest of the house works with.
-//! Structure is guaranteed by the types; meaning (unique ids, known relations, no cycles, ...) by
-//! the validation.
+//! These are the wire types of `operation-network` and the types that the rest of the workspace
+//! works with. Structure is guaranteed by the types; meaning (unique ids, known relations, no
+//! cycles, ...) by the validation.
 
 mod operation;
 mod relation;
@@ -28,7 +28,7 @@ use crate::ids::{FieldKey, OperationNetworkId, RequestKey};
 pub struct OperationNetwork {
     /// Unique on a platform.
     pub operation_network_id: OperationNetworkId,
-    /// What people call it.
+    /// Name for people, at most 256 characters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// More about it.

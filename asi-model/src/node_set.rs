@@ -22,18 +22,16 @@ use crate::values::{DateTime, NodeId, QualifiedName, Variant};
 pub struct NodeSet {
     /// The models whose nodes these are.
     pub models: Vec<Model>,
-    /// The nodes.
     pub nodes: Vec<Node>,
 }
 
 /// A namespace with its version.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Model {
-    /// The namespace.
     pub uri: String,
-    /// Its version.
+    /// Version of the model, as published with it.
     pub version: Option<String>,
-    /// When the version was published.
+    /// Publication time of the version.
     pub publication_date: Option<DateTime>,
     /// The models it builds on.
     pub required: Vec<Model>,
@@ -55,7 +53,6 @@ impl Model {
 /// A node.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Node {
-    /// Its identity.
     pub node_id: NodeId,
     /// Its name in browse paths.
     pub browse_name: QualifiedName,
@@ -63,13 +60,13 @@ pub struct Node {
     pub display_name: String,
     /// More about it.
     pub description: Option<String>,
-    /// What it is.
+    /// Node class, with the attributes of the class.
     pub class: NodeClass,
     /// Its references. Each is listed at one of its ends at least.
     pub references: Vec<Reference>,
 }
 
-/// What a node is, with the attributes of its class.
+/// Node classes with the attributes of their own.
 #[derive(Debug, Clone, PartialEq)]
 pub enum NodeClass {
     Object,
@@ -103,9 +100,8 @@ pub enum NodeClass {
 /// A reference of a node.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Reference {
-    /// Its type.
     pub reference_type: NodeId,
-    /// Where it leads.
+    /// The node at the other end.
     pub target: NodeId,
     /// False where the node is its target and `target` its source.
     pub is_forward: bool,
@@ -153,20 +149,36 @@ impl Node {
 pub mod ns0 {
     use crate::values::NodeId;
 
+    /// The reference type Organizes.
     pub const ORGANIZES: NodeId = NodeId::ua(35);
+    /// The reference type HasModellingRule.
     pub const HAS_MODELLING_RULE: NodeId = NodeId::ua(37);
+    /// The reference type HasTypeDefinition.
     pub const HAS_TYPE_DEFINITION: NodeId = NodeId::ua(40);
+    /// The reference type HasSubtype.
     pub const HAS_SUBTYPE: NodeId = NodeId::ua(45);
+    /// The reference type HasProperty.
     pub const HAS_PROPERTY: NodeId = NodeId::ua(46);
+    /// The reference type HasComponent.
     pub const HAS_COMPONENT: NodeId = NodeId::ua(47);
+    /// The object type BaseObjectType.
     pub const BASE_OBJECT_TYPE: NodeId = NodeId::ua(58);
+    /// The object type FolderType.
     pub const FOLDER_TYPE: NodeId = NodeId::ua(61);
+    /// The variable type BaseDataVariableType.
     pub const BASE_DATA_VARIABLE_TYPE: NodeId = NodeId::ua(63);
+    /// The variable type PropertyType.
     pub const PROPERTY_TYPE: NodeId = NodeId::ua(68);
+    /// The modelling rule Mandatory.
     pub const MODELLING_RULE_MANDATORY: NodeId = NodeId::ua(78);
+    /// The modelling rule Optional.
     pub const MODELLING_RULE_OPTIONAL: NodeId = NodeId::ua(80);
+    /// The folder Objects.
     pub const OBJECTS_FOLDER: NodeId = NodeId::ua(85);
+    /// The abstract data type Enumeration.
     pub const ENUMERATION: NodeId = NodeId::ua(29);
+    /// The variable type AnalogUnitType.
     pub const ANALOG_UNIT_TYPE: NodeId = NodeId::ua(17497);
+    /// The data type EUInformation.
     pub const EU_INFORMATION: NodeId = NodeId::ua(887);
 }

@@ -53,7 +53,7 @@ pub fn encode_data_value(value: &DataValue, encoding: DataEncoding) -> Vec<u8> {
     out
 }
 
-/// Reads a variant, data value or bare value in whichever form it is.
+/// Reads a variant, data value or bare value in any form.
 ///
 /// # Errors
 /// [`ValueError`] where the text is not JSON, or not a value.

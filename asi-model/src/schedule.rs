@@ -1,7 +1,7 @@
 //! The time frames of a network: earliest and latest times, slack and the critical path.
 //!
 //! One pass forward over the operations in dependency order gives the earliest times, one backward
-//! the latest. Planned times are kept: an operation starts and ends when its plan says so; without
+//! the latest. Planned times are fixed: an operation starts and ends at its planned times; without
 //! a plan it may last as long as it likes. Maximum gaps bind backwards, so that each of them may
 //! need another pass forward. The number of passes is bounded, each takes time linear in operations
 //! and relations.
@@ -28,12 +28,10 @@ pub struct Schedule {
     pub conflicts: Vec<Conflict>,
 }
 
-/// When an operation can take place. Times are absent where neither it nor what it depends on is
-/// planned.
+/// Time frame of an operation. Times are absent where neither it nor what it depends on is planned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct OperationTimes {
-    /// The operation.
     pub operation_id: OperationId,
     /// Not before this.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -47,7 +45,7 @@ pub struct OperationTimes {
     /// To be done by then, or the whole is late.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub latest_finish: Option<DateTime>,
-    /// How much later it may be without delaying the whole.
+    /// Longest delay of the operation that does not delay the whole.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slack: Option<IsoDuration>,
     /// True where there is no slack.
@@ -57,13 +55,12 @@ pub struct OperationTimes {
 /// A bound that cannot hold together with the others.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Conflict {
-    /// The bound.
     pub place: ConflictPlace,
     /// A sentence that names the operations and times.
     pub message: String,
 }
 
-/// Where a bound stands in the network, by position in its lists.
+/// Position of a bound in the lists of the network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ConflictPlace {
     PlannedStart { operation: usize },

@@ -1,6 +1,6 @@
 //! JSON Schemas (2020-12) of every message, generated from the types and published under `schema/`.
 //!
-//! A schema tells the structure; the rules beyond it are the validation's.
+//! A schema describes the structure; the validation has the rules beyond it.
 
 mod document;
 mod pubsub;

@@ -17,9 +17,9 @@ pub fn factories(whole: &OperationNetwork) -> Vec<FactoryId> {
     owners.filter(|owner| seen.insert(*owner)).cloned().collect()
 }
 
-/// What one factory gets of a whole network: the operations it owns in full, every relation of one
-/// of them, and stubs of the operations that those relations and its inspections name. Document
-/// order is kept. A factory without operations gets an empty part, which is a withdrawal.
+/// Returns the part of one factory: the operations it owns in full, every relation of one of them,
+/// and stubs of the operations that those relations and its inspections name. Document order is
+/// kept. A factory without operations gets an empty part, which is a withdrawal.
 #[must_use]
 pub fn factory_part(whole: &OperationNetwork, factory_id: &FactoryId) -> OperationNetwork {
     let own: HashSet<&OperationId> = whole
@@ -68,7 +68,7 @@ pub fn factory_part(whole: &OperationNetwork, factory_id: &FactoryId) -> Operati
     }
 }
 
-/// What a neighbour may know of an operation: type, id, name and owner.
+/// The part of an operation that a neighbour may know: type, id, name and owner.
 fn stub(operation: &Operation) -> Operation {
     Operation {
         operation_id: operation.operation_id.clone(),

@@ -80,7 +80,7 @@ fn alias_of(name: &str) -> String {
         .collect()
 }
 
-/// Units whose name in the recommendation carries a remark that nobody writes.
+/// Units whose name in the recommendation carries an addition that people leave out.
 const PLAIN_ALIASES: &[(&str, &str)] = &[
     ("SEC", "SECOND"),
     ("MIN", "MINUTE"),
@@ -170,11 +170,9 @@ pub fn from_unit_id(unit_id: i32) -> Option<EngineeringUnit> {
 pub struct NotConvertible {
     /// The code converted from.
     pub from: &'static str,
-    /// What it measures.
     pub from_quantity: Quantity,
     /// The code converted to.
     pub to: &'static str,
-    /// What it measures.
     pub to_quantity: Quantity,
 }
 

@@ -37,9 +37,9 @@ use crate::{
 };
 use reader::Reader;
 
-/// Why a message is rejected, and what could be read of it nevertheless.
+/// Faults of a rejected message, with the ids that could be read of it nevertheless.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{}", told(faults))]
+#[error("{}", summary(faults))]
 pub struct Rejection {
     /// Everything that is wrong; never empty.
     pub faults: Vec<Fault>,
@@ -51,16 +51,16 @@ pub struct Rejection {
     pub revision: Option<u64>,
 }
 
-/// Faults that a log or a dead letter names; all are in the list.
-const FAULTS_TOLD: usize = 5;
+/// Faults in the error's text; all of them are in the list.
+const SUMMARISED_MAX: usize = 5;
 
-fn told(faults: &[Fault]) -> String {
-    let first = faults.iter().take(FAULTS_TOLD);
+fn summary(faults: &[Fault]) -> String {
+    let first = faults.iter().take(SUMMARISED_MAX);
     first.map(|fault| format!("{}: {}", fault.pointer, fault.message)).collect::<Vec<_>>().join(" ")
 }
 
 impl Rejection {
-    /// The acknowledgement that tells the sender. Where the message's own id could not be read, it
+    /// The acknowledgement for the sender. Where the message's own id could not be read, it
     /// refers to the id that the transport gave it.
     #[must_use]
     pub fn into_acknowledgement(
@@ -94,7 +94,7 @@ pub fn parse_platform_message(
     platform_message(bytes, Some(expected))
 }
 
-/// As [`parse_platform_message`], for whichever factory the message names.
+/// As [`parse_platform_message`], for the factory that the message names.
 ///
 /// # Errors
 /// [`Rejection`] with all faults.

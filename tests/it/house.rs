@@ -14,6 +14,8 @@ mod tables;
 
 /// Packages that keep every rule of form, by their folders.
 const ENFORCED: &[&str] = &[
+    "asi-model",
+    "asi-model/asi-cli",
     "daemon",
     "factory-connector/disclosure",
     "factory-connector/ledger",

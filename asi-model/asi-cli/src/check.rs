@@ -85,6 +85,7 @@ impl Check {
         check
     }
 
+    /// Valid where there is no fault; diagnostics do not count.
     pub const fn outcome(&self) -> Outcome {
         if self.faults.is_empty() { Outcome::Valid } else { Outcome::Invalid }
     }

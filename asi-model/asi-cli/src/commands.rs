@@ -26,14 +26,14 @@ use crate::{
     outcome::Outcome,
 };
 
-/// What `asi` can do.
+/// Commands of `asi`.
 #[derive(Debug, clap::Subcommand)]
 pub enum Command {
     /// Check a message: everything that is wrong with it, each fault with a JSON pointer.
     Validate {
         /// The message; standard input where it is absent or `-`.
         file: Option<PathBuf>,
-        /// The factory that receives it; where absent, whichever the message names.
+        /// The factory that receives it; where absent, the one that the message names.
         #[arg(long)]
         factory: Option<FactoryId>,
         /// Print the acknowledgement that a connector would send.
@@ -50,14 +50,14 @@ pub enum Command {
         /// The encoding to write: digicor, 1.05-compact or 1.05-verbose.
         #[arg(long)]
         to: Encoding,
-        /// The ua-metadata message that tells the types of bare values.
+        /// The ua-metadata message with the types of bare values.
         #[arg(long, value_name = "FILE")]
         meta_data: Option<PathBuf>,
     },
     /// Write OPC UA nodes as NodeSet2, or read them.
     #[command(subcommand)]
     Nodeset(NodesetCommand),
-    /// Tell a message field by field.
+    /// Explain a message field by field.
     Explain {
         /// The message; standard input where it is absent or `-`.
         file: Option<PathBuf>,
@@ -67,12 +67,12 @@ pub enum Command {
     },
     /// Write the JSON Schemas of all messages into a folder.
     Schema {
-        /// The folder.
+        /// Folder of the schema files; existing ones are replaced.
         folder: PathBuf,
     },
 }
 
-/// What can be done with NodeSet2 documents.
+/// Commands on NodeSet2 documents.
 #[derive(Debug, clap::Subcommand)]
 pub enum NodesetCommand {
     /// The type model of the Activity Status Interface.

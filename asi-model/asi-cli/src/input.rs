@@ -1,4 +1,4 @@
-//! What is read: from a file or standard input, and which kind of message it looks like.
+//! Inputs: a file or standard input, and the kind of message it looks like.
 
 use std::{io::Read as _, path::Path};
 
@@ -13,13 +13,12 @@ const BYTES_MAX: u64 = 16 * REQUEST_BYTES_MAX as u64;
 
 /// An input.
 pub struct Input {
-    /// Its text.
     pub bytes: Vec<u8>,
-    /// What it looks like.
+    /// Kind of message, recognised by its members.
     pub kind: Kind,
 }
 
-/// The kinds of message, told by the members that every message of the kind has.
+/// Kinds of message, recognised by the members that every message of the kind has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// From the platform to a factory.

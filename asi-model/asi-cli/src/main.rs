@@ -41,10 +41,10 @@ fn main() -> ExitCode {
     match outcome {
         Ok(Outcome::Valid) => ExitCode::SUCCESS,
         Ok(Outcome::Invalid) => ExitCode::from(1),
-        // Whoever reads us may stop early, as `head` does.
+        // The reader of our output may stop early, as `head` does.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            // Nothing is left to be done where even this cannot be said.
+            // An error that cannot be printed leaves only the exit code.
             let _ = writeln!(std::io::stderr(), "asi: {error:#}");
             ExitCode::from(2)
         }

@@ -1,6 +1,6 @@
 //! Outcomes of commands.
 
-/// How a command ended.
+/// Result of a command that could be carried out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
     /// All is well.

@@ -8,13 +8,12 @@ use crate::values::{NodeId, QualifiedName};
 pub struct ObjectType {
     /// Its numeric id in [`ASI_NAMESPACE_URI`](super::ASI_NAMESPACE_URI).
     pub id: u32,
-    /// Its BrowseName.
     pub name: &'static str,
     /// The object type it specialises; BaseObjectType where there is none.
     pub supertype: Option<u32>,
     /// True where only subtypes have instances.
     pub is_abstract: bool,
-    /// What it stands for.
+    /// Description attribute of the type node.
     pub description: &'static str,
     /// Its parts with fixed BrowseNames. The declaration of the n-th (from 1) has the id `id * 100
     /// + n`.
@@ -24,26 +23,22 @@ pub struct ObjectType {
 /// A part with a fixed BrowseName.
 #[derive(Debug)]
 pub struct Part {
-    /// Its BrowseName.
     pub name: &'static str,
-    /// Whether the BrowseName is the standard's (namespace 0).
+    /// True where the BrowseName is the standard's (namespace 0).
     pub is_standard: bool,
-    /// Whether every instance has it.
+    /// True where every instance has the part (modelling rule Mandatory).
     pub is_mandatory: bool,
-    /// What it is.
     pub kind: PartKind,
 }
 
-/// What a part is.
+/// Node class of a part, with its type.
 #[derive(Debug, Clone, Copy)]
 pub enum PartKind {
-    /// A property.
     Property(ValueType),
     /// A component variable; AnalogUnitType where it has a unit, else BaseDataVariableType.
     Component(ValueType),
     /// A component object of an ASI type.
     Object(u32),
-    /// A method.
     Method(&'static Method),
 }
 
@@ -77,11 +72,9 @@ pub struct Method {
 /// An argument of a method, always scalar.
 #[derive(Debug)]
 pub struct Argument {
-    /// Its name.
     pub name: &'static str,
-    /// Its type.
     pub data_type: DataType,
-    /// What it is for.
+    /// Purpose of the argument, for people.
     pub description: &'static str,
 }
 
@@ -90,7 +83,6 @@ pub struct Argument {
 pub struct Enumeration {
     /// Its numeric id.
     pub id: u32,
-    /// Its BrowseName.
     pub name: &'static str,
     /// The names of its values.
     pub values: &'static [&'static str],
@@ -101,9 +93,8 @@ pub struct Enumeration {
 pub struct ReferenceType {
     /// Its numeric id.
     pub id: u32,
-    /// Its BrowseName.
     pub name: &'static str,
-    /// What the reference is called from its target's side.
+    /// Name of the reference as read from its target.
     pub inverse_name: Option<&'static str>,
     /// True where only subtypes are used.
     pub is_abstract: bool,
@@ -111,7 +102,7 @@ pub struct ReferenceType {
     pub supertype: ReferenceSupertype,
 }
 
-/// What a reference type specialises.
+/// Supertype of a reference type.
 #[derive(Debug, Clone, Copy)]
 pub enum ReferenceSupertype {
     /// A reference type of namespace 0.

@@ -11,7 +11,7 @@ pub const ASI_NAMESPACE_URI: &str = "urn:verbund:UA:ASI";
 /// The version of the type model.
 pub const ASI_MODEL_VERSION: &str = "1.0.0";
 
-/// When this version was published.
+/// Publication time of this version, RFC 3339.
 pub const ASI_PUBLICATION_DATE: &str = "2026-11-20T00:00:00Z";
 
 /// The namespace of a factory's ASI instances.
@@ -20,7 +20,7 @@ pub fn instance_namespace_uri(factory_id: &FactoryId) -> String {
     format!("{INSTANCE_NAMESPACE_PREFIX}{factory_id}")
 }
 
-/// What every instance namespace begins with; the factory id follows.
+/// Prefix of every instance namespace; the factory id follows.
 pub const INSTANCE_NAMESPACE_PREFIX: &str = "urn:verbund:cpt:";
 
 /// A NodeId of the type namespace.

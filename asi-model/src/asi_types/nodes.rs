@@ -175,7 +175,7 @@ mod tests {
     use super::*;
     use crate::node_set;
 
-    /// `asi nodeset types > asi-model/node-set/Verbund.ASI.NodeSet2.xml` writes it anew.
+    /// `asi nodeset types > asi-model/node-set/Verbund.ASI.NodeSet2.xml` writes it again.
     #[test]
     fn the_published_node_set_is_fresh() {
         let published = include_str!("../../node-set/Verbund.ASI.NodeSet2.xml");

@@ -29,19 +29,19 @@ const fn standard(name: &'static str, data_type: u32) -> Part {
 
 const NODE_VERSION: Part = standard("NodeVersion", 12);
 
-/// How a field was decided.
+/// States of a field's decision.
 pub static MAPPING_STATE: Enumeration =
     Enumeration { id: 3001, name: "MappingState", values: &["Pending", "Mapped", "Refused"] };
-/// Where a mapped field's values come from.
+/// Sources of a mapped field's values.
 pub static VALUE_SOURCE: Enumeration =
     Enumeration { id: 3002, name: "ValueSource", values: &["Mapping", "Manual", "External"] };
-/// How two operations depend.
+/// Dependencies between two operations.
 pub static RELATION_TYPE: Enumeration = Enumeration {
     id: 3003,
     name: "RelationType",
     values: &["FinishToStart", "StartToStart", "FinishToFinish", "StartToFinish"],
 };
-/// What a condition bounds.
+/// Kinds of conditions.
 pub static CONDITION_KIND: Enumeration = Enumeration {
     id: 3004,
     name: "ConditionKind",

@@ -72,7 +72,7 @@ fn parts_come_change_and_go() {
     changed["operationRelationList"][0]["predecessorOperationId"] = json!("MakeFrame2");
     let new = network(changed);
     let found = difference(&old, &new);
-    assert!(found.is_described_anew);
+    assert!(found.is_description_changed);
     assert_eq!(found.operations.added, ["MakeFrame2".parse().expect("valid")]);
     assert_eq!(found.operations.removed, ["MakeFrame1".parse().expect("valid")]);
     assert_eq!(found.operations.changed, []);

@@ -12,10 +12,10 @@ use crate::{
     values::{Namespace, NodeId, Scalar, Variant},
 };
 
-/// What the first interface of a node set says, as the JSON of an `operation-network` message;
-/// `None` where there is no interface. Nothing is judged: what is missing among the nodes is
-/// missing in the message, for the validation to find. The factory follows from the namespace, the
-/// message id from the caller.
+/// Returns the first interface of a node set as the JSON of an `operation-network` message; `None`
+/// where there is no interface. Nothing is judged: what is missing among the nodes is missing in
+/// the message, for the validation to find. The factory follows from the namespace, the message id
+/// from the caller.
 #[must_use]
 pub fn to_json(node_set: &NodeSet, message_id: &str) -> Option<Value> {
     let graph = Graph::of(node_set);

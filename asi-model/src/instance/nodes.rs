@@ -44,7 +44,7 @@ struct Writer<'a> {
     instance: &'a Instance<'a>,
     uri: String,
     nodes: Vec<Node>,
-    /// Where the node of each operation is.
+    /// NodeIds of the operations.
     operations: HashMap<OperationId, usize>,
 }
 
@@ -66,7 +66,7 @@ impl Writer<'_> {
         QualifiedName { namespace: Namespace::uri(&self.uri), name: Some(Arc::from(name)) }
     }
 
-    /// An object with the parts of its type, whose values `value_of` tells.
+    /// An object with the parts of its type, with the values that `value_of` returns.
     fn object(
         &mut self,
         path: &Path,

@@ -43,7 +43,7 @@ pub fn encode_segment(out: &mut String, id: &str) {
     encode_bytes(out, trail);
 }
 
-/// What one language or another counts as white space.
+/// True for white space in the sense of any common language.
 fn is_blank(c: char) -> bool {
     c.is_whitespace() || c == '\u{feff}'
 }

@@ -15,7 +15,7 @@ fn example(text: &str) -> OperationNetworkMessage {
     }
 }
 
-/// Units are one whichever name they are called by.
+// A unit is the same under all of its names.
 fn normalise(network: &mut OperationNetwork) {
     let plain = |unit: &mut Option<String>| {
         *unit = unit.as_deref().and_then(units::lookup).map(|unit| unit.alias())

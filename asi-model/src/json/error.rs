@@ -11,18 +11,13 @@ pub struct Limits {
     pub tokens_max: usize,
 }
 
-/// Why a text is not JSON we take.
+/// Error for a text that breaks a bound or is not JSON.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum JsonError {
-    /// Too long.
+    /// The text is longer than the bound.
     #[error("the text has {bytes} bytes, but at most {bytes_max} are accepted")]
-    TooLarge {
-        /// How long it is.
-        bytes: usize,
-        /// How long it may be.
-        bytes_max: usize,
-    },
-    /// Not UTF-8.
+    TooLarge { bytes: usize, bytes_max: usize },
+    /// A byte sequence is not UTF-8.
     #[error("the text is not UTF-8 from byte {offset} on")]
     NotUtf8 {
         /// The first wrong byte.
@@ -31,23 +26,19 @@ pub enum JsonError {
     /// Nested too deeply.
     #[error("arrays and objects are nested deeper than {depth_max} at byte {offset}")]
     TooDeep {
-        /// How deep they may be.
         depth_max: usize,
-        /// Where it is exceeded.
+        /// Position of the array or object that is too deep, in bytes.
         offset: usize,
     },
     /// Too many values.
     #[error("the text has more than {tokens_max} values and names")]
-    TooManyValues {
-        /// How many it may have.
-        tokens_max: usize,
-    },
-    /// Not JSON.
+    TooManyValues { tokens_max: usize },
+    /// The syntax breaks RFC 8259.
     #[error("expected {expected} at byte {offset}")]
     Unexpected {
-        /// What would be right.
+        /// Name of the token that may stand there.
         expected: &'static str,
-        /// Where it is wrong.
+        /// Position of the first wrong byte.
         offset: usize,
     },
 }

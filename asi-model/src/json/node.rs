@@ -27,7 +27,7 @@ impl<'t, 'a> Node<'t, 'a> {
         self.tape.token(self.index)
     }
 
-    /// What kind of value it is.
+    /// Returns the JSON type of the value.
     #[must_use]
     pub fn kind(self) -> Kind {
         self.token().kind
@@ -45,7 +45,7 @@ impl<'t, 'a> Node<'t, 'a> {
         self.tape.raw(self.index)
     }
 
-    /// Where the value begins in the text, in bytes.
+    /// Position of the value in the text, in bytes.
     #[must_use]
     pub fn offset(self) -> usize {
         let token = self.token();

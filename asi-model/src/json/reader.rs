@@ -8,7 +8,7 @@ use super::{
     token::{Kind, Token},
 };
 
-/// How many repeated member names are remembered.
+/// Most repeated member names that are remembered.
 const DUPLICATES_MAX: usize = 64;
 
 pub(super) struct Reader<'a> {

@@ -104,7 +104,7 @@ impl<'a> Tape<'a> {
 /// Longest part of a JSON pointer that is written in full, in characters.
 const POINTER_PART_MAX: usize = 128;
 
-/// Appends a member name to a JSON pointer, escaped as RFC 6901 says; overlong names are cut with
+/// Appends a member name to a JSON pointer, escaped by RFC 6901; overlong names are cut with
 /// `…`.
 fn push_pointer(pointer: &mut String, name: &str) {
     pointer.push('/');

@@ -1,6 +1,6 @@
 //! Tokens of a JSON text.
 
-/// What kind of value a token is.
+/// JSON type of a value, with both booleans apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     Null,

@@ -18,7 +18,7 @@ pub enum AssetKind {
     Power,
     /// Health and overall condition.
     Condition,
-    /// Safety states.
+    /// States of safety functions, as emergency stops.
     Safety,
 }
 
@@ -28,17 +28,16 @@ pub enum AssetKind {
 pub struct AssetOffer {
     /// Unique per message.
     pub message_id: MessageId,
-    /// The factory.
+    /// The factory that owns the asset.
     pub factory_id: FactoryId,
-    /// The asset.
     pub asset_id: AssetId,
-    /// Which data sets there are.
+    /// The data sets that can be asked for; never empty.
     pub kind_list: Vec<AssetKind>,
-    /// What the asset is, in words.
+    /// The asset in words, at most 8192 characters.
     pub description: String,
 }
 
-/// A wish for an asset's status data sets.
+/// A request for an asset's status data sets.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct AssetRequest {
@@ -46,17 +45,16 @@ pub struct AssetRequest {
     pub message_id: MessageId,
     /// The factory that owns the asset.
     pub factory_id: FactoryId,
-    /// The asset.
     pub asset_id: AssetId,
-    /// Which of its data sets.
+    /// The data sets asked for; never empty.
     pub kind_list: Vec<AssetKind>,
     /// The organisation that asks.
     pub requester_id: OrganisationId,
     /// The organisations that may see the answers.
     pub recipient_list: Vec<OrganisationId>,
-    /// What for.
+    /// Purpose in words, for the factory's engineer; never empty.
     pub purpose: String,
-    /// Until when.
+    /// End of the request; absent where it has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub valid_until: Option<DateTime>,
 }

@@ -5,24 +5,24 @@ use serde::{Deserialize, Serialize};
 
 use crate::ids::{DynamicDataRequestId, FactoryId, FieldName, MessageId, OperationNetworkId};
 
-/// A remark on a network, a request or a field; goes both ways.
+/// A comment on a network, a request or a field, in either direction.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Comment {
     /// Unique per message.
     pub message_id: MessageId,
-    /// The factory that takes part in the talk.
+    /// The factory that sends or receives the comment.
     pub factory_id: FactoryId,
-    /// The network talked about.
+    /// The network commented on.
     pub operation_network_id: OperationNetworkId,
-    /// The request talked about, if one.
+    /// The request commented on, if one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_data_request_id: Option<DynamicDataRequestId>,
-    /// The field talked about, if one.
+    /// The field commented on, if one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub field_name: Option<FieldName>,
-    /// Who says it.
+    /// The author's name in their own organisation, at most 256 characters.
     pub author_id: String,
-    /// What is said.
+    /// The comment, 1 to 8192 characters.
     pub text: String,
 }

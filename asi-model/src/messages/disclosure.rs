@@ -36,7 +36,7 @@ pub struct DisclosureStatement {
     /// Values leave within these hours only; all of them hold.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub hours_list: Vec<HoursStatement>,
-    /// Nothing leaves in certain states; which these are is not told.
+    /// Nothing leaves in certain states; the states themselves are not disclosed.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_withheld_in_states: bool,
 }
@@ -51,16 +51,16 @@ pub struct HoursStatement {
     pub from: String,
     /// The first minute no more, `HH:MM`.
     pub until: String,
-    /// How far the plant's clock is ahead of UTC, in minutes.
+    /// Offset of the plant's clock from UTC, in minutes; positive to the east.
     #[serde(default)]
     pub utc_offset_minutes: i16,
 }
 
-/// What is made of a window's values.
+/// Aggregate of the values of a window.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct AggregateStatement {
-    /// Which aggregate, in words: the last value, the maximum, the minimum, the sum, the mean over
+    /// The aggregate in words: the last value, the maximum, the minimum, the sum, the mean over
     /// time.
     pub function: String,
     /// Length of a window in milliseconds; windows are multiples of it since 1970.
@@ -71,7 +71,7 @@ pub struct AggregateStatement {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RateStatement {
-    /// How many values.
+    /// Most values within the period.
     pub values: u32,
     /// The period in milliseconds.
     pub period_ms: u64,

@@ -1,4 +1,4 @@
-//! What a factory sends to the platform, besides reports.
+//! Messages from a factory to the platform, besides reports.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -21,13 +21,13 @@ use crate::{
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "messageType", rename_all = "kebab-case")]
 pub enum FactoryMessage {
-    /// What became of a message of the platform.
+    /// The result of a message of the platform.
     Acknowledgement(Acknowledgement),
-    /// What the factory's engineer decided about a field or an asset's data set.
+    /// A decision of the factory's engineer on a field or an asset's data set.
     Decision(Decision),
     /// Sequence numbers that will never come.
     Gap(Gap),
-    /// A remark by a person.
+    /// A comment by a person.
     Comment(Comment),
     /// Status data sets that could be asked for.
     AssetOffer(AssetOffer),
@@ -88,7 +88,7 @@ pub struct Fault {
     pub message: String,
 }
 
-/// What became of a message of the platform. What is rejected changes nothing.
+/// The result of a message of the platform. A rejected message changes nothing.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Acknowledgement {
@@ -104,7 +104,6 @@ pub struct Acknowledgement {
     /// The revision it was about.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub revision: Option<u64>,
-    /// The outcome.
     pub result: AcknowledgementResult,
     /// Everything that was wrong; empty unless rejected.
     #[serde(default)]
@@ -115,7 +114,7 @@ pub struct Acknowledgement {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum AcknowledgementResult {
-    /// In effect.
+    /// The message is in effect.
     Accepted,
     /// Nothing new in it.
     Unchanged,
@@ -123,7 +122,7 @@ pub enum AcknowledgementResult {
     Rejected,
 }
 
-/// Where a field stands.
+/// State of a field's decision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum MappingState {
@@ -136,7 +135,7 @@ pub enum MappingState {
     Refused,
 }
 
-/// Where a mapped field's values come from.
+/// Source of a mapped field's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum ValueSource {
@@ -148,31 +147,26 @@ pub enum ValueSource {
     External,
 }
 
-/// What a decision is about.
+/// Subject of a decision.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged, rename_all_fields = "camelCase")]
 pub enum DecisionTarget {
     /// A report field.
     Field {
-        /// The network.
         operation_network_id: OperationNetworkId,
-        /// The operation.
         operation_id: OperationId,
-        /// The request.
         dynamic_data_request_id: DynamicDataRequestId,
-        /// The field.
         field_name: FieldName,
     },
     /// A status data set of an asset.
     Asset {
-        /// The asset.
         asset_id: AssetId,
         /// The data set.
         kind: AssetKind,
     },
 }
 
-/// What the factory's engineer decided.
+/// A decision of the factory's engineer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Decision {
@@ -180,15 +174,13 @@ pub struct Decision {
     pub message_id: MessageId,
     /// The factory that decided.
     pub factory_id: FactoryId,
-    /// What about.
     #[serde(flatten)]
     pub target: DecisionTarget,
-    /// The outcome.
     pub mapping_state: MappingState,
-    /// Why, in words for the partner.
+    /// Reason in words for the partner.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-    /// When.
+    /// Time of the decision, by the connector's clock.
     pub decided_at: DateTime,
     /// The precision the partner gets.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -201,9 +193,7 @@ pub struct Decision {
 pub struct Gap {
     /// Unique per message.
     pub message_id: MessageId,
-    /// The factory.
     pub factory_id: FactoryId,
-    /// The writer.
     pub data_set_writer_id: u16,
     /// Its epoch (MajorVersion).
     pub epoch: u32,
@@ -211,17 +201,16 @@ pub struct Gap {
     pub first_sequence: u32,
     /// The last that will not come.
     pub last_sequence: u32,
-    /// Why.
     pub cause: GapCause,
 }
 
-/// Why sequence numbers will never come.
+/// Reason for sequence numbers that will never come.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum GapCause {
-    /// The spool was full and kept only newer values.
+    /// The spool was full and retained only newer values.
     Coalesced,
-    /// Too old.
+    /// The values were older than the spool retains them.
     Expired,
     /// The request was withdrawn.
     Withdrawn,

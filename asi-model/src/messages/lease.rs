@@ -1,5 +1,5 @@
-//! Who speaks for a factory: of all running connectors with its credential, the one that holds the
-//! lease.
+//! The lease on a factory's identity: of all running connectors with its credential, one speaks for
+//! the factory.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -19,15 +19,15 @@ pub struct LeaseRequest {
     pub factory_id: FactoryId,
     /// The connector that asks: another id at every start.
     pub instance_id: InstanceId,
-    /// Where its store is in use.
+    /// Id of the place where its store is in use.
     pub place: PlaceId,
     /// The machine and folder, for people.
     pub host: String,
-    /// When it started, by its own clock.
+    /// Time of its start, by its own clock.
     pub started_at: DateTime,
 }
 
-/// Who holds the lease, in answer to a request for it.
+/// The holder of the lease, in answer to a request for it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Lease {
@@ -39,20 +39,20 @@ pub struct Lease {
     pub correlation_id: MessageId,
     /// The connector that asked. Another one that reads this knows that there are two.
     pub instance_id: InstanceId,
-    /// Where the connector that asked is in use.
+    /// Place of the connector that asked.
     pub place: PlaceId,
     /// The machine and folder of the connector that asked.
     pub host: String,
-    /// Whether it may speak for the factory.
+    /// The answer to the connector that asked.
     pub result: LeaseResult,
     /// Counts up whenever the lease passes to another place. What the holder sends carries it.
     pub lease_number: u64,
-    /// When to ask again, in milliseconds.
+    /// Time until the next request is due, in milliseconds.
     pub ask_again_ms: u64,
-    /// Who holds the lease, where it was refused.
+    /// The holder of the lease, where it was refused.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub holder: Option<LeaseParty>,
-    /// Who else asked for it and was refused, where it was granted.
+    /// The other connector that asked and was refused, where the lease was granted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contender: Option<LeaseParty>,
 }
@@ -71,12 +71,11 @@ pub enum LeaseResult {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct LeaseParty {
-    /// The connector.
     pub instance_id: InstanceId,
     /// Its machine and folder.
     pub host: String,
     /// Since when it holds the lease, or when it asked first.
     pub since: DateTime,
-    /// When it was heard last.
+    /// Time of its last request, by the platform's clock.
     pub last_heard_at: DateTime,
 }

@@ -1,4 +1,4 @@
-//! What the platform sends to a factory.
+//! Messages from the platform to a factory.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -17,13 +17,13 @@ pub enum PlatformMessage {
     OperationNetwork(OperationNetworkMessage),
     /// A whole network is withdrawn.
     Withdraw(Withdraw),
-    /// A remark by a person.
+    /// A comment by a person.
     Comment(Comment),
-    /// Somebody asks for an asset's status.
+    /// A request for an asset's status.
     AssetRequest(AssetRequest),
-    /// What the platform holds.
+    /// Confirmation of stored reports.
     Receipt(Receipt),
-    /// Who holds the lease.
+    /// The holder of the lease.
     Lease(Lease),
 }
 
@@ -67,7 +67,6 @@ pub struct OperationNetworkMessage {
     pub collaboration_id: CollaborationId,
     /// Counts up with every change.
     pub revision: u64,
-    /// The content.
     pub operation_network: OperationNetwork,
 }
 
@@ -85,8 +84,8 @@ pub struct Withdraw {
     pub revision: u64,
 }
 
-/// What the platform holds of a factory's reports. The connector keeps a report until it is
-/// receipted.
+/// Confirmation of the reports that the platform has stored. The connector keeps a report until its
+/// receipt.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Receipt {
@@ -94,15 +93,14 @@ pub struct Receipt {
     pub message_id: MessageId,
     /// The factory it is for.
     pub factory_id: FactoryId,
-    /// One entry per writer and epoch with news.
+    /// One entry per writer and epoch with changes since the last receipt.
     pub receipt_list: Vec<WriterReceipt>,
 }
 
-/// What the platform holds of one writer within one epoch.
+/// Stored reports of one writer within one epoch.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct WriterReceipt {
-    /// The writer.
     pub data_set_writer_id: u16,
     /// Its epoch (MajorVersion).
     pub epoch: u32,

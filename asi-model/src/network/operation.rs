@@ -15,10 +15,10 @@ use crate::{
 pub struct Operation {
     /// Unique within the network.
     pub operation_id: OperationId,
-    /// What kind of step, with what only that kind has.
+    /// Type of the operation, with the members that only this type has.
     #[serde(flatten)]
     pub kind: OperationKind,
-    /// What people call it.
+    /// Name for people, at most 256 characters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// More about it.
@@ -30,22 +30,21 @@ pub struct Operation {
     /// The factory that carries it out; always present on stubs and in whole networks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub owning_factory_id: Option<FactoryId>,
-    /// When it should start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub planned_start: Option<DateTime>,
-    /// When it should be finished.
+    /// Planned end, not before the start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub planned_end: Option<DateTime>,
-    /// How much of it, in [`Self::quantity_unit`].
+    /// Planned quantity in [`Self::quantity_unit`], not negative.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub planned_quantity: Option<f64>,
     /// The unit of the planned quantity: a UNECE common code or one of its aliases (`PIECE`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quantity_unit: Option<String>,
-    /// What equipment it needs.
+    /// Equipment that the operation needs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub equipment_requirement_list: Vec<EquipmentRequirement>,
-    /// What partners want to know about it.
+    /// Data that partners request about the operation.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub dynamic_data_request_list: Vec<DynamicDataRequest>,
 }
@@ -60,7 +59,7 @@ pub struct Operation {
 pub enum OperationKind {
     /// A value-adding step.
     Production {
-        /// What is made.
+        /// Product, by the partners' own id.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         product_id: Option<String>,
     },
@@ -69,16 +68,16 @@ pub enum OperationKind {
         /// The operation whose result is inspected.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         inspected_operation_id: Option<OperationId>,
-        /// What is measured or judged.
+        /// Characteristic that is measured or judged.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         characteristic: Option<String>,
     },
-    /// Moving things.
+    /// Moving material from one place to another.
     Transportation {
-        /// Where from.
+        /// Place that the material leaves.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         origin: Option<String>,
-        /// Where to.
+        /// Place that the material is brought to.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         destination: Option<String>,
     },
@@ -107,7 +106,7 @@ pub struct EquipmentRequirement {
     /// IRI of a capability the equipment must have.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub capability: Option<String>,
-    /// How many.
+    /// Number of pieces of equipment, not negative.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quantity: Option<f64>,
     /// A concrete asset, as in its status data sets.

@@ -10,7 +10,7 @@ use crate::{
     values::DateTime,
 };
 
-/// Which end of the predecessor precedes which end of the successor.
+/// Dependency between an end of the predecessor and an end of the successor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum RelationType {
@@ -26,7 +26,7 @@ pub enum RelationType {
 pub struct OperationRelation {
     /// Unique within the network.
     pub operation_relation_id: OperationRelationId,
-    /// How the two depend.
+    /// Ends of the two operations that the relation connects.
     pub relation_type: RelationType,
     /// The operation that comes first.
     pub predecessor_operation_id: OperationId,
@@ -43,7 +43,7 @@ pub struct OperationRelation {
 pub struct RelationCondition {
     /// Unique within the network.
     pub condition_id: ConditionId,
-    /// What is bounded.
+    /// Kind of bound, which tells whether a time or a duration is needed.
     pub condition_kind: ConditionKind,
     /// The bound of an absolute kind; it applies to the successor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -86,7 +86,7 @@ pub struct IsoDuration(pub Duration);
     "a duration must be ISO 8601 without years and months, as PT8H or P1DT30M, but is {found:?}"
 )]
 pub struct InvalidDuration {
-    /// What was found, cut after 80 characters.
+    /// The text, cut after 80 characters.
     pub found: String,
 }
 

@@ -1,5 +1,5 @@
-//! Dynamic data requests: what a partner wants to hear about an operation, how often, and in which
-//! composition.
+//! Dynamic data requests: the data that a partner requests about an operation, its frequency and
+//! its composition.
 
 use std::{borrow::Cow, fmt, time::Duration};
 
@@ -11,7 +11,7 @@ use crate::{
     values::{BuiltInType, DateTime},
 };
 
-/// A partner's wish to hear about an operation. One request is one DataSetWriter.
+/// A partner's request for data about an operation. One request is one DataSetWriter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct DynamicDataRequest {
@@ -22,9 +22,9 @@ pub struct DynamicDataRequest {
     pub dynamic_data_request_publisher_id: Option<ToolId>,
     /// The organisation that asks.
     pub requester_id: OrganisationId,
-    /// The organisations that may see the answers; nobody else does.
+    /// The organisations that may see the answers, and no others.
     pub recipient_list: Vec<OrganisationId>,
-    /// What the data is wanted for, in words.
+    /// Purpose of the data in words, for the factory's engineer.
     pub purpose: String,
     /// From when answers are wanted; at once where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -38,7 +38,7 @@ pub struct DynamicDataRequest {
     /// The buffer or store the request is about.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub buffer_id: Option<String>,
-    /// How often per [`Self::update_frequency_unit`] the partner wants to hear.
+    /// Number of reports wanted per [`Self::update_frequency_unit`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub update_frequency: Option<u32>,
     /// The period that [`Self::update_frequency`] divides.
@@ -104,7 +104,7 @@ const fn is_scalar(value_rank: &i32) -> bool {
     *value_rank == VALUE_RANK_SCALAR
 }
 
-/// One value that a partner wants to know.
+/// One value that a partner requests.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ReportField {
@@ -122,7 +122,7 @@ pub struct ReportField {
     /// The unit: a UNECE common code or one of its aliases (`PIECE`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
-    /// What the field means; progress and forecasts rest on it, never on names.
+    /// Meaning of the field; progress and forecasts build on it, never on names.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub semantic: Option<Semantic>,
 }
@@ -181,7 +181,7 @@ impl JsonSchema for FieldType {
     }
 }
 
-/// What a field means.
+/// Meaning of a field.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Semantic {
     ProducedQuantity,

@@ -1,22 +1,20 @@
 //! Reasons to refuse a NodeSet2 document.
 
-/// Why a document is not a node set we take.
+/// Error for a document that is not a node set or breaks a limit.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NodeSetError {
     /// It breaks a limit.
     #[error("the document has more than {count_max} {what}")]
     TooLarge {
-        /// What there is too much of.
+        /// Plural name of what is counted.
         what: &'static str,
-        /// How many are accepted.
         count_max: usize,
     },
     /// It is not XML or not a NodeSet2.
     #[error("at byte {position}: {message}")]
     Malformed {
-        /// Where, roughly.
+        /// Position in bytes, where the reader noticed.
         position: u64,
-        /// What is wrong.
         message: String,
     },
     /// A node is not as it should be.
@@ -24,7 +22,6 @@ pub enum NodeSetError {
     Node {
         /// The node as the document names it, cut after 120 characters.
         node_id: String,
-        /// What is wrong.
         message: String,
     },
 }

@@ -21,11 +21,11 @@ use crate::{
     },
 };
 
-/// How many structure fields one input yields at most, defaults of absent ones included:
-/// `[{},{},…]` under a foreign description is short to write and long to fill in.
+/// Most structure fields of one input, defaults of absent ones included: `[{},{},…]` under a
+/// foreign description is short to write and long to fill in.
 const STRUCTURE_FIELDS_MAX: usize = 500_000;
 
-/// What is known of a value's type beforehand.
+/// Type of a value according to metadata.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TypeHint<'h> {
     pub(crate) built_in_type: BuiltInType,
@@ -102,7 +102,7 @@ impl<'d> Decoder<'d> {
         left.is_some()
     }
 
-    /// A value in whichever form it is. Where metadata says what to expect, bare values follow it.
+    /// A value in any form. Bare values have the type that metadata gives them.
     pub(crate) fn value<'t, 'a>(
         &mut self,
         node: Node<'t, 'a>,
@@ -134,7 +134,7 @@ impl<'d> Decoder<'d> {
             && node.members().all(|(name, _)| name.text().is_some_and(|name| is_own(&name)))
     }
 
-    /// A variant: with type, or bare where the type cannot be told.
+    /// A variant: with type, or bare where the type is unknown.
     pub(crate) fn variant<'t, 'a>(
         &mut self,
         node: Node<'t, 'a>,

@@ -15,7 +15,7 @@ use crate::{
     },
 };
 
-/// How deep absent structures inside absent structures are filled with their defaults.
+/// Deepest level at which absent structures inside absent structures are filled with defaults.
 const DEFAULT_DEPTH_MAX: usize = 4;
 
 impl<'d> Decoder<'d> {
@@ -88,7 +88,7 @@ impl<'d> Decoder<'d> {
                 ExpandedNodeId { node_id: description.type_id.clone(), server: type_id.server };
             return Ok(ExtensionObject { type_id, body: ExtensionBody::Structure(structure) });
         }
-        // The other members are the structure; kept as they came.
+        // The other members are the structure; they are stored as they came.
         let mut json = String::from("{");
         for (name, value) in node.members().filter(|(name, _)| !name.is_text("UaTypeId")) {
             push_separated(&mut json, name, value);

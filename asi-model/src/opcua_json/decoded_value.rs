@@ -14,7 +14,7 @@ pub enum DecodedValue {
 }
 
 impl DecodedValue {
-    /// The value with its quality. A Bad status code that stands in a value's place, and a data
+    /// The value with its quality. A Bad status code in place of a value, and a data
     /// value inside a variant, are what OPC 10000-14 §6.2.4.2 makes of values that are not Good;
     /// they become a value's quality again.
     #[must_use]

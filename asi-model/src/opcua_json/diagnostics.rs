@@ -3,10 +3,10 @@
 use super::mismatch::Mismatch;
 use crate::json::Node;
 
-/// How many diagnostics one input yields at most.
+/// Most diagnostics of one input.
 const DIAGNOSTICS_MAX: usize = 64;
 
-/// How deviations from the standard are met on input.
+/// Treatment of deviations from the standard on input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Leniency {
     /// Harmless ones are taken, with a diagnostic.
@@ -21,7 +21,6 @@ pub enum Leniency {
 pub struct Diagnostic {
     /// JSON pointer to it.
     pub pointer: String,
-    /// A sentence.
     pub message: String,
 }
 

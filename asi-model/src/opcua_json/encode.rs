@@ -63,7 +63,7 @@ impl<'e> Encoder<'e> {
     }
 
     /// With the enumerations that the receiver knows from metadata: where forms for people are
-    /// written, their values inside structures stand with their names.
+    /// written, their values inside structures have their names.
     #[must_use]
     pub const fn with_enum_types(self, enum_types: &'e [EnumType]) -> Self {
         Self { enum_types, ..self }
@@ -192,7 +192,7 @@ impl<'e> Encoder<'e> {
         out.push(b']');
     }
 
-    /// `Status` and times, each where it says something, with the commas they need.
+    /// `Status` and times, each unless it is the default, with the commas they need.
     fn quality_members(&self, out: &mut Vec<u8>, value: &DataValue) {
         if value.status != StatusCode::GOOD {
             write_name(out, "Status");

@@ -18,15 +18,14 @@ pub enum ValueError {
     Mismatch {
         /// JSON pointer to what is wrong.
         pointer: String,
-        /// What is wrong.
         message: String,
         /// The status that a field with this value gets.
         status: StatusCode,
     },
 }
 
-/// Where in a text a value is not what it should be; the pointer is only made when somebody wants
-/// to read it.
+/// A node that is not the value it should be. The pointer is only made when the mismatch is
+/// reported.
 #[derive(Debug)]
 pub(crate) struct Mismatch<'t, 'a> {
     pub(crate) node: Node<'t, 'a>,

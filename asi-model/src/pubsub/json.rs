@@ -23,9 +23,9 @@ pub enum Encoding {
     /// 1.04 reversible, as the DIGICOR paper shows it.
     #[default]
     Digicor,
-    /// 1.05 Compact.
+    /// 1.05 Compact: types as ids, default values left out.
     Compact105,
-    /// 1.05 Verbose: bare values, whose types metadata tells.
+    /// 1.05 Verbose: bare values, with their types in metadata only.
     Verbose105,
 }
 
@@ -43,7 +43,7 @@ impl Encoding {
         }
     }
 
-    /// How values are written.
+    /// Returns the form of values.
     #[must_use]
     pub const fn data_encoding(self) -> DataEncoding {
         match self {
@@ -53,7 +53,7 @@ impl Encoding {
         }
     }
 
-    /// How metadata is written: 1.04 reversible or, for both forms of 1.05, compact.
+    /// Returns the form of metadata: 1.04 reversible or, for both forms of 1.05, compact.
     #[must_use]
     pub const fn meta_data_encoding(self) -> DataEncoding {
         match self {
@@ -73,7 +73,7 @@ impl fmt::Display for Encoding {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("an encoding must be digicor, 1.05-compact or 1.05-verbose, but is {found:?}")]
 pub struct UnknownEncoding {
-    /// What was found, cut after 40 characters.
+    /// The text, cut after 40 characters.
     pub found: String,
 }
 

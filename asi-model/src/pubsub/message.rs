@@ -13,7 +13,7 @@ use crate::{
 /// Any PubSub message.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PubSubMessage {
-    /// `ua-data`: values.
+    /// `ua-data`: values of one or more writers.
     Data(NetworkMessage),
     /// `ua-metadata`: what the values of one writer are.
     MetaData(Box<MetaDataMessage>),
@@ -52,7 +52,7 @@ impl PubSubMessage {
         }
     }
 
-    /// Who published it, where it says so.
+    /// The publisher, where the message names it.
     #[must_use]
     pub fn publisher_id(&self) -> Option<&str> {
         match self {
@@ -70,17 +70,16 @@ impl PubSubMessage {
 pub struct NetworkMessage {
     /// Unique per message.
     pub message_id: Option<MessageId>,
-    /// Who publishes: a factory id, or `<factoryId>.<assetId>`.
+    /// The publisher: a factory id, or `<factoryId>.<assetId>`.
     pub publisher_id: Option<Arc<str>>,
     /// The writers' group.
     pub writer_group_name: Option<Arc<str>>,
     /// The class that all contained data sets share.
     pub data_set_class_id: Option<Uuid>,
-    /// The DataSetMessages.
     pub messages: Vec<DataSetMessage>,
 }
 
-/// What kind of DataSetMessage it is.
+/// Kind of a DataSetMessage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum DataSetMessageKind {
     /// All fields. Where a message does not say, this is meant.
@@ -115,7 +114,7 @@ impl DataSetMessageKind {
     }
 }
 
-/// How the fields of a DataSetMessage are written (DataSetFieldContentMask).
+/// Form of the fields of a DataSetMessage (DataSetFieldContentMask).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum FieldRepresentation {
     /// Type and value; no times. A status that is not Good replaces (Bad) or wraps (Uncertain) the
@@ -124,7 +123,7 @@ pub enum FieldRepresentation {
     Variant,
     /// Value, status and times.
     DataValue,
-    /// The bare value; only metadata tells its type. Accepted on input; emitted as
+    /// The bare value; only metadata has its type. Accepted on input; emitted as
     /// [`Self::Variant`] in `digicor`.
     Raw,
 }
@@ -136,7 +135,7 @@ pub struct DataSetMessage {
     pub data_set_writer_id: Option<u16>,
     /// The writer's name.
     pub data_set_writer_name: Option<Arc<str>>,
-    /// Who publishes, where the NetworkMessage has no header to say it.
+    /// The publisher, where the NetworkMessage has no header to say it.
     pub publisher_id: Option<Arc<str>>,
     /// The writer's group, where the NetworkMessage has no header to say it.
     pub writer_group_name: Option<Arc<str>>,
@@ -144,15 +143,12 @@ pub struct DataSetMessage {
     pub sequence_number: Option<u32>,
     /// The metadata's version.
     pub meta_data_version: Option<MetaDataVersion>,
-    /// The metadata's minor version, where only that is said (1.05).
+    /// The metadata's minor version, where the message has no other (1.05).
     pub minor_version: Option<u32>,
-    /// When the message was made.
     pub timestamp: Option<DateTime>,
     /// The data set's quality as a whole.
     pub status: StatusCode,
-    /// What kind of message it is.
     pub kind: DataSetMessageKind,
-    /// How the fields are written.
     pub representation: FieldRepresentation,
     /// The fields, in payload order.
     pub fields: Vec<PayloadField>,
@@ -200,17 +196,13 @@ impl PayloadField {
 pub struct MetaDataMessage {
     /// Unique per message.
     pub message_id: Option<MessageId>,
-    /// Who publishes.
     pub publisher_id: Option<Arc<str>>,
-    /// The writer.
     pub data_set_writer_id: u16,
     /// The writer's group.
     pub writer_group_name: Option<Arc<str>>,
     /// The writer's name.
     pub data_set_writer_name: Option<Arc<str>>,
-    /// When the message was made.
     pub timestamp: Option<DateTime>,
-    /// The metadata.
     pub meta_data: DataSetMetaData,
 }
 
@@ -219,15 +211,13 @@ pub struct MetaDataMessage {
 pub struct StatusMessage {
     /// Unique per message.
     pub message_id: Option<MessageId>,
-    /// Who publishes.
     pub publisher_id: Option<Arc<str>>,
-    /// Its state.
     pub status: PubSubState,
     /// True where the message is repeated; then both times are given.
     pub is_cyclic: bool,
-    /// When the message was made; absent in a broker's last will.
+    /// Time of the message; absent in a broker's last will.
     pub timestamp: Option<DateTime>,
-    /// When the next is due; reasonably later the publisher counts as failed.
+    /// Time of the next message; reasonably later the publisher counts as failed.
     pub next_report_time: Option<DateTime>,
 }
 

@@ -32,7 +32,7 @@ pub struct MetaDataVersion {
     pub minor: u32,
 }
 
-/// What the fields of a data set are.
+/// Description of a data set and its fields.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct DataSetMetaData {
     /// The data set's name: the report's name.
@@ -63,7 +63,7 @@ impl DataSetMetaData {
     }
 }
 
-/// How metadata differs from its predecessor (OPC 10000-14 §6.2.3.2.6).
+/// Change of metadata since its predecessor (OPC 10000-14 §6.2.3.2.6).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum MetaDataChange {
     /// Not at all.
@@ -75,8 +75,8 @@ pub enum MetaDataChange {
 }
 
 impl DataSetMetaData {
-    /// How this metadata must be versioned after `old`; names, descriptions and versions do not
-    /// count.
+    /// Change of the version that this metadata needs after `old`; names, descriptions and versions
+    /// do not count.
     #[must_use]
     pub fn change_since(&self, old: &Self) -> MetaDataChange {
         let is_kept = self.fields.len() >= old.fields.len()
@@ -92,7 +92,7 @@ impl DataSetMetaData {
     }
 }
 
-/// What one field is.
+/// Description of one field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldMetaData {
     /// Its name in the payload.
@@ -175,7 +175,7 @@ impl FieldMetaData {
             && self.properties == old.properties
     }
 
-    /// Says the field's unit.
+    /// Sets the field's unit.
     pub fn set_engineering_unit(&mut self, unit: EngineeringUnit) {
         let name = QualifiedName {
             namespace: Namespace::Ua,
@@ -187,7 +187,7 @@ impl FieldMetaData {
         );
     }
 
-    /// The field's unit, where it is said and known.
+    /// The field's unit, where it is stated and known.
     #[must_use]
     pub fn engineering_unit(&self) -> Option<EngineeringUnit> {
         match self.property(PROPERTY_ENGINEERING_UNITS)? {
@@ -198,13 +198,13 @@ impl FieldMetaData {
         }
     }
 
-    /// What the field means, where it is said.
+    /// Meaning of the field, where it is stated.
     #[must_use]
     pub fn semantic(&self) -> Option<Semantic> {
         self.property(PROPERTY_SEMANTIC)?.as_str()?.parse().ok()
     }
 
-    /// How the value is coarsened, in words.
+    /// Statement in words on how the value is coarsened.
     #[must_use]
     pub fn disclosure(&self) -> Option<&str> {
         self.property(PROPERTY_DISCLOSURE)?.as_str()

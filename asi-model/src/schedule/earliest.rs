@@ -10,7 +10,7 @@ use crate::{network::ConditionKind, values::DateTime};
 const CONFLICTS_MAX: usize = 100;
 
 /// Most passes forward. With fewer maximum gaps than this every conflict is found, else those that
-/// this many tell.
+/// so many passes show.
 const PASSES_MAX: usize = 64;
 
 /// The least that the ends of an operation may be, as the maximum gaps after it demand.
@@ -57,7 +57,7 @@ impl<'g, 'n> Earliest<'g, 'n> {
         earliest
     }
 
-    /// Passes forward until the maximum gaps are kept, with nothing before `base`. Returns the
+    /// Passes forward until no maximum gap is broken, with nothing before `base`. Returns the
     /// links whose maximum gaps never are.
     fn settle(&mut self, base: Time) -> Vec<usize> {
         self.floor = vec![Floor { start: base, finish: base }; self.start.len()];

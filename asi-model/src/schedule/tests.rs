@@ -4,6 +4,7 @@ use proptest::prelude::*;
 use serde_json::{Value, json};
 
 use super::*;
+use crate::network::OperationNetwork;
 
 /// Operations as (id, planned start hour, planned end hour), relations as (from, to, type,
 /// conditions).
@@ -174,10 +175,9 @@ fn endless_chains_do_not_overflow() {
     assert_eq!(Schedule::of(&chain).operations.len(), 500);
 }
 
-/// What is drawn for an operation: start hour, length, and whether each end is planned.
+/// A random operation: start hour, length, and whether each end is planned.
 type OperationDraw = (u32, u32, bool, bool);
-/// What is drawn for a relation: its ends, its type, and conditions of a kind with an hour or a
-/// length.
+/// A random relation: its ends, its type, and conditions of a kind with an hour or a length.
 type RelationDraw = (usize, usize, usize, Vec<(usize, u32)>);
 
 const TYPES: [&str; 4] =
@@ -191,8 +191,8 @@ const KINDS: [&str; 6] = [
     "MAXIMUM_GAP",
 ];
 
-/// Whether times exist that keep everything, by relaxing each inequality `to >= from + distance`
-/// until nothing moves.
+/// True where times exist that keep everything, found by relaxing each inequality `to >= from +
+/// distance` until nothing changes.
 fn is_feasible(operations: &[OperationDraw], relations: &[RelationDraw]) -> bool {
     let origin = 2 * operations.len();
     let (start, finish) = (|at: usize| 2 * at, |at: usize| 2 * at + 1);

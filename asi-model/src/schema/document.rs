@@ -3,7 +3,7 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings};
 use serde_json::{Value, json};
 
-/// Where the schemas are published; the file name follows.
+/// Prefix of the schemas' ids; the message type follows.
 pub const SCHEMA_BASE: &str = "urn:verbund:schema:";
 
 pub(super) fn document<T: JsonSchema>(name: &str) -> Value {
@@ -14,7 +14,7 @@ pub(super) fn document<T: JsonSchema>(name: &str) -> Value {
     schema
 }
 
-/// A message's own members, and the member that tells its type.
+/// A message's own members, and the member `messageType`.
 pub(super) fn message<T: JsonSchema>(message_type: &str) -> Value {
     let mut schema = document::<T>(message_type);
     schema["title"] = json!(message_type);

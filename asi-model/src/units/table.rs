@@ -2,7 +2,7 @@
 //! Recommendation 20).
 //!
 //! The first unit of a quantity with factor 1 is its base unit. Units without a fixed relation
-//! stand under [`Quantity::Other`] and [`Quantity::Packaging`] and do not convert.
+//! are listed under [`Quantity::Other`] and [`Quantity::Packaging`] and do not convert.
 
 use super::unit::{EngineeringUnit, Quantity};
 

@@ -9,14 +9,14 @@ pub struct EngineeringUnit {
     pub display_name: &'static str,
     /// The name in the recommendation, as `degree Celsius`.
     pub description: &'static str,
-    /// What is measured; only units of one quantity convert into each other.
+    /// Quantity of the unit; only units of one quantity convert into each other.
     pub quantity: Quantity,
     /// `value in base unit = value * factor + offset`.
     pub(super) factor: f64,
     pub(super) offset: f64,
 }
 
-/// What a unit measures.
+/// Physical or counted quantities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Quantity {
     Length,

@@ -1,4 +1,4 @@
-//! No operation may depend on itself, by whatever detour.
+//! Cycles: no operation may depend on itself, directly or through others.
 
 use std::collections::HashMap;
 

@@ -20,7 +20,7 @@ pub const RELATIONS_MAX: usize = 20_000;
 pub const LIST_MAX: usize = 500;
 /// Longest name or foreign identifier, in characters.
 pub const NAME_CHARS_MAX: usize = 256;
-/// Longest description, purpose or remark, in characters.
+/// Longest description, purpose or comment, in characters.
 pub const TEXT_CHARS_MAX: usize = 8_192;
-/// Highest revision: what every JSON reader keeps exact.
+/// Highest revision: the largest integer that every JSON reader reads exactly.
 pub const REVISION_MAX: u64 = (1 << 53) - 1;

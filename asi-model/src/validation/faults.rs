@@ -4,7 +4,7 @@ use crate::{json::JsonError, messages::Fault};
 
 macro_rules! fault_codes {
     ($($(#[$doc:meta])* $name:ident = $code:literal,)*) => {
-        /// What can be wrong with a message. The codes are part of the wire contract and never
+        /// Kinds of faults in a message. The codes are part of the wire contract and never
         /// change.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum FaultCode { $($(#[$doc])* $name,)* }
@@ -13,7 +13,7 @@ macro_rules! fault_codes {
             /// All codes.
             pub const ALL: &'static [Self] = &[$(Self::$name),*];
 
-            /// The code as it stands in the acknowledgement.
+            /// The code in acknowledgements.
             #[must_use]
             pub const fn as_str(self) -> &'static str {
                 match self { $(Self::$name => $code),* }
@@ -67,7 +67,7 @@ fault_codes! {
     WrongOwner = "WRONG_OWNER",
     /// A stub does not name the factory that owns it.
     OwnerMissing = "OWNER_MISSING",
-    /// A stub says more than a stub may.
+    /// A stub has members that a stub must not have.
     StubTooDetailed = "STUB_TOO_DETAILED",
     /// A condition has no time although its kind needs one, or a duration although it must not.
     ConditionNeedsTime = "CONDITION_NEEDS_TIME",

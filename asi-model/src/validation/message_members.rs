@@ -75,7 +75,7 @@ pub(super) fn comment(
         dynamic_data_request_id: reader.optional(root, "dynamicDataRequestId", Reader::id),
         field_name: reader.optional(root, "fieldName", Reader::id),
         author_id: reader.required(root, "authorId", Reader::name).unwrap_or_default(),
-        text: reader.required(root, "text", Reader::said).unwrap_or_default(),
+        text: reader.required(root, "text", Reader::non_empty_text).unwrap_or_default(),
     }
 }
 

@@ -87,7 +87,7 @@ fn asset_request(
         kind_list: kinds(reader, root),
         requester_id: reader.required_id(root, "requesterId"),
         recipient_list: recipients(reader, root),
-        purpose: reader.required(root, "purpose", Reader::said).unwrap_or_default(),
+        purpose: reader.required(root, "purpose", Reader::non_empty_text).unwrap_or_default(),
         valid_until: reader.optional(root, "validUntil", Reader::time),
     }
 }

@@ -1,6 +1,6 @@
 //! Reading members of JSON objects into types, noting every fault and going on.
 //!
-//! Where an identifier cannot be read, a placeholder stands in for it, so that the rest is checked
+//! Where an identifier cannot be read, a placeholder takes its position, so that the rest is checked
 //! all the same; a message with faults never leaves the validation.
 
 use std::str::FromStr;
@@ -16,7 +16,7 @@ use crate::{
 #[derive(Debug, Default)]
 pub(super) struct Reader {
     pub(super) faults: Faults,
-    /// How many identifiers have placeholders.
+    /// Number of identifiers with placeholders.
     pub(super) unreadable_ids: usize,
     /// True where list elements had to be left out, so that positions no longer agree with the
     /// text.
@@ -31,7 +31,7 @@ impl Reader {
         code: FaultCode,
         message: impl Into<String>,
     ) {
-        // A pointer costs a walk from the root; nobody needs more than the list holds.
+        // A pointer costs a walk from the root; a full list needs no more.
         if self.faults.is_full() {
             self.faults.count_unlisted();
         } else {
@@ -213,13 +213,13 @@ impl Reader {
         self.bounded_text(node, NAME_CHARS_MAX)
     }
 
-    /// A description, purpose or remark.
+    /// A description, purpose or comment.
     pub(super) fn text(&mut self, node: Node<'_, '_>) -> Option<String> {
         self.bounded_text(node, TEXT_CHARS_MAX)
     }
 
-    /// A text that must say something.
-    pub(super) fn said(&mut self, node: Node<'_, '_>) -> Option<String> {
+    /// A text of more than white space.
+    pub(super) fn non_empty_text(&mut self, node: Node<'_, '_>) -> Option<String> {
         let text = self.text(node)?;
         if text.trim().is_empty() {
             self.fault(node, FaultCode::InvalidValue, "The text must not be empty.");

@@ -44,7 +44,7 @@ pub(super) fn request(reader: &mut Reader, node: Node<'_, '_>) -> Option<Dynamic
         ),
         requester_id: reader.required_id(node, "requesterId"),
         recipient_list: recipients(reader, node),
-        purpose: reader.required(node, "purpose", Reader::said).unwrap_or_default(),
+        purpose: reader.required(node, "purpose", Reader::non_empty_text).unwrap_or_default(),
         valid_from: reader.optional(node, "validFrom", Reader::time),
         valid_until: reader.optional(node, "validUntil", Reader::time),
         description: reader.optional(node, "description", Reader::text),

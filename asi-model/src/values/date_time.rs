@@ -17,7 +17,7 @@ pub struct DateTime(NonZeroI64);
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("a time must be RFC 3339, as 2019-04-18T06:00:00Z, but is {found:?}")]
 pub struct InvalidDateTime {
-    /// What was found, cut after 80 characters.
+    /// The text, cut after 80 characters.
     pub found: String,
 }
 
@@ -75,7 +75,7 @@ impl DateTime {
         Self::from_ticks(self.ticks().saturating_add(ticks))
     }
 
-    /// How long ago `earlier` was; zero if it lies in the future.
+    /// Time since `earlier`; zero where that is in the future.
     #[must_use]
     pub fn since(self, earlier: Self) -> std::time::Duration {
         let ticks = u64::try_from(self.ticks() - earlier.ticks()).unwrap_or(0);

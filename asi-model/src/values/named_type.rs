@@ -10,9 +10,8 @@ use super::{BuiltInType, LocalizedText, NodeId};
 pub struct EnumType {
     /// The DataType node.
     pub type_id: NodeId,
-    /// Its name.
     pub name: Arc<str>,
-    /// How its values travel: Int32, or an unsigned integer for option sets.
+    /// Built-in type of its values: Int32, or an unsigned integer for option sets.
     pub built_in_type: BuiltInType,
     /// Its values, in order.
     pub values: Vec<EnumValue>,
@@ -54,7 +53,6 @@ static KNOWN: LazyLock<[EnumType; 1]> = LazyLock::new(|| {
 pub struct EnumValue {
     /// The number; for option sets the number of the bit.
     pub value: i64,
-    /// Its name.
     pub name: Arc<str>,
     /// Its name for people.
     pub display_name: LocalizedText,
@@ -67,10 +65,9 @@ pub struct EnumValue {
 pub struct SimpleType {
     /// The DataType node.
     pub type_id: NodeId,
-    /// Its name.
     pub name: Arc<str>,
     /// The DataType it specialises.
     pub base_type: NodeId,
-    /// How its values travel.
+    /// Built-in type of its values.
     pub built_in_type: BuiltInType,
 }

@@ -32,11 +32,11 @@ impl Namespace {
 /// The identifier within a namespace.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Identifier {
-    /// `i=`
+    /// A number, as `i=85`.
     Numeric(u32),
-    /// `s=`
+    /// A text, as `s=Counter`.
     String(Arc<str>),
-    /// `g=`
+    /// A UUID, as `g=72962b91-fa75-4ae6-8d28-b404dc7daf63`.
     Guid(Uuid),
     /// `b=` (Base64 in text)
     Opaque(Arc<[u8]>),
@@ -46,7 +46,7 @@ pub enum Identifier {
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, JsonSchema)]
 #[schemars(with = "String")]
 pub struct NodeId {
-    /// Whose node it is.
+    /// Namespace of the server or standard that named the node.
     pub namespace: Namespace,
     /// Its identifier there.
     pub identifier: Identifier,
@@ -55,16 +55,15 @@ pub struct NodeId {
 /// A NodeId that may live on another server.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ExpandedNodeId {
-    /// The node.
     pub node_id: NodeId,
     /// The other server, if any.
     pub server: Server,
 }
 
-/// Which server a node lives on.
+/// Server of a node.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
 pub enum Server {
-    /// This one.
+    /// The server that sent the NodeId.
     #[default]
     Local,
     /// By the URI of the server.
@@ -76,7 +75,7 @@ pub enum Server {
 /// A name within a namespace, as BrowseNames are.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
 pub struct QualifiedName {
-    /// Whose name it is.
+    /// Namespace in which the name is defined.
     pub namespace: Namespace,
     /// The name; `None` is the null string.
     pub name: Option<Arc<str>>,
@@ -86,7 +85,7 @@ pub struct QualifiedName {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("a NodeId must look like i=2258, ns=2;i=7 or nsu=urn:press;s=Counter, but is {found:?}")]
 pub struct InvalidNodeId {
-    /// What was found, cut after 120 characters.
+    /// The text, cut after 120 characters.
     pub found: String,
 }
 

@@ -153,22 +153,21 @@ pub struct LocalizedText {
 pub struct ExtensionObject {
     /// The DataType's NodeId (OPC 10000-14 §7.2.5 asks for the DataType, not an encoding node).
     pub type_id: ExpandedNodeId,
-    /// The content.
     pub body: ExtensionBody,
 }
 
 /// The content of an [`ExtensionObject`].
 #[derive(Debug, Clone, PartialEq)]
 pub enum ExtensionBody {
-    /// Nothing.
+    /// No body at all.
     None,
     /// A structure whose fields are known by name and type.
     Structure(StructureValue),
-    /// A JSON object of a structure nobody has described to us, kept as it came (its JSON text).
+    /// The JSON text of a structure without a known description, as it came.
     Json(Arc<str>),
-    /// OPC UA Binary of a structure nobody has described to us.
+    /// OPC UA Binary of a structure without a known description.
     Binary(Arc<[u8]>),
-    /// XML of a structure nobody has described to us.
+    /// XML of a structure without a known description.
     Xml(Arc<str>),
 }
 
@@ -210,7 +209,7 @@ pub struct Array {
 /// Any value: nothing, one scalar, or an array.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Variant {
-    /// No value.
+    /// The null value, which has no type.
     #[default]
     Null,
     /// A single value.
@@ -263,13 +262,13 @@ impl Variant {
 pub struct DataValue {
     /// The value; [`Variant::Null`] where there is none.
     pub value: Variant,
-    /// The quality; Good where nothing is said.
+    /// The quality; Good where none is stated.
     pub status: StatusCode,
-    /// When the source measured the value.
+    /// Time at which the source measured the value.
     pub source_timestamp: Option<DateTime>,
     /// Further resolution of the source time, in units of 10 ps (0 to 9999).
     pub source_picoseconds: u16,
-    /// When the server last knew the value to be true.
+    /// Time at which the server last knew the value to be true.
     pub server_timestamp: Option<DateTime>,
     /// Further resolution of the server time, in units of 10 ps (0 to 9999).
     pub server_picoseconds: u16,

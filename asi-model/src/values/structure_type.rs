@@ -12,21 +12,19 @@ pub struct StructureType {
     pub type_id: NodeId,
     /// Its encoding nodes, which older senders name instead of the DataType.
     pub encoding_ids: Vec<NodeId>,
-    /// Its name.
     pub name: Arc<str>,
-    /// How its fields are present.
     pub kind: StructureKind,
     /// Its fields, in order.
     pub fields: Vec<StructureField>,
 }
 
-/// How the fields of a structure are present.
+/// Presence of the fields of a structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum StructureKind {
     /// All of them, always.
     #[default]
     Plain,
-    /// Some may be absent; a mask tells which are there.
+    /// Some may be absent; a mask has a bit for each that is present.
     WithOptionalFields,
     /// Exactly one, or none.
     Union,
@@ -43,11 +41,11 @@ pub struct StructureField {
     /// Its data type; for a structure its description's `type_id`, or `i=22` where any structure
     /// may stand.
     pub data_type: NodeId,
-    /// What it means.
+    /// Meaning of the field, for people.
     pub description: Option<LocalizedText>,
     /// -1 scalar, 1 array, n matrix.
     pub value_rank: i32,
-    /// The most elements of each dimension, 0 where there is no bound; empty where nothing is said.
+    /// The most elements of each dimension, 0 where there is no bound; empty where none is stated.
     pub array_dimensions: Vec<u32>,
     /// The most bytes of a text or ByteString; 0 where there is no bound.
     pub max_string_length: u32,

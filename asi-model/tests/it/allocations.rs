@@ -1,4 +1,4 @@
-//! How many allocations a report takes.
+//! Allocations of a report on its way out and in.
 
 use std::{
     alloc::{GlobalAlloc, Layout, System},

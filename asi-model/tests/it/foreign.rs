@@ -1,5 +1,5 @@
-//! What we write, read by other people's stacks: values by node-opcua-json, node sets by node-opcua
-//! and asyncua.
+//! Our messages as other people's stacks read them: values by node-opcua-json, node sets by
+//! node-opcua and asyncua.
 //!
 //! The vectors are the same on every run.
 
@@ -54,8 +54,8 @@ fn run(command: &mut Command) {
     );
 }
 
-/// What a foreign stack is expected to have read. Times are compared to the millisecond, as
-/// JavaScript knows them.
+/// The value that a foreign stack is expected to have read. Times are compared to the millisecond,
+/// as JavaScript knows them.
 fn expected(value: &Variant) -> Value {
     match value {
         Variant::Null => Value::Null,

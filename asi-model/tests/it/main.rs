@@ -1,4 +1,4 @@
-//! What is seen from outside the crate: round trips of whole networks, foreign stacks, allocations,
+//! The crate as seen from outside: round trips of whole networks, foreign stacks, allocations,
 //! linear time.
 #![allow(unsafe_code, clippy::unwrap_used)] // The counting allocator has to pass on to the system's.
 

@@ -134,7 +134,7 @@ fn requirement(id: String) -> impl Strategy<Value = EquipmentRequirement> {
     )
 }
 
-/// When an operation takes place in the plan that everything agrees with.
+/// Time of an operation in the plan that everything agrees with.
 #[derive(Debug, Clone, Copy)]
 struct Window {
     start: i64,
@@ -204,8 +204,7 @@ fn operation(id: String, window: Window, others: Vec<String>) -> impl Strategy<V
     )
 }
 
-/// What is drawn for a relation: its ends, its type, and conditions with their distance from what
-/// the plan has.
+/// A random relation: its ends, its type, and conditions with their distance from the plan.
 type RelationDraw =
     (prop::sample::Index, prop::sample::Index, RelationType, Vec<(ConditionKind, i64)>);
 
@@ -254,7 +253,7 @@ fn relation(
     let earlier = if by_finish { windows[from].end } else { windows[from].start };
     let later = if bounds_start { windows[to].start } else { windows[to].end };
     let condition = |number: usize, kind: ConditionKind, distance: i64| {
-        // Durations are said to the microsecond.
+        // Durations are written to the microsecond.
         let span = |ticks: i64| {
             IsoDuration(std::time::Duration::from_micros(
                 u64::try_from(ticks / 10).unwrap_or_default(),

@@ -51,7 +51,7 @@ fn as_text(value: &Variant) -> String {
     String::from_utf8(encode_variant(value, DataEncoding::Reversible104)).unwrap()
 }
 
-/// Every value that NodeSet2 documents have a form for comes back; of the others nothing is told.
+/// Every value that NodeSet2 documents have a form for comes back; the others are left out.
 #[test]
 fn values_survive_node_sets() {
     let mut written = 0;

@@ -13,13 +13,12 @@ use crate::{
 /// A message, and what was noteworthy about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decoded {
-    /// The message.
     pub message: PubSubMessage,
     /// Deviations that were taken nevertheless, and fields that could not be read.
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// Why bytes are not a PubSub message.
+/// Error for bytes that are not a PubSub message.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum PubSubError {
     /// The text is not JSON or breaks a limit.
@@ -36,7 +35,6 @@ pub enum PubSubError {
     Malformed {
         /// JSON pointer to what is wrong.
         pointer: String,
-        /// What is wrong.
         message: String,
     },
 }

@@ -31,7 +31,7 @@ fn guid() -> impl Strategy<Value = Uuid> {
     any::<u128>().prop_map(Uuid::from_u128)
 }
 
-/// Fields whose names tell their types' metadata nothing.
+/// Fields of names that the metadata does not have.
 fn fields(representation: FieldRepresentation) -> impl Strategy<Value = Vec<PayloadField>> {
     vec(data_value(variant()), 0..5).prop_map(move |values| {
         let values = values.into_iter().enumerate();
@@ -43,7 +43,7 @@ fn fields(representation: FieldRepresentation) -> impl Strategy<Value = Vec<Payl
     })
 }
 
-/// What of a value the representation carries.
+/// The part of a value that the representation carries.
 fn carried(value: DataValue, representation: FieldRepresentation) -> DataValue {
     match (representation, &value.value) {
         (FieldRepresentation::DataValue, _) => value,
@@ -110,7 +110,7 @@ fn localized() -> impl Strategy<Value = LocalizedText> {
     (some_text(), some_text()).prop_map(|(locale, text)| LocalizedText { locale, text })
 }
 
-fn said() -> impl Strategy<Value = Option<LocalizedText>> {
+fn non_empty_text() -> impl Strategy<Value = Option<LocalizedText>> {
     option::of(
         (some_text(), arc_text())
             .prop_map(|(locale, text)| LocalizedText { locale, text: Some(text) }),
@@ -179,8 +179,8 @@ fn field() -> impl Strategy<Value = FieldMetaData> {
     );
     let name = (namespace(), arc_text())
         .prop_map(|(namespace, name)| QualifiedName { namespace, name: Some(name) });
-    (arc_text(), said(), any::<bool>(), shape, guid(), vec((name, variant()), 0..3)).prop_map(
-        |(name, description, is_promoted, shape, data_set_field_id, properties)| {
+    (arc_text(), non_empty_text(), any::<bool>(), shape, guid(), vec((name, variant()), 0..3))
+        .prop_map(|(name, description, is_promoted, shape, data_set_field_id, properties)| {
             let (built_in_type, data_type, value_rank, array_dimensions, max_string_length) = shape;
             FieldMetaData {
                 name,
@@ -194,15 +194,22 @@ fn field() -> impl Strategy<Value = FieldMetaData> {
                 data_set_field_id,
                 properties,
             }
-        },
-    )
+        })
 }
 
 fn meta_data() -> impl Strategy<Value = DataSetMetaData> {
     let uris =
         vec("urn:[a-z]{1,8}", 0..4).prop_map(|uris| uris.into_iter().map(Arc::from).collect());
     let types = (vec(enum_type(), 0..3), vec(simple_type(), 0..3));
-    (arc_text(), said(), uris, types, vec(field(), 0..4), option::of(guid()), any::<(u32, u32)>())
+    (
+        arc_text(),
+        non_empty_text(),
+        uris,
+        types,
+        vec(field(), 0..4),
+        option::of(guid()),
+        any::<(u32, u32)>(),
+    )
         .prop_map(
             |(
                 name,

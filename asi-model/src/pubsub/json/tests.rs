@@ -378,7 +378,7 @@ fn metadata_gives_bare_values_their_types() {
         assert_eq!(decoded.diagnostics, []);
         assert_eq!(decoded.message, PubSubMessage::Data(message));
     }
-    // Without metadata the values are guessed, and that is said.
+    // Without metadata the types are guessed, with a diagnostic each.
     let text = encode(&progress_report(), Encoding::Verbose105);
     assert_eq!(decode(&text).expect("our own").diagnostics.len(), 7);
 }

@@ -48,7 +48,7 @@ const PIECES: [&str; 40] = [
     "Frame-1",
 ];
 
-/// What ids must not have, but texts may.
+/// Pieces that ids must not have, but texts may.
 const BREAKS: [&str; 5] = ["\t", "\n", "\r", "\r\n", "\u{9f}"];
 
 fn pieces(breaks: bool, count_max: usize) -> impl Strategy<Value = String> {

@@ -115,7 +115,7 @@ impl<'e> DataSetMessageEncoder<'e> {
         meta_data: Option<&FieldMetaData>,
     ) {
         let is_verbose = self.encoding == Encoding::Verbose105;
-        // Verbose leaves out only types that metadata tells; an abstract one it cannot tell.
+        // Verbose leaves out only types that metadata has; an abstract one is not enough.
         let is_type_known =
             is_verbose && meta_data.is_none_or(|field| field.built_in_type != BuiltInType::Variant);
         if representation == FieldRepresentation::DataValue {

@@ -135,7 +135,7 @@ fn field(out: &mut Vec<u8>, field: &FieldMetaData, encoder: Encoder<'_>) {
     out.push(b'}');
 }
 
-/// What fields of data sets and of structures say about their extent.
+/// Rank, dimensions and longest string, which fields of data sets and of structures have alike.
 fn shape(out: &mut Vec<u8>, value_rank: i32, array_dimensions: &[u32], max_string_length: u32) {
     write_name(out, "ValueRank");
     write::signed(out, i64::from(value_rank));
