@@ -79,8 +79,7 @@ function supplement(schemas, { schemas: added, members }) {
 }
 
 /**
- * The description with values of any type where it says `object` and nothing about its members, and
- * with members in camel case as they are sent: the description of a variant's members misses that.
+ * The description with values of any type where it says `object` and nothing about its members.
  *
  * @param {any} node
  * @returns {any}
@@ -91,21 +90,13 @@ function opened(node) {
   const isObject = node.type === 'object' || [node.type].flat().includes('object')
   const isOpen =
     isObject && !('properties' in node) && !('additionalProperties' in node) && !('allOf' in node)
-  if (isObject && Array.isArray(node.required))
-    return { ...openedMembers(node), required: node.required.map(camel) }
   if (isOpen) return node.description === undefined ? {} : { description: node.description }
   return openedMembers(node)
 }
 
 /** @param {object} node */
 const openedMembers = (node) =>
-  Object.fromEntries(Object.entries(node).map(([key, value]) => [camel(key), opened(value)]))
-
-/** @param {string} name */
-const camel = (name) =>
-  /^[a-z]+(_[a-z]+)+$/.test(name)
-    ? name.replace(/_([a-z])/g, (_, letter) => letter.toUpperCase())
-    : name
+  Object.fromEntries(Object.entries(node).map(([key, value]) => [key, opened(value)]))
 
 if (process.argv[1] === new URL(import.meta.url).pathname)
   for (const api of APIS) writeFileSync(api.types, await typesOf(api))

@@ -24,6 +24,7 @@ use crate::{
 
 /// Differences between two revisions of a network.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct NetworkDifference {
     /// The network's own name or description.
@@ -43,6 +44,7 @@ pub struct NetworkDifference {
 /// Keys that were added, changed and removed. Added and changed ones are in the new order, removed
 /// ones in the old.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct Changes<T> {
     /// Only in the new revision.
@@ -69,6 +71,7 @@ impl<T> Changes<T> {
 
 /// Difference of one field, with its effects.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct FieldDifference {
     pub key: FieldKey,
@@ -81,6 +84,7 @@ pub struct FieldDifference {
 
 /// Kind of a field's difference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum FieldChange {
     Added,
@@ -92,6 +96,7 @@ pub enum FieldChange {
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
 )]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum MappingEffect {
     /// The mapping runs on.
@@ -108,6 +113,7 @@ pub enum MappingEffect {
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
 )]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum ConsentEffect {
     /// The decision stays in force.
@@ -120,6 +126,7 @@ pub enum ConsentEffect {
 
 /// Aspects of a field or its request that differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum ChangeReason {
     Description,

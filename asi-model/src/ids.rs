@@ -51,6 +51,11 @@ macro_rules! id {
     ($(#[$doc:meta])* $name:ident, $kind:literal, $pattern:literal, $check:ident) => {
         $(#[$doc])*
         #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, JsonSchema)]
+        #[cfg_attr(
+            feature = "openapi",
+            derive(utoipa::ToSchema),
+            schema(value_type = String, pattern = $pattern)
+        )]
         #[schemars(transparent)]
         pub struct $name(#[schemars(regex(pattern = $pattern))] Arc<str>);
 
@@ -124,64 +129,109 @@ macro_rules! id {
 
 id!(
     /// A factory: one connector, one PublisherId, one pair of addresses on the broker.
-    FactoryId, "a factory id", "^[A-Za-z0-9_-]{1,64}$", is_name
+    FactoryId,
+    "a factory id",
+    "^[A-Za-z0-9_-]{1,64}$",
+    is_name
 );
 id!(
     /// An organisation that takes part in collaborations.
-    OrganisationId, "an organisation id", "^[A-Za-z0-9_-]{1,64}$", is_name
+    OrganisationId,
+    "an organisation id",
+    "^[A-Za-z0-9_-]{1,64}$",
+    is_name
 );
 id!(
     /// A partner's tool that asks for data and receives reports.
-    ToolId, "a tool id", "^[A-Za-z0-9_-]{1,64}$", is_name
+    ToolId,
+    "a tool id",
+    "^[A-Za-z0-9_-]{1,64}$",
+    is_name
 );
 id!(
     /// A collaboration on the platform, under whose agreement networks are exchanged.
-    CollaborationId, "a collaboration id", "^[A-Za-z0-9_-]{1,64}$", is_name
+    CollaborationId,
+    "a collaboration id",
+    "^[A-Za-z0-9_-]{1,64}$",
+    is_name
 );
 id!(
     /// An operation network, unique on a platform.
-    OperationNetworkId, "an operation network id", "^[^\\p{Cc}\\uFFFE\\uFFFF]{1,256}$", is_network_id
+    OperationNetworkId,
+    "an operation network id",
+    "^[^\\u0000-\\u001F\\u007F-\\u009F\\uFFFE\\uFFFF]{1,256}$",
+    is_network_id
 );
 id!(
     /// An operation, unique within its network.
-    OperationId, "an operation id", "^[^\\p{Cc}\\uFFFE\\uFFFF]{1,256}$", is_network_id
+    OperationId,
+    "an operation id",
+    "^[^\\u0000-\\u001F\\u007F-\\u009F\\uFFFE\\uFFFF]{1,256}$",
+    is_network_id
 );
 id!(
     /// A relation between two operations, unique within its network.
-    OperationRelationId, "an operation relation id", "^[^\\p{Cc}\\uFFFE\\uFFFF]{1,256}$", is_network_id
+    OperationRelationId,
+    "an operation relation id",
+    "^[^\\u0000-\\u001F\\u007F-\\u009F\\uFFFE\\uFFFF]{1,256}$",
+    is_network_id
 );
 id!(
     /// A condition of a relation, unique within its network.
-    ConditionId, "a condition id", "^[^\\p{Cc}\\uFFFE\\uFFFF]{1,256}$", is_network_id
+    ConditionId,
+    "a condition id",
+    "^[^\\u0000-\\u001F\\u007F-\\u009F\\uFFFE\\uFFFF]{1,256}$",
+    is_network_id
 );
 id!(
     /// An equipment requirement, unique within its network.
-    EquipmentRequirementId, "an equipment requirement id", "^[^\\p{Cc}\\uFFFE\\uFFFF]{1,256}$", is_network_id
+    EquipmentRequirementId,
+    "an equipment requirement id",
+    "^[^\\u0000-\\u001F\\u007F-\\u009F\\uFFFE\\uFFFF]{1,256}$",
+    is_network_id
 );
 id!(
     /// A dynamic data request, unique within its network. One request is one DataSetWriter.
-    DynamicDataRequestId, "a dynamic data request id", "^[^\\p{Cc}\\uFFFE\\uFFFF]{1,256}$", is_network_id
+    DynamicDataRequestId,
+    "a dynamic data request id",
+    "^[^\\u0000-\\u001F\\u007F-\\u009F\\uFFFE\\uFFFF]{1,256}$",
+    is_network_id
 );
 id!(
     /// A concrete asset of a factory, as in its status data sets (OPC 10000-100 AssetId).
-    AssetId, "an asset id", "^[^\\p{Cc}\\uFFFE\\uFFFF]{1,256}$", is_network_id
+    AssetId,
+    "an asset id",
+    "^[^\\u0000-\\u001F\\u007F-\\u009F\\uFFFE\\uFFFF]{1,256}$",
+    is_network_id
 );
 id!(
     /// The name of a report field: a key of the payload.
-    FieldName, "a field name", "^[A-Za-z_][A-Za-z0-9_.-]{0,63}$", is_field_name
+    FieldName,
+    "a field name",
+    "^[A-Za-z_][A-Za-z0-9_.-]{0,63}$",
+    is_field_name
 );
 id!(
     /// A running connector: a new id at every start.
-    InstanceId, "an instance id", "^[A-Za-z0-9_-]{1,64}$", is_name
+    InstanceId,
+    "an instance id",
+    "^[A-Za-z0-9_-]{1,64}$",
+    is_name
 );
 id!(
     /// The place where a connector's store is in use. Two processes name the same place only where
     /// the operating system lets no more than one of them open the store.
-    PlaceId, "a place id", "^[A-Za-z0-9_-]{1,64}$", is_name
+    PlaceId,
+    "a place id",
+    "^[A-Za-z0-9_-]{1,64}$",
+    is_name
 );
 id!(
     /// A message id, unique per message; written as a UUIDv7 by our own senders.
-    MessageId, "a message id", "^[!-~]{1,128}$", is_message_id
+    MessageId,
+    "a message id",
+    "^[!-~]{1,128}$",
+    is_message_id
 );
 
 impl From<uuid::Uuid> for MessageId {
@@ -194,6 +244,7 @@ impl From<uuid::Uuid> for MessageId {
 #[derive(
     Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
 )]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct RequestKey {
     /// The network the request belongs to.
@@ -208,6 +259,7 @@ pub struct RequestKey {
 #[derive(
     Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
 )]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct FieldKey {
     /// The request whose report contains the field.

@@ -30,6 +30,8 @@ pub mod messages;
 pub mod network;
 pub mod node_set;
 pub mod opcua_json;
+#[cfg(feature = "openapi")]
+mod openapi;
 pub mod pubsub;
 pub mod schedule;
 pub mod schema;

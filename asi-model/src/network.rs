@@ -12,6 +12,8 @@ pub use operation::{EquipmentRequirement, Operation, OperationKind, OperationSta
 pub use relation::{
     ConditionKind, IsoDuration, OperationRelation, RelationCondition, RelationType,
 };
+#[cfg(feature = "openapi")]
+pub(crate) use request::SEMANTIC_IRI_PATTERN;
 pub use request::{
     DynamicDataRequest, FieldType, ReportDataFormat, ReportField, Semantic, UpdateFrequencyUnit,
     VALUE_RANK_SCALAR,
@@ -24,6 +26,7 @@ use crate::ids::{FieldKey, OperationNetworkId, RequestKey};
 
 /// A network of operations, or the part of it that concerns one factory.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct OperationNetwork {
     /// Unique on a platform.

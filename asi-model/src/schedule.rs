@@ -30,6 +30,7 @@ pub struct Schedule {
 
 /// Time frame of an operation. Times are absent where neither it nor what it depends on is planned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct OperationTimes {
     pub operation_id: OperationId,

@@ -15,7 +15,6 @@ pub struct ShownValue {
     /// The status, by its name where it has one.
     pub status: String,
     /// When the source measured it.
-    #[schema(value_type = Option<String>, format = "date-time")]
     pub source_timestamp: Option<DateTime>,
 }
 

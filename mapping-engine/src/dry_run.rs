@@ -34,7 +34,6 @@ pub struct Trace {
 #[serde(rename_all = "camelCase")]
 pub struct TraceRun {
     /// Time of the run by the local clock.
-    #[schema(value_type = String, format = DateTime)]
     pub at: DateTime,
     /// The input that changed; absent where time passed.
     #[serde(skip_serializing_if = "Option::is_none")]

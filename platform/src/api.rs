@@ -18,7 +18,6 @@ mod page;
 mod problems;
 mod reports;
 mod requests;
-pub mod schema;
 mod session;
 mod status;
 mod tools;

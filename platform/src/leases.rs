@@ -28,18 +28,14 @@ const CONTENDER_SHOWN_FOR: Duration = Duration::from_secs(15 * 60);
 #[serde(rename_all = "camelCase")]
 pub struct Party {
     /// The running connector; another one at every start.
-    #[schema(value_type = String)]
     pub instance_id: InstanceId,
     /// Place of its store.
-    #[schema(value_type = String)]
     pub place: PlaceId,
     /// Machine and folder of its store.
     pub host: String,
     /// Time of the grant, or of the first refused request.
-    #[schema(value_type = String, format = DateTime)]
     pub since: DateTime,
     /// Time of the last request.
-    #[schema(value_type = String, format = DateTime)]
     pub last_heard_at: DateTime,
     /// True if the holder was heard after the first request: both run, and only an administrator can
     /// grant the lease.

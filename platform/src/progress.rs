@@ -18,13 +18,10 @@ use crate::{
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct OperationProgress {
-    #[schema(value_type = String)]
     pub operation_id: OperationId,
     /// The factory that carries it out.
-    #[schema(value_type = Option<String>)]
     pub owning_factory_id: Option<FactoryId>,
     /// Its state after ISA-95.
-    #[schema(value_type = Option<String>)]
     pub state: Option<OperationState>,
     /// True where nobody reported the state and it is concluded from quantities and times.
     pub is_state_inferred: bool,
@@ -40,15 +37,11 @@ pub struct OperationProgress {
     /// Completion, 0 to 100: as reported, else derived from the quantities.
     pub percent_complete: Option<f64>,
     /// Time of the start.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub actual_start: Option<DateTime>,
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub actual_end: Option<DateTime>,
     /// End expected by the factory.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub expected_end: Option<DateTime>,
     /// Arrival of the last report about it.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub last_report_at: Option<DateTime>,
 }
 

@@ -37,9 +37,7 @@ pub struct OwnCertificate {
     pub subject: String,
     /// The application URI it is for.
     pub application_uri: String,
-    #[schema(value_type = String, format = DateTime)]
     pub valid_from: DateTime,
-    #[schema(value_type = String, format = DateTime)]
     pub valid_to: DateTime,
     /// The certificate itself (DER), to be handed to the server's administrator.
     #[serde(skip)]
@@ -54,9 +52,7 @@ pub struct PeerCertificate {
     pub thumbprint: String,
     /// Distinguished name of the subject.
     pub subject: String,
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub valid_from: Option<DateTime>,
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub valid_to: Option<DateTime>,
     /// The length of its RSA key in bits.
     pub key_bits: Option<usize>,

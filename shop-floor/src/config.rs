@@ -164,12 +164,14 @@ pub enum Identity {
     #[default]
     Anonymous,
     /// A user with a password.
+    #[schema(rename_all = "camelCase")]
     UserName {
         user_name: String,
         #[serde(skip_serializing, default)]
         password: Password,
     },
     /// A user with a certificate and its private key, as files.
+    #[schema(rename_all = "camelCase")]
     Certificate {
         /// The certificate, DER or PEM.
         #[schema(value_type = String)]

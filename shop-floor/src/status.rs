@@ -12,7 +12,6 @@ use crate::{InputKey, MessageSecurity, SecurityPolicy, SourceId};
 pub struct SourceStatus {
     pub source_id: SourceId,
     pub state: SourceState,
-    #[schema(value_type = String, format = DateTime)]
     pub since: DateTime,
     /// Problem while there is one, with the person who must act.
     pub problem: Option<SourceProblem>,
@@ -26,10 +25,8 @@ pub struct SourceStatus {
     /// The inputs that are not live, each with the reason; the first 1000.
     pub not_live: Vec<InputProblem>,
     /// Time of the last received change.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub last_change_at: Option<DateTime>,
     /// Time of the server's last message of any kind.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub last_sign_of_life_at: Option<DateTime>,
     /// Changes received since the connector started.
     pub changes: u64,
@@ -139,12 +136,9 @@ impl SourceProblemKind {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct InputProblem {
-    #[schema(value_type = u64)]
     pub input: InputKey,
-    #[schema(value_type = String)]
     pub node_id: NodeId,
     /// Status of the server, or of the connector when the server gave none.
-    #[schema(value_type = u32)]
     pub status: StatusCode,
     pub reason: String,
 }

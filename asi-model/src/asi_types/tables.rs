@@ -122,7 +122,8 @@ pub static OBJECT_TYPES: [ObjectType; 11] = [
         name: "ActivityStatusInterfaceType",
         supertype: None,
         is_abstract: false,
-        description: "What partners want to know about the operations of one network in this factory.",
+        description: "What partners want to know about the operations of one network in this \
+                      factory.",
         parts: &[
             property("CollaborationId", true, STRING),
             property("Revision", true, DataType::Standard(9)),

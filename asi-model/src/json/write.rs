@@ -117,7 +117,8 @@ pub fn base64(out: &mut Vec<u8>, bytes: &[u8]) {
 
 /// A time in quotes: RFC 3339 in UTC with up to seven fraction digits; [`DateTime::MIN`] as
 /// `0001-01-01T00:00:00Z`.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // Every part is in range by its modulus.
+// Every part is in range by its modulus.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 pub fn date_time(out: &mut Vec<u8>, time: DateTime) {
     if time == DateTime::MIN {
         out.extend_from_slice(b"\"0001-01-01T00:00:00Z\"");

@@ -10,6 +10,7 @@ use crate::{
 
 /// A kind of status data set of an asset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum AssetKind {
     /// Axis positions with their ranges.
@@ -24,6 +25,7 @@ pub enum AssetKind {
 
 /// Status data sets that could be asked for.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct AssetOffer {
     /// Unique per message.
@@ -39,6 +41,7 @@ pub struct AssetOffer {
 
 /// A request for an asset's status data sets.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct AssetRequest {
     /// Unique per message.

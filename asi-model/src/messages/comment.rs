@@ -7,6 +7,7 @@ use crate::ids::{DynamicDataRequestId, FactoryId, FieldName, MessageId, Operatio
 
 /// A comment on a network, a request or a field, in either direction.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct Comment {
     /// Unique per message.

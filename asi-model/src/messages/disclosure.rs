@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// In words and numbers, how a value is coarsened before it leaves.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct DisclosureStatement {
     /// One sentence for people.
@@ -43,6 +44,7 @@ pub struct DisclosureStatement {
 
 /// Hours of the plant's clock.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct HoursStatement {
     /// The days, `MONDAY` to `SUNDAY`.
@@ -58,6 +60,7 @@ pub struct HoursStatement {
 
 /// Aggregate of the values of a window.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct AggregateStatement {
     /// The aggregate in words: the last value, the maximum, the minimum, the sum, the mean over
@@ -69,6 +72,7 @@ pub struct AggregateStatement {
 
 /// At most so many values within any period of this length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct RateStatement {
     /// Most values within the period.

@@ -19,6 +19,7 @@ use crate::{
 
 /// Any message from a factory besides reports, told apart by `messageType`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(tag = "messageType", rename_all = "kebab-case")]
 pub enum FactoryMessage {
     /// The result of a message of the platform.
@@ -78,6 +79,7 @@ impl FactoryMessage {
 
 /// Something wrong with a message, as a partner can mend it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct Fault {
     /// JSON pointer (RFC 6901) into the message; empty for the whole.
@@ -90,6 +92,7 @@ pub struct Fault {
 
 /// The result of a message of the platform. A rejected message changes nothing.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct Acknowledgement {
     /// Unique per message.
@@ -112,6 +115,7 @@ pub struct Acknowledgement {
 
 /// The outcome of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum AcknowledgementResult {
     /// The message is in effect.
@@ -124,6 +128,7 @@ pub enum AcknowledgementResult {
 
 /// State of a field's decision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum MappingState {
     /// Not yet decided.
@@ -137,6 +142,7 @@ pub enum MappingState {
 
 /// Source of a mapped field's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum ValueSource {
     /// A mapping from local OPC UA data.
@@ -149,9 +155,11 @@ pub enum ValueSource {
 
 /// Subject of a decision.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(untagged, rename_all_fields = "camelCase")]
 pub enum DecisionTarget {
     /// A report field.
+    #[cfg_attr(feature = "openapi", schema(rename_all = "camelCase"))]
     Field {
         operation_network_id: OperationNetworkId,
         operation_id: OperationId,
@@ -159,6 +167,7 @@ pub enum DecisionTarget {
         field_name: FieldName,
     },
     /// A status data set of an asset.
+    #[cfg_attr(feature = "openapi", schema(rename_all = "camelCase"))]
     Asset {
         asset_id: AssetId,
         /// The data set.
@@ -168,6 +177,7 @@ pub enum DecisionTarget {
 
 /// A decision of the factory's engineer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct Decision {
     /// Unique per message.
@@ -189,6 +199,7 @@ pub struct Decision {
 
 /// Sequence numbers that will never come, committed with their deletion.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct Gap {
     /// Unique per message.
@@ -206,6 +217,7 @@ pub struct Gap {
 
 /// Reason for sequence numbers that will never come.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum GapCause {
     /// The spool was full and retained only newer values.

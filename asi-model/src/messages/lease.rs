@@ -11,6 +11,7 @@ use crate::{
 
 /// A running connector asks for the lease on its factory's identity, or renews it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct LeaseRequest {
     /// Unique per message.
@@ -29,6 +30,7 @@ pub struct LeaseRequest {
 
 /// The holder of the lease, in answer to a request for it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct Lease {
     /// Unique per message.
@@ -59,6 +61,7 @@ pub struct Lease {
 
 /// The answer to a request for the lease.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum LeaseResult {
     /// It is the factory's connector.
@@ -69,6 +72,7 @@ pub enum LeaseResult {
 
 /// A connector that holds the lease or asked for it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct LeaseParty {
     pub instance_id: InstanceId,

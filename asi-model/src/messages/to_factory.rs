@@ -11,6 +11,7 @@ use crate::{
 
 /// Any message from the platform to a factory, told apart by `messageType`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(tag = "messageType", rename_all = "kebab-case")]
 pub enum PlatformMessage {
     /// The factory's part of a network, in one revision.
@@ -57,6 +58,7 @@ impl PlatformMessage {
 
 /// The whole part of a network that concerns the factory. A higher revision replaces a lower one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct OperationNetworkMessage {
     /// Unique per message.
@@ -72,6 +74,7 @@ pub struct OperationNetworkMessage {
 
 /// Ends a whole network; its revision stays as a tombstone.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct Withdraw {
     /// Unique per message.
@@ -87,6 +90,7 @@ pub struct Withdraw {
 /// Confirmation of the reports that the platform has stored. The connector keeps a report until its
 /// receipt.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct Receipt {
     /// Unique per message.
@@ -99,6 +103,7 @@ pub struct Receipt {
 
 /// Stored reports of one writer within one epoch.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct WriterReceipt {
     pub data_set_writer_id: u16,

@@ -11,6 +11,7 @@ use crate::{
 
 /// A production, inspection or transportation step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct Operation {
     /// Unique within the network.
@@ -51,6 +52,7 @@ pub struct Operation {
 
 /// The three kinds of operation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(
     tag = "operationType",
     rename_all = "SCREAMING_SNAKE_CASE",
@@ -58,12 +60,14 @@ pub struct Operation {
 )]
 pub enum OperationKind {
     /// A value-adding step.
+    #[cfg_attr(feature = "openapi", schema(rename_all = "camelCase"))]
     Production {
         /// Product, by the partners' own id.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         product_id: Option<String>,
     },
     /// Any quality inspection or test.
+    #[cfg_attr(feature = "openapi", schema(rename_all = "camelCase"))]
     Inspection {
         /// The operation whose result is inspected.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -73,6 +77,7 @@ pub enum OperationKind {
         characteristic: Option<String>,
     },
     /// Moving material from one place to another.
+    #[cfg_attr(feature = "openapi", schema(rename_all = "camelCase"))]
     Transportation {
         /// Place that the material leaves.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -97,6 +102,7 @@ impl OperationKind {
 
 /// Equipment that an operation needs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct EquipmentRequirement {
     /// Unique within the network.
@@ -116,6 +122,7 @@ pub struct EquipmentRequirement {
 
 /// The state of an operation after the ISA-95 job states (OPC 10031-4).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub enum OperationState {
     NotAllowedToStart,
     AllowedToStart,

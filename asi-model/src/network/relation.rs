@@ -12,6 +12,7 @@ use crate::{
 
 /// Dependency between an end of the predecessor and an end of the successor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum RelationType {
     FinishToStart = 0,
@@ -22,6 +23,7 @@ pub enum RelationType {
 
 /// "The successor's start or finish depends on the predecessor's."
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct OperationRelation {
     /// Unique within the network.
@@ -39,6 +41,7 @@ pub struct OperationRelation {
 
 /// A bound: absolute for the first four kinds (`time`), relative for the gaps (`duration`).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct RelationCondition {
     /// Unique within the network.
@@ -55,6 +58,7 @@ pub struct RelationCondition {
 
 /// The kinds of condition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum ConditionKind {
     StartNoEarlierThan,
@@ -77,6 +81,11 @@ impl ConditionKind {
 /// Years and months have no fixed length and are refused. Digits beyond the microsecond are dropped
 /// on reading: as OPC UA's Duration, a Double of milliseconds, a hundred years stay exact to that.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, JsonSchema)]
+#[cfg_attr(
+    feature = "openapi",
+    derive(utoipa::ToSchema),
+    schema(value_type = String, format = Duration)
+)]
 #[schemars(with = "String", extend("format" = "duration"))]
 pub struct IsoDuration(pub Duration);
 

@@ -13,6 +13,7 @@ use crate::{
 
 /// A partner's request for data about an operation. One request is one DataSetWriter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct DynamicDataRequest {
     /// Unique within the network.
@@ -59,6 +60,7 @@ impl DynamicDataRequest {
 
 /// The period of an update frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum UpdateFrequencyUnit {
     Second,
@@ -84,6 +86,7 @@ impl UpdateFrequencyUnit {
 
 /// The fields of a report, under its name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct ReportDataFormat {
     /// The report's name; the first payload member.
@@ -106,6 +109,7 @@ const fn is_scalar(value_rank: &i32) -> bool {
 
 /// One value that a partner requests.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct ReportField {
     /// The field's name; unique within the report.
@@ -207,7 +211,16 @@ const SEMANTICS: [(&str, Semantic); 8] = [
     ("EXPECTED_END", Semantic::ExpectedEnd),
 ];
 
+/// The pattern of IRIs that are accepted (ECMA-262 regular expression).
+pub(crate) const SEMANTIC_IRI_PATTERN: &str =
+    "^[A-Za-z][A-Za-z0-9+.-]*:[^\\s\\u0000-\\u001F\\u007F-\\u009F\\uFFFE\\uFFFF]+$";
+
 impl Semantic {
+    /// The eight names on the wire.
+    pub(crate) fn names() -> [&'static str; 8] {
+        SEMANTICS.each_ref().map(|(name, _)| *name)
+    }
+
     /// The wire form: one of the eight names, or the IRI.
     #[must_use]
     pub fn as_str(&self) -> &str {
@@ -264,12 +277,11 @@ impl JsonSchema for Semantic {
         "Semantic".into()
     }
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let names: Vec<&str> = SEMANTICS.iter().map(|(name, _)| *name).collect();
         json_schema!({
-            "description": "What a field means: one of the names, or an IRI.",
+            "description": "Meaning of a field: one of the names, or an IRI.",
             "anyOf": [
-                { "type": "string", "enum": names },
-                { "type": "string", "pattern": "^[A-Za-z][A-Za-z0-9+.-]*:[^\\s\\p{Cc}\\uFFFE\\uFFFF]+$", "maxLength": 2048 }
+                { "type": "string", "enum": Self::names() },
+                { "type": "string", "pattern": SEMANTIC_IRI_PATTERN, "maxLength": 2048 }
             ]
         })
     }

@@ -11,6 +11,9 @@ use crate::{
     values::{Array, BuiltInType, ExtensionBody, ExtensionObject, NodeId, Scalar, Variant},
 };
 
+const UNTYPED: &str =
+    "the value does not name its type and there is no metadata; its type is a guess";
+
 impl Decoder<'_> {
     pub(super) fn elements<'t, 'a>(
         &mut self,
@@ -96,7 +99,7 @@ impl Decoder<'_> {
             Some(hint) => self.bare(node, hint),
             None if node.is_null() => Ok(Variant::Null),
             None => {
-                self.diagnostics.note(node, "the value does not name its type and there is no metadata; its type is a guess");
+                self.diagnostics.note(node, UNTYPED);
                 Ok(self.guess(node))
             }
         }

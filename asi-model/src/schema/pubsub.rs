@@ -10,7 +10,10 @@ fn envelope(message_type: &str, description: &str, properties: Value, required: 
     let mut members = json!({
         "MessageId": { "type": "string", "minLength": 1, "description": "Unique per message." },
         "MessageType": { "const": message_type },
-        "PublisherId": { "type": "string", "description": "Factory id, or factory id and asset id with a dot between." }
+        "PublisherId": {
+            "type": "string",
+            "description": "Factory id, or factory id and asset id with a dot between."
+        }
     });
     if let (Some(members), Value::Object(more)) = (members.as_object_mut(), properties) {
         members.extend(more);
@@ -32,7 +35,10 @@ fn envelope(message_type: &str, description: &str, properties: Value, required: 
 pub(super) fn data() -> Value {
     envelope(
         "ua-data",
-        "Values (OPC 10000-14 §7.2.5.3), in one of the encodings digicor, 1.05-compact and 1.05-verbose.",
+        concat!(
+            "Values (OPC 10000-14 §7.2.5.3), ",
+            "in one of the encodings digicor, 1.05-compact and 1.05-verbose."
+        ),
         json!({
             "WriterGroupName": { "type": "string" },
             "DataSetClassId": { "type": "string", "format": "uuid" },

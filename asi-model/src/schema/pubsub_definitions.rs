@@ -33,7 +33,10 @@ fn numbers() -> Value {
         "DateTime": { "type": "string", "format": "date-time" },
         "MetaDataVersion": {
             "type": "object",
-            "properties": { "MajorVersion": { "$ref": "#/$defs/UInt32" }, "MinorVersion": { "$ref": "#/$defs/UInt32" } },
+            "properties": {
+                "MajorVersion": { "$ref": "#/$defs/UInt32" },
+                "MinorVersion": { "$ref": "#/$defs/UInt32" }
+            },
             "required": ["MajorVersion", "MinorVersion"]
         }
     })
@@ -46,7 +49,13 @@ fn names() -> Value {
             "description": "A number in 1.04, an object in 1.05.",
             "anyOf": [
                 { "$ref": "#/$defs/UInt32" },
-                { "type": "object", "properties": { "Code": { "$ref": "#/$defs/UInt32" }, "Symbol": { "type": "string" } } }
+                {
+                    "type": "object",
+                    "properties": {
+                        "Code": { "$ref": "#/$defs/UInt32" },
+                        "Symbol": { "type": "string" }
+                    }
+                }
             ]
         },
         "NodeId": {
@@ -106,7 +115,11 @@ fn data_value() -> Value {
                 "ServerTimestamp": { "$ref": "#/$defs/DateTime" },
                 "ServerPicoseconds": { "$ref": "#/$defs/UInt16" }
             },
-            "anyOf": [{ "required": ["Value"] }, { "required": ["Status"] }, { "required": ["SourceTimestamp"] }]
+            "anyOf": [
+                { "required": ["Value"] },
+                { "required": ["Status"] },
+                { "required": ["SourceTimestamp"] }
+            ]
         }
     })
 }

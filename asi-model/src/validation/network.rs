@@ -203,7 +203,8 @@ fn check_operation(
     if let (Some(start), Some(end)) = (operation.planned_start, operation.planned_end)
         && start > end
     {
-        let message = "The operation ends before it begins: plannedEnd must not be earlier than plannedStart.";
+        let message = "The operation ends before it begins: \
+                       plannedEnd must not be earlier than plannedStart.";
         reader.faults.push(format!("{place}/plannedEnd"), FaultCode::TimeFrameInverted, message);
     }
     if let Some(unit) = &operation.quantity_unit {

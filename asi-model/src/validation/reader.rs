@@ -1,7 +1,7 @@
 //! Reading members of JSON objects into types, noting every fault and going on.
 //!
-//! Where an identifier cannot be read, a placeholder takes its position, so that the rest is checked
-//! all the same; a message with faults never leaves the validation.
+//! A placeholder takes the position of an identifier that cannot be read, so that the rest is
+//! checked all the same; a message with faults never leaves the validation.
 
 use std::str::FromStr;
 
@@ -156,7 +156,8 @@ impl Reader {
                 let message = match text.len() {
                     length if length > ID_BYTES_MAX => {
                         format!(
-                            "This is not {kind}: it has {length} bytes in UTF-8; at most {ID_BYTES_MAX} are accepted."
+                            "This is not {kind}: it has {length} bytes in UTF-8; \
+                             at most {ID_BYTES_MAX} are accepted."
                         )
                     }
                     _ => format!("This is not {kind}: it must match {pattern}."),

@@ -188,7 +188,8 @@ fn check_fields(fields: &[ReportField], pointer: &str, reader: &mut Reader) {
 pub(super) fn check_unit(unit: &str, pointer: impl FnOnce() -> String, reader: &mut Reader) {
     if units::lookup(unit).is_none() {
         let message = format!(
-            "The unit {unit} is not known: use a UNECE Recommendation 20 code as H87, or its name as PIECE."
+            "The unit {unit} is not known: \
+             use a UNECE Recommendation 20 code as H87, or its name as PIECE."
         );
         reader.faults.push(pointer(), FaultCode::UnknownUnit, message);
     }

@@ -10,6 +10,11 @@ use time::{OffsetDateTime, format_description::well_known::Rfc3339};
 // Held as its ticks and one more, so that an `Option<DateTime>` takes no more room: every value has
 // two of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, JsonSchema)]
+#[cfg_attr(
+    feature = "openapi",
+    derive(utoipa::ToSchema),
+    schema(value_type = String, format = DateTime)
+)]
 #[schemars(with = "String", extend("format" = "date-time"))]
 pub struct DateTime(NonZeroI64);
 

@@ -300,8 +300,9 @@ macro_rules! from_native {
 }
 
 from_native! {
-    bool => Boolean, i8 => SByte, u8 => Byte, i16 => Int16, u16 => UInt16, i32 => Int32, u32 => UInt32, i64 => Int64,
-    u64 => UInt64, f32 => Float, f64 => Double, DateTime => DateTime, Uuid => Guid, StatusCode => StatusCode,
+    bool => Boolean, i8 => SByte, u8 => Byte, i16 => Int16, u16 => UInt16, i32 => Int32,
+    u32 => UInt32, i64 => Int64, u64 => UInt64, f32 => Float, f64 => Double, DateTime => DateTime,
+    Uuid => Guid, StatusCode => StatusCode,
 }
 
 impl From<&str> for Scalar {

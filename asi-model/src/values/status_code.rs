@@ -20,6 +20,7 @@ use serde::{Deserialize, Serialize};
     Deserialize,
     JsonSchema,
 )]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(transparent)]
 pub struct StatusCode(pub u32);
 

@@ -10,7 +10,6 @@ use crate::{DocumentId, DocumentVersion};
 pub struct DecisionBasis {
     /// The named policy of the field, in its newest version.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<String>)]
     pub policy_id: Option<DocumentId>,
     /// The rules that decided, each in its version at that time.
     #[serde(skip_serializing_if = "Vec::is_empty")]

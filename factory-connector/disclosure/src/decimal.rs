@@ -182,7 +182,8 @@ pub struct InvalidStep {
 }
 
 /// A positive decimal with at most 15 significant digits: values are rounded to multiples of it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, utoipa::ToSchema)]
+#[schema(value_type = f64, exclusive_minimum = 0.0)]
 pub struct RoundingStep(Decimal);
 
 impl RoundingStep {

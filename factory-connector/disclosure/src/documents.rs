@@ -18,7 +18,8 @@ pub const DOCUMENTS_MAX: usize = 500;
 pub struct InvalidDocumentId;
 
 /// The id of a policy or rule, chosen by its author.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, utoipa::ToSchema)]
+#[schema(value_type = String, pattern = "^[A-Za-z0-9_-]{1,64}$")]
 pub struct DocumentId(Box<str>);
 
 impl DocumentId {
@@ -64,7 +65,6 @@ impl<'de> Deserialize<'de> for DocumentId {
 )]
 #[serde(rename_all = "camelCase")]
 pub struct DocumentVersion {
-    #[schema(value_type = String)]
     pub id: DocumentId,
     /// From 1, increases by one with every change.
     pub version: u32,
@@ -94,6 +94,5 @@ pub struct Versioned<T> {
     pub document: T,
     /// User of the last change.
     pub changed_by: String,
-    #[schema(value_type = String, format = "date-time")]
     pub changed_at: DateTime,
 }

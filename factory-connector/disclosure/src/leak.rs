@@ -24,7 +24,6 @@ use super::{
 #[derive(Debug, Clone, PartialEq, Serialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct FieldLeak {
-    #[schema(value_type = Object)]
     pub key: FieldKey,
     /// Its precision in words.
     #[serde(flatten)]

@@ -18,7 +18,6 @@ use super::{RateLimit, RoundingStep, WindowAggregate, WithholdCondition, Working
 pub struct DisclosurePolicy {
     /// Numbers are rounded to the nearest multiple of this, in the field's unit.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<f64>)]
     pub rounding_step: Option<RoundingStep>,
     /// Numbers are replaced by the greatest of these bounds not above them (by the lowest, if below
     /// all); ascending.

@@ -58,14 +58,12 @@ pub struct Rule {
     /// field before a change of its request, or that of an equal field of the same operation; without
     /// one the engineer decides.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<String>)]
     pub value_source: Option<ValueSource>,
     /// The precision, with `ACCEPT` and `PREFILL`.
     #[serde(default)]
     pub disclosure: DisclosurePolicy,
     /// A named policy that applies as well: the strictest of both.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<String>)]
     pub policy_id: Option<DocumentId>,
     /// Reason for the partner, with `REFUSE`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -78,7 +76,6 @@ pub struct Rule {
 pub struct RuleCondition {
     /// Organisations. A rule that accepts or pre-fills matches requests of which the requester and
     /// *every* recipient are listed; a rule that refuses, requests of which any is.
-    #[schema(value_type = Vec<String>)]
     pub partners: Vec<OrganisationId>,
     /// Built-in types by name.
     pub data_types: Vec<String>,

@@ -18,7 +18,6 @@ pub struct WithholdCondition {
     /// Another field of the same request; absent for the field's own value. While the other field's
     /// state is not known, the condition counts as met.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<String>)]
     pub field: Option<FieldName>,
     /// The states: texts, numbers or truth values.
     pub states: Vec<StateValue>,

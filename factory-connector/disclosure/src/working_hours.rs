@@ -36,7 +36,8 @@ impl Weekday {
 }
 
 /// A time of day, `HH:MM`, up to and including `24:00`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, utoipa::ToSchema)]
+#[schema(value_type = String, pattern = "^[0-2][0-9]:[0-5][0-9]$", example = "06:00")]
 pub struct ClockTime(u16);
 
 impl ClockTime {
@@ -89,10 +90,8 @@ impl<'de> Deserialize<'de> for ClockTime {
 pub struct WorkingHours {
     pub days: Vec<Weekday>,
     /// The first minute, `HH:MM`.
-    #[schema(value_type = String, example = "06:00")]
     pub from: ClockTime,
     /// The first minute after them, `HH:MM`; later than `from`.
-    #[schema(value_type = String, example = "22:00")]
     pub until: ClockTime,
     /// Offset of the plant's clock from UTC, in minutes; positive to the east.
     #[serde(default)]

@@ -21,7 +21,6 @@ pub struct Checkpoint {
 #[serde(rename_all = "camelCase")]
 pub struct CheckpointHead {
     /// Organisation of the chain.
-    #[schema(value_type = String)]
     pub recipient: OrganisationId,
     /// Number of its last entry.
     pub number: u64,

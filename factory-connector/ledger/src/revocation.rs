@@ -9,10 +9,8 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "camelCase")]
 pub struct RevocationReceipt {
     pub revocation_id: String,
-    #[schema(value_type = String)]
     pub factory_id: FactoryId,
     /// Time of the end; no value of these fields left afterwards.
-    #[schema(value_type = String, format = "date-time")]
     pub revoked_at: DateTime,
     /// User who ended the consent; none when the partner withdrew or changed the request.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -20,7 +18,6 @@ pub struct RevocationReceipt {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
     /// `REVOKED`, or `WITHDRAWN` by the partner.
-    #[schema(value_type = String)]
     pub cause: GapCause,
     /// The fields with the consents that ended.
     pub fields: Vec<RevokedField>,
@@ -32,7 +29,6 @@ pub struct RevocationReceipt {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RevokedField {
-    #[schema(value_type = Object)]
     pub field: FieldKey,
     /// Number of the consent that ended.
     pub consent_version: u32,
@@ -46,10 +42,8 @@ pub struct RevokedWriter {
     /// The writer's epoch until then.
     pub epoch: u32,
     /// The request that it reported for.
-    #[schema(value_type = Object)]
     pub request: RequestKey,
     /// Organisations that received it.
-    #[schema(value_type = Vec<String>)]
     pub recipient_list: Vec<OrganisationId>,
     /// The last sequence number given to a report; none when there was no report.
     pub last_queued_sequence: Option<u32>,

@@ -36,10 +36,8 @@ pub struct ApplicationCertificateView {
     /// The names and addresses of the machine it is for.
     host_names: Vec<String>,
     /// Beginning of its validity.
-    #[schema(value_type = String, format = "date-time")]
     not_before: DateTime,
     /// End of its validity.
-    #[schema(value_type = String, format = "date-time")]
     not_after: DateTime,
     /// Length of its RSA key in bits.
     key_bits: usize,

@@ -26,10 +26,8 @@ pub struct ClientAuthorityView {
     /// The distinguished name of who issued it; the subject's where it did so itself.
     issuer: String,
     /// Beginning of its validity.
-    #[schema(value_type = String, format = "date-time")]
     not_before: DateTime,
     /// End of its validity.
-    #[schema(value_type = String, format = "date-time")]
     not_after: DateTime,
     /// Clients with a certificate of it may connect; otherwise it only leads to one that is
     /// trusted.
@@ -38,7 +36,6 @@ pub struct ClientAuthorityView {
     /// one.
     revocation_list: RevocationListState,
     /// When that list is to be replaced.
-    #[schema(value_type = Option<String>, format = "date-time")]
     next_update: Option<DateTime>,
 }
 
@@ -133,10 +130,8 @@ pub struct ClientRevocationListView {
     /// The distinguished name of the authority.
     issuer: String,
     /// When it was made.
-    #[schema(value_type = String, format = "date-time")]
     this_update: DateTime,
     /// When it is to be replaced, where it says so.
-    #[schema(value_type = Option<String>, format = "date-time")]
     next_update: Option<DateTime>,
     /// How many certificates it names.
     revoked_count: usize,

@@ -29,15 +29,12 @@ pub struct ClientCertificateView {
     /// The application it was made for, as it says.
     application_uri: Option<String>,
     /// Beginning of its validity.
-    #[schema(value_type = String, format = "date-time")]
     not_before: DateTime,
     /// End of its validity.
-    #[schema(value_type = String, format = "date-time")]
     not_after: DateTime,
     /// Whether it opens the door.
     state: ClientTrust,
     /// When its bearer was turned away last; null where that was never, or before it was trusted.
-    #[schema(value_type = Option<String>, format = "date-time")]
     rejected_at: Option<DateTime>,
     /// Why it was turned away then.
     rejection_reason: Option<ClientRejection>,

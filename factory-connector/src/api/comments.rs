@@ -37,9 +37,7 @@ pub async fn list_comments(
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct NewComment {
-    #[schema(value_type = Option<String>)]
     dynamic_data_request_id: Option<DynamicDataRequestId>,
-    #[schema(value_type = Option<String>)]
     field_name: Option<FieldName>,
     text: String,
 }

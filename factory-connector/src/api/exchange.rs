@@ -125,7 +125,6 @@ pub struct ImportOutcome {
 #[derive(Debug, Serialize, ToSchema)]
 pub struct PlacedMapping {
     /// Its field.
-    #[schema(value_type = Object)]
     key: FieldKey,
     /// What became of it.
     outcome: Placed,

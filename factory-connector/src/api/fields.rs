@@ -47,10 +47,8 @@ pub struct MappingDraft {
 #[serde(rename_all = "camelCase")]
 pub struct DecisionBody {
     /// `PENDING`, `MAPPED` or `REFUSED`.
-    #[schema(value_type = String)]
     mapping_state: MappingState,
     /// Where values come from; needed with `MAPPED`.
-    #[schema(value_type = Option<String>)]
     value_source: Option<ValueSource>,
     /// Needed with the source `MAPPING`.
     mapping: Option<MappingDraft>,
@@ -58,7 +56,6 @@ pub struct DecisionBody {
     #[serde(default)]
     disclosure: DisclosurePolicy,
     /// A named policy that holds beside it, in its newest version from now on.
-    #[schema(value_type = Option<String>)]
     policy_id: Option<DocumentId>,
     /// Told to the partner; needed with `REFUSED`.
     reason: Option<String>,
@@ -216,7 +213,6 @@ pub struct Entered {
     /// Less than was entered is disclosed.
     is_coarsened: bool,
     /// When a withheld value may leave at the earliest.
-    #[schema(value_type = Option<String>, format = "date-time")]
     until: Option<asi_model::DateTime>,
 }
 

@@ -35,7 +35,6 @@ pub struct InboxQuery {
     /// Requests per page, at most 200.
     limit: Option<usize>,
     /// Requests with a field in this state: `PENDING`, `MAPPED` or `REFUSED`.
-    #[param(value_type = Option<String>)]
     state: Option<asi_model::messages::MappingState>,
     /// Requests of this requester.
     partner: Option<String>,

@@ -24,7 +24,6 @@ use disclosure::{
 #[serde(rename_all = "camelCase")]
 pub struct PartnerLeaks {
     /// The organisation: a requester or a recipient.
-    #[schema(value_type = String)]
     partner: OrganisationId,
     /// Fields, rates, precision and warnings.
     #[serde(flatten)]
@@ -83,7 +82,6 @@ async fn each<T: Send + 'static>(
 #[serde(rename_all = "camelCase")]
 pub struct PartnerSummary {
     /// The organisation: a requester or a recipient.
-    #[schema(value_type = String)]
     partner: OrganisationId,
     /// Sums and numbers.
     #[serde(flatten)]

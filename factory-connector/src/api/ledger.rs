@@ -26,30 +26,23 @@ use ledger::EventKind;
 #[into_params(parameter_in = Query)]
 pub struct LedgerSelection {
     /// Of this recipient's chain.
-    #[param(value_type = Option<String>)]
     recipient: Option<OrganisationId>,
     /// Recorded at this time or later.
-    #[param(value_type = Option<String>)]
     from: Option<DateTime>,
     /// Recorded before this time.
-    #[param(value_type = Option<String>)]
     until: Option<DateTime>,
     /// Of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or
     /// `REVOKED`.
-    #[param(value_type = Option<String>)]
+    #[param(inline)]
     kind: Option<EventKind>,
     /// About this network: decisions about its fields, reports that carried them, and what became
     /// of those.
-    #[param(value_type = Option<String>)]
     operation_network_id: Option<OperationNetworkId>,
     /// Of it, only about this operation.
-    #[param(value_type = Option<String>)]
     operation_id: Option<OperationId>,
     /// Of it, only about this request.
-    #[param(value_type = Option<String>)]
     dynamic_data_request_id: Option<DynamicDataRequestId>,
     /// Of it, only about this field.
-    #[param(value_type = Option<String>)]
     field_name: Option<FieldName>,
 }
 

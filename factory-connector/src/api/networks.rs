@@ -28,7 +28,6 @@ pub struct NetworkSummary {
     collaboration_id: Option<String>,
     revision: u64,
     is_withdrawn: bool,
-    #[schema(value_type = String, format = "date-time")]
     received_at: asi_model::DateTime,
     request_count: usize,
     field_count: usize,
@@ -134,7 +133,6 @@ pub struct NetworkNews {
     previous_revision: Option<u64>,
     /// What differs: operations, relations, requests, and each field with the reasons and with what
     /// became of its mapping and of the consent.
-    #[schema(value_type = Object)]
     difference: NetworkDifference,
 }
 

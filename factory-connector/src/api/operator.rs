@@ -39,10 +39,8 @@ const DAY: Duration = Duration::from_secs(86_400);
 #[into_params(parameter_in = Query)]
 pub struct OperationsQuery {
     /// When the shown day begins; the present day in UTC without it.
-    #[param(value_type = Option<String>)]
     from: Option<DateTime>,
     /// When it ends; a day later without it.
-    #[param(value_type = Option<String>)]
     until: Option<DateTime>,
 }
 
@@ -57,9 +55,7 @@ pub struct OperatorOperation {
     network_name: Option<String>,
     /// `PRODUCTION`, `INSPECTION` or `TRANSPORTATION`.
     operation_type: &'static str,
-    #[schema(value_type = Option<String>, format = "date-time")]
     planned_start: Option<DateTime>,
-    #[schema(value_type = Option<String>, format = "date-time")]
     planned_end: Option<DateTime>,
     planned_quantity: Option<f64>,
     quantity_unit: Option<String>,
@@ -86,7 +82,6 @@ pub struct Buttons {
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct OperatorField {
-    #[schema(value_type = Object)]
     key: FieldKey,
     name: String,
     #[serde(rename = "type")]
@@ -100,7 +95,6 @@ pub struct OperatorField {
     #[schema(value_type = Option<Object>)]
     entered: Option<serde_json::Value>,
     /// When.
-    #[schema(value_type = Option<String>, format = "date-time")]
     entered_at: Option<DateTime>,
     /// The newest disclosed value: what the partner has.
     value: Option<ShownValue>,
@@ -248,10 +242,8 @@ fn of_field(
 #[into_params(parameter_in = Query)]
 pub struct EntriesQuery {
     /// The network.
-    #[param(value_type = String)]
     operation_network_id: asi_model::OperationNetworkId,
     /// The operation.
-    #[param(value_type = String)]
     operation_id: asi_model::OperationId,
 }
 
@@ -290,7 +282,6 @@ pub async fn list_operator_entries(
 #[serde(rename_all = "camelCase")]
 pub struct Delivery {
     /// The page's clock when it delivers; the entries' times are corrected by how far it is off.
-    #[schema(value_type = Option<String>, format = "date-time")]
     sent_at: Option<DateTime>,
     /// Up to 500, in any order.
     #[schema(value_type = Vec<NewEntry>)]
@@ -303,12 +294,10 @@ pub struct Delivery {
 pub struct NewEntry {
     /// Made by the page, 1 to 64 letters, digits, `-` or `_`; an entry that comes again has no
     /// further effect.
-    #[schema(value_type = String)]
     entry_id: EntryId,
     #[serde(flatten)]
     operation: OperationKey,
     /// When it was made, by the page's clock.
-    #[schema(value_type = String, format = "date-time")]
     made_at: DateTime,
     #[serde(flatten)]
     action: Action,
@@ -334,7 +323,6 @@ pub struct EntryResult {
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct FieldResult {
-    #[schema(value_type = Object)]
     key: FieldKey,
     #[serde(flatten)]
     entered: Entered,

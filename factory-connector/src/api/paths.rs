@@ -15,11 +15,8 @@ pub const FIELD: &str =
 #[serde(rename_all = "camelCase")]
 #[into_params(parameter_in = Path)]
 pub struct RequestPath {
-    #[param(value_type = String)]
     operation_network_id: OperationNetworkId,
-    #[param(value_type = String)]
     operation_id: OperationId,
-    #[param(value_type = String)]
     dynamic_data_request_id: DynamicDataRequestId,
 }
 
@@ -36,13 +33,9 @@ impl RequestPath {
 #[serde(rename_all = "camelCase")]
 #[into_params(parameter_in = Path)]
 pub struct FieldPath {
-    #[param(value_type = String)]
     operation_network_id: OperationNetworkId,
-    #[param(value_type = String)]
     operation_id: OperationId,
-    #[param(value_type = String)]
     dynamic_data_request_id: DynamicDataRequestId,
-    #[param(value_type = String)]
     field_name: FieldName,
 }
 

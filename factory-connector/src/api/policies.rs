@@ -34,7 +34,6 @@ pub struct PolicyView {
     /// How many mapped fields take it by name.
     field_count: usize,
     /// The recipients that it is set for.
-    #[schema(value_type = Vec<String>)]
     recipients: Vec<OrganisationId>,
 }
 
@@ -122,7 +121,6 @@ pub async fn list_policy_versions(
 #[serde(rename_all = "camelCase")]
 pub struct PolicyUse {
     /// The field.
-    #[schema(value_type = Object)]
     key: asi_model::FieldKey,
     /// What its partner reads now.
     #[serde(flatten)]
@@ -178,7 +176,6 @@ pub async fn preview_policy(
 #[serde(rename_all = "camelCase")]
 pub struct RecipientView {
     /// The organisation.
-    #[schema(value_type = String)]
     recipient: OrganisationId,
     /// How many mapped fields it gets.
     field_count: usize,
@@ -236,7 +233,6 @@ pub async fn list_recipients(
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct RecipientBody {
     /// The named policy; null takes it away.
-    #[schema(value_type = Option<String>)]
     policy_id: Option<DocumentId>,
 }
 

@@ -39,7 +39,6 @@ use disclosure::{
 #[serde(rename_all = "camelCase")]
 pub struct Draft {
     /// Where values would come from.
-    #[schema(value_type = String)]
     value_source: ValueSource,
     /// Needed with the source `MAPPING`.
     mapping: Option<MappingDraft>,
@@ -47,7 +46,6 @@ pub struct Draft {
     #[serde(default)]
     disclosure: DisclosurePolicy,
     /// A named policy that would hold beside it.
-    #[schema(value_type = Option<String>)]
     policy_id: Option<DocumentId>,
 }
 
@@ -85,7 +83,6 @@ pub struct Preview {
     /// What leaves of it.
     disclosed: Option<ShownValue>,
     /// When it would leave, where policy holds it back.
-    #[schema(value_type = Option<String>, format = "date-time")]
     disclosed_at: Option<DateTime>,
     /// The precision in words, as the partner reads it.
     #[serde(flatten)]

@@ -39,22 +39,16 @@ const PAGE: u32 = 50;
 pub struct RevocationBody {
     /// These fields.
     #[serde(default)]
-    #[schema(value_type = Vec<Object>)]
     fields: Vec<FieldKey>,
     /// All fields of this network.
-    #[schema(value_type = Option<String>)]
     operation_network_id: Option<OperationNetworkId>,
     /// Of it, only those about this operation.
-    #[schema(value_type = Option<String>)]
     operation_id: Option<OperationId>,
     /// Of it, only those of this request.
-    #[schema(value_type = Option<String>)]
     dynamic_data_request_id: Option<DynamicDataRequestId>,
     /// All fields that this organisation may see.
-    #[schema(value_type = Option<String>)]
     recipient_id: Option<OrganisationId>,
     /// How the fields are decided from now on: `PENDING` (without it) or `REFUSED`.
-    #[schema(value_type = Option<String>)]
     mapping_state: Option<MappingState>,
     /// Told to the partner; needed with `REFUSED`.
     reason: Option<String>,
@@ -180,7 +174,7 @@ async fn find(api: &Api, id: &str) -> Result<StoredRevocation, Problem> {
 #[into_params(parameter_in = Query)]
 pub struct PrintQuery {
     /// `en` or `de`.
-    #[param(value_type = Option<String>)]
+    #[param(inline)]
     language: Option<Language>,
 }
 

@@ -81,10 +81,8 @@ pub async fn list_rule_versions(
 #[serde(rename_all = "camelCase")]
 pub struct RuleMatch {
     /// The field.
-    #[schema(value_type = Object)]
     key: FieldKey,
     /// `PENDING`, `MAPPED` or `REFUSED`: only undecided fields would be decided.
-    #[schema(value_type = String)]
     mapping_state: asi_model::messages::MappingState,
     /// It is undecided and no engineer has left it open: the rule would decide now.
     would_decide: bool,

@@ -45,7 +45,6 @@ pub struct Finds {
     /// to be listed.
     is_complete: bool,
     /// When the server was walked through.
-    #[schema(value_type = Option<String>, format = "date-time")]
     listed_at: Option<DateTime>,
 }
 

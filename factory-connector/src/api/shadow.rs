@@ -29,7 +29,6 @@ pub struct ShadowView {
     /// Who started it.
     author: String,
     /// When.
-    #[schema(value_type = String, format = "date-time")]
     started_at: DateTime,
     /// What differs from the published one; none where nothing is published.
     changes: Vec<MappingChange>,

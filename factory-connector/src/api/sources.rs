@@ -140,7 +140,6 @@ pub async fn remove_source(
 #[into_params(parameter_in = Query)]
 pub struct NodesQuery {
     /// The node whose children to list; the Objects folder without it.
-    #[param(value_type = Option<String>)]
     parent: Option<NodeId>,
     /// `nextCursor` of the page before.
     cursor: Option<usize>,
@@ -174,7 +173,6 @@ pub async fn browse_source(
 #[into_params(parameter_in = Query)]
 pub struct ValueQuery {
     /// The variable.
-    #[param(value_type = String)]
     node: NodeId,
 }
 

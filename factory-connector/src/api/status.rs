@@ -16,10 +16,8 @@ use crate::desk::now;
 pub struct Status {
     factory_id: String,
     version: &'static str,
-    #[schema(value_type = String, format = "date-time")]
     started_at: DateTime,
     /// Its own clock, to tell ages by.
-    #[schema(value_type = String, format = "date-time")]
     now: DateTime,
     /// The link to the platform: `state` (connecting, up, down, stopped), since when, and why.
     #[schema(value_type = Object)]

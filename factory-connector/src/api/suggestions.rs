@@ -54,7 +54,6 @@ pub struct SuggestedVariable {
     /// What the server says about it.
     description: Option<String>,
     /// The built-in type of its value.
-    #[schema(value_type = Option<String>)]
     value_type: Option<TypeName>,
     /// Its unit, as people see it.
     unit: Option<String>,
@@ -76,7 +75,6 @@ pub struct SearchedSource {
     /// or search by hand.
     is_complete: bool,
     /// When the list was made.
-    #[schema(value_type = Option<String>, format = "date-time")]
     listed_at: Option<DateTime>,
     /// Why it could not be looked through.
     problem: Option<String>,

@@ -34,7 +34,6 @@ pub struct TemplateView {
     /// Who changed it last.
     author: String,
     /// When.
-    #[schema(value_type = String, format = "date-time")]
     changed_at: DateTime,
 }
 

@@ -58,10 +58,8 @@ pub struct Trial {
     /// How many values went in.
     values: usize,
     /// When the first value came.
-    #[schema(value_type = Option<String>, format = "date-time")]
     from: Option<DateTime>,
     /// When the last value came.
-    #[schema(value_type = Option<String>, format = "date-time")]
     to: Option<DateTime>,
     /// Inputs of which nothing is recorded: only variables that a mapping at work (or on trial)
     /// uses are.

@@ -39,7 +39,6 @@ pub struct VersionView {
     /// Where it came from, where not from the editor.
     note: Option<String>,
     /// When.
-    #[schema(value_type = String, format = "date-time")]
     published_at: DateTime,
     /// It is the mapping of the field now.
     is_current: bool,

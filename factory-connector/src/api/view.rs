@@ -47,7 +47,6 @@ impl<T> Page<T> {
 #[serde(rename_all = "camelCase")]
 pub struct FieldView {
     /// Its address.
-    #[schema(value_type = Object)]
     pub key: FieldKey,
     /// Its name.
     pub name: String,
@@ -63,10 +62,8 @@ pub struct FieldView {
     /// More about it.
     pub description: Option<String>,
     /// `PENDING`, `MAPPED` or `REFUSED`.
-    #[schema(value_type = String)]
     pub mapping_state: asi_model::messages::MappingState,
     /// `MAPPING`, `MANUAL` or `EXTERNAL`, while mapped.
-    #[schema(value_type = Option<String>)]
     pub value_source: Option<asi_model::messages::ValueSource>,
     /// How values are coarsened at least, as decided.
     pub disclosure: DisclosurePolicy,
@@ -88,12 +85,10 @@ pub struct FieldView {
     /// Who decided.
     pub decided_by: Option<String>,
     /// When.
-    #[schema(value_type = Option<String>, format = "date-time")]
     pub decision_time: Option<DateTime>,
     /// The newest disclosed value: what the partner has.
     pub value: Option<ShownValue>,
     /// The mapping in force, or the one to offer again.
-    #[schema(value_type = Option<Object>)]
     pub mapping: Option<mapping_engine::Mapping>,
     /// The number of the newest version of the mapping; none before the first.
     pub mapping_version: Option<u32>,
@@ -153,10 +148,8 @@ pub struct RuleOfferView {
     #[serde(flatten)]
     pub told: Statement,
     /// Where values would come from.
-    #[schema(value_type = Option<String>)]
     pub value_source: Option<asi_model::messages::ValueSource>,
     /// The mapping, with the source `MAPPING`.
-    #[schema(value_type = Option<Object>)]
     pub mapping: Option<mapping_engine::Mapping>,
     /// What the partner would be told.
     pub reason: Option<String>,
@@ -197,7 +190,6 @@ impl RuleOfferView {
 #[serde(rename_all = "camelCase")]
 pub struct RequestView {
     /// Its address.
-    #[schema(value_type = Object)]
     pub key: RequestKey,
     /// The operation it asks about, without its requests.
     #[schema(value_type = Object)]
@@ -207,7 +199,6 @@ pub struct RequestView {
     /// Who asks.
     pub requester_id: String,
     /// Who may see the answers.
-    #[schema(value_type = Vec<String>)]
     pub recipient_list: Vec<asi_model::OrganisationId>,
     /// What for.
     pub purpose: String,
@@ -216,18 +207,14 @@ pub struct RequestView {
     /// How often the partner wants to hear, as the time between two reports in milliseconds.
     pub update_interval_ms: Option<u64>,
     /// From when values are asked for.
-    #[schema(value_type = Option<String>, format = "date-time")]
     pub valid_from: Option<DateTime>,
     /// Until when.
-    #[schema(value_type = Option<String>, format = "date-time")]
     pub valid_until: Option<DateTime>,
     /// That time is over: nothing leaves any more.
     pub has_ended: bool,
     /// When this revision came.
-    #[schema(value_type = String, format = "date-time")]
     pub received_at: DateTime,
     /// Since when it waits for an engineer, while a field of it is undecided.
-    #[schema(value_type = Option<String>, format = "date-time")]
     pub open_since: Option<DateTime>,
     /// It has waited for more than a day.
     pub is_overdue: bool,

@@ -24,12 +24,10 @@ pub struct RecipientPolicy {
     /// From 1, one more with every change.
     pub version: u32,
     /// The named policy; none after it was taken away.
-    #[schema(value_type = Option<String>)]
     pub policy_id: Option<DocumentId>,
     /// Who set it.
     pub changed_by: String,
     /// When.
-    #[schema(value_type = String, format = "date-time")]
     pub changed_at: DateTime,
 }
 

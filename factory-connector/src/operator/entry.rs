@@ -20,16 +20,17 @@ const QUANTITY_MAX: f64 = 1e6;
 #[serde(rename_all = "camelCase")]
 pub struct OperationKey {
     /// The network.
-    #[schema(value_type = String)]
     pub operation_network_id: OperationNetworkId,
     /// The operation in it.
-    #[schema(value_type = String)]
     pub operation_id: OperationId,
 }
 
 /// An entry's id, made where it was entered: 1 to 64 letters, digits, `-` or `_`.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, utoipa::ToSchema,
+)]
 #[serde(try_from = "String", into = "String")]
+#[schema(value_type = String, pattern = "^[A-Za-z0-9_-]{1,64}$")]
 pub struct EntryId(String);
 
 impl EntryId {
@@ -99,12 +100,11 @@ pub enum Action {
         text: String,
     },
     /// A value was typed into a field.
+    #[schema(rename_all = "camelCase")]
     Value {
         /// The field's request.
-        #[schema(value_type = String)]
         dynamic_data_request_id: DynamicDataRequestId,
         /// The field.
-        #[schema(value_type = String)]
         field_name: FieldName,
         /// As plain JSON; 64-bit integers may be texts.
         #[schema(value_type = Object)]
@@ -197,16 +197,13 @@ impl Action {
 #[serde(rename_all = "camelCase")]
 pub struct OperatorEntry {
     /// Made where it was entered.
-    #[schema(value_type = String)]
     pub entry_id: EntryId,
     /// What it is about.
     #[serde(flatten)]
     pub operation: OperationKey,
     /// When it was entered, by the connector's clock.
-    #[schema(value_type = String, format = "date-time")]
     pub made_at: DateTime,
     /// When it came here.
-    #[schema(value_type = String, format = "date-time")]
     pub received_at: DateTime,
     /// Who.
     pub made_by: String,

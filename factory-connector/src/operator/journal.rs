@@ -44,7 +44,6 @@ pub struct Problem {
     /// What is wrong.
     pub text: String,
     /// Since when.
-    #[schema(value_type = String, format = "date-time")]
     pub since: DateTime,
     /// Who said so.
     pub told_by: String,
@@ -55,13 +54,10 @@ pub struct Problem {
 #[serde(rename_all = "camelCase")]
 pub struct Standing {
     /// `Running`, `Interrupted` or `Ended`; none before anything was entered.
-    #[schema(value_type = Option<String>)]
     pub state: Option<OperationState>,
     /// When it was first started.
-    #[schema(value_type = Option<String>, format = "date-time")]
     pub started_at: Option<DateTime>,
     /// When it was finished, while it is.
-    #[schema(value_type = Option<String>, format = "date-time")]
     pub ended_at: Option<DateTime>,
     /// Good pieces counted with the buttons.
     pub good_quantity: f64,
@@ -70,7 +66,6 @@ pub struct Standing {
     /// The problem that lasts.
     pub problem: Option<Problem>,
     /// When the last entry was made.
-    #[schema(value_type = Option<String>, format = "date-time")]
     pub last_entry_at: Option<DateTime>,
 }
 

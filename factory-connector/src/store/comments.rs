@@ -26,7 +26,6 @@ pub struct StoredComment {
     /// True if it was made at this factory.
     pub is_own: bool,
     pub text: String,
-    #[schema(value_type = String, format = "date-time")]
     pub written_at: DateTime,
 }
 

@@ -50,7 +50,6 @@ pub struct DeadLetter {
     pub code: String,
     /// Cause of the rejection, in words.
     pub reason: String,
-    #[schema(value_type = String, format = "date-time")]
     pub at: DateTime,
     /// Size of the body, in bytes.
     pub bytes: i64,

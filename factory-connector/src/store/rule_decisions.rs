@@ -33,7 +33,6 @@ impl Named for RuleAction {
 pub struct RuleDecision {
     /// Number of the decision, as text.
     pub id: String,
-    #[schema(value_type = Object)]
     pub field: FieldKey,
     /// `ACCEPT` or `REFUSE`.
     pub action: String,
@@ -41,11 +40,9 @@ pub struct RuleDecision {
     pub rules: Vec<DocumentVersion>,
     /// Number of the consent that the decision made.
     pub consent_version: u32,
-    #[schema(value_type = String, format = "date-time")]
     pub decided_at: DateTime,
     /// The person who undid it; none while it is in force.
     pub undone_by: Option<String>,
-    #[schema(value_type = Option<String>, format = "date-time")]
     pub undone_at: Option<DateTime>,
 }
 

@@ -25,7 +25,6 @@ pub use step::{
     Select, Step, Threshold, UnitConversion, Window,
 };
 
-pub use schema::FieldKeySchema;
 use shop_floor_model::{MonitorOptions, SourceId};
 
 /// Most inputs of a mapping.
@@ -38,8 +37,9 @@ pub const SCRIPT_STEPS_MAX: usize = 4;
 pub const INPUT_NAME_BYTES_MAX: usize = 64;
 
 /// A mapping's identity within a connector.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, JsonSchema, ToSchema)]
 #[schemars(transparent)]
+#[schema(value_type = String, min_length = 1, max_length = 512)]
 pub struct MappingId(#[schemars(length(min = 1, max = 512))] Arc<str>);
 
 /// A text is not a mapping id.
@@ -103,10 +103,8 @@ impl<'de> Deserialize<'de> for MappingId {
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Mapping {
     /// Its identity within the connector.
-    #[schema(value_type = String)]
     pub mapping_id: MappingId,
     /// The report field that gets the values.
-    #[schema(value_type = FieldKeySchema)]
     pub target: FieldKey,
     /// The built-in type of the field; what leaves the chain is of this type or a fault.
     pub target_type: TypeName,
@@ -139,7 +137,6 @@ pub struct MappingInput {
     #[schemars(with = "String")]
     pub source_id: SourceId,
     /// The variable, with its namespace's URI.
-    #[schema(value_type = String, example = "nsu=urn:press;s=Cell.Counter")]
     pub node_id: NodeId,
     /// The variable's built-in type as seen when it was picked; lets a mapping be checked without
     /// its server.

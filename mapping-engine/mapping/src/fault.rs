@@ -85,7 +85,6 @@ impl Fault {
 #[serde(rename_all = "camelCase")]
 pub struct FaultRecord {
     /// Time of the fault by the local clock.
-    #[schema(value_type = String, format = DateTime)]
     pub at: DateTime,
     /// Index of the function in the chain; absent for the end of the chain.
     #[serde(skip_serializing_if = "Option::is_none")]

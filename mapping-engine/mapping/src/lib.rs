@@ -27,10 +27,10 @@ pub mod transform;
 pub use diagnostic::{DiagnosticCode, MappingDiagnostic, Severity};
 pub use document::{
     Aggregate, Bit, BitText, BitTexts, Constant, Convert, Counter, CounterInput, Deadband,
-    Debounce, Edge, EdgeDirection, Enumeration, EnumerationText, Expression, FieldKeySchema,
-    Format, INPUT_NAME_BYTES_MAX, INPUTS_MAX, Increment, InvalidMappingId, LateValues, Literal,
-    Lookup, LookupEntry, Mapping, MappingId, MappingInput, Merge, MergeRule, OnDecrease, Overflow,
-    Parse, Rate, RatePeriod, Rounding, SCRIPT_STEPS_MAX, STEPS_MAX, Scale, Script, Select, Step,
+    Debounce, Edge, EdgeDirection, Enumeration, EnumerationText, Expression, Format,
+    INPUT_NAME_BYTES_MAX, INPUTS_MAX, Increment, InvalidMappingId, LateValues, Literal, Lookup,
+    LookupEntry, Mapping, MappingId, MappingInput, Merge, MergeRule, OnDecrease, Overflow, Parse,
+    Rate, RatePeriod, Rounding, SCRIPT_STEPS_MAX, STEPS_MAX, Scale, Script, Select, Step,
     Threshold, TypeName, UnitConversion, Window,
 };
 pub use fault::{Fault, FaultKind, FaultRecord};

@@ -33,10 +33,8 @@ const SCORE_MAX: i32 = 100;
 #[serde(rename_all = "camelCase")]
 pub struct Suggestion {
     /// Source of the variable.
-    #[schema(value_type = String)]
     pub source_id: SourceId,
     /// Node id with its namespace's URI.
-    #[schema(value_type = String)]
     pub node_id: NodeId,
     /// Names down to the variable, joined by `/`.
     pub place: String,

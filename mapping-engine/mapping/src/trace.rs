@@ -63,11 +63,9 @@ pub struct TracedValue {
     pub status_name: Option<String>,
     /// Time at which the source measured it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub source_timestamp: Option<DateTime>,
     /// Time at which the server last knew it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub server_timestamp: Option<DateTime>,
 }
 

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use asi_model::{DataValue, DateTime, FieldKey};
-use mapping::{FaultRecord, FieldKeySchema, MappingId, TracedValue};
+use mapping::{FaultRecord, MappingId, TracedValue};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -13,10 +13,8 @@ use super::inventory::RunningMapping;
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct MappingStatus {
-    #[schema(value_type = String)]
     pub mapping_id: MappingId,
     /// Field that gets the candidates.
-    #[schema(value_type = FieldKeySchema)]
     pub target: FieldKey,
     /// Values that came.
     pub received: u64,
@@ -39,7 +37,6 @@ pub struct MappingStatus {
     pub spent_us: u64,
     /// Time of the last candidate by the local clock.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub last_yielded_at: Option<DateTime>,
     /// The last candidate.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -61,7 +58,6 @@ pub struct InputStatus {
     pub value: Option<TracedValue>,
     /// Arrival time by the local clock.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub received_at: Option<DateTime>,
     /// Difference of the source's clock to ours, in milliseconds, transport included; positive
     /// where the source is ahead.
@@ -78,7 +74,6 @@ pub enum CircuitState {
     /// One rests because it did not keep to its budget.
     Resting {
         /// Until when, by the local clock.
-        #[schema(value_type = String, format = DateTime)]
         until: DateTime,
     },
     /// One was let run again to see whether it works.

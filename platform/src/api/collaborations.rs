@@ -21,16 +21,13 @@ use crate::{
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct NewCollaboration {
-    #[schema(value_type = String)]
     collaboration_id: CollaborationId,
     name: String,
     /// The organisations that take part.
     #[serde(default)]
-    #[schema(value_type = Vec<String>)]
     members: Vec<OrganisationId>,
     /// The factories that take part.
     #[serde(default)]
-    #[schema(value_type = Vec<String>)]
     factories: Vec<FactoryId>,
 }
 

@@ -27,13 +27,10 @@ use crate::{
 #[serde(rename_all = "camelCase")]
 pub struct AddComment {
     /// The factory to talk to; one that has a part in the network.
-    #[schema(value_type = String)]
     factory_id: FactoryId,
     /// The request talked about.
-    #[schema(value_type = Option<String>)]
     dynamic_data_request_id: Option<DynamicDataRequestId>,
     /// The field talked about.
-    #[schema(value_type = Option<String>)]
     field_name: Option<FieldName>,
     /// Text, 1 to 10000 characters.
     text: String,

@@ -30,12 +30,10 @@ pub struct DeadLetterView {
     /// Reason in a sentence for people.
     reason: String,
     /// Time of the dead-lettering.
-    #[schema(value_type = String, format = DateTime)]
     at: DateTime,
     /// Size of the body.
     bytes: u64,
     /// Time of the last replay; absent before the first.
-    #[schema(value_type = Option<String>, format = DateTime)]
     replayed_at: Option<DateTime>,
 }
 

@@ -24,7 +24,6 @@ pub struct Enrol {
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Enrolment {
-    #[schema(value_type = String)]
     factory_id: FactoryId,
     /// The broker's address.
     broker_url: String,

@@ -24,9 +24,7 @@ use crate::{
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct NewFactory {
-    #[schema(value_type = String)]
     factory_id: FactoryId,
-    #[schema(value_type = String)]
     organisation_id: OrganisationId,
     /// Name for people; the id by default.
     #[serde(default)]
@@ -40,7 +38,6 @@ pub struct TokenView {
     /// For `factory-connector enrol`; contains the platform's address.
     token: String,
     /// Until when it can be used.
-    #[schema(value_type = String, format = DateTime)]
     expires_at: DateTime,
 }
 

@@ -33,7 +33,6 @@ pub struct LeaseView {
 #[serde(rename_all = "camelCase")]
 pub struct Handover {
     /// One of the contenders.
-    #[schema(value_type = String)]
     instance_id: InstanceId,
 }
 

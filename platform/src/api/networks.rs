@@ -26,11 +26,10 @@ use crate::{
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct PutBody {
-    #[schema(value_type = String)]
     collaboration_id: CollaborationId,
     /// The whole network (wire contract `operation-network`), each operation with
     /// `owningFactoryId`.
-    #[schema(value_type = Object)]
+    #[schema(value_type = asi_model::network::OperationNetwork)]
     operation_network: Box<RawValue>,
 }
 
@@ -43,7 +42,6 @@ pub struct Changed {
     /// False where nothing differed.
     is_changed: bool,
     /// The factories that were sent something.
-    #[schema(value_type = Vec<String>)]
     sent_to: Vec<FactoryId>,
 }
 

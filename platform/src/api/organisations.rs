@@ -17,7 +17,6 @@ use crate::{application::Application, principal::Principal, store::Organisation}
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct NewOrganisation {
-    #[schema(value_type = String)]
     organisation_id: OrganisationId,
     name: String,
 }

@@ -21,10 +21,8 @@ use crate::{
 #[into_params(parameter_in = Query)]
 pub struct Query {
     /// Only of this network.
-    #[param(value_type = Option<String>)]
     network: Option<OperationNetworkId>,
     /// Only of this request.
-    #[param(value_type = Option<String>)]
     request: Option<DynamicDataRequestId>,
     /// Only those that arrived after the report with this number; `nextCursor` of the page before.
     after: Option<u64>,

@@ -34,7 +34,6 @@ pub struct SignIn {
 pub struct Session {
     user_name: String,
     role: Role,
-    #[schema(value_type = Option<String>)]
     organisation_id: Option<OrganisationId>,
     /// Token that changes must carry in the header `x-csrf-token`.
     csrf_token: String,

@@ -16,10 +16,8 @@ pub struct Status {
     /// The version of the program.
     version: &'static str,
     /// Time of the start.
-    #[schema(value_type = String, format = DateTime)]
     started_at: DateTime,
     /// Its own clock, to tell ages by.
-    #[schema(value_type = String, format = DateTime)]
     now: DateTime,
     /// State of the link to the broker.
     #[schema(value_type = Option<Object>)]

@@ -23,9 +23,7 @@ use crate::{
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct NewTool {
-    #[schema(value_type = String)]
     tool_id: ToolId,
-    #[schema(value_type = String)]
     organisation_id: OrganisationId,
     name: String,
 }

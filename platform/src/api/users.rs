@@ -28,7 +28,6 @@ pub struct PutUser {
     password: Confidential<String>,
     role: Role,
     /// For whom the user looks and acts.
-    #[schema(value_type = Option<String>)]
     organisation_id: Option<OrganisationId>,
 }
 
@@ -38,7 +37,6 @@ pub struct PutUser {
 pub struct UserView {
     user_name: String,
     role: Role,
-    #[schema(value_type = Option<String>)]
     organisation_id: Option<OrganisationId>,
 }
 

@@ -31,10 +31,8 @@ pub struct WriterView {
     /// Repeats that were discarded.
     duplicates: u64,
     /// Arrival of the last report.
-    #[schema(value_type = Option<String>, format = DateTime)]
     last_report_at: Option<DateTime>,
     /// Arrival of the last keep-alive.
-    #[schema(value_type = Option<String>, format = DateTime)]
     last_keep_alive_at: Option<DateTime>,
 }
 
@@ -45,7 +43,6 @@ pub struct GapView {
     first_sequence: u32,
     last_sequence: u32,
     /// `COALESCED`, `EXPIRED`, `WITHDRAWN` or `REVOKED`.
-    #[schema(value_type = String)]
     cause: GapCause,
 }
 

@@ -18,20 +18,16 @@ use crate::{
 #[serde(rename_all = "camelCase")]
 pub struct NetworkView {
     /// The collaboration it belongs to.
-    #[schema(value_type = String)]
     pub collaboration_id: asi_model::CollaborationId,
     /// Its newest revision.
     pub revision: u64,
     /// Time of the revision.
-    #[schema(value_type = String, format = DateTime)]
     pub updated_at: DateTime,
     /// User or tool that made it.
     pub updated_by: String,
     /// Time of the withdrawal; absent while in effect.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub withdrawn_at: Option<DateTime>,
     /// The whole network (wire contract `operation-network`).
-    #[schema(value_type = Object)]
     pub network: OperationNetwork,
     /// Parts as sent to the factories.
     pub parts: Vec<PartView>,
@@ -48,9 +44,7 @@ pub struct NetworkView {
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct PartView {
-    #[schema(value_type = String)]
     pub factory_id: FactoryId,
-    #[schema(value_type = Option<String>)]
     pub organisation_id: Option<OrganisationId>,
     /// Name for people.
     pub factory_name: Option<String>,
@@ -61,18 +55,14 @@ pub struct PartView {
     /// State at the factory.
     pub state: PartState,
     /// Faults for which it was rejected.
-    #[schema(value_type = Vec<Object>)]
     pub fault_list: Vec<Fault>,
     /// Time of the last transmission.
-    #[schema(value_type = String, format = DateTime)]
     pub sent_at: DateTime,
     /// Number of transmissions.
     pub sent_count: u32,
     /// Time of the acknowledgement.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub answered_at: Option<DateTime>,
     /// Last arrival from the factory.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub last_seen_at: Option<DateTime>,
 }
 
@@ -80,20 +70,15 @@ pub struct PartView {
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct FieldView {
-    #[schema(value_type = crate::api::schema::FieldKeySchema)]
     pub key: FieldKey,
     /// The factory that is asked.
-    #[schema(value_type = String)]
     pub factory_id: FactoryId,
     /// `PENDING`, `MAPPED` or `REFUSED`.
-    #[schema(value_type = crate::api::schema::MappingStateSchema)]
     pub mapping_state: MappingState,
     pub reason: Option<String>,
     /// The precision that recipients get.
-    #[schema(value_type = Option<Object>)]
     pub disclosure: Option<DisclosureStatement>,
     /// Time of the decision.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub decided_at: Option<DateTime>,
     /// The newest value; 64-bit integers are texts.
     #[schema(value_type = Option<Object>)]
@@ -103,13 +88,10 @@ pub struct FieldView {
     /// Its quality, by the standard's name.
     pub status: Option<String>,
     /// Source timestamp: time of the measurement.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub source_timestamp: Option<DateTime>,
     /// Time of the report at the connector.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub report_timestamp: Option<DateTime>,
     /// Time of arrival at the platform.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub received_at: Option<DateTime>,
     /// The writer's epoch.
     pub epoch: Option<u32>,

@@ -17,18 +17,14 @@ use super::{
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Collaboration {
-    #[schema(value_type = String)]
     pub collaboration_id: CollaborationId,
     /// Name for people.
     pub name: String,
     /// Time of creation.
-    #[schema(value_type = String, format = DateTime)]
     pub created_at: DateTime,
     /// The organisations that take part, by id.
-    #[schema(value_type = Vec<String>)]
     pub members: Vec<OrganisationId>,
     /// The factories that take part, by id.
-    #[schema(value_type = Vec<String>)]
     pub factories: Vec<FactoryId>,
 }
 

@@ -38,13 +38,10 @@ pub struct CommentEntry {
     /// Its number, counting up.
     pub comment_id: u64,
     /// The factory that takes part in the talk.
-    #[schema(value_type = String)]
     pub factory_id: FactoryId,
     /// The request talked about.
-    #[schema(value_type = Option<String>)]
     pub dynamic_data_request_id: Option<DynamicDataRequestId>,
     /// The field talked about.
-    #[schema(value_type = Option<String>)]
     pub field_name: Option<FieldName>,
     /// Author, as its connector or user name tells.
     pub author_id: String,
@@ -52,7 +49,6 @@ pub struct CommentEntry {
     pub is_from_factory: bool,
     pub text: String,
     /// Time of arrival at the platform.
-    #[schema(value_type = String, format = DateTime)]
     pub created_at: DateTime,
 }
 

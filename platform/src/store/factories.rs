@@ -16,23 +16,17 @@ use super::{
 #[serde(rename_all = "camelCase")]
 pub struct Factory {
     /// Its id, also its PublisherId and part of its addresses.
-    #[schema(value_type = String)]
     pub factory_id: FactoryId,
-    #[schema(value_type = String)]
     pub organisation_id: OrganisationId,
     /// Name for people.
     pub name: String,
     /// Time of creation.
-    #[schema(value_type = String, format = DateTime)]
     pub created_at: DateTime,
     /// Last enrolment of its connector; absent before the first.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub enrolled_at: Option<DateTime>,
     /// Last arrival from it, keep-alives included.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub last_seen_at: Option<DateTime>,
     /// Arrival of its last report.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub last_report_at: Option<DateTime>,
     /// State that its publisher reported last (`ua-status`), for example `Operational`.
     pub publisher_state: Option<String>,

@@ -32,23 +32,18 @@ pub struct NetworkRow {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct NetworkSummary {
-    #[schema(value_type = String)]
     pub operation_network_id: OperationNetworkId,
     /// The collaboration it belongs to.
-    #[schema(value_type = String)]
     pub collaboration_id: CollaborationId,
     /// Name for people.
     pub name: Option<String>,
     /// Its newest revision.
     pub revision: u64,
     /// Time of the revision.
-    #[schema(value_type = String, format = DateTime)]
     pub updated_at: DateTime,
     /// Time of the withdrawal; absent while in effect.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub withdrawn_at: Option<DateTime>,
     /// Arrival of the last report about it that the viewer may see.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub last_report_at: Option<DateTime>,
     /// Number of parts that wait for a factory's acknowledgement.
     pub parts_unanswered: u64,

@@ -15,12 +15,10 @@ use super::{
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Organisation {
-    #[schema(value_type = String)]
     pub organisation_id: OrganisationId,
     /// Name for people.
     pub name: String,
     /// Time of creation.
-    #[schema(value_type = String, format = DateTime)]
     pub created_at: DateTime,
 }
 

@@ -42,7 +42,6 @@ pub struct NewReport {
 pub struct Report {
     /// Its number on this platform, counting up in the order of arrival.
     pub report_id: u64,
-    #[schema(value_type = String)]
     pub factory_id: FactoryId,
     pub data_set_writer_id: u16,
     pub epoch: u32,
@@ -50,18 +49,14 @@ pub struct Report {
     pub sequence: u32,
     /// The request it answers.
     #[serde(flatten)]
-    #[schema(value_type = crate::api::schema::RequestKeySchema)]
     pub request: RequestKey,
     /// The report's name.
     pub report_name: String,
     /// The newest source time among the fields.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub shopfloor_timestamp: Option<DateTime>,
     /// Time of the report at the connector.
-    #[schema(value_type = Option<String>, format = DateTime)]
     pub report_timestamp: Option<DateTime>,
     /// Time of arrival at the platform.
-    #[schema(value_type = String, format = DateTime)]
     pub received_at: DateTime,
     /// True if it came late, after newer ones.
     pub is_replay: bool,

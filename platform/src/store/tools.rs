@@ -18,14 +18,11 @@ use super::{
 #[serde(rename_all = "camelCase")]
 pub struct Tool {
     /// Its id, also part of its addresses.
-    #[schema(value_type = String)]
     pub tool_id: ToolId,
-    #[schema(value_type = String)]
     pub organisation_id: OrganisationId,
     /// Name for people.
     pub name: String,
     /// Time of creation.
-    #[schema(value_type = String, format = DateTime)]
     pub created_at: DateTime,
 }
 

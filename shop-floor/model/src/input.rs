@@ -9,7 +9,9 @@ use utoipa::ToSchema;
 use crate::SourceId;
 
 /// A caller's own key of one input. The same variable may be monitored under several keys.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, ToSchema,
+)]
 #[serde(transparent)]
 pub struct InputKey(pub u64);
 

@@ -12,7 +12,6 @@ use crate::BrowsePath;
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct BrowsedNode {
-    #[schema(value_type = String)]
     pub node_id: NodeId,
     /// Its browse name, as an element of a browse path.
     pub browse_name: String,
@@ -31,7 +30,6 @@ pub struct BrowsedNode {
     /// Built-in type that carries the value: the data type itself, or the base of an enumeration or
     /// structure.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "built_in_name")]
-    #[schema(value_type = Option<String>)]
     pub built_in_type: Option<BuiltInType>,
     /// Of a variable: -1 scalar, 1 or more the number of dimensions, 0 one or more, -2 any, -3
     /// scalar or one.
@@ -77,8 +75,8 @@ pub struct VariableList {
 /// A type's identity and name.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
+#[schema(as = NodeType)]
 pub struct TypeName {
-    #[schema(value_type = String)]
     pub node_id: NodeId,
     /// Its browse name without the namespace; empty where the server does not know the type.
     pub name: String,

@@ -520,10 +520,10 @@ export interface paths {
                 query?: never;
                 header?: never;
                 path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
-                    fieldName: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
+                    operationId: components["schemas"]["OperationId"];
+                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                    fieldName: components["schemas"]["FieldName"];
                 };
                 cookie?: never;
             };
@@ -564,10 +564,10 @@ export interface paths {
                 query?: never;
                 header?: never;
                 path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
-                    fieldName: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
+                    operationId: components["schemas"]["OperationId"];
+                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                    fieldName: components["schemas"]["FieldName"];
                 };
                 cookie?: never;
             };
@@ -609,10 +609,10 @@ export interface paths {
                 query?: never;
                 header?: never;
                 path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
-                    fieldName: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
+                    operationId: components["schemas"]["OperationId"];
+                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                    fieldName: components["schemas"]["FieldName"];
                 };
                 cookie?: never;
             };
@@ -656,10 +656,10 @@ export interface paths {
                 query?: never;
                 header?: never;
                 path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
-                    fieldName: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
+                    operationId: components["schemas"]["OperationId"];
+                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                    fieldName: components["schemas"]["FieldName"];
                 };
                 cookie?: never;
             };
@@ -703,10 +703,10 @@ export interface paths {
                 query?: never;
                 header?: never;
                 path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
-                    fieldName: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
+                    operationId: components["schemas"]["OperationId"];
+                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                    fieldName: components["schemas"]["FieldName"];
                 };
                 cookie?: never;
             };
@@ -747,10 +747,10 @@ export interface paths {
                 query?: never;
                 header?: never;
                 path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
-                    fieldName: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
+                    operationId: components["schemas"]["OperationId"];
+                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                    fieldName: components["schemas"]["FieldName"];
                 };
                 cookie?: never;
             };
@@ -793,10 +793,10 @@ export interface paths {
                 query?: never;
                 header?: never;
                 path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
-                    fieldName: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
+                    operationId: components["schemas"]["OperationId"];
+                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                    fieldName: components["schemas"]["FieldName"];
                 };
                 cookie?: never;
             };
@@ -822,10 +822,10 @@ export interface paths {
                 query?: never;
                 header?: never;
                 path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
-                    fieldName: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
+                    operationId: components["schemas"]["OperationId"];
+                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                    fieldName: components["schemas"]["FieldName"];
                 };
                 cookie?: never;
             };
@@ -856,10 +856,10 @@ export interface paths {
                 query?: never;
                 header?: never;
                 path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
-                    fieldName: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
+                    operationId: components["schemas"]["OperationId"];
+                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                    fieldName: components["schemas"]["FieldName"];
                 };
                 cookie?: never;
             };
@@ -897,10 +897,10 @@ export interface paths {
                 query?: never;
                 header?: never;
                 path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
-                    fieldName: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
+                    operationId: components["schemas"]["OperationId"];
+                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                    fieldName: components["schemas"]["FieldName"];
                 };
                 cookie?: never;
             };
@@ -942,10 +942,10 @@ export interface paths {
                 };
                 header?: never;
                 path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
-                    fieldName: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
+                    operationId: components["schemas"]["OperationId"];
+                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                    fieldName: components["schemas"]["FieldName"];
                 };
                 cookie?: never;
             };
@@ -988,10 +988,10 @@ export interface paths {
                 query?: never;
                 header?: never;
                 path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
-                    fieldName: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
+                    operationId: components["schemas"]["OperationId"];
+                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                    fieldName: components["schemas"]["FieldName"];
                 };
                 cookie?: never;
             };
@@ -1037,10 +1037,10 @@ export interface paths {
                 query?: never;
                 header?: never;
                 path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
-                    fieldName: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
+                    operationId: components["schemas"]["OperationId"];
+                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                    fieldName: components["schemas"]["FieldName"];
                 };
                 cookie?: never;
             };
@@ -1084,10 +1084,10 @@ export interface paths {
                 query?: never;
                 header?: never;
                 path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
-                    fieldName: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
+                    operationId: components["schemas"]["OperationId"];
+                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                    fieldName: components["schemas"]["FieldName"];
                 };
                 cookie?: never;
             };
@@ -1136,10 +1136,10 @@ export interface paths {
                 };
                 header?: never;
                 path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
-                    fieldName: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
+                    operationId: components["schemas"]["OperationId"];
+                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                    fieldName: components["schemas"]["FieldName"];
                 };
                 cookie?: never;
             };
@@ -1180,10 +1180,10 @@ export interface paths {
                 query?: never;
                 header?: never;
                 path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
-                    fieldName: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
+                    operationId: components["schemas"]["OperationId"];
+                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                    fieldName: components["schemas"]["FieldName"];
                 };
                 cookie?: never;
             };
@@ -1226,10 +1226,10 @@ export interface paths {
                 query?: never;
                 header?: never;
                 path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
-                    fieldName: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
+                    operationId: components["schemas"]["OperationId"];
+                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                    fieldName: components["schemas"]["FieldName"];
                     version: number;
                 };
                 cookie?: never;
@@ -1276,7 +1276,7 @@ export interface paths {
                     /** @description Requests per page, at most 200. */
                     limit?: number;
                     /** @description Requests with a field in this state: `PENDING`, `MAPPED` or `REFUSED`. */
-                    state?: string;
+                    state?: components["schemas"]["MappingState"];
                     /** @description Requests of this requester. */
                     partner?: string;
                     /** @description Requests of this network. */
@@ -1413,27 +1413,27 @@ export interface paths {
             parameters: {
                 query?: {
                     /** @description Of this recipient's chain. */
-                    recipient?: string;
+                    recipient?: components["schemas"]["OrganisationId"];
                     /** @description Recorded at this time or later. */
-                    from?: string;
+                    from?: components["schemas"]["DateTime"];
                     /** @description Recorded before this time. */
-                    until?: string;
+                    until?: components["schemas"]["DateTime"];
                     /**
                      * @description Of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or
                      *     `REVOKED`.
                      */
-                    kind?: string;
+                    kind?: "CONSENT" | "QUEUED" | "SENT" | "RECEIPTED" | "COALESCED" | "EXPIRED" | "PURGED" | "REVOKED";
                     /**
                      * @description About this network: decisions about its fields, reports that carried them, and what became
                      *     of those.
                      */
-                    operationNetworkId?: string;
+                    operationNetworkId?: components["schemas"]["OperationNetworkId"];
                     /** @description Of it, only about this operation. */
-                    operationId?: string;
+                    operationId?: components["schemas"]["OperationId"];
                     /** @description Of it, only about this request. */
-                    dynamicDataRequestId?: string;
+                    dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"];
                     /** @description Of it, only about this field. */
-                    fieldName?: string;
+                    fieldName?: components["schemas"]["FieldName"];
                     /** @description `nextCursor` of the page before. */
                     after?: string;
                     /** @description Entries on the page, 1 to 500; 100 without it. */
@@ -1524,31 +1524,31 @@ export interface paths {
             parameters: {
                 query: {
                     /** @description Of this recipient's chain. */
-                    recipient?: string;
+                    recipient?: components["schemas"]["OrganisationId"];
                     /** @description Recorded at this time or later. */
-                    from?: string;
+                    from?: components["schemas"]["DateTime"];
                     /** @description Recorded before this time. */
-                    until?: string;
+                    until?: components["schemas"]["DateTime"];
                     /**
                      * @description Of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or
                      *     `REVOKED`.
                      */
-                    kind?: string;
+                    kind?: "CONSENT" | "QUEUED" | "SENT" | "RECEIPTED" | "COALESCED" | "EXPIRED" | "PURGED" | "REVOKED";
                     /**
                      * @description About this network: decisions about its fields, reports that carried them, and what became
                      *     of those.
                      */
-                    operationNetworkId?: string;
+                    operationNetworkId?: components["schemas"]["OperationNetworkId"];
                     /** @description Of it, only about this operation. */
-                    operationId?: string;
+                    operationId?: components["schemas"]["OperationId"];
                     /** @description Of it, only about this request. */
-                    dynamicDataRequestId?: string;
+                    dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"];
                     /** @description Of it, only about this field. */
-                    fieldName?: string;
+                    fieldName?: components["schemas"]["FieldName"];
                     /** @description `jsonl`, `csv` or `html`. */
-                    format: string;
+                    format: "jsonl" | "csv" | "html";
                     /** @description Of a page to print: `en` or `de`. */
-                    language?: string;
+                    language?: "en" | "de";
                 };
                 header?: never;
                 path?: never;
@@ -2156,9 +2156,9 @@ export interface paths {
             parameters: {
                 query: {
                     /** @description The network. */
-                    operationNetworkId: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
                     /** @description The operation. */
-                    operationId: string;
+                    operationId: components["schemas"]["OperationId"];
                 };
                 header?: never;
                 path?: never;
@@ -2229,9 +2229,9 @@ export interface paths {
             parameters: {
                 query?: {
                     /** @description When the shown day begins; the present day in UTC without it. */
-                    from?: string;
+                    from?: components["schemas"]["DateTime"];
                     /** @description When it ends; a day later without it. */
-                    until?: string;
+                    until?: components["schemas"]["DateTime"];
                 };
                 header?: never;
                 path?: never;
@@ -2536,9 +2536,9 @@ export interface paths {
                 query?: never;
                 header?: never;
                 path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
+                    operationNetworkId: components["schemas"]["OperationNetworkId"];
+                    operationId: components["schemas"]["OperationId"];
+                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
                 };
                 cookie?: never;
             };
@@ -2691,7 +2691,7 @@ export interface paths {
             parameters: {
                 query?: {
                     /** @description `en` or `de`. */
-                    language?: string;
+                    language?: "en" | "de";
                 };
                 header?: never;
                 path: {
@@ -3331,7 +3331,7 @@ export interface paths {
             parameters: {
                 query?: {
                     /** @description The node whose children to list; the Objects folder without it. */
-                    parent?: string;
+                    parent?: components["schemas"]["NodeId"];
                     /** @description `nextCursor` of the page before. */
                     cursor?: string;
                     /** @description Children per page, 500 without it, at most 1000. */
@@ -3426,7 +3426,7 @@ export interface paths {
             parameters: {
                 query: {
                     /** @description The variable. */
-                    node: string;
+                    node: components["schemas"]["NodeId"];
                 };
                 header?: never;
                 path: {
@@ -3671,9 +3671,9 @@ export interface components {
             /** @enum {string} */
             action: "VALUE";
             /** @description The field's request. */
-            dynamicDataRequestId: string;
+            dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
             /** @description The field. */
-            fieldName: string;
+            fieldName: components["schemas"]["FieldName"];
             /** @description As plain JSON; 64-bit integers may be texts. */
             value: unknown;
         };
@@ -3702,16 +3702,10 @@ export interface components {
             issuer: string;
             /** @description Length of its RSA key in bits. */
             keyBits: number;
-            /**
-             * Format: date-time
-             * @description End of its validity.
-             */
-            notAfter: string;
-            /**
-             * Format: date-time
-             * @description Beginning of its validity.
-             */
-            notBefore: string;
+            /** @description End of its validity. */
+            notAfter: components["schemas"]["DateTime"];
+            /** @description Beginning of its validity. */
+            notBefore: components["schemas"]["DateTime"];
             /** @description The subject's distinguished name. */
             subject: string;
             /** @description SHA-1 over the certificate in hexadecimal digits. */
@@ -3759,12 +3753,8 @@ export interface components {
             /** @description Its browse name, as an element of a browse path. */
             browseName: string;
             browsePath?: components["schemas"]["BrowsePath"] | null;
-            /**
-             * @description Built-in type that carries the value: the data type itself, or the base of an enumeration or
-             *     structure.
-             */
-            builtInType?: string | null;
-            dataType?: components["schemas"]["TypeName"] | null;
+            builtInType?: components["schemas"]["BuiltInType"] | null;
+            dataType?: components["schemas"]["NodeType"] | null;
             /** @description Description of the server, if it has one. */
             description?: string | null;
             /** @description Its name for people. */
@@ -3774,13 +3764,13 @@ export interface components {
             /** @description True when the signed-in user may write the value. */
             isWritable: boolean;
             nodeClass: components["schemas"]["NodeClass"];
-            nodeId: string;
+            nodeId: components["schemas"]["NodeId"];
             /** @description The usual range of an analog variable, low and high. */
             range?: [
                 number,
                 number
             ] | null;
-            typeDefinition?: components["schemas"]["TypeName"] | null;
+            typeDefinition?: components["schemas"]["NodeType"] | null;
             unit?: components["schemas"]["UnitName"] | null;
             /**
              * Format: int32
@@ -3789,6 +3779,11 @@ export interface components {
              */
             valueRank?: number | null;
         };
+        /**
+         * @description An OPC UA built-in type by its name.
+         * @enum {string}
+         */
+        BuiltInType: "Boolean" | "SByte" | "Byte" | "Int16" | "UInt16" | "Int32" | "UInt32" | "Int64" | "UInt64" | "Float" | "Double" | "String" | "DateTime" | "Guid" | "ByteString" | "XmlElement" | "NodeId" | "ExpandedNodeId" | "StatusCode" | "QualifiedName" | "LocalizedText" | "ExtensionObject" | "DataValue" | "Variant" | "DiagnosticInfo";
         /** @description Which buttons have an effect on a field; the others only tell this plant. */
         Buttons: {
             addGood: boolean;
@@ -3811,6 +3806,68 @@ export interface components {
             /** @description PKCS #10, as PEM. */
             content: string;
         };
+        /**
+         * @description Aspects of a field or its request that differ.
+         * @enum {string}
+         */
+        ChangeReason: "DESCRIPTION" | "REPORT_NAME" | "SLOWER_CADENCE" | "FASTER_CADENCE" | "SHORTER_VALIDITY" | "LONGER_VALIDITY" | "REQUESTER" | "RECIPIENTS" | "PURPOSE" | "BUFFER" | "TYPE" | "UNIT" | "VALUE_RANK" | "SEMANTIC";
+        /**
+         * @description Keys that were added, changed and removed. Added and changed ones are in the new order, removed
+         *     ones in the old.
+         */
+        Changes_OperationId: {
+            /** @description Only in the new revision. */
+            added: string[];
+            /** @description In both, but not alike. */
+            changed: string[];
+            /** @description Only in the old revision. */
+            removed: string[];
+        };
+        /**
+         * @description Keys that were added, changed and removed. Added and changed ones are in the new order, removed
+         *     ones in the old.
+         */
+        Changes_OperationRelationId: {
+            /** @description Only in the new revision. */
+            added: string[];
+            /** @description In both, but not alike. */
+            changed: string[];
+            /** @description Only in the old revision. */
+            removed: string[];
+        };
+        /**
+         * @description Keys that were added, changed and removed. Added and changed ones are in the new order, removed
+         *     ones in the old.
+         */
+        Changes_RequestKey: {
+            /** @description Only in the new revision. */
+            added: {
+                /** @description The request itself. */
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                /** @description The operation it asks about. */
+                operationId: components["schemas"]["OperationId"];
+                /** @description The network the request belongs to. */
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+            }[];
+            /** @description In both, but not alike. */
+            changed: {
+                /** @description The request itself. */
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                /** @description The operation it asks about. */
+                operationId: components["schemas"]["OperationId"];
+                /** @description The network the request belongs to. */
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+            }[];
+            /** @description Only in the old revision. */
+            removed: {
+                /** @description The request itself. */
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                /** @description The operation it asks about. */
+                operationId: components["schemas"]["OperationId"];
+                /** @description The network the request belongs to. */
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+            }[];
+        };
         /** @description The head of one chain. */
         CheckpointHead: {
             /** @description Hash of its last entry, hexadecimal. */
@@ -3821,7 +3878,7 @@ export interface components {
              */
             number: number;
             /** @description Organisation of the chain. */
-            recipient: string;
+            recipient: components["schemas"]["OrganisationId"];
         };
         /**
          * @description A checkpoint: whoever keeps one elsewhere can prove later whether the ledger still holds what it
@@ -3837,11 +3894,8 @@ export interface components {
             number: number;
             /** @description The key it is verified with, hexadecimal. */
             publicKey: string;
-            /**
-             * Format: date-time
-             * @description When it was made.
-             */
-            recordedAt: string;
+            /** @description When it was made. */
+            recordedAt: components["schemas"]["DateTime"];
             /** @description The Ed25519 signature over that text, hexadecimal. */
             signature: string;
             /**
@@ -3867,11 +3921,8 @@ export interface components {
         } | {
             /** @enum {string} */
             state: "resting";
-            /**
-             * Format: date-time
-             * @description Until when, by the local clock.
-             */
-            until: string;
+            /** @description Until when, by the local clock. */
+            until: components["schemas"]["DateTime"];
         } | {
             /** @enum {string} */
             state: "trying";
@@ -3885,21 +3936,11 @@ export interface components {
             isTrusted: boolean;
             /** @description The distinguished name of who issued it; the subject's where it did so itself. */
             issuer: string;
-            /**
-             * Format: date-time
-             * @description When that list is to be replaced.
-             */
-            nextUpdate?: string | null;
-            /**
-             * Format: date-time
-             * @description End of its validity.
-             */
-            notAfter: string;
-            /**
-             * Format: date-time
-             * @description Beginning of its validity.
-             */
-            notBefore: string;
+            nextUpdate?: components["schemas"]["DateTime"] | null;
+            /** @description End of its validity. */
+            notAfter: components["schemas"]["DateTime"];
+            /** @description Beginning of its validity. */
+            notBefore: components["schemas"]["DateTime"];
             /**
              * @description Whether its list of revoked certificates is here. Its clients stay outside without a current
              *     one.
@@ -3914,25 +3955,15 @@ export interface components {
         ClientCertificateView: {
             /** @description The application it was made for, as it says. */
             applicationUri?: string | null;
-            /**
-             * Format: date-time
-             * @description End of its validity.
-             */
-            notAfter: string;
-            /**
-             * Format: date-time
-             * @description Beginning of its validity.
-             */
-            notBefore: string;
+            /** @description End of its validity. */
+            notAfter: components["schemas"]["DateTime"];
+            /** @description Beginning of its validity. */
+            notBefore: components["schemas"]["DateTime"];
             /** @description The address that it came from then; null where the twin itself had called. */
             rejectedAddress?: string | null;
             /** @description What the application called itself then; nothing of it is proven. */
             rejectedApplicationName?: string | null;
-            /**
-             * Format: date-time
-             * @description When its bearer was turned away last; null where that was never, or before it was trusted.
-             */
-            rejectedAt?: string | null;
+            rejectedAt?: components["schemas"]["DateTime"] | null;
             rejectionReason?: components["schemas"]["ClientRejection"] | null;
             /** @description Whether it opens the door. */
             state: components["schemas"]["ClientTrust"];
@@ -3952,20 +3983,13 @@ export interface components {
             isSignedByKnownAuthority: boolean;
             /** @description The distinguished name of the authority. */
             issuer: string;
-            /**
-             * Format: date-time
-             * @description When it is to be replaced, where it says so.
-             */
-            nextUpdate?: string | null;
+            nextUpdate?: components["schemas"]["DateTime"] | null;
             /** @description Its identity here. */
             revocationListId: string;
             /** @description How many certificates it names. */
             revokedCount: number;
-            /**
-             * Format: date-time
-             * @description When it was made.
-             */
-            thisUpdate: string;
+            /** @description When it was made. */
+            thisUpdate: components["schemas"]["DateTime"];
         };
         /**
          * @description Whether a certificate opens the door.
@@ -3981,10 +4005,20 @@ export interface components {
             isTrusted: boolean;
         };
         /**
+         * @description A time of day, `HH:MM`, up to and including `24:00`.
+         * @example 06:00
+         */
+        ClockTime: string;
+        /**
          * @description Conclusion from fields that are disclosed together.
          * @enum {string}
          */
         Conclusion: "CYCLE_TIME" | "UTILISATION" | "ORDER_QUANTITY" | "YIELD";
+        /**
+         * @description Effect of a difference on the engineer's consent.
+         * @enum {string}
+         */
+        ConsentEffect: "KEPT" | "BACK_TO_PENDING" | "REMOVED";
         /** @description With what the consent for a field begins. */
         ConsentOffer: components["schemas"]["Statement"] & {
             /**
@@ -4025,7 +4059,8 @@ export interface components {
             overflow?: components["schemas"]["Overflow"];
             /** @description Rounding of a fraction to an integer. */
             rounding?: components["schemas"]["Rounding"];
-            to: string;
+            /** @description The wanted type. */
+            to: components["schemas"]["TypeName"];
         };
         /** @description The sum of a counter's increments, across wraps, resets and restarts of machine and connector. */
         Counter: {
@@ -4043,10 +4078,14 @@ export interface components {
          * @enum {string}
          */
         CounterInput: "increments" | "risingEdges" | "values";
+        /**
+         * Format: date-time
+         * @description An instant in UTC with a resolution of 100 ns. On the wire an RFC 3339 text.
+         */
+        DateTime: string;
         /** @description A message that was received or sent and rejected. */
         DeadLetter: {
-            /** Format: date-time */
-            at: string;
+            at: components["schemas"]["DateTime"];
             /**
              * Format: int64
              * @description Size of the body, in bytes.
@@ -4094,11 +4133,8 @@ export interface components {
              * @default []
              */
             policies: components["schemas"]["DocumentVersion"][];
-            /**
-             * @description The named policy of the field, in its newest version.
-             * @default null
-             */
-            policyId: string | null;
+            /** @default null */
+            policyId: components["schemas"]["DocumentId"] | null;
             /**
              * @description The rules that decided, each in its version at that time.
              * @default []
@@ -4110,9 +4146,9 @@ export interface components {
             /** @description How values are coarsened; every change as it is without it. */
             disclosure?: components["schemas"]["DisclosurePolicy"];
             mapping?: components["schemas"]["MappingDraft"] | null;
+            /** @description `PENDING`, `MAPPED` or `REFUSED`. */
             mappingState: components["schemas"]["MappingState"];
-            /** @description A named policy that holds beside it, in its newest version from now on. */
-            policyId?: string | null;
+            policyId?: components["schemas"]["DocumentId"] | null;
             /** @description Told to the partner; needed with `REFUSED`. */
             reason?: string | null;
             valueSource?: components["schemas"]["ValueSource"] | null;
@@ -4121,11 +4157,7 @@ export interface components {
         Delivery: {
             /** @description Up to 500, in any order. */
             entries: components["schemas"]["NewEntry"][];
-            /**
-             * Format: date-time
-             * @description The page's clock when it delivers; the entries' times are corrected by how far it is off.
-             */
-            sentAt?: string | null;
+            sentAt?: components["schemas"]["DateTime"] | null;
         };
         /**
          * @description Stable codes of diagnostics.
@@ -4170,11 +4202,7 @@ export interface components {
             minimumIntervalMs?: number | null;
             /** @description Most released values per period; all of these limits apply. */
             rateLimits?: components["schemas"]["RateLimit"][];
-            /**
-             * Format: double
-             * @description Numbers are rounded to the nearest multiple of this, in the field's unit.
-             */
-            roundingStep?: number | null;
+            roundingStep?: components["schemas"]["RoundingStep"] | null;
             /**
              * Format: int32
              * @description Most significant digits of numbers, 1 to 15.
@@ -4190,9 +4218,11 @@ export interface components {
             withholdWhile?: components["schemas"]["WithholdCondition"][];
             workingHours?: components["schemas"]["WorkingHours"] | null;
         };
+        /** @description The id of a policy or rule, chosen by whoever makes it. */
+        DocumentId: string;
         /** @description One version of a policy or rule. */
         DocumentVersion: {
-            id: string;
+            id: components["schemas"]["DocumentId"];
             /**
              * Format: int32
              * @description From 1, increases by one with every change.
@@ -4204,10 +4234,12 @@ export interface components {
             /** @description How values would be coarsened. */
             disclosure?: components["schemas"]["DisclosurePolicy"];
             mapping?: components["schemas"]["MappingDraft"] | null;
-            /** @description A named policy that would hold beside it. */
-            policyId?: string | null;
+            policyId?: components["schemas"]["DocumentId"] | null;
+            /** @description Where values would come from. */
             valueSource: components["schemas"]["ValueSource"];
         };
+        /** @description A dynamic data request, unique within its network. One request is one DataSetWriter. */
+        DynamicDataRequestId: string;
         /** @description Lets a Boolean (or a number: not zero is true) pass only when it changes. */
         Edge: {
             /** @description Change that passes. */
@@ -4242,17 +4274,15 @@ export interface components {
              *     the present state: it never leaves).
              */
             outcome: string;
-            /**
-             * Format: date-time
-             * @description When a withheld value may leave at the earliest.
-             */
-            until?: string | null;
+            until?: components["schemas"]["DateTime"] | null;
         };
         /** @description A value that a person enters. */
         EnteredValue: {
             /** @description The value as plain JSON; 64-bit integers may be texts. */
             value: unknown;
         };
+        /** @description An entry's id, made where it was entered: 1 to 64 letters, digits, `-` or `_`. */
+        EntryId: string;
         /** @description What became of an entry. */
         EntryResult: {
             /** @description For `REFUSED`: why, as a code. */
@@ -4349,6 +4379,8 @@ export interface components {
             /** @description Text of the expression. */
             expression: string;
         };
+        /** @description A factory: one connector, one PublisherId, one pair of addresses on the broker. */
+        FactoryId: string;
         /**
          * @description Kinds of faults.
          * @enum {string}
@@ -4356,11 +4388,8 @@ export interface components {
         FaultKind: "typeMismatch" | "outOfRange" | "decoding" | "scriptSyntax" | "scriptError" | "scriptTimeout" | "scriptOutOfMemory" | "scriptResult" | "scriptCrash" | "workerUnavailable" | "circuitOpen";
         /** @description A fault with its place and time, as shown to the engineer. */
         FaultRecord: {
-            /**
-             * Format: date-time
-             * @description Time of the fault by the local clock.
-             */
-            at: string;
+            /** @description Time of the fault by the local clock. */
+            at: components["schemas"]["DateTime"];
             /**
              * Format: int32
              * @description The column in the script, from 1.
@@ -4378,12 +4407,24 @@ export interface components {
             /** @description Index of the function in the chain; absent for the end of the chain. */
             step?: number | null;
         };
-        /** @description The shape of [`asi_model::FieldKey`] for the API description. */
-        FieldKey: {
-            dynamicDataRequestId: string;
-            fieldName: string;
-            operationId: string;
-            operationNetworkId: string;
+        /**
+         * @description Kind of a field's difference.
+         * @enum {string}
+         */
+        FieldChange: "ADDED" | "CHANGED" | "REMOVED";
+        /** @description Difference of one field, with its effects. */
+        FieldDifference: {
+            change: components["schemas"]["FieldChange"];
+            consent: components["schemas"]["ConsentEffect"];
+            key: components["schemas"]["FieldKey"];
+            mapping: components["schemas"]["MappingEffect"];
+            /** @description Reasons for the engineer to read; empty where the field is new or removed. */
+            reasons: components["schemas"]["ChangeReason"][];
+        };
+        /** @description One report field, addressed from the network down. */
+        FieldKey: components["schemas"]["RequestKey"] & {
+            /** @description The field's name within that report. */
+            fieldName: components["schemas"]["FieldName"];
         };
         /** @description Information in one field. */
         FieldLeak: components["schemas"]["Statement"] & {
@@ -4405,6 +4446,8 @@ export interface components {
              */
             valuesPerHourMax?: number | null;
         };
+        /** @description The name of a report field: a key of the payload. */
+        FieldName: string;
         /** @description What became of a value of an entry. */
         FieldResult: components["schemas"]["Entered"] & {
             key: components["schemas"]["FieldKey"];
@@ -4415,11 +4458,7 @@ export interface components {
             decidedBy?: string | null;
             /** @description Why it was decided so. */
             decisionReason?: string | null;
-            /**
-             * Format: date-time
-             * @description When.
-             */
-            decisionTime?: string | null;
+            decisionTime?: components["schemas"]["DateTime"] | null;
             /** @description More about it. */
             description?: string | null;
             /** @description How values are coarsened at least, as decided. */
@@ -4439,8 +4478,10 @@ export interface components {
             hasShadow: boolean;
             /** @description Nothing leaves at present: the policy withholds the present state, or one that is not known. */
             isWithheld: boolean;
+            /** @description Its address. */
             key: components["schemas"]["FieldKey"];
             mapping?: components["schemas"]["Mapping"] | null;
+            /** @description `PENDING`, `MAPPED` or `REFUSED`. */
             mappingState: components["schemas"]["MappingState"];
             /**
              * Format: int32
@@ -4473,11 +4514,7 @@ export interface components {
             isComplete: boolean;
             /** @description The variables, those whose own name fits first, each with its browse path. */
             items: components["schemas"]["BrowsedNode"][];
-            /**
-             * Format: date-time
-             * @description When the server was walked through.
-             */
-            listedAt?: string | null;
+            listedAt?: components["schemas"]["DateTime"] | null;
             /** @description How many fit in all. */
             total: number;
         };
@@ -4491,6 +4528,11 @@ export interface components {
             /** @description The text with its placeholders. */
             template: string;
         };
+        /**
+         * @description Reason for sequence numbers that will never come.
+         * @enum {string}
+         */
+        GapCause: "COALESCED" | "EXPIRED" | "WITHDRAWN" | "REVOKED";
         /** @description Number of mappings by health. */
         HealthCounts: {
             /** @description So many `CLOCK_AHEAD`. */
@@ -4572,17 +4614,18 @@ export interface components {
             /** @description Meaning of a decrease that is no wrap. */
             onDecrease?: components["schemas"]["OnDecrease"];
         };
+        /**
+         * Format: int64
+         * @description A caller's own key of one input. The same variable may be monitored under several keys.
+         */
+        InputKey: number;
         /** @description Reason why an input has no value. */
         InputProblem: {
-            /** Format: int64 */
-            input: number;
-            nodeId: string;
+            input: components["schemas"]["InputKey"];
+            nodeId: components["schemas"]["NodeId"];
             reason: string;
-            /**
-             * Format: int32
-             * @description Status of the server, or of the connector when the server gave none.
-             */
-            status: number;
+            /** @description Status of the server, or of the connector when the server gave none. */
+            status: components["schemas"]["StatusCode"];
         };
         /** @description Last value of an input. */
         InputStatus: {
@@ -4594,11 +4637,7 @@ export interface components {
             clockAheadMs?: number | null;
             /** @description Name of the input in the mapping. */
             name: string;
-            /**
-             * Format: date-time
-             * @description Arrival time by the local clock.
-             */
-            receivedAt?: string | null;
+            receivedAt?: components["schemas"]["DateTime"] | null;
             value?: components["schemas"]["TracedValue"] | null;
         };
         /** @description A variable with what its machine says. */
@@ -4681,6 +4720,7 @@ export interface components {
         LeakWarning: {
             /** @description The conclusion, as a code with the other members as parameters. */
             conclusion: components["schemas"]["Conclusion"];
+            /** @description The fields that allow the conclusion. */
             fields: components["schemas"]["FieldKey"][];
             /**
              * Format: int64
@@ -4709,6 +4749,7 @@ export interface components {
         };
         /** @description A field that the ledger speaks of, requested still or no more. */
         LedgerField: {
+            /** @description Its address. */
             key: components["schemas"]["FieldKey"];
         };
         /** @description Entries of one chain, newest first. */
@@ -4749,12 +4790,13 @@ export interface components {
             /** @description Treatment of values that arrive after newer ones of the same variable. */
             lateValues?: components["schemas"]["LateValues"];
             /** @description Its identity within the connector. */
-            mappingId: string;
+            mappingId: components["schemas"]["MappingId"];
             /** @description The functions, applied in this order. */
             steps?: components["schemas"]["Step"][];
             /** @description The report field that gets the values. */
             target: components["schemas"]["FieldKey"];
-            targetType: string;
+            /** @description The built-in type of the field; what leaves the chain is of this type or a fault. */
+            targetType: components["schemas"]["TypeName"];
             /** @description The unit the partner asked for (UNECE code or alias). */
             targetUnit?: string | null;
             /**
@@ -4805,6 +4847,11 @@ export interface components {
             /** @description The functions, applied in this order. */
             steps?: components["schemas"]["Step"][];
         };
+        /**
+         * @description Effect of a difference on a mapping.
+         * @enum {string}
+         */
+        MappingEffect: "KEPT" | "OFFERED_AGAIN" | "SUGGESTED" | "REMOVED";
         /** @description Mappings and templates as one JSON document. */
         MappingFile: {
             /** @description Mappings without a template. */
@@ -4822,17 +4869,16 @@ export interface components {
          * @enum {string}
          */
         MappingHealth: "RESTING" | "FAILING" | "WAITING" | "DOUBTFUL" | "CLOCK_AHEAD" | "WELL";
+        /** @description A mapping's identity within a connector. */
+        MappingId: string;
         /** @description A variable of a local server, under the name that expressions and scripts use. */
         MappingInput: {
             /** @description Monitoring of the variable: sampling, queue, browse path to find it again, part of an array. */
             monitor?: components["schemas"]["MonitorOptions"];
             /** @description `[A-Za-z_][A-Za-z0-9_]*`, unique within the mapping, not `value`. */
             name: string;
-            /**
-             * @description The variable, with its namespace's URI.
-             * @example nsu=urn:press;s=Cell.Counter
-             */
-            nodeId: string;
+            /** @description The variable, with its namespace's URI. */
+            nodeId: components["schemas"]["NodeId"];
             /** @description The local server. */
             sourceId: components["schemas"]["SourceId"];
             /**
@@ -4842,8 +4888,13 @@ export interface components {
             triggers?: boolean;
             /** @description The variable's unit as seen when it was picked (UNECE code or alias). */
             unit?: string | null;
-            valueType?: string | null;
+            valueType?: components["schemas"]["TypeName"] | null;
         };
+        /**
+         * @description State of a field's decision.
+         * @enum {string}
+         */
+        MappingState: "PENDING" | "MAPPED" | "REFUSED";
         /** @description Status of a mapping, for its page. */
         MappingStatus: {
             /** @description State of the circuit breakers of its scripts. */
@@ -4862,17 +4913,13 @@ export interface components {
             inputs: components["schemas"]["InputStatus"][];
             lastCandidate?: components["schemas"]["TracedValue"] | null;
             lastFault?: components["schemas"]["FaultRecord"] | null;
-            /**
-             * Format: date-time
-             * @description Time of the last candidate by the local clock.
-             */
-            lastYieldedAt?: string | null;
+            lastYieldedAt?: components["schemas"]["DateTime"] | null;
             /**
              * Format: int64
              * @description Values that were late.
              */
             late: number;
-            mappingId: string;
+            mappingId: components["schemas"]["MappingId"];
             /**
              * Format: int64
              * @description Values that came.
@@ -4988,13 +5035,29 @@ export interface components {
             /** @description Name for people, 1 to 120 characters. */
             name: string;
         };
+        /** @description Differences between two revisions of a network. */
+        NetworkDifference: {
+            /**
+             * @description Every field of the old and the new network with what becomes of it; untouched ones are left
+             *     out.
+             */
+            fields: components["schemas"]["FieldDifference"][];
+            /** @description The network's own name or description. */
+            isDescribedAnew: boolean;
+            /** @description Operations, without regard to their requests. */
+            operations: components["schemas"]["Changes_OperationId"];
+            /** @description Relations with their conditions. */
+            relations: components["schemas"]["Changes_OperationRelationId"];
+            /** @description Requests, without regard to their fields. */
+            requests: components["schemas"]["Changes_RequestKey"];
+        };
         /** @description What the revision in force changed. */
         NetworkNews: {
             /**
              * @description What differs: operations, relations, requests, and each field with the reasons and with what
              *     became of its mapping and of the consent.
              */
-            difference: unknown;
+            difference: components["schemas"]["NetworkDifference"];
             /**
              * Format: int64
              * @description The one before it, where there was one.
@@ -5014,8 +5077,7 @@ export interface components {
             name?: string | null;
             operationNetworkId: string;
             pendingCount: number;
-            /** Format: date-time */
-            receivedAt: string;
+            receivedAt: components["schemas"]["DateTime"];
             requestCount: number;
             /** Format: int64 */
             revision: number;
@@ -5034,8 +5096,8 @@ export interface components {
         };
         /** @description A remark to make. */
         NewComment: {
-            dynamicDataRequestId?: string | null;
-            fieldName?: string | null;
+            dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"] | null;
+            fieldName?: components["schemas"]["FieldName"] | null;
             text: string;
         };
         /** @description An entry as the page made it. */
@@ -5044,18 +5106,26 @@ export interface components {
              * @description Made by the page, 1 to 64 letters, digits, `-` or `_`; an entry that comes again has no
              *     further effect.
              */
-            entryId: string;
-            /**
-             * Format: date-time
-             * @description When it was made, by the page's clock.
-             */
-            madeAt: string;
+            entryId: components["schemas"]["EntryId"];
+            /** @description When it was made, by the page's clock. */
+            madeAt: components["schemas"]["DateTime"];
         };
         /**
          * @description Node classes (OPC 10000-3 §5.2.3).
          * @enum {string}
          */
         NodeClass: "object" | "variable" | "method" | "objectType" | "variableType" | "referenceType" | "dataType" | "view";
+        /**
+         * @description A NodeId as text; its namespace by URI.
+         * @example nsu=urn:press;s=Cell.Counter
+         */
+        NodeId: string;
+        /** @description A type's identity and name. */
+        NodeType: {
+            /** @description Its browse name without the namespace; empty where the server does not know the type. */
+            name: string;
+            nodeId: components["schemas"]["NodeId"];
+        };
         /** @description A number; integers beyond 2^53 as text. */
         Number: number | string;
         /**
@@ -5063,40 +5133,39 @@ export interface components {
          * @enum {string}
          */
         OnDecrease: "reset" | "set" | "subtract";
+        /** @description An operation, unique within its network. */
+        OperationId: string;
         /** @description An operation of a network. */
         OperationKey: {
             /** @description The operation in it. */
-            operationId: string;
+            operationId: components["schemas"]["OperationId"];
             /** @description The network. */
-            operationNetworkId: string;
+            operationNetworkId: components["schemas"]["OperationNetworkId"];
         };
+        /** @description An operation network, unique on a platform. */
+        OperationNetworkId: string;
+        /**
+         * @description The state of an operation after the ISA-95 job states (OPC 10031-4).
+         * @enum {string}
+         */
+        OperationState: "NotAllowedToStart" | "AllowedToStart" | "Running" | "Interrupted" | "Ended" | "Aborted";
         /** @description An entry as kept. */
         OperatorEntry: components["schemas"]["OperationKey"] & components["schemas"]["Action"] & {
             /** @description Made where it was entered. */
-            entryId: string;
-            /**
-             * Format: date-time
-             * @description When it was entered, by the connector's clock.
-             */
-            madeAt: string;
+            entryId: components["schemas"]["EntryId"];
+            /** @description When it was entered, by the connector's clock. */
+            madeAt: components["schemas"]["DateTime"];
             /** @description Who. */
             madeBy: string;
-            /**
-             * Format: date-time
-             * @description When it came here.
-             */
-            receivedAt: string;
+            /** @description When it came here. */
+            receivedAt: components["schemas"]["DateTime"];
         };
         /** @description A field that takes entered values. */
         OperatorField: {
             description?: string | null;
             /** @description What was entered last, as it was before the gate. */
             entered?: unknown;
-            /**
-             * Format: date-time
-             * @description When.
-             */
-            enteredAt?: string | null;
+            enteredAt?: components["schemas"]["DateTime"] | null;
             /** @description The value follows from the buttons; it can be typed all the same. */
             hasButton: boolean;
             key: components["schemas"]["FieldKey"];
@@ -5116,16 +5185,16 @@ export interface components {
             networkName?: string | null;
             /** @description `PRODUCTION`, `INSPECTION` or `TRANSPORTATION`. */
             operationType: string;
-            /** Format: date-time */
-            plannedEnd?: string | null;
+            plannedEnd?: components["schemas"]["DateTime"] | null;
             /** Format: double */
             plannedQuantity?: number | null;
-            /** Format: date-time */
-            plannedStart?: string | null;
+            plannedStart?: components["schemas"]["DateTime"] | null;
             quantityUnit?: string | null;
             /** @description By the entries so far. */
             standing: components["schemas"]["Standing"];
         };
+        /** @description An organisation that takes part in collaborations. */
+        OrganisationId: string;
         /**
          * @description Treatment of a number outside the wanted type's range.
          * @enum {string}
@@ -5334,17 +5403,18 @@ export interface components {
              * @description The base of an integer: 2 to 36.
              */
             radix?: number | null;
-            to: string;
+            /** @description The type of the value. */
+            to: components["schemas"]["TypeName"];
         };
         /** @description What one partner learns. */
         PartnerLeaks: components["schemas"]["LeakBudget"] & {
             /** @description The organisation: a requester or a recipient. */
-            partner: string;
+            partner: components["schemas"]["OrganisationId"];
         };
         /** @description What one partner learns, in short. */
         PartnerSummary: components["schemas"]["LeakSummary"] & {
             /** @description The organisation: a requester or a recipient. */
-            partner: string;
+            partner: components["schemas"]["OrganisationId"];
         };
         /** @description Certificate that a server has presented. */
         PeerCertificate: {
@@ -5355,10 +5425,8 @@ export interface components {
             /** @description SHA-1 thumbprint, hex. */
             thumbprint: string;
             trust: components["schemas"]["TrustState"];
-            /** Format: date-time */
-            validFrom?: string | null;
-            /** Format: date-time */
-            validTo?: string | null;
+            validFrom?: components["schemas"]["DateTime"] | null;
+            validTo?: components["schemas"]["DateTime"] | null;
         };
         /**
          * @description What a counted piece is.
@@ -5372,12 +5440,14 @@ export interface components {
         Placed: "PUBLISHED" | "PROPOSED" | "UNCHANGED";
         /** @description What became of a mapping. */
         PlacedMapping: {
+            /** @description Its field. */
             key: components["schemas"]["FieldKey"];
             /** @description What became of it. */
             outcome: components["schemas"]["Placed"];
         };
         /** @description What a change of a policy would do to a field. */
         PolicyUse: components["schemas"]["Statement"] & {
+            /** @description The field. */
             key: components["schemas"]["FieldKey"];
             /** @description What it would read with the draft. */
             statementThen: string;
@@ -5389,7 +5459,7 @@ export interface components {
             /** @description How many mapped fields take it by name. */
             fieldCount: number;
             /** @description The recipients that it is set for. */
-            recipients: string[];
+            recipients: components["schemas"]["OrganisationId"][];
         };
         /** @description Side by side: machine, mapping, what is disclosed, and the message. */
         Preview: components["schemas"]["Statement"] & {
@@ -5397,11 +5467,7 @@ export interface components {
             /** @description What is wrong or doubtful about the mapping. */
             diagnostics: components["schemas"]["MappingDiagnostic"][];
             disclosed?: components["schemas"]["ShownValue"] | null;
-            /**
-             * Format: date-time
-             * @description When it would leave, where policy holds it back.
-             */
-            disclosedAt?: string | null;
+            disclosedAt?: components["schemas"]["DateTime"] | null;
             /**
              * @description The precision that would hold: the strictest of the draft, the named policy and the
              *     recipients' policies.
@@ -5500,20 +5566,15 @@ export interface components {
         ReasonKind: "name" | "semantic" | "place" | "description" | "type" | "unit" | "companionType" | "value" | "decision";
         /** @description Which policy holds for everything a recipient gets. */
         RecipientBody: {
-            /** @description The named policy; null takes it away. */
-            policyId?: string | null;
+            policyId?: components["schemas"]["DocumentId"] | null;
         };
         /** @description The policy that is set for everything one recipient gets. */
         RecipientPolicy: {
-            /**
-             * Format: date-time
-             * @description When.
-             */
-            changedAt: string;
+            /** @description When. */
+            changedAt: components["schemas"]["DateTime"];
             /** @description Who set it. */
             changedBy: string;
-            /** @description The named policy; none after it was taken away. */
-            policyId?: string | null;
+            policyId?: components["schemas"]["DocumentId"] | null;
             /**
              * Format: int32
              * @description From 1, one more with every change.
@@ -5533,8 +5594,17 @@ export interface components {
             /** @description How many mapped fields it gets. */
             fieldCount: number;
             /** @description The organisation. */
-            recipient: string;
+            recipient: components["schemas"]["OrganisationId"];
             set?: components["schemas"]["RecipientPolicy"] | null;
+        };
+        /** @description One dynamic data request, addressed through its network and operation. */
+        RequestKey: {
+            /** @description The request itself. */
+            dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+            /** @description The operation it asks about. */
+            operationId: components["schemas"]["OperationId"];
+            /** @description The network the request belongs to. */
+            operationNetworkId: components["schemas"]["OperationNetworkId"];
         };
         /** @description A request of a partner. */
         RequestView: {
@@ -5551,24 +5621,18 @@ export interface components {
             hasEnded: boolean;
             /** @description It has waited for more than a day. */
             isOverdue: boolean;
+            /** @description Its address. */
             key: components["schemas"]["RequestKey"];
             /** @description What the network is called. */
             networkName?: string | null;
-            /**
-             * Format: date-time
-             * @description Since when it waits for an engineer, while a field of it is undecided.
-             */
-            openSince?: string | null;
+            openSince?: components["schemas"]["DateTime"] | null;
             operation: components["schemas"]["OperationSummary"];
             /** @description What for. */
             purpose: string;
-            /**
-             * Format: date-time
-             * @description When this revision came.
-             */
-            receivedAt: string;
+            /** @description When this revision came. */
+            receivedAt: components["schemas"]["DateTime"];
             /** @description Who may see the answers. */
-            recipientList: string[];
+            recipientList: components["schemas"]["OrganisationId"][];
             /** @description What the report is called. */
             reportName: string;
             /** @description Who asks. */
@@ -5578,32 +5642,20 @@ export interface components {
              * @description How often the partner wants to hear, as the time between two reports in milliseconds.
              */
             updateIntervalMs?: number | null;
-            /**
-             * Format: date-time
-             * @description From when values are asked for.
-             */
-            validFrom?: string | null;
-            /**
-             * Format: date-time
-             * @description Until when.
-             */
-            validUntil?: string | null;
+            validFrom?: components["schemas"]["DateTime"] | null;
+            validUntil?: components["schemas"]["DateTime"] | null;
         };
         /** @description Whose consent ends: single fields, or everything that the other members name together. */
         RevocationBody: {
-            /** @description Of it, only those of this request. */
-            dynamicDataRequestId?: string | null;
+            dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"] | null;
+            /** @description These fields. */
             fields?: components["schemas"]["FieldKey"][];
-            /** @description How the fields are decided from now on: `PENDING` (without it) or `REFUSED`. */
-            mappingState?: string | null;
-            /** @description Of it, only those about this operation. */
-            operationId?: string | null;
-            /** @description All fields of this network. */
-            operationNetworkId?: string | null;
+            mappingState?: components["schemas"]["MappingState"] | null;
+            operationId?: components["schemas"]["OperationId"] | null;
+            operationNetworkId?: components["schemas"]["OperationNetworkId"] | null;
             /** @description Told to the partner; needed with `REFUSED`. */
             reason?: string | null;
-            /** @description All fields that this organisation may see. */
-            recipientId?: string | null;
+            recipientId?: components["schemas"]["OrganisationId"] | null;
         };
         /**
          * @description Whether an authority's list of revoked certificates is here.
@@ -5616,17 +5668,14 @@ export interface components {
          */
         RevocationReceipt: {
             /** @description `REVOKED`, or `WITHDRAWN` by the partner. */
-            cause: string;
-            factoryId: string;
+            cause: components["schemas"]["GapCause"];
+            factoryId: components["schemas"]["FactoryId"];
             /** @description The fields with the consents that ended. */
             fields: components["schemas"]["RevokedField"][];
             reason?: string | null;
             revocationId: string;
-            /**
-             * Format: date-time
-             * @description Time of the end; no value of these fields left afterwards.
-             */
-            revokedAt: string;
+            /** @description Time of the end; no value of these fields left afterwards. */
+            revokedAt: components["schemas"]["DateTime"];
             /** @description User who ended the consent; none when the partner withdrew or changed the request. */
             revokedBy?: string | null;
             /** @description The data sets that contained them. */
@@ -5668,7 +5717,8 @@ export interface components {
              */
             lastSentSequence?: number | null;
             /** @description Organisations that received it. */
-            recipientList: string[];
+            recipientList: components["schemas"]["OrganisationId"][];
+            /** @description The request that it reported for. */
             request: components["schemas"]["RequestKey"];
             /** @description Queued and withdrawn: they never left. */
             takenBack: components["schemas"]["Sequences"][];
@@ -5683,6 +5733,11 @@ export interface components {
          * @enum {string}
          */
         Rounding: "nearest" | "halfEven" | "down" | "up" | "towardZero" | "exact";
+        /**
+         * Format: double
+         * @description A positive decimal with at most 15 significant digits: values leave as multiples of it.
+         */
+        RoundingStep: number;
         /** @description A standing rule. */
         Rule: {
             action: components["schemas"]["RuleAction"];
@@ -5692,8 +5747,7 @@ export interface components {
             isEnabled?: boolean;
             /** @description Name for people, 1 to 120 characters. */
             name: string;
-            /** @description A named policy that applies as well: the strictest of both. */
-            policyId?: string | null;
+            policyId?: components["schemas"]["DocumentId"] | null;
             /** @description Reason for the partner, with `REFUSE`. */
             reason?: string | null;
             valueSource?: components["schemas"]["ValueSource"] | null;
@@ -5718,7 +5772,7 @@ export interface components {
              *     *every* recipient are listed; a rule that refuses, requests of which any is.
              * @default []
              */
-            partners: string[];
+            partners: components["schemas"]["OrganisationId"][];
             /**
              * @description Semantics as requested.
              * @default []
@@ -5739,21 +5793,21 @@ export interface components {
              * @description Number of the consent that the decision made.
              */
             consentVersion: number;
-            /** Format: date-time */
-            decidedAt: string;
+            decidedAt: components["schemas"]["DateTime"];
             field: components["schemas"]["FieldKey"];
             /** @description Number of the decision, as text. */
             id: string;
             /** @description The rules, in the versions that decided. */
             rules: components["schemas"]["DocumentVersion"][];
-            /** Format: date-time */
-            undoneAt?: string | null;
+            undoneAt?: components["schemas"]["DateTime"] | null;
             /** @description The person who undid it; none while it is in force. */
             undoneBy?: string | null;
         };
         /** @description A field that a rule means. */
         RuleMatch: {
+            /** @description The field. */
             key: components["schemas"]["FieldKey"];
+            /** @description `PENDING`, `MAPPED` or `REFUSED`: only undecided fields would be decided. */
             mappingState: components["schemas"]["MappingState"];
             /** @description What the rule says. */
             offer: components["schemas"]["RuleOfferView"];
@@ -5818,11 +5872,7 @@ export interface components {
              *     or search by hand.
              */
             isComplete: boolean;
-            /**
-             * Format: date-time
-             * @description When the list was made.
-             */
-            listedAt?: string | null;
+            listedAt?: components["schemas"]["DateTime"] | null;
             /** @description Why it could not be looked through. */
             problem?: string | null;
             /** @description The server. */
@@ -5932,20 +5982,13 @@ export interface components {
             /** @description The mapping on trial. */
             mapping: components["schemas"]["Mapping"];
             published?: components["schemas"]["MappingStatus"] | null;
-            /**
-             * Format: date-time
-             * @description When.
-             */
-            startedAt: string;
+            /** @description When. */
+            startedAt: components["schemas"]["DateTime"];
             status?: components["schemas"]["MappingStatus"] | null;
         };
         /** @description A value as pages show it. */
         ShownValue: {
-            /**
-             * Format: date-time
-             * @description When the source measured it.
-             */
-            sourceTimestamp?: string | null;
+            sourceTimestamp?: components["schemas"]["DateTime"] | null;
             /** @description The status, by its name where it has one. */
             status: string;
             /** @description The value as plain JSON; 64-bit integers as text; null where there is none. */
@@ -6024,16 +6067,8 @@ export interface components {
             findable: number;
             /** @description Number of inputs that are monitored on it. */
             inputs: number;
-            /**
-             * Format: date-time
-             * @description Time of the last received change.
-             */
-            lastChangeAt?: string | null;
-            /**
-             * Format: date-time
-             * @description Time of the server's last message of any kind.
-             */
-            lastSignOfLifeAt?: string | null;
+            lastChangeAt?: components["schemas"]["DateTime"] | null;
+            lastSignOfLifeAt?: components["schemas"]["DateTime"] | null;
             limits?: components["schemas"]["ServerLimits"] | null;
             /** @description Number of inputs that the server monitors and has sent a first value for. */
             live: number;
@@ -6045,42 +6080,28 @@ export interface components {
              * @description Sessions established since the connector started.
              */
             sessions: number;
-            /** Format: date-time */
-            since: string;
+            since: components["schemas"]["DateTime"];
             sourceId: components["schemas"]["SourceId"];
             state: components["schemas"]["SourceState"];
         };
         SourceView: components["schemas"]["SourceConfig"] & components["schemas"]["SourceStatus"];
         /** @description How an operation stands by its entries. */
         Standing: {
-            /**
-             * Format: date-time
-             * @description When it was finished, while it is.
-             */
-            endedAt?: string | null;
+            endedAt?: components["schemas"]["DateTime"] | null;
             /**
              * Format: double
              * @description Good pieces counted with the buttons.
              */
             goodQuantity: number;
-            /**
-             * Format: date-time
-             * @description When the last entry was made.
-             */
-            lastEntryAt?: string | null;
+            lastEntryAt?: components["schemas"]["DateTime"] | null;
             problem?: components["schemas"]["OperatorProblem"] | null;
             /**
              * Format: double
              * @description Scrap counted with the buttons.
              */
             scrapQuantity: number;
-            /**
-             * Format: date-time
-             * @description When it was first started.
-             */
-            startedAt?: string | null;
-            /** @description `Running`, `Interrupted` or `Ended`; none before anything was entered. */
-            state?: string | null;
+            startedAt?: components["schemas"]["DateTime"] | null;
+            state?: components["schemas"]["OperationState"] | null;
         };
         /** @description A state as a JSON value. */
         StateValue: boolean | number | string;
@@ -6110,8 +6131,7 @@ export interface components {
         } | {
             /** @enum {string} */
             code: "ROUNDED";
-            /** Format: double */
-            step: number;
+            step: components["schemas"]["RoundingStep"];
             /** @description The field's unit. */
             unit?: string | null;
         } | {
@@ -6173,19 +6193,20 @@ export interface components {
             factoryId: string;
             lease: components["schemas"]["LeaseStatus"];
             link: components["schemas"]["LinkStatus"] | null;
-            /**
-             * Format: date-time
-             * @description Its own clock, to tell ages by.
-             */
-            now: string;
+            /** @description Its own clock, to tell ages by. */
+            now: components["schemas"]["DateTime"];
             /** @description The local servers. */
             sources: components["schemas"]["SourceStatus"][];
             spool: components["schemas"]["SpoolStatus"];
-            /** Format: date-time */
-            startedAt: string;
+            startedAt: components["schemas"]["DateTime"];
             twin: components["schemas"]["TwinStatus"];
             version: string;
         };
+        /**
+         * Format: int32
+         * @description An OPC UA status code: severity in the two highest bits, sub code below, flag bits at the end.
+         */
+        StatusCode: number;
         /**
          * @description One function of a chain. In JSON an object with `function` and the parameters.
          *
@@ -6282,8 +6303,7 @@ export interface components {
             /** @description True if it was made at this factory. */
             isOwn: boolean;
             text: string;
-            /** Format: date-time */
-            writtenAt: string;
+            writtenAt: components["schemas"]["DateTime"];
         };
         /** @description A receipt with its signature, and the arrivals since of reports that were on their way. */
         StoredRevocation: components["schemas"]["RevocationReceipt"] & {
@@ -6314,13 +6334,12 @@ export interface components {
             /** @description Its unit, as people see it. */
             unit?: string | null;
             value?: components["schemas"]["ShownValue"] | null;
-            /** @description The built-in type of its value. */
-            valueType?: string | null;
+            valueType?: components["schemas"]["TypeName"] | null;
         };
         /** @description A variable that might be meant. */
         Suggestion: {
             /** @description Node id with its namespace's URI. */
-            nodeId: string;
+            nodeId: components["schemas"]["NodeId"];
             /** @description Names down to the variable, joined by `/`. */
             place: string;
             /** @description Evidence, the weightiest first. */
@@ -6331,7 +6350,7 @@ export interface components {
              */
             score: number;
             /** @description Source of the variable. */
-            sourceId: string;
+            sourceId: components["schemas"]["SourceId"];
             /** @description The functions it would need. */
             steps: components["schemas"]["Step"][];
         };
@@ -6373,11 +6392,8 @@ export interface components {
         TemplateView: components["schemas"]["MappingTemplate"] & {
             /** @description Who changed it last. */
             author: string;
-            /**
-             * Format: date-time
-             * @description When.
-             */
-            changedAt: string;
+            /** @description When. */
+            changedAt: components["schemas"]["DateTime"];
         };
         /** @description Comparison of a number with a limit, with hysteresis. */
         Threshold: {
@@ -6396,11 +6412,8 @@ export interface components {
         };
         /** @description One run of the chain. */
         TraceRun: {
-            /**
-             * Format: date-time
-             * @description Time of the run by the local clock.
-             */
-            at: string;
+            /** @description Time of the run by the local clock. */
+            at: components["schemas"]["DateTime"];
             candidate?: components["schemas"]["TracedValue"] | null;
             fault?: components["schemas"]["TracedFault"] | null;
             /** @description The input that changed; absent where time passed. */
@@ -6440,16 +6453,8 @@ export interface components {
          *     objects.
          */
         TracedValue: {
-            /**
-             * Format: date-time
-             * @description Time at which the server last knew it.
-             */
-            serverTimestamp?: string | null;
-            /**
-             * Format: date-time
-             * @description Time at which the source measured it.
-             */
-            sourceTimestamp?: string | null;
+            serverTimestamp?: components["schemas"]["DateTime"] | null;
+            sourceTimestamp?: components["schemas"]["DateTime"] | null;
             /**
              * Format: int32
              * @description The status code.
@@ -6457,24 +6462,16 @@ export interface components {
             status: number;
             /** @description The status' name, where it is a well-known one. */
             statusName?: string | null;
-            type?: string | null;
+            type?: components["schemas"]["TypeName"] | null;
             /** @description Value as plain JSON. */
             value: unknown;
         };
         /** @description What became of a trial. */
         Trial: components["schemas"]["Trace"] & {
-            /**
-             * Format: date-time
-             * @description When the first value came.
-             */
-            from?: string | null;
+            from?: components["schemas"]["DateTime"] | null;
             /** @description How many runs there were. */
             runsTotal: number;
-            /**
-             * Format: date-time
-             * @description When the last value came.
-             */
-            to?: string | null;
+            to?: components["schemas"]["DateTime"] | null;
             /**
              * @description Inputs of which nothing is recorded: only variables that a mapping at work (or on trial)
              *     uses are.
@@ -6552,6 +6549,11 @@ export interface components {
             role: components["schemas"]["Role"];
             userName: string;
         };
+        /**
+         * @description Source of a mapped field's values.
+         * @enum {string}
+         */
+        ValueSource: "MAPPING" | "MANUAL" | "EXTERNAL";
         /** @description Result of a verification. */
         Verification: {
             /**
@@ -6618,11 +6620,8 @@ export interface components {
             mapping: components["schemas"]["Mapping"];
             /** @description Where it came from, where not from the editor. */
             note?: string | null;
-            /**
-             * Format: date-time
-             * @description When.
-             */
-            publishedAt: string;
+            /** @description When. */
+            publishedAt: components["schemas"]["DateTime"];
             /**
              * Format: int32
              * @description Counts from 1.
@@ -6637,8 +6636,7 @@ export interface components {
             /** @description Name for people, 1 to 120 characters. */
             name: string;
         } & {
-            /** Format: date-time */
-            changedAt: string;
+            changedAt: components["schemas"]["DateTime"];
             /** @description User of the last change. */
             changedBy: string;
         };
@@ -6680,11 +6678,7 @@ export interface components {
          *     is released, and candidates of that time never are.
          */
         WithholdCondition: {
-            /**
-             * @description Another field of the same request; absent for the field's own value. While the other field's
-             *     state is not known, the condition counts as met.
-             */
-            field?: string | null;
+            field?: components["schemas"]["FieldName"] | null;
             /** @description The states: texts, numbers or truth values. */
             states: components["schemas"]["StateValue"][];
         };
@@ -6694,31 +6688,16 @@ export interface components {
          */
         WorkingHours: {
             days: components["schemas"]["Weekday"][];
-            /**
-             * @description The first minute, `HH:MM`.
-             * @example 06:00
-             */
-            from: string;
-            /**
-             * @description The first minute after them, `HH:MM`; later than `from`.
-             * @example 22:00
-             */
-            until: string;
+            /** @description The first minute, `HH:MM`. */
+            from: components["schemas"]["ClockTime"];
+            /** @description The first minute after them, `HH:MM`; later than `from`. */
+            until: components["schemas"]["ClockTime"];
             /**
              * Format: int32
              * @description Offset of the plant's clock from UTC, in minutes; positive to the east.
              */
             utcOffsetMinutes?: number;
         };
-        RequestKey: {
-            operationNetworkId: string;
-            operationId: string;
-            dynamicDataRequestId: string;
-        };
-        /** @enum {string} */
-        MappingState: "PENDING" | "MAPPED" | "REFUSED";
-        /** @enum {string} */
-        ValueSource: "MAPPING" | "MANUAL" | "EXTERNAL";
         OperationSummary: {
             operationId: string;
             operationType: string;

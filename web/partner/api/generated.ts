@@ -936,9 +936,9 @@ export interface paths {
             parameters: {
                 query?: {
                     /** @description Only of this network. */
-                    network?: string;
+                    network?: components["schemas"]["OperationNetworkId"];
                     /** @description Only of this request. */
-                    request?: string;
+                    request?: components["schemas"]["DynamicDataRequestId"];
                     /** @description Only those that arrived after the report with this number; `nextCursor` of the page before. */
                     after?: string;
                     /** @description Most entries wanted, 1 to 1000. */
@@ -1257,15 +1257,28 @@ export interface components {
     schemas: {
         /** @description A comment to add. */
         AddComment: {
-            /** @description The request talked about. */
-            dynamicDataRequestId?: string | null;
+            dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"] | null;
             /** @description The factory to talk to; one that has a part in the network. */
-            factoryId: string;
-            /** @description The field talked about. */
-            fieldName?: string | null;
+            factoryId: components["schemas"]["FactoryId"];
+            fieldName?: components["schemas"]["FieldName"] | null;
             /** @description Text, 1 to 10000 characters. */
             text: string;
         };
+        /** @description Aggregate of the values of a window. */
+        AggregateStatement: {
+            /**
+             * @description The aggregate in words: the last value, the maximum, the minimum, the sum, the mean over
+             *     time.
+             */
+            function: string;
+            /**
+             * Format: int64
+             * @description Length of a window in milliseconds; windows are multiples of it since 1970.
+             */
+            windowMs: number;
+        };
+        /** @description A concrete asset of a factory, as in its status data sets (OPC 10000-100 AssetId). */
+        AssetId: string;
         /** @description Result of a change. */
         Changed: {
             /** @description False where nothing differed. */
@@ -1276,23 +1289,22 @@ export interface components {
              */
             revision: number;
             /** @description The factories that were sent something. */
-            sentTo: string[];
+            sentTo: components["schemas"]["FactoryId"][];
         };
         /** @description A collaboration with its members and factories. */
         Collaboration: {
-            collaborationId: string;
-            /**
-             * Format: date-time
-             * @description Time of creation.
-             */
-            createdAt: string;
+            collaborationId: components["schemas"]["CollaborationId"];
+            /** @description Time of creation. */
+            createdAt: components["schemas"]["DateTime"];
             /** @description The factories that take part, by id. */
-            factories: string[];
+            factories: components["schemas"]["FactoryId"][];
             /** @description The organisations that take part, by id. */
-            members: string[];
+            members: components["schemas"]["OrganisationId"][];
             /** @description Name for people. */
             name: string;
         };
+        /** @description A collaboration on the platform, under whose agreement networks are exchanged. */
+        CollaborationId: string;
         /** @description A comment as members of the collaboration see it. */
         CommentEntry: {
             /** @description Author, as its connector or user name tells. */
@@ -1302,30 +1314,34 @@ export interface components {
              * @description Its number, counting up.
              */
             commentId: number;
-            /**
-             * Format: date-time
-             * @description Time of arrival at the platform.
-             */
-            createdAt: string;
-            /** @description The request talked about. */
-            dynamicDataRequestId?: string | null;
+            /** @description Time of arrival at the platform. */
+            createdAt: components["schemas"]["DateTime"];
+            dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"] | null;
             /** @description The factory that takes part in the talk. */
-            factoryId: string;
-            /** @description The field talked about. */
-            fieldName?: string | null;
+            factoryId: components["schemas"]["FactoryId"];
+            fieldName?: components["schemas"]["FieldName"] | null;
             /** @description True if it came from the factory's connector. */
             isFromFactory: boolean;
             text: string;
         };
+        /** @description A condition of a relation, unique within its network. */
+        ConditionId: string;
+        /**
+         * @description The kinds of condition.
+         * @enum {string}
+         */
+        ConditionKind: "START_NO_EARLIER_THAN" | "START_NO_LATER_THAN" | "FINISH_NO_EARLIER_THAN" | "FINISH_NO_LATER_THAN" | "MINIMUM_GAP" | "MAXIMUM_GAP";
+        /**
+         * Format: date-time
+         * @description An instant in UTC with a resolution of 100 ns. On the wire an RFC 3339 text.
+         */
+        DateTime: string;
         /** @description A message that could not be used. */
         DeadLetterView: {
             /** @description Logical address it was sent to. */
             address: string;
-            /**
-             * Format: date-time
-             * @description Time of the dead-lettering.
-             */
-            at: string;
+            /** @description Time of the dead-lettering. */
+            at: components["schemas"]["DateTime"];
             /**
              * Format: int64
              * @description Size of the body.
@@ -1338,13 +1354,76 @@ export interface components {
             messageId?: string | null;
             /** @description Reason in a sentence for people. */
             reason: string;
-            /**
-             * Format: date-time
-             * @description Time of the last replay; absent before the first.
-             */
-            replayedAt?: string | null;
+            replayedAt?: components["schemas"]["DateTime"] | null;
             subject?: string | null;
         };
+        /** @description In words and numbers, how a value is coarsened before it leaves. */
+        DisclosureStatement: {
+            aggregate?: components["schemas"]["AggregateStatement"] | null;
+            /** @description Values are these bounds: of each the greatest not above it, in the field's unit. */
+            bandList?: number[];
+            /**
+             * Format: int64
+             * @description Values leave this many milliseconds late.
+             */
+            delayMs?: number | null;
+            /** @description One sentence for people. */
+            description: string;
+            /** @description Values leave within these hours only; all of them hold. */
+            hoursList?: components["schemas"]["HoursStatement"][];
+            /** @description Nothing leaves in certain states; the states themselves are not disclosed. */
+            isWithheldInStates?: boolean;
+            /**
+             * Format: int64
+             * @description At most one value per this many milliseconds.
+             */
+            minimumIntervalMs?: number | null;
+            /** @description At most so many values per period; all of these hold. */
+            rateLimitList?: components["schemas"]["RateStatement"][];
+            /**
+             * Format: double
+             * @description Values are rounded to multiples of this, in the field's unit.
+             */
+            roundingStep?: number | null;
+            /**
+             * Format: int32
+             * @description Values have at most so many significant digits.
+             */
+            significantDigits?: number | null;
+            /**
+             * Format: int64
+             * @description Times are rounded down to multiples of this many milliseconds.
+             */
+            timeStepMs?: number | null;
+        };
+        /** @description A partner's request for data about an operation. One request is one DataSetWriter. */
+        DynamicDataRequest: {
+            /** @description The buffer or store the request is about. */
+            bufferId?: string | null;
+            /** @description More about the request. */
+            description?: string | null;
+            /** @description Unique within the network. */
+            dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+            dynamicDataRequestPublisherId?: components["schemas"]["ToolId"] | null;
+            /** @description Purpose of the data in words, for the factory's engineer. */
+            purpose: string;
+            /** @description The organisations that may see the answers, and no others. */
+            recipientList: components["schemas"]["OrganisationId"][];
+            /** @description The composition of the report. */
+            reportDataFormat: components["schemas"]["ReportDataFormat"];
+            /** @description The organisation that asks. */
+            requesterId: components["schemas"]["OrganisationId"];
+            /**
+             * Format: int32
+             * @description Number of reports wanted per [`Self::update_frequency_unit`].
+             */
+            updateFrequency?: number | null;
+            updateFrequencyUnit?: components["schemas"]["UpdateFrequencyUnit"] | null;
+            validFrom?: components["schemas"]["DateTime"] | null;
+            validUntil?: components["schemas"]["DateTime"] | null;
+        };
+        /** @description A dynamic data request, unique within its network. One request is one DataSetWriter. */
+        DynamicDataRequestId: string;
         /** @description A token from `POST /factories/{factoryId}/enrolment-tokens`. */
         Enrol: {
             token: string;
@@ -1353,7 +1432,7 @@ export interface components {
         Enrolment: {
             /** @description The broker's address. */
             brokerUrl: string;
-            factoryId: string;
+            factoryId: components["schemas"]["FactoryId"];
             /** @description The connector's own secret. */
             password: string;
             /** @description Names of logical addresses at this broker. */
@@ -1363,54 +1442,61 @@ export interface components {
             /** @description The name to sign in with. */
             userName: string;
         };
+        /** @description Equipment that an operation needs. */
+        EquipmentRequirement: {
+            assetId?: components["schemas"]["AssetId"] | null;
+            /** @description IRI of a capability the equipment must have. */
+            capability?: string | null;
+            /** @description Unique within the network. */
+            equipmentRequirementId: components["schemas"]["EquipmentRequirementId"];
+            /** @description The class of equipment, as `ROBOT`. */
+            equipmentType: string;
+            /**
+             * Format: double
+             * @description Number of pieces of equipment, not negative.
+             */
+            quantity?: number | null;
+        };
+        /** @description An equipment requirement, unique within its network. */
+        EquipmentRequirementId: string;
         /** @description A factory: one connector, with the evidence of its life. */
         Factory: {
-            /**
-             * Format: date-time
-             * @description Time of creation.
-             */
-            createdAt: string;
-            /**
-             * Format: date-time
-             * @description Last enrolment of its connector; absent before the first.
-             */
-            enrolledAt?: string | null;
+            /** @description Time of creation. */
+            createdAt: components["schemas"]["DateTime"];
+            enrolledAt?: components["schemas"]["DateTime"] | null;
             /** @description Its id, also its PublisherId and part of its addresses. */
-            factoryId: string;
-            /**
-             * Format: date-time
-             * @description Arrival of its last report.
-             */
-            lastReportAt?: string | null;
-            /**
-             * Format: date-time
-             * @description Last arrival from it, keep-alives included.
-             */
-            lastSeenAt?: string | null;
+            factoryId: components["schemas"]["FactoryId"];
+            lastReportAt?: components["schemas"]["DateTime"] | null;
+            lastSeenAt?: components["schemas"]["DateTime"] | null;
             /** @description Name for people. */
             name: string;
-            organisationId: string;
+            organisationId: components["schemas"]["OrganisationId"];
             /** @description State that its publisher reported last (`ua-status`), for example `Operational`. */
             publisherState?: string | null;
         };
-        /** @description One report field, addressed from the network down. */
-        FieldKey: {
-            /** @description The request. */
-            dynamicDataRequestId: string;
-            /** @description The field. */
-            fieldName: string;
-            /** @description The operation. */
-            operationId: string;
-            /** @description The network. */
-            operationNetworkId: string;
+        /** @description A factory: one connector, one PublisherId, one pair of addresses on the broker. */
+        FactoryId: string;
+        /** @description Something wrong with a message, as a partner can mend it. */
+        Fault: {
+            /** @description A stable code, as `UNKNOWN_OPERATION`. */
+            code: string;
+            /** @description A sentence that says what is wrong and what to do. */
+            message: string;
+            /** @description JSON pointer (RFC 6901) into the message; empty for the whole. */
+            pointer: string;
         };
+        /** @description One report field, addressed from the network down. */
+        FieldKey: components["schemas"]["RequestKey"] & {
+            /** @description The field's name within that report. */
+            fieldName: components["schemas"]["FieldName"];
+        };
+        /** @description The name of a report field: a key of the payload. */
+        FieldName: string;
+        /** @description An OPC UA built-in type: its id (1 to 25) or its name. */
+        FieldType: number | ("Boolean" | "SByte" | "Byte" | "Int16" | "UInt16" | "Int32" | "UInt32" | "Int64" | "UInt64" | "Float" | "Double" | "String" | "DateTime" | "Guid" | "ByteString" | "XmlElement" | "NodeId" | "ExpandedNodeId" | "StatusCode" | "QualifiedName" | "LocalizedText" | "ExtensionObject" | "DataValue" | "Variant" | "DiagnosticInfo");
         /** @description A field with its decision and newest value. */
         FieldView: {
-            /**
-             * Format: date-time
-             * @description Time of the decision.
-             */
-            decidedAt?: string | null;
+            decidedAt?: components["schemas"]["DateTime"] | null;
             disclosure?: components["schemas"]["DisclosureStatement"] | null;
             /**
              * Format: int32
@@ -1418,41 +1504,34 @@ export interface components {
              */
             epoch?: number | null;
             /** @description The factory that is asked. */
-            factoryId: string;
+            factoryId: components["schemas"]["FactoryId"];
             key: components["schemas"]["FieldKey"];
             /** @description `PENDING`, `MAPPED` or `REFUSED`. */
             mappingState: components["schemas"]["MappingState"];
             reason?: string | null;
-            /**
-             * Format: date-time
-             * @description Time of arrival at the platform.
-             */
-            receivedAt?: string | null;
-            /**
-             * Format: date-time
-             * @description Time of the report at the connector.
-             */
-            reportTimestamp?: string | null;
+            receivedAt?: components["schemas"]["DateTime"] | null;
+            reportTimestamp?: components["schemas"]["DateTime"] | null;
             /**
              * Format: int32
              * @description The report's sequence number.
              */
             sequence?: number | null;
-            /**
-             * Format: date-time
-             * @description Source timestamp: time of the measurement.
-             */
-            sourceTimestamp?: string | null;
+            sourceTimestamp?: components["schemas"]["DateTime"] | null;
             /** @description Its quality, by the standard's name. */
             status?: string | null;
             value?: unknown;
             /** @description Its OPC UA built-in type, by name. */
             valueType?: string | null;
         };
+        /**
+         * @description Reason for sequence numbers that will never come.
+         * @enum {string}
+         */
+        GapCause: "COALESCED" | "EXPIRED" | "WITHDRAWN" | "REVOKED";
         /** @description An announced gap. */
         GapView: {
             /** @description `COALESCED`, `EXPIRED`, `WITHDRAWN` or `REVOKED`. */
-            cause: string;
+            cause: components["schemas"]["GapCause"];
             /** Format: int32 */
             firstSequence: number;
             /** Format: int32 */
@@ -1461,8 +1540,31 @@ export interface components {
         /** @description The next holder of a lease. */
         Handover: {
             /** @description One of the contenders. */
-            instanceId: string;
+            instanceId: components["schemas"]["InstanceId"];
         };
+        /** @description Hours of the plant's clock. */
+        HoursStatement: {
+            /** @description The days, `MONDAY` to `SUNDAY`. */
+            dayList: string[];
+            /** @description The first minute, `HH:MM`. */
+            from: string;
+            /** @description The first minute no more, `HH:MM`. */
+            until: string;
+            /**
+             * Format: int32
+             * @description Offset of the plant's clock from UTC, in minutes; positive to the east.
+             */
+            utcOffsetMinutes?: number;
+        };
+        /** @description A running connector: a new id at every start. */
+        InstanceId: string;
+        /**
+         * Format: duration
+         * @description An ISO 8601 duration of fixed length: weeks, days, hours, minutes, seconds (`PT8H`, `P1DT30M`).
+         *     Years and months have no fixed length and are refused. Digits beyond the microsecond are dropped
+         *     on reading: as OPC UA's Duration, a Double of milliseconds, a hundred years stay exact to that.
+         */
+        IsoDuration: string;
         /** @description Lease of a factory with the connectors that were refused. */
         LeaseView: {
             /** @description Connectors that were refused, the last heard first. */
@@ -1474,20 +1576,19 @@ export interface components {
              */
             leaseNumber: number;
         };
-        /** @description Where a field stands. */
+        /**
+         * @description State of a field's decision.
+         * @enum {string}
+         */
         MappingState: "PENDING" | "MAPPED" | "REFUSED";
         /** @description A network in a list. */
         NetworkSummary: {
             /** @description The collaboration it belongs to. */
-            collaborationId: string;
-            /**
-             * Format: date-time
-             * @description Arrival of the last report about it that the viewer may see.
-             */
-            lastReportAt?: string | null;
+            collaborationId: components["schemas"]["CollaborationId"];
+            lastReportAt?: components["schemas"]["DateTime"] | null;
             /** @description Name for people. */
             name?: string | null;
-            operationNetworkId: string;
+            operationNetworkId: components["schemas"]["OperationNetworkId"];
             /**
              * Format: int64
              * @description Number of rejected parts.
@@ -1503,21 +1604,14 @@ export interface components {
              * @description Its newest revision.
              */
             revision: number;
-            /**
-             * Format: date-time
-             * @description Time of the revision.
-             */
-            updatedAt: string;
-            /**
-             * Format: date-time
-             * @description Time of the withdrawal; absent while in effect.
-             */
-            withdrawnAt?: string | null;
+            /** @description Time of the revision. */
+            updatedAt: components["schemas"]["DateTime"];
+            withdrawnAt?: components["schemas"]["DateTime"] | null;
         };
         /** @description A network with its parts, progress and fields. */
         NetworkView: {
             /** @description The collaboration it belongs to. */
-            collaborationId: string;
+            collaborationId: components["schemas"]["CollaborationId"];
             /** @description The fields that concern the viewer. */
             fields: components["schemas"]["FieldView"][];
             /**
@@ -1525,6 +1619,7 @@ export interface components {
              *     nothing.
              */
             lastEventId: string;
+            /** @description The whole network (wire contract `operation-network`). */
             network: components["schemas"]["OperationNetwork"];
             /** @description Progress of each operation, derived from the viewer's fields. */
             operations: components["schemas"]["OperationProgress"][];
@@ -1535,60 +1630,106 @@ export interface components {
              * @description Its newest revision.
              */
             revision: number;
-            /**
-             * Format: date-time
-             * @description Time of the revision.
-             */
-            updatedAt: string;
+            /** @description Time of the revision. */
+            updatedAt: components["schemas"]["DateTime"];
             /** @description User or tool that made it. */
             updatedBy: string;
-            /**
-             * Format: date-time
-             * @description Time of the withdrawal; absent while in effect.
-             */
-            withdrawnAt?: string | null;
+            withdrawnAt?: components["schemas"]["DateTime"] | null;
         };
         /** @description A collaboration to add. */
         NewCollaboration: {
-            collaborationId: string;
+            collaborationId: components["schemas"]["CollaborationId"];
             /** @description The factories that take part. */
-            factories?: string[];
+            factories?: components["schemas"]["FactoryId"][];
             /** @description The organisations that take part. */
-            members?: string[];
+            members?: components["schemas"]["OrganisationId"][];
             name: string;
         };
         /** @description A factory to add. */
         NewFactory: {
-            factoryId: string;
+            factoryId: components["schemas"]["FactoryId"];
             /** @description Name for people; the id by default. */
             name?: string | null;
-            organisationId: string;
+            organisationId: components["schemas"]["OrganisationId"];
         };
         /** @description An organisation to add. */
         NewOrganisation: {
             name: string;
-            organisationId: string;
+            organisationId: components["schemas"]["OrganisationId"];
         };
         /** @description A tool to add. */
         NewTool: {
             name: string;
-            organisationId: string;
-            toolId: string;
+            organisationId: components["schemas"]["OrganisationId"];
+            toolId: components["schemas"]["ToolId"];
         };
+        /** @description A production, inspection or transportation step. */
+        Operation: components["schemas"]["OperationKind"] & {
+            /** @description More about it. */
+            description?: string | null;
+            /** @description Data that partners request about the operation. */
+            dynamicDataRequestList?: components["schemas"]["DynamicDataRequest"][];
+            /** @description Equipment that the operation needs. */
+            equipmentRequirementList?: components["schemas"]["EquipmentRequirement"][];
+            /** @description Name for people, at most 256 characters. */
+            name?: string | null;
+            /** @description Unique within the network. */
+            operationId: components["schemas"]["OperationId"];
+            owningFactoryId?: components["schemas"]["FactoryId"] | null;
+            plannedEnd?: components["schemas"]["DateTime"] | null;
+            /**
+             * Format: double
+             * @description Planned quantity in [`Self::quantity_unit`], not negative.
+             */
+            plannedQuantity?: number | null;
+            plannedStart?: components["schemas"]["DateTime"] | null;
+            /** @description The unit of the planned quantity: a UNECE common code or one of its aliases (`PIECE`). */
+            quantityUnit?: string | null;
+            /** @description A neighbour's operation that a relation names: only type, id, name and owner. */
+            stub?: boolean;
+        };
+        /** @description An operation, unique within its network. */
+        OperationId: string;
+        /** @description The three kinds of operation. */
+        OperationKind: {
+            /** @enum {string} */
+            operationType: "PRODUCTION";
+            /** @description Product, by the partners' own id. */
+            productId?: string | null;
+        } | {
+            /** @description Characteristic that is measured or judged. */
+            characteristic?: string | null;
+            inspectedOperationId?: components["schemas"]["OperationId"] | null;
+            /** @enum {string} */
+            operationType: "INSPECTION";
+        } | {
+            /** @description Place that the material is brought to. */
+            destination?: string | null;
+            /** @enum {string} */
+            operationType: "TRANSPORTATION";
+            /** @description Place that the material leaves. */
+            origin?: string | null;
+        };
+        /** @description A network of operations, or the part of it that concerns one factory. */
+        OperationNetwork: {
+            /** @description More about it. */
+            description?: string | null;
+            /** @description Name for people, at most 256 characters. */
+            name?: string | null;
+            /** @description The operations, stubs of neighbours included. */
+            operationList: components["schemas"]["Operation"][];
+            /** @description Unique on a platform. */
+            operationNetworkId: components["schemas"]["OperationNetworkId"];
+            /** @description The relations between them. */
+            operationRelationList?: components["schemas"]["OperationRelation"][];
+        };
+        /** @description An operation network, unique on a platform. */
+        OperationNetworkId: string;
         /** @description Progress of an operation, derived from the viewer's fields. */
         OperationProgress: {
-            /** Format: date-time */
-            actualEnd?: string | null;
-            /**
-             * Format: date-time
-             * @description Time of the start.
-             */
-            actualStart?: string | null;
-            /**
-             * Format: date-time
-             * @description End expected by the factory.
-             */
-            expectedEnd?: string | null;
+            actualEnd?: components["schemas"]["DateTime"] | null;
+            actualStart?: components["schemas"]["DateTime"] | null;
+            expectedEnd?: components["schemas"]["DateTime"] | null;
             /**
              * Format: double
              * @description Good part of the quantity.
@@ -1596,14 +1737,9 @@ export interface components {
             goodQuantity?: number | null;
             /** @description True where nobody reported the state and it is concluded from quantities and times. */
             isStateInferred: boolean;
-            /**
-             * Format: date-time
-             * @description Arrival of the last report about it.
-             */
-            lastReportAt?: string | null;
-            operationId: string;
-            /** @description The factory that carries it out. */
-            owningFactoryId?: string | null;
+            lastReportAt?: components["schemas"]["DateTime"] | null;
+            operationId: components["schemas"]["OperationId"];
+            owningFactoryId?: components["schemas"]["FactoryId"] | null;
             /**
              * Format: double
              * @description Completion, 0 to 100: as reported, else derived from the quantities.
@@ -1623,20 +1759,38 @@ export interface components {
              * @description Scrap part of the quantity.
              */
             scrapQuantity?: number | null;
-            /** @description Its state after ISA-95. */
-            state?: string | null;
+            state?: components["schemas"]["OperationState"] | null;
         };
+        /** @description "The successor's start or finish depends on the predecessor's." */
+        OperationRelation: {
+            /** @description Bounds on the dependency. */
+            conditionList?: components["schemas"]["RelationCondition"][];
+            /** @description Unique within the network. */
+            operationRelationId: components["schemas"]["OperationRelationId"];
+            /** @description The operation that comes first. */
+            predecessorOperationId: components["schemas"]["OperationId"];
+            /** @description Ends of the two operations that the relation connects. */
+            relationType: components["schemas"]["RelationType"];
+            /** @description The operation that waits. */
+            successorOperationId: components["schemas"]["OperationId"];
+        };
+        /** @description A relation between two operations, unique within its network. */
+        OperationRelationId: string;
+        /**
+         * @description The state of an operation after the ISA-95 job states (OPC 10031-4).
+         * @enum {string}
+         */
+        OperationState: "NotAllowedToStart" | "AllowedToStart" | "Running" | "Interrupted" | "Ended" | "Aborted";
         /** @description A company, institute or person that takes part. */
         Organisation: {
-            /**
-             * Format: date-time
-             * @description Time of creation.
-             */
-            createdAt: string;
+            /** @description Time of creation. */
+            createdAt: components["schemas"]["DateTime"];
             /** @description Name for people. */
             name: string;
-            organisationId: string;
+            organisationId: components["schemas"]["OrganisationId"];
         };
+        /** @description An organisation that takes part in collaborations. */
+        OrganisationId: string;
         /** @description A page of a list. */
         Page_Collaboration: {
             items: components["schemas"]["Collaboration"][];
@@ -1698,33 +1852,23 @@ export interface components {
         PartState: "SENT" | "ACCEPTED" | "UNCHANGED" | "REJECTED";
         /** @description Part of a network as sent to a factory, with evidence of the factory's life. */
         PartView: {
-            /**
-             * Format: date-time
-             * @description Time of the acknowledgement.
-             */
-            answeredAt?: string | null;
-            factoryId: string;
+            answeredAt?: components["schemas"]["DateTime"] | null;
+            factoryId: components["schemas"]["FactoryId"];
             /** @description Name for people. */
             factoryName?: string | null;
-            faultList: components["schemas"]["ProblemFault"][];
+            /** @description Faults for which it was rejected. */
+            faultList: components["schemas"]["Fault"][];
             /** @description True where the part ends the network at the factory. */
             isWithdrawal: boolean;
-            /**
-             * Format: date-time
-             * @description Last arrival from the factory.
-             */
-            lastSeenAt?: string | null;
-            organisationId?: string | null;
+            lastSeenAt?: components["schemas"]["DateTime"] | null;
+            organisationId?: components["schemas"]["OrganisationId"] | null;
             /**
              * Format: int64
              * @description The revision in which its part changed last.
              */
             revision: number;
-            /**
-             * Format: date-time
-             * @description Time of the last transmission.
-             */
-            sentAt: string;
+            /** @description Time of the last transmission. */
+            sentAt: components["schemas"]["DateTime"];
             /**
              * Format: int32
              * @description Number of transmissions.
@@ -1738,25 +1882,24 @@ export interface components {
             /** @description Machine and folder of its store. */
             host: string;
             /** @description The running connector; another one at every start. */
-            instanceId: string;
+            instanceId: components["schemas"]["InstanceId"];
             /**
              * @description True if the holder was heard after the first request: both run, and only an administrator can
              *     grant the lease.
              */
             isSecond?: boolean;
-            /**
-             * Format: date-time
-             * @description Time of the last request.
-             */
-            lastHeardAt: string;
+            /** @description Time of the last request. */
+            lastHeardAt: components["schemas"]["DateTime"];
             /** @description Place of its store. */
-            place: string;
-            /**
-             * Format: date-time
-             * @description Time of the grant, or of the first refused request.
-             */
-            since: string;
+            place: components["schemas"]["PlaceId"];
+            /** @description Time of the grant, or of the first refused request. */
+            since: components["schemas"]["DateTime"];
         };
+        /**
+         * @description The place where a connector's store is in use. Two processes name the same place only where
+         *     the operating system lets no more than one of them open the store.
+         */
+        PlaceId: string;
         /**
          * @description A problem document. `code` is stable and for programs, `detail` is for people; what went wrong
          *     inside is logged and never shown.
@@ -1794,17 +1937,47 @@ export interface components {
         };
         /** @description A whole network to put in place. */
         PutBody: {
-            collaborationId: string;
+            collaborationId: components["schemas"]["CollaborationId"];
+            /**
+             * @description The whole network (wire contract `operation-network`), each operation with
+             *     `owningFactoryId`.
+             */
             operationNetwork: components["schemas"]["OperationNetwork"];
         };
         /** @description User to add or replace. */
         PutUser: {
-            /** @description For whom the user looks and acts. */
-            organisationId?: string | null;
+            organisationId?: components["schemas"]["OrganisationId"] | null;
             /** Format: password */
             password: string;
             role: components["schemas"]["Role"];
         };
+        /** @description At most so many values within any period of this length. */
+        RateStatement: {
+            /**
+             * Format: int64
+             * @description The period in milliseconds.
+             */
+            periodMs: number;
+            /**
+             * Format: int32
+             * @description Most values within the period.
+             */
+            values: number;
+        };
+        /** @description A bound: absolute for the first four kinds (`time`), relative for the gaps (`duration`). */
+        RelationCondition: {
+            /** @description Unique within the network. */
+            conditionId: components["schemas"]["ConditionId"];
+            /** @description Kind of bound, which tells whether a time or a duration is needed. */
+            conditionKind: components["schemas"]["ConditionKind"];
+            duration?: components["schemas"]["IsoDuration"] | null;
+            time?: components["schemas"]["DateTime"] | null;
+        };
+        /**
+         * @description Dependency between an end of the predecessor and an end of the successor.
+         * @enum {string}
+         */
+        RelationType: "FINISH_TO_START" | "START_TO_START" | "FINISH_TO_FINISH" | "START_TO_FINISH";
         /** @description Result of a replay. */
         Replayed: {
             /** @description True if ingest accepted it this time, or if it waits in its queue again. */
@@ -1816,17 +1989,14 @@ export interface components {
             dataSetWriterId: number;
             /** Format: int32 */
             epoch: number;
-            factoryId: string;
+            factoryId: components["schemas"]["FactoryId"];
             fields: {
                 [key: string]: components["schemas"]["ReportedValue"];
             };
             /** @description True if it came late, after newer ones. */
             isReplay: boolean;
-            /**
-             * Format: date-time
-             * @description Time of arrival at the platform.
-             */
-            receivedAt: string;
+            /** @description Time of arrival at the platform. */
+            receivedAt: components["schemas"]["DateTime"];
             /**
              * Format: int64
              * @description Its number on this platform, counting up in the order of arrival.
@@ -1834,30 +2004,46 @@ export interface components {
             reportId: number;
             /** @description The report's name. */
             reportName: string;
-            /**
-             * Format: date-time
-             * @description Time of the report at the connector.
-             */
-            reportTimestamp?: string | null;
+            reportTimestamp?: components["schemas"]["DateTime"] | null;
             /**
              * Format: int32
              * @description The sequence number within the epoch.
              */
             sequence: number;
+            shopfloorTimestamp?: components["schemas"]["DateTime"] | null;
+        };
+        /** @description The fields of a report, under its name. */
+        ReportDataFormat: {
+            /** @description The fields, in payload order. */
+            reportFieldList: components["schemas"]["ReportField"][];
+            /** @description The report's name; the first payload member. */
+            reportName: string;
+        };
+        /** @description One value that a partner requests. */
+        ReportField: {
+            /** @description More about the field. */
+            description?: string | null;
+            /** @description The field's name; unique within the report. */
+            name: components["schemas"]["FieldName"];
+            semantic?: components["schemas"]["Semantic"] | null;
+            /** @description Its built-in type: id 1 to 25 or name. */
+            type: components["schemas"]["FieldType"];
+            /** @description The unit: a UNECE common code or one of its aliases (`PIECE`). */
+            unit?: string | null;
             /**
-             * Format: date-time
-             * @description The newest source time among the fields.
+             * Format: int32
+             * @description OPC UA ValueRank: -1 scalar, 1 array, n matrix of n dimensions.
              */
-            shopfloorTimestamp?: string | null;
+            valueRank?: number;
         };
         /** @description One dynamic data request, addressed through its network and operation. */
         RequestKey: {
-            /** @description The request. */
-            dynamicDataRequestId: string;
-            /** @description The operation. */
-            operationId: string;
-            /** @description The network. */
-            operationNetworkId: string;
+            /** @description The request itself. */
+            dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+            /** @description The operation it asks about. */
+            operationId: components["schemas"]["OperationId"];
+            /** @description The network the request belongs to. */
+            operationNetworkId: components["schemas"]["OperationNetworkId"];
         };
         /** @description Result of a revocation. */
         Revoked: {
@@ -1873,11 +2059,13 @@ export interface components {
          * @enum {string}
          */
         Role: "ADMINISTRATOR" | "PLANNER" | "VIEWER";
+        /** @description Meaning of a field: one of the names, or an IRI. */
+        Semantic: ("PRODUCED_QUANTITY" | "GOOD_QUANTITY" | "SCRAP_QUANTITY" | "PERCENT_COMPLETE" | "OPERATION_STATE" | "ACTUAL_START" | "ACTUAL_END" | "EXPECTED_END") | string;
         /** @description The signed-in user and the token of its session. */
         Session: {
             /** @description Token that changes must carry in the header `x-csrf-token`. */
             csrfToken: string;
-            organisationId?: string | null;
+            organisationId?: components["schemas"]["OrganisationId"] | null;
             role: components["schemas"]["Role"];
             userName: string;
         };
@@ -1893,43 +2081,31 @@ export interface components {
             connections?: unknown[] | null;
             /** @description State of the link to the broker. */
             link?: unknown;
-            /**
-             * Format: date-time
-             * @description Its own clock, to tell ages by.
-             */
-            now: string;
+            /** @description Its own clock, to tell ages by. */
+            now: components["schemas"]["DateTime"];
             /** @description The queues of the embedded broker; for administrators. */
             queues?: unknown[] | null;
-            /**
-             * Format: date-time
-             * @description Time of the start.
-             */
-            startedAt: string;
+            /** @description Time of the start. */
+            startedAt: components["schemas"]["DateTime"];
             /** @description The version of the program. */
             version: string;
         };
         /** @description A token to enrol with, shown this once. */
         TokenView: {
-            /**
-             * Format: date-time
-             * @description Until when it can be used.
-             */
-            expiresAt: string;
+            /** @description Until when it can be used. */
+            expiresAt: components["schemas"]["DateTime"];
             /** @description For `factory-connector enrol`; contains the platform's address. */
             token: string;
         };
         /** @description A tool of an organisation; it may do what a planner of that organisation may do. */
         Tool: {
-            /**
-             * Format: date-time
-             * @description Time of creation.
-             */
-            createdAt: string;
+            /** @description Time of creation. */
+            createdAt: components["schemas"]["DateTime"];
             /** @description Name for people. */
             name: string;
-            organisationId: string;
+            organisationId: components["schemas"]["OrganisationId"];
             /** @description Its id, also part of its addresses. */
-            toolId: string;
+            toolId: components["schemas"]["ToolId"];
         };
         /** @description Endpoint and credential of a tool, shown this once. */
         ToolCredential: {
@@ -1942,9 +2118,16 @@ export interface components {
             /** @description The name to sign in with. */
             userName: string;
         };
+        /** @description A partner's tool that asks for data and receives reports. */
+        ToolId: string;
+        /**
+         * @description The period of an update frequency.
+         * @enum {string}
+         */
+        UpdateFrequencyUnit: "SECOND" | "MINUTE" | "HOUR" | "DAY" | "WEEK";
         /** @description A user. */
         UserView: {
-            organisationId?: string | null;
+            organisationId?: components["schemas"]["OrganisationId"] | null;
             role: components["schemas"]["Role"];
             userName: string;
         };
@@ -1961,16 +2144,8 @@ export interface components {
             epoch: number;
             /** @description Numbers that the factory announced will never come. */
             gaps: components["schemas"]["GapView"][];
-            /**
-             * Format: date-time
-             * @description Arrival of the last keep-alive.
-             */
-            lastKeepAliveAt?: string | null;
-            /**
-             * Format: date-time
-             * @description Arrival of the last report.
-             */
-            lastReportAt?: string | null;
+            lastKeepAliveAt?: components["schemas"]["DateTime"] | null;
+            lastReportAt?: components["schemas"]["DateTime"] | null;
             /** @description The lowest numbers below it that are missing, at most 1000. */
             missing: number[];
             /**
@@ -1988,301 +2163,6 @@ export interface components {
              * @description The highest sequence number held.
              */
             throughSequence?: number | null;
-        };
-        /** @description A message id, unique per message; written as a UUIDv7 by our own senders. */
-        MessageId: string;
-        /** @description A factory: one connector, one PublisherId, one pair of addresses on the broker. */
-        FactoryId: string;
-        /** @description A collaboration on the platform, under whose agreement networks are exchanged. */
-        CollaborationId: string;
-        /** @description A network of operations, or the part of it that concerns one factory. */
-        OperationNetwork: {
-            /** @description Unique on a platform. */
-            operationNetworkId: components["schemas"]["OperationNetworkId"];
-            /** @description What people call it. */
-            name?: string | null;
-            /** @description More about it. */
-            description?: string | null;
-            /** @description The operations, stubs of neighbours included. */
-            operationList: components["schemas"]["Operation"][];
-            /** @description The relations between them. */
-            operationRelationList?: components["schemas"]["OperationRelation"][];
-        };
-        /** @description An operation network, unique on a platform. */
-        OperationNetworkId: string;
-        /** @description A production, inspection or transportation step. */
-        Operation: {
-            /** @description Unique within the network. */
-            operationId: components["schemas"]["OperationId"];
-            /** @description What people call it. */
-            name?: string | null;
-            /** @description More about it. */
-            description?: string | null;
-            /** @description A neighbour's operation that a relation names: only type, id, name and owner. */
-            stub?: boolean;
-            /** @description The factory that carries it out; always present on stubs and in whole networks. */
-            owningFactoryId?: components["schemas"]["FactoryId"] | null;
-            /** @description When it should start. */
-            plannedStart?: components["schemas"]["DateTime"] | null;
-            /** @description When it should be finished. */
-            plannedEnd?: components["schemas"]["DateTime"] | null;
-            /**
-             * Format: double
-             * @description How much of it, in [`Self::quantity_unit`].
-             */
-            plannedQuantity?: number | null;
-            /** @description The unit of the planned quantity: a UNECE common code or one of its aliases (`PIECE`). */
-            quantityUnit?: string | null;
-            /** @description What equipment it needs. */
-            equipmentRequirementList?: components["schemas"]["EquipmentRequirement"][];
-            /** @description What partners want to know about it. */
-            dynamicDataRequestList?: components["schemas"]["DynamicDataRequest"][];
-        } & ({
-            /** @constant */
-            operationType: "PRODUCTION";
-            /** @description What is made. */
-            productId?: string | null;
-        } | {
-            /** @constant */
-            operationType: "INSPECTION";
-            /** @description The operation whose result is inspected. */
-            inspectedOperationId?: components["schemas"]["OperationId"] | null;
-            /** @description What is measured or judged. */
-            characteristic?: string | null;
-        } | {
-            /** @constant */
-            operationType: "TRANSPORTATION";
-            /** @description Where from. */
-            origin?: string | null;
-            /** @description Where to. */
-            destination?: string | null;
-        });
-        /** @description An operation, unique within its network. */
-        OperationId: string;
-        /**
-         * Format: date-time
-         * @description An instant in UTC with a resolution of 100 ns. On the wire an RFC 3339 text.
-         */
-        DateTime: string;
-        /** @description Equipment that an operation needs. */
-        EquipmentRequirement: {
-            /** @description Unique within the network. */
-            equipmentRequirementId: components["schemas"]["EquipmentRequirementId"];
-            /** @description The class of equipment, as `ROBOT`. */
-            equipmentType: string;
-            /** @description IRI of a capability the equipment must have. */
-            capability?: string | null;
-            /**
-             * Format: double
-             * @description How many.
-             */
-            quantity?: number | null;
-            /** @description A concrete asset, as in its status data sets. */
-            assetId?: components["schemas"]["AssetId"] | null;
-        };
-        /** @description An equipment requirement, unique within its network. */
-        EquipmentRequirementId: string;
-        /** @description A concrete asset of a factory, as in its status data sets (OPC 10000-100 AssetId). */
-        AssetId: string;
-        /** @description A partner's wish to hear about an operation. One request is one DataSetWriter. */
-        DynamicDataRequest: {
-            /** @description Unique within the network. */
-            dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-            /** @description The tool that posted the request. */
-            dynamicDataRequestPublisherId?: components["schemas"]["ToolId"] | null;
-            /** @description The organisation that asks. */
-            requesterId: components["schemas"]["OrganisationId"];
-            /** @description The organisations that may see the answers; nobody else does. */
-            recipientList: components["schemas"]["OrganisationId"][];
-            /** @description What the data is wanted for, in words. */
-            purpose: string;
-            /** @description From when answers are wanted; at once where absent. */
-            validFrom?: components["schemas"]["DateTime"] | null;
-            /** @description Until when answers are wanted; without end where absent. */
-            validUntil?: components["schemas"]["DateTime"] | null;
-            /** @description More about the request. */
-            description?: string | null;
-            /** @description The buffer or store the request is about. */
-            bufferId?: string | null;
-            /**
-             * Format: uint32
-             * @description How often per [`Self::update_frequency_unit`] the partner wants to hear.
-             */
-            updateFrequency?: number | null;
-            /** @description The period that [`Self::update_frequency`] divides. */
-            updateFrequencyUnit?: components["schemas"]["UpdateFrequencyUnit"] | null;
-            /** @description The composition of the report. */
-            reportDataFormat: components["schemas"]["ReportDataFormat"];
-        };
-        /** @description A dynamic data request, unique within its network. One request is one DataSetWriter. */
-        DynamicDataRequestId: string;
-        /** @description A partner's tool that asks for data and receives reports. */
-        ToolId: string;
-        /** @description An organisation that takes part in collaborations. */
-        OrganisationId: string;
-        /**
-         * @description The period of an update frequency.
-         * @enum {string}
-         */
-        UpdateFrequencyUnit: "SECOND" | "MINUTE" | "HOUR" | "DAY" | "WEEK";
-        /** @description The fields of a report, under its name. */
-        ReportDataFormat: {
-            /** @description The report's name; the first payload member. */
-            reportName: string;
-            /** @description The fields, in payload order. */
-            reportFieldList: components["schemas"]["ReportField"][];
-        };
-        /** @description One value that a partner wants to know. */
-        ReportField: {
-            /** @description The field's name; unique within the report. */
-            name: components["schemas"]["FieldName"];
-            /** @description Its built-in type: id 1 to 25 or name. */
-            type: components["schemas"]["FieldType"];
-            /**
-             * Format: int32
-             * @description OPC UA ValueRank: -1 scalar, 1 array, n matrix of n dimensions.
-             */
-            valueRank?: number;
-            /** @description More about the field. */
-            description?: string | null;
-            /** @description The unit: a UNECE common code or one of its aliases (`PIECE`). */
-            unit?: string | null;
-            /** @description What the field means; progress and forecasts rest on it, never on names. */
-            semantic?: components["schemas"]["Semantic"] | null;
-        };
-        /** @description The name of a report field: a key of the payload. */
-        FieldName: string;
-        /** @description An OPC UA built-in type: its id (1 to 25) or its name. */
-        FieldType: number | ("Boolean" | "SByte" | "Byte" | "Int16" | "UInt16" | "Int32" | "UInt32" | "Int64" | "UInt64" | "Float" | "Double" | "String" | "DateTime" | "Guid" | "ByteString" | "XmlElement" | "NodeId" | "ExpandedNodeId" | "StatusCode" | "QualifiedName" | "LocalizedText" | "ExtensionObject" | "DataValue" | "Variant" | "DiagnosticInfo");
-        /** @description What a field means: one of the names, or an IRI. */
-        Semantic: ("PRODUCED_QUANTITY" | "GOOD_QUANTITY" | "SCRAP_QUANTITY" | "PERCENT_COMPLETE" | "OPERATION_STATE" | "ACTUAL_START" | "ACTUAL_END" | "EXPECTED_END") | string;
-        /** @description "The successor's start or finish depends on the predecessor's." */
-        OperationRelation: {
-            /** @description Unique within the network. */
-            operationRelationId: components["schemas"]["OperationRelationId"];
-            /** @description How the two depend. */
-            relationType: components["schemas"]["RelationType"];
-            /** @description The operation that comes first. */
-            predecessorOperationId: components["schemas"]["OperationId"];
-            /** @description The operation that waits. */
-            successorOperationId: components["schemas"]["OperationId"];
-            /** @description Bounds on the dependency. */
-            conditionList?: components["schemas"]["RelationCondition"][];
-        };
-        /** @description A relation between two operations, unique within its network. */
-        OperationRelationId: string;
-        /**
-         * @description Which end of the predecessor precedes which end of the successor.
-         * @enum {string}
-         */
-        RelationType: "FINISH_TO_START" | "START_TO_START" | "FINISH_TO_FINISH" | "START_TO_FINISH";
-        /** @description A bound: absolute for the first four kinds (`time`), relative for the gaps (`duration`). */
-        RelationCondition: {
-            /** @description Unique within the network. */
-            conditionId: components["schemas"]["ConditionId"];
-            /** @description What is bounded. */
-            conditionKind: components["schemas"]["ConditionKind"];
-            /** @description The bound of an absolute kind; it applies to the successor. */
-            time?: components["schemas"]["DateTime"] | null;
-            /** @description The bound of a gap, between the two ends that the relation type names. */
-            duration?: components["schemas"]["IsoDuration"] | null;
-        };
-        /** @description A condition of a relation, unique within its network. */
-        ConditionId: string;
-        /**
-         * @description The kinds of condition.
-         * @enum {string}
-         */
-        ConditionKind: "START_NO_EARLIER_THAN" | "START_NO_LATER_THAN" | "FINISH_NO_EARLIER_THAN" | "FINISH_NO_LATER_THAN" | "MINIMUM_GAP" | "MAXIMUM_GAP";
-        /**
-         * Format: duration
-         * @description An ISO 8601 duration of fixed length: weeks, days, hours, minutes, seconds (`PT8H`, `P1DT30M`).
-         *     Years and months have no fixed length and are refused. Digits beyond the microsecond are dropped
-         *     on reading: as OPC UA's Duration, a Double of milliseconds, a hundred years stay exact to that.
-         */
-        IsoDuration: string;
-        /** @description A kind of status data set of an asset. */
-        AssetKind: "POSE" | "POWER" | "CONDITION" | "SAFETY";
-        /** @description In words and numbers, how a value is coarsened before it leaves. */
-        DisclosureStatement: {
-            /** @description One sentence for people. */
-            description: string;
-            /**
-             * Format: double
-             * @description Values are rounded to multiples of this, in the field's unit.
-             */
-            roundingStep?: number | null;
-            /**
-             * Format: uint8
-             * @description Values have at most so many significant digits.
-             */
-            significantDigits?: number | null;
-            /** @description One value per window of time. */
-            aggregate?: components["schemas"]["AggregateStatement"] | null;
-            /**
-             * Format: uint64
-             * @description At most one value per this many milliseconds.
-             */
-            minimumIntervalMs?: number | null;
-            /** @description At most so many values per period; all of these hold. */
-            rateLimitList?: components["schemas"]["RateStatement"][];
-            /**
-             * Format: uint64
-             * @description Times are rounded down to multiples of this many milliseconds.
-             */
-            timeStepMs?: number | null;
-            /**
-             * Format: uint64
-             * @description Values leave this many milliseconds late.
-             */
-            delayMs?: number | null;
-            /** @description Values are these bounds: of each the greatest not above it, in the field's unit. */
-            bandList?: number[];
-            /** @description Values leave within these hours only; all of them hold. */
-            hoursList?: components["schemas"]["HoursStatement"][];
-            /** @description Nothing leaves in certain states; which these are is not told. */
-            isWithheldInStates?: boolean;
-        };
-        /** @description What is made of a window's values. */
-        AggregateStatement: {
-            /**
-             * @description Which aggregate, in words: the last value, the maximum, the minimum, the sum, the mean over
-             *     time.
-             */
-            function: string;
-            /**
-             * Format: uint64
-             * @description Length of a window in milliseconds; windows are multiples of it since 1970.
-             */
-            windowMs: number;
-        };
-        /** @description At most so many values within any period of this length. */
-        RateStatement: {
-            /**
-             * Format: uint32
-             * @description How many values.
-             */
-            values: number;
-            /**
-             * Format: uint64
-             * @description The period in milliseconds.
-             */
-            periodMs: number;
-        };
-        /** @description Hours of the plant's clock. */
-        HoursStatement: {
-            /** @description The days, `MONDAY` to `SUNDAY`. */
-            dayList: string[];
-            /** @description The first minute, `HH:MM`. */
-            from: string;
-            /** @description The first minute no more, `HH:MM`. */
-            until: string;
-            /**
-             * Format: int16
-             * @description How far the plant's clock is ahead of UTC, in minutes.
-             * @default 0
-             */
-            utcOffsetMinutes: number;
         };
         ReportedValue: {
             value: unknown;

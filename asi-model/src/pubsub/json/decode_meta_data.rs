@@ -319,11 +319,16 @@ fn built_in_type_of(data_type: &NodeId) -> BuiltInType {
         1..=25 => BuiltInType::from_id(u64::from(*id)).unwrap_or(BuiltInType::Variant),
         26..=28 => BuiltInType::Variant,
         29 => BuiltInType::Int32,
-        290 => BuiltInType::Double,         // Duration
-        294 | 293 => BuiltInType::DateTime, // UtcTime, Date
-        295 | 291 | 12877 | 12878 | 12879 | 12880 | 12881 => BuiltInType::String, // LocaleId, NumericRange, texts
-        288 | 289 | 20998 => BuiltInType::UInt32, // IntegerId, Counter, VersionTime
-        30 => BuiltInType::ByteString,            // Image
+        // Duration.
+        290 => BuiltInType::Double,
+        // UtcTime and Date.
+        293 | 294 => BuiltInType::DateTime,
+        // LocaleId, NumericRange and the kinds of texts.
+        291 | 295 | 12_877..=12_881 => BuiltInType::String,
+        // IntegerId, Counter and VersionTime.
+        288 | 289 | 20_998 => BuiltInType::UInt32,
+        // Image.
+        30 => BuiltInType::ByteString,
         _ => BuiltInType::ExtensionObject,
     }
 }

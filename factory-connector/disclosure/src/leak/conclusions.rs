@@ -39,7 +39,6 @@ pub struct LeakWarning {
     /// English text, with the remedy.
     pub text: String,
     /// The fields that allow the conclusion.
-    #[schema(value_type = Vec<Object>)]
     pub fields: Vec<FieldKey>,
     /// Planned time of a piece in milliseconds, for `CYCLE_TIME` and when the plan has one.
     pub piece_ms: Option<u64>,

@@ -22,7 +22,6 @@ pub enum StatementPart {
     },
     /// The nearest multiple of a step.
     Rounded {
-        #[schema(value_type = f64)]
         step: RoundingStep,
         /// The field's unit.
         unit: Option<String>,

@@ -33,7 +33,6 @@ pub struct CheckpointView {
     /// Its place, from 1 without gaps.
     number: u64,
     /// When it was made.
-    #[schema(value_type = String, format = "date-time")]
     recorded_at: DateTime,
     /// The last entry of each chain then.
     heads: Vec<CheckpointHead>,

@@ -24,10 +24,10 @@ use disclosure::Language;
 #[into_params(parameter_in = Query)]
 pub struct ExportQuery {
     /// `jsonl`, `csv` or `html`.
-    #[param(value_type = String)]
+    #[param(inline)]
     format: ExportFormat,
     /// Of a page to print: `en` or `de`.
-    #[param(value_type = Option<String>)]
+    #[param(inline)]
     language: Option<Language>,
 }
 

@@ -28,7 +28,6 @@ pub struct LedgerFieldsQuery {
 #[derive(Serialize, ToSchema)]
 pub struct LedgerField {
     /// Its address.
-    #[schema(value_type = Object)]
     key: FieldKey,
 }
 

@@ -66,14 +66,3 @@ impl ToSchema for TypeName {
 fn names() -> Vec<&'static str> {
     BuiltInType::ALL.iter().map(|built_in| built_in.name()).collect()
 }
-
-/// The shape of [`asi_model::FieldKey`] for the API description.
-#[derive(ToSchema)]
-#[schema(as = FieldKey, rename_all = "camelCase")]
-#[allow(dead_code)]
-pub struct FieldKeySchema {
-    operation_network_id: String,
-    operation_id: String,
-    dynamic_data_request_id: String,
-    field_name: String,
-}
