@@ -4218,7 +4218,7 @@ export interface components {
             withholdWhile?: components["schemas"]["WithholdCondition"][];
             workingHours?: components["schemas"]["WorkingHours"] | null;
         };
-        /** @description The id of a policy or rule, chosen by whoever makes it. */
+        /** @description The id of a policy or rule, chosen by its author. */
         DocumentId: string;
         /** @description One version of a policy or rule. */
         DocumentVersion: {
@@ -5735,7 +5735,7 @@ export interface components {
         Rounding: "nearest" | "halfEven" | "down" | "up" | "towardZero" | "exact";
         /**
          * Format: double
-         * @description A positive decimal with at most 15 significant digits: values leave as multiples of it.
+         * @description A positive decimal with at most 15 significant digits: values are rounded to multiples of it.
          */
         RoundingStep: number;
         /** @description A standing rule. */
