@@ -1,6 +1,6 @@
 //! Random messages survive every encoding.
 
-use std::sync::Arc;
+use std::{collections::HashSet, sync::Arc};
 
 use proptest::{collection::vec, option, prelude::*, sample::select};
 use uuid::Uuid;
@@ -200,7 +200,16 @@ fn field() -> impl Strategy<Value = FieldMetaData> {
 fn meta_data() -> impl Strategy<Value = DataSetMetaData> {
     let uris =
         vec("urn:[a-z]{1,8}", 0..4).prop_map(|uris| uris.into_iter().map(Arc::from).collect());
-    let types = (vec(enum_type(), 0..3), vec(simple_type(), 0..3));
+    // Two types of one id would leave it open which of them a structure's field has.
+    let types = (vec(enum_type(), 0..3), vec(simple_type(), 0..3)).prop_filter(
+        "each type has an id of its own",
+        |(enum_types, simple_types)| {
+            let ids = enum_types.iter().map(|known| &known.type_id);
+            let ids: HashSet<_> =
+                ids.chain(simple_types.iter().map(|known| &known.type_id)).collect();
+            ids.len() == enum_types.len() + simple_types.len()
+        },
+    );
     (
         arc_text(),
         non_empty_text(),
