@@ -6,13 +6,16 @@ mod client_authorities;
 mod client_certificates;
 mod comments;
 mod configuration;
+mod context;
 mod documents;
+mod dry_runs;
 mod events;
 mod exchange;
 mod fields;
 mod inbox;
 mod leaks;
 mod ledger;
+mod mapping_import;
 mod mapping_status;
 mod networks;
 mod operator;
@@ -31,127 +34,33 @@ mod spool;
 mod status;
 mod suggestions;
 mod templates;
-mod trials;
 mod users;
 mod versions;
 mod view;
 
-use std::{path::PathBuf, sync::Arc};
-
-use asi_model::{DateTime, FactoryId, pubsub::json::Encoding};
 use axum::{Router, extract::DefaultBodyLimit};
 use daemon::{
-    configuration::Setting,
     guarded,
-    telemetry::Metrics,
     web::{
         self,
         api::{Operations, Shell},
-        events::EventLog,
-        health::Readiness,
         problem::{Problem, ProblemFault},
-        session::{SessionConfig, Sessions},
     },
 };
-use mapping_engine::MappingEngineHandle;
-use messaging::LinkHandle;
-use shop_floor::ShopFloorHandle;
-use tokio::sync::{Notify, watch};
-use tokio_util::sync::CancellationToken;
-use twin::TwinHandle;
 use utoipa::OpenApi;
 use utoipa_axum::{
     router::{OpenApiRouter, UtoipaMethodRouterExt as _},
     routes,
 };
 
-pub use accounts::{Principal, StoredAccounts};
-
-use crate::{
-    books::ConnectorEvent,
-    catalog::CatalogHandle,
-    desk::DeskHandle,
-    lease::LeaseStatus,
-    store::{Readers, Session},
+pub use self::{
+    accounts::{Principal, StoredAccounts},
+    context::{Api, Instance, Parts, ServerParts},
 };
+use context::COOKIE;
 
-const COOKIE: &str = "verbund_connector";
 /// Largest body of any request, in bytes.
 const BODY_BYTES_MAX: usize = 1024 * 1024;
-
-/// What the API speaks to.
-pub struct Parts {
-    /// Changes anything.
-    pub desk: DeskHandle,
-    /// Reads the store.
-    pub readers: Readers,
-    /// Local OPC UA servers.
-    pub shop_floor: ShopFloorHandle,
-    /// Checks and tries mappings.
-    pub engine: MappingEngineHandle,
-    /// Which variables local servers have.
-    pub catalog: CatalogHandle,
-    /// The OPC UA server.
-    pub twin: TwinHandle,
-    /// The link to the platform.
-    pub link: Option<LinkHandle>,
-    /// Whether this connector may speak for its factory.
-    pub lease: watch::Receiver<LeaseStatus>,
-    /// What pages are told.
-    pub events: EventLog<ConnectorEvent>,
-    /// What the connector waits for.
-    pub readiness: Readiness,
-    /// Metrics.
-    pub metrics: Metrics,
-    /// When it started.
-    pub started_at: DateTime,
-    /// Whose it is.
-    pub factory_id: FactoryId,
-    /// Where the store lies.
-    pub data_directory: PathBuf,
-    /// How reports are written.
-    pub encoding: Encoding,
-    /// Ends live streams.
-    pub shutdown: CancellationToken,
-    /// What it runs with, to read.
-    pub settings: Vec<Setting>,
-    /// Cookies are for TLS only.
-    pub has_tls: bool,
-    /// Tells the twin that people were changed.
-    pub users_changed: Arc<Notify>,
-}
-
-/// The API's state; clones share it.
-#[derive(Clone)]
-pub struct Api {
-    parts: Arc<Parts>,
-    sessions: Sessions<StoredAccounts>,
-    accounts: StoredAccounts,
-}
-
-impl Api {
-    /// Over these parts.
-    #[must_use]
-    pub fn new(parts: Parts) -> Self {
-        let accounts = StoredAccounts::new(parts.readers.clone());
-        let sessions = Sessions::new(SessionConfig::new(COOKIE, parts.has_tls), accounts.clone());
-        Self { parts: Arc::new(parts), sessions, accounts }
-    }
-}
-
-impl Api {
-    /// Takes a connection to the store for reading.
-    async fn store(&self) -> Result<Session, Problem> {
-        Ok(self.parts.readers.session().await?)
-    }
-}
-
-impl std::ops::Deref for Api {
-    type Target = Parts;
-    fn deref(&self) -> &Parts {
-        &self.parts
-    }
-}
 
 #[derive(rust_embed::RustEmbed)]
 #[folder = "../web/dist/engineer"]
@@ -168,12 +77,12 @@ struct EngineerPages;
 )]
 struct Description;
 
-/// Pages, API and health in one router.
+/// Returns pages, API and health in one router.
 pub fn router(api: Api, has_tls: bool) -> Router {
     let shell = Shell {
         sessions: api.sessions.clone(),
-        readiness: api.readiness.clone(),
-        metrics: api.metrics.clone(),
+        readiness: api.server.readiness.clone(),
+        metrics: api.server.metrics.clone(),
         state: api,
         body_bytes_max: BODY_BYTES_MAX,
         has_tls,
@@ -181,7 +90,7 @@ pub fn router(api: Api, has_tls: bool) -> Router {
     web::api::router::<EngineerPages, _, _>(operations(), openapi(), shell)
 }
 
-/// The description of the whole API.
+/// Returns the OpenAPI description of the whole API.
 #[must_use]
 pub fn openapi() -> utoipa::openapi::OpenApi {
     web::api::described(Description::openapi(), operations(), env!("CARGO_PKG_VERSION"), COOKIE)
@@ -207,9 +116,9 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(guarded!(networks::list_operation_networks))
         .routes(guarded!(networks::show_operation_network))
         .routes(guarded!(networks::show_revision_difference))
-        .routes(guarded!(operator::list_operator_operations))
-        .routes(guarded!(operator::list_operator_entries))
-        .routes(guarded!(operator::deliver_operator_entries))
+        .routes(guarded!(operator::operations::list_operator_operations))
+        .routes(guarded!(operator::entries::list_operator_entries))
+        .routes(guarded!(operator::entries::deliver_operator_entries))
         .routes(guarded!(mapping_status::survey_mappings))
         .routes(guarded!(exchange::export_mappings))
         .routes(guarded!(templates::list_mapping_templates))
@@ -283,7 +192,7 @@ fn field() -> OpenApiRouter<Api> {
         .routes(guarded!(shadow::show_shadow_mapping))
         .routes(guarded!(shadow::publish_shadow_mapping))
         .routes(guarded!(shadow::end_shadow_mapping))
-        .routes(guarded!(trials::dry_run_mapping))
+        .routes(guarded!(dry_runs::dry_run_mapping))
         .routes(guarded!(mapping_status::show_mapping_status))
         .routes(guarded!(mapping_status::restart_mapping))
         .routes(guarded!(templates::make_mapping_template))

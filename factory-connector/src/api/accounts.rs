@@ -1,8 +1,8 @@
-//! Who is signed in. Users lie in the store; sessions live in memory and end with the connector.
+//! Users and sessions. Users are in the store; sessions are in memory and end with the connector.
 //!
-//! A session is good for the password it was begun with: a new password ends it, whoever set it, on
-//! a page or on the command line. The one exception is the session in which somebody changes the
-//! own password.
+//! A session is valid for the password that it began with: a new password ends it, no matter who set
+//! it, on a page or on the command line. The one exception is the session in which a person changes
+//! the own password.
 
 use std::{collections::HashMap, sync::Arc, time::SystemTime};
 
@@ -12,15 +12,13 @@ use parking_lot::Mutex;
 
 use crate::store::{Readers, Role, StoreError, User};
 
-/// Most sessions at the same time; beyond, the one that ends first goes.
+/// Most sessions at the same time. One more replaces the session that would end first.
 const SESSIONS_MAX: usize = 10_000;
 
-/// Whoever asks the API.
+/// Person who sent a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Principal {
-    /// The name signed in with.
     pub user_name: String,
-    /// What the person may do.
     pub role: Role,
 }
 
@@ -28,19 +26,19 @@ pub struct Principal {
 #[derive(Clone)]
 pub struct StoredAccounts {
     readers: Readers,
-    sessions: Arc<Mutex<HashMap<SessionId, Kept>>>,
+    sessions: Arc<Mutex<HashMap<SessionId, ActiveSession>>>,
     changing: Arc<tokio::sync::Mutex<()>>,
 }
 
-/// A session, and the password hashes of its user for which it is good.
+/// A session, and the password hashes of its user for which it is valid.
 #[derive(Clone)]
-struct Kept {
+struct ActiveSession {
     session: StoredSession,
-    good_for: Vec<String>,
+    valid_for: Vec<String>,
 }
 
 impl StoredAccounts {
-    /// Over the store's reading connections.
+    /// Returns accounts that read the store with these connections.
     #[must_use]
     pub fn new(readers: Readers) -> Self {
         Self { readers, sessions: Arc::default(), changing: Arc::default() }
@@ -50,8 +48,8 @@ impl StoredAccounts {
         self.readers.session().await?.users().lookup(user_name).await
     }
 
-    /// Lets nobody else change people while this is held: what was read of them is true until it is
-    /// written.
+    /// Waits until no other request changes users. What is read of them stays true until the guard is
+    /// dropped.
     pub(super) async fn change(&self) -> tokio::sync::MutexGuard<'_, ()> {
         self.changing.lock().await
     }
@@ -60,15 +58,15 @@ impl StoredAccounts {
     pub(super) fn end_sessions_of(&self, user_name: &str, except: Option<&SessionId>) {
         self.sessions
             .lock()
-            .retain(|id, kept| kept.session.user_name != user_name || Some(id) == except);
+            .retain(|id, active| active.session.user_name != user_name || Some(id) == except);
     }
 
-    /// Somebody is about to change the own password: the session in which it is done stays good.
-    pub(super) fn stay_good_for(&self, session: &SessionId, password_hash: &str) {
-        if let Some(kept) = self.sessions.lock().get_mut(session) {
-            // The one that is good now, and the one to come.
-            kept.good_for.truncate(1);
-            kept.good_for.insert(0, password_hash.to_owned());
+    /// Keeps a session valid while its user changes the own password.
+    pub(super) fn extend_to(&self, session: &SessionId, password_hash: &str) {
+        if let Some(active) = self.sessions.lock().get_mut(session) {
+            // The hash that is stored now, and the one that is about to be.
+            active.valid_for.truncate(1);
+            active.valid_for.insert(0, password_hash.to_owned());
         }
     }
 }
@@ -89,27 +87,30 @@ impl Accounts for StoredAccounts {
 
     async fn put_session(&self, session: &StoredSession) -> Result<(), AccountsError> {
         let owner = self.user(&session.user_name).await.map_err(AccountsError::new)?;
-        let good_for = owner.into_iter().map(|user| user.password_hash).collect();
+        let valid_for = owner.into_iter().map(|user| user.password_hash).collect();
         let mut sessions = self.sessions.lock();
         let now = SystemTime::now();
-        sessions.retain(|_, kept| kept.session.expires_at > now);
+        sessions.retain(|_, active| active.session.expires_at > now);
         if sessions.len() >= SESSIONS_MAX
-            && let Some(first) =
-                sessions.values().map(|kept| &kept.session).min_by_key(|session| session.expires_at)
+            && let Some(first) = sessions
+                .values()
+                .map(|active| &active.session)
+                .min_by_key(|session| session.expires_at)
         {
             let first = first.id.clone();
             sessions.remove(&first);
         }
-        sessions.insert(session.id.clone(), Kept { session: session.clone(), good_for });
+        sessions.insert(session.id.clone(), ActiveSession { session: session.clone(), valid_for });
         Ok(())
     }
 
     async fn session(&self, id: &SessionId) -> Result<Option<StoredSession>, AccountsError> {
-        let Some(Kept { session, good_for }) = self.sessions.lock().get(id).cloned() else {
+        let Some(ActiveSession { session, valid_for }) = self.sessions.lock().get(id).cloned()
+        else {
             return Ok(None);
         };
         let owner = self.user(&session.user_name).await.map_err(AccountsError::new)?;
-        Ok(owner.is_some_and(|user| good_for.contains(&user.password_hash)).then_some(session))
+        Ok(owner.is_some_and(|user| valid_for.contains(&user.password_hash)).then_some(session))
     }
 
     async fn delete_session(&self, id: &SessionId) -> Result<(), AccountsError> {

@@ -1,4 +1,4 @@
-//! The OPC UA server's own certificate: to look at, and to have an authority issue it.
+//! Application certificate of the OPC UA server, its request and its installation.
 
 use asi_model::DateTime;
 use axum::{Json, extract::State};
@@ -9,8 +9,8 @@ use twin::{InstalledCertificate, RequestedSubject, TrustFault};
 use utoipa::ToSchema;
 
 use super::{
-    Api,
     client_certificates::{blocking, refused},
+    context::Api,
     problems::Problems,
     roles::{Engineer, Viewer},
 };
@@ -28,8 +28,7 @@ pub struct ApplicationCertificateView {
     subject: String,
     /// The distinguished name of who issued it.
     issuer: String,
-    /// The server made it itself, and renews it itself; otherwise somebody has to ask the authority
-    /// in time.
+    /// The server made it and renews it. Otherwise an engineer has to ask the authority in time.
     is_self_signed: bool,
     /// The application it is for.
     application_uri: Option<String>,
@@ -85,15 +84,15 @@ pub async fn show_application_certificate(
     Ok(Json(blocking(move || own.show()).await?.into()))
 }
 
-/// What is asked of an authority, beside application and host names.
+/// Request to an authority, besides application and host names.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct CertificateRequestBody {
-    /// The common name; the server's own where absent.
+    /// Common name of the subject; without it that of the present certificate.
     common_name: Option<String>,
-    /// The organisation.
+    /// Organisation (`O`) of the subject.
     organization: Option<String>,
-    /// Whether a new key is made; it is used from the installation on.
+    /// True to make a new key, which is used from the installation on.
     #[serde(default)]
     with_new_key: bool,
 }

@@ -1,4 +1,4 @@
-//! The trust list of the OPC UA server: authorities that issue certificates, and what they revoked.
+//! Trust list of the OPC UA server: authorities that issue certificates, and their revocation lists.
 
 use asi_model::DateTime;
 use axum::{Json, extract::State, http::StatusCode};
@@ -8,8 +8,8 @@ use twin::{Authority, RevocationKnowledge, RevocationList};
 use utoipa::ToSchema;
 
 use super::{
-    Api,
     client_certificates::blocking,
+    context::Api,
     problems::Problems,
     roles::{Engineer, Viewer},
     view::Page,
@@ -32,22 +32,21 @@ pub struct ClientAuthorityView {
     /// Clients with a certificate of it may connect; otherwise it only leads to one that is
     /// trusted.
     is_trusted: bool,
-    /// Whether its list of revoked certificates is here. Its clients stay outside without a current
-    /// one.
+    /// State of its revocation list. Without a current one its clients are rejected.
     revocation_list: RevocationListState,
-    /// When that list is to be replaced.
+    /// Time by which that list has to be replaced.
     next_update: Option<DateTime>,
 }
 
-/// Whether an authority's list of revoked certificates is here.
+/// State of an authority's revocation list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum RevocationListState {
-    /// It is.
+    /// Valid at present.
     Current,
-    /// It should have been replaced.
+    /// Not replaced in time.
     Outdated,
-    /// There is none.
+    /// Not in the trust list.
     Missing,
 }
 
@@ -125,15 +124,15 @@ pub async fn remove_client_authority(
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ClientRevocationListView {
-    /// Its identity here.
+    /// Identity of the list in paths of this API.
     revocation_list_id: String,
     /// The distinguished name of the authority.
     issuer: String,
-    /// When it was made.
+    /// Time of issue.
     this_update: DateTime,
-    /// When it is to be replaced, where it says so.
+    /// Time by which it has to be replaced, if it names one.
     next_update: Option<DateTime>,
-    /// How many certificates it names.
+    /// Number of certificates that it revokes.
     revoked_count: usize,
     /// An authority that is known here signed it; otherwise it is of no use.
     is_signed_by_known_authority: bool,

@@ -1,5 +1,4 @@
-//! The trust list of the OPC UA server: certificates of clients. Files for the whole list are added
-//! here, too.
+//! Trust list of the OPC UA server: certificates of clients, and files for the whole list.
 
 use std::net::IpAddr;
 
@@ -12,7 +11,7 @@ use twin::{CertificateState, ClientCertificate, RejectionReason, TrustFault, Twi
 use utoipa::ToSchema;
 
 use super::{
-    Api,
+    context::Api,
     problems::Problems,
     roles::{Engineer, Viewer},
     view::Page,
@@ -32,34 +31,33 @@ pub struct ClientCertificateView {
     not_before: DateTime,
     /// End of its validity.
     not_after: DateTime,
-    /// Whether it opens the door.
     state: ClientTrust,
-    /// When its bearer was turned away last; null where that was never, or before it was trusted.
+    /// Time of the last rejected connection; none if there was none since it was trusted.
     rejected_at: Option<DateTime>,
-    /// Why it was turned away then.
+    /// Reason of that rejection.
     rejection_reason: Option<ClientRejection>,
-    /// The address that it came from then; null where the twin itself had called.
+    /// Address of the client then; none if the OPC UA server had opened the connection.
     #[schema(value_type = Option<String>)]
     rejected_address: Option<IpAddr>,
-    /// What the application called itself then; nothing of it is proven.
+    /// Name that the application gave itself then, unproven.
     rejected_application_name: Option<String>,
 }
 
-/// Whether a certificate opens the door.
+/// Trust in a client's certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum ClientTrust {
     /// Its bearer may connect.
     Trusted,
-    /// Its bearer was turned away and waits for an approval.
+    /// Its bearer was rejected and waits for an approval.
     Rejected,
 }
 
-/// Why a certificate was turned away.
+/// Reason of a rejection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum ClientRejection {
-    /// Nobody has approved it, or somebody took the approval back.
+    /// No engineer has approved it, or one withdrew the approval.
     NotTrusted,
     /// It is not valid at this time.
     OutOfTime,
@@ -136,12 +134,11 @@ pub async fn list_client_certificates(
     Ok(Json(Page::whole(known.into_iter().map(Into::into).collect())))
 }
 
-/// Whether a client's certificate is trusted.
+/// Approval of a client's certificate.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct ClientTrustBody {
-    /// True: its bearer may connect from now on. False: it is turned away from the next connection
-    /// on.
+    /// True: its bearer may connect from now on. False: it is rejected from the next connection on.
     is_trusted: bool,
 }
 
@@ -165,7 +162,7 @@ pub async fn trust_client_certificate(
         let is_meant =
             |known: &ClientCertificate| known.thumbprint.eq_ignore_ascii_case(&thumbprint);
         let Some(before) = list.list()?.into_iter().find(is_meant) else { return Ok(None) };
-        // Where it stands already as wanted, nothing moves, which is no failure.
+        // A certificate that is in the wanted folder already is no failure.
         if body.is_trusted {
             list.trust(&thumbprint, &by)?
         } else {
@@ -185,7 +182,7 @@ pub async fn trust_client_certificate(
         .ok_or_else(|| Problem::not_found("such certificate"))
 }
 
-/// What a file for the trust list is.
+/// Kind of a file for the trust list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum TrustFileKind {
@@ -201,7 +198,6 @@ pub enum TrustFileKind {
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct TrustFileBody {
-    /// What it is.
     kind: TrustFileKind,
     /// Its content: PEM, or DER in base64. One certificate or list.
     content: String,
@@ -231,7 +227,7 @@ pub async fn add_client_certificate(
     Ok(StatusCode::CREATED)
 }
 
-/// Files are read and written beside the threads that serve.
+/// Reads or writes files on a thread that serves no requests.
 pub(super) async fn blocking<T: Send + 'static>(
     work: impl FnOnce() -> Result<T, TwinError> + Send + 'static,
 ) -> Result<T, Problem> {
@@ -243,7 +239,7 @@ pub(super) async fn blocking<T: Send + 'static>(
     })
 }
 
-/// Everything that is wrong with a file.
+/// Returns the problem that lists all faults of a file.
 pub(super) fn refused(faults: &[TrustFault]) -> Problem {
     let list = faults
         .iter()
@@ -256,7 +252,7 @@ pub(super) fn refused(faults: &[TrustFault]) -> Problem {
     Problem::unprocessable("NOT_USABLE", "It cannot be used.", list)
 }
 
-/// The bytes of a file given as PEM or base64.
+/// Decodes the DER content of a file given as PEM or base64.
 fn der(content: &str) -> Result<Vec<u8>, TrustFault> {
     let fault = |code, message: &str| TrustFault { code, message: message.to_owned() };
     let unreadable = || fault("NOT_A_FILE", "The content is neither PEM nor DER in base64.");

@@ -1,4 +1,4 @@
-//! Talk with the partners.
+//! Comments of this factory and its partners about a network.
 
 use asi_model::{DynamicDataRequestId, FieldName, OperationNetworkId, messages::Comment};
 use axum::{Json, extract::State, http::StatusCode};
@@ -7,17 +7,17 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::{
-    Api,
+    context::Api,
     problems::Problems,
     roles::{Operator, Viewer},
     view::Page,
 };
 use crate::{books::new_message_id, store::StoredComment};
 
-/// Longest remark, in characters.
+/// Longest comment, in characters.
 const TEXT_CHARS_MAX: usize = 4000;
 
-/// Lists the remarks about a network, oldest first.
+/// Lists the comments about a network, oldest first.
 #[utoipa::path(
     get,
     path = "/operation-networks/{operationNetworkId}/comments",
@@ -33,7 +33,7 @@ pub async fn list_comments(
     Ok(Json(Page::whole(api.store().await?.comments().of_network(&id).await?)))
 }
 
-/// A remark to make.
+/// A comment to send.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct NewComment {
@@ -42,14 +42,14 @@ pub struct NewComment {
     text: String,
 }
 
-/// Says something to the partners of a network.
+/// Sends a comment to the partners of a network.
 #[utoipa::path(
     post,
     path = "/operation-networks/{operationNetworkId}/comments",
     tag = "inbox",
     params(("operationNetworkId" = String, Path)),
     request_body = NewComment,
-    responses((status = 204, description = "Said"), Problems)
+    responses((status = 204, description = "Stored and queued"), Problems)
 )]
 pub async fn add_comment(
     Operator(user): Operator,
@@ -58,7 +58,7 @@ pub async fn add_comment(
     ApiJson(new): ApiJson<NewComment>,
 ) -> Result<StatusCode, Problem> {
     if new.text.trim().is_empty() || new.text.chars().count() > TEXT_CHARS_MAX {
-        return Err(Problem::bad_request("INVALID_TEXT", "A remark has 1 to 4000 characters."));
+        return Err(Problem::bad_request("INVALID_TEXT", "A comment has 1 to 4000 characters."));
     }
     let network = id.clone();
     let is_known = api.desk.read(move |books| books.networks.contains_key(&network)).await?;
@@ -67,7 +67,7 @@ pub async fn add_comment(
     }
     let comment = Comment {
         message_id: new_message_id(),
-        factory_id: api.factory_id.clone(),
+        factory_id: api.instance.factory_id.clone(),
         operation_network_id: id,
         dynamic_data_request_id: new.dynamic_data_request_id,
         field_name: new.field_name,

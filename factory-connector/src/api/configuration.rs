@@ -1,9 +1,9 @@
-//! What the connector runs with.
+//! Configuration in effect.
 
 use axum::{Json, extract::State};
 use daemon::{configuration::Setting, web::Problem};
 
-use super::{Api, problems::Problems, roles::Engineer, view::Page};
+use super::{context::Api, problems::Problems, roles::Engineer, view::Page};
 
 /// Lists every setting with its meaning, default and value, and who set it. Secrets are not shown.
 #[utoipa::path(
@@ -16,5 +16,5 @@ pub async fn show_configuration(
     _: Engineer,
     State(api): State<Api>,
 ) -> Result<Json<Page<Setting>>, Problem> {
-    Ok(Json(Page::whole(api.settings.clone())))
+    Ok(Json(Page::whole(api.instance.settings.clone())))
 }

@@ -1,5 +1,4 @@
-//! What the named policies and the standing rules have in common: documents that are kept in
-//! versions.
+//! Versioned documents: the common part of named policies and standing rules.
 
 use asi_model::DateTime;
 use axum::{
@@ -7,16 +6,16 @@ use axum::{
     http::{HeaderMap, header},
 };
 use daemon::web::{Problem, problem::ProblemFault};
+use disclosure::{DocumentId, Versioned};
 use serde::de::DeserializeOwned;
 
-use super::{Api, view::Page};
+use super::{context::Api, view::Page};
 use crate::{
     books::{Books, DocumentError},
     store::DocumentKind,
 };
-use disclosure::{DocumentId, Versioned};
 
-/// Stores a version in an engineer's name, where `If-Match` names the one before it.
+/// Stores a version in an engineer's name, provided that `If-Match`, if given, names the present one.
 pub(super) async fn keep<T: Send + 'static>(
     api: &Api,
     author: &str,
@@ -32,7 +31,7 @@ pub(super) async fn keep<T: Send + 'static>(
         .map_err(document_problem)
 }
 
-/// Every version of a document, newest first.
+/// Returns every version of a document, newest first.
 pub(super) async fn versions<T: DeserializeOwned>(
     api: &Api,
     kind: DocumentKind,
@@ -41,7 +40,7 @@ pub(super) async fn versions<T: DeserializeOwned>(
     Ok(Json(Page::whole(api.store().await?.policy_documents().versions(kind, id).await?)))
 }
 
-/// The version of `If-Match`, where it is given.
+/// Returns the version of `If-Match`, if given.
 fn if_match(headers: &HeaderMap) -> Result<Option<u32>, Problem> {
     let Some(value) = headers.get(header::IF_MATCH) else { return Ok(None) };
     let version = value.to_str().ok().and_then(|text| text.trim_matches('"').parse().ok());
@@ -49,7 +48,7 @@ fn if_match(headers: &HeaderMap) -> Result<Option<u32>, Problem> {
     version.map(Some).ok_or_else(|| Problem::bad_request("INVALID_IF_MATCH", detail))
 }
 
-/// Why a document is not kept.
+/// Returns the problem of a document that was not stored.
 pub(super) fn document_problem(error: DocumentError) -> Problem {
     match error {
         DocumentError::Unknown(id) => Problem::not_found(format_args!("policy {id}")),

@@ -1,46 +1,46 @@
-//! What happens, as it happens.
+//! Server-sent events.
 
 use axum::{extract::State, http::HeaderMap, response::Response};
 use daemon::web::events::last_event_id;
 
-use super::{Api, problems::Problems, roles::Viewer};
+use super::{context::Api, problems::Problems, roles::Viewer};
 use crate::{
     books::{ConnectorEvent, FieldNews},
     values::ShownValue,
 };
 
-/// A field's address flat, as its key is, with what is new.
+/// State of a field after a change. The members of the key are there twice, flat and as `key`.
 #[derive(serde::Serialize)]
 #[serde(rename_all = "camelCase")]
-struct FieldNewsView<'n> {
+struct FieldChangeView<'c> {
     #[serde(flatten)]
-    address: &'n asi_model::FieldKey,
-    key: &'n asi_model::FieldKey,
+    address: &'c asi_model::FieldKey,
+    key: &'c asi_model::FieldKey,
     mapping_state: asi_model::messages::MappingState,
     consent_version: u32,
     is_withheld: bool,
     value: Option<ShownValue>,
 }
 
-impl<'n> From<&'n FieldNews> for FieldNewsView<'n> {
-    fn from(news: &'n FieldNews) -> Self {
+impl<'c> From<&'c FieldNews> for FieldChangeView<'c> {
+    fn from(change: &'c FieldNews) -> Self {
         Self {
-            address: &news.key,
-            key: &news.key,
-            mapping_state: news.mapping_state,
-            consent_version: news.consent_version,
-            is_withheld: news.is_withheld,
-            value: news.value.as_ref().map(ShownValue::from),
+            address: &change.key,
+            key: &change.key,
+            mapping_state: change.mapping_state,
+            consent_version: change.consent_version,
+            is_withheld: change.is_withheld,
+            value: change.value.as_ref().map(ShownValue::from),
         }
     }
 }
 
-/// Server-sent events: `field` with the field's key, its state and its newest disclosed value,
-/// `decisions` with how many fields were decided at once and how many of them by standing rules,
-/// `inbox` and `comment` with the network's id, `operator` with the operation's key, `revocation`
-/// with the receipt's id, `policies`, `ledger` every other second while it grows, `status` where
-/// the link or a local server changes its state, and `reset` where events were missed and the page
-/// must load afresh.
+/// Streams server-sent events: `field` with the field's key, its state and its newest disclosed
+/// value, `decisions` with the number of fields decided at once and of those decided by standing
+/// rules, `inbox` and `comment` with the network's id, `operator` with the operation's key,
+/// `revocation` with the receipt's id, `policies`, `ledger` every other second while it grows,
+/// `status` when the link or a local server changes its state, and `reset` when events were missed
+/// and the page must load again.
 #[utoipa::path(
     get,
     path = "/events",
@@ -48,11 +48,12 @@ impl<'n> From<&'n FieldNews> for FieldNewsView<'n> {
     responses((status = 200, content_type = "text/event-stream", body = String), Problems)
 )]
 pub async fn stream_events(_: Viewer, State(api): State<Api>, headers: HeaderMap) -> Response {
-    api.events.stream(last_event_id(&headers), api.shutdown.clone(), |event| {
+    api.events.stream(last_event_id(&headers), api.server.shutdown.clone(), |event| {
         Some(match event {
-            ConnectorEvent::Field(news) => {
-                ("field", serde_json::to_string(&FieldNewsView::from(&**news)).unwrap_or_default())
-            }
+            ConnectorEvent::Field(change) => (
+                "field",
+                serde_json::to_string(&FieldChangeView::from(&**change)).unwrap_or_default(),
+            ),
             ConnectorEvent::Inbox(id) => {
                 ("inbox", serde_json::json!({ "operationNetworkId": id }).to_string())
             }

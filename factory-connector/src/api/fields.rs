@@ -1,4 +1,4 @@
-//! Decisions about fields, and values that people enter.
+//! Fields, decisions about them, and values that people enter.
 
 use asi_model::{
     DateTime, FieldKey,
@@ -6,13 +6,13 @@ use asi_model::{
 };
 use axum::{Json, extract::State};
 use daemon::web::{ApiJson, ApiPath, Problem, problem::ProblemFault};
-use disclosure::DecisionBasis;
+use disclosure::{DecisionBasis, DisclosurePolicy, DocumentId, GateOutcome};
 use mapping_engine::{Mapping, MappingId, MappingInput, Severity, Step, mapping::LateValues};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    Api,
+    context::Api,
     paths::FieldPath,
     problems::{Problems, engine, mapping_faults},
     roles::{Engineer, Operator, Viewer},
@@ -23,45 +23,44 @@ use crate::{
     desk::{DeskError, now},
     operator::{Action, EntryFault, EntryId, OperationKey, OperatorEntry},
 };
-use disclosure::{DisclosurePolicy, DocumentId, GateOutcome};
 
-/// How long a server may take to say where a variable stands.
-const PATH_PATIENCE: std::time::Duration = std::time::Duration::from_secs(2);
+/// Time for a server to return the browse path of a variable.
+const BROWSE_PATH_TIMEOUT: std::time::Duration = std::time::Duration::from_secs(2);
 
-/// From local variables to a field: inputs and functions.
+/// Mapping from local variables to a field, without its target.
 #[derive(Debug, Clone, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct MappingDraft {
-    /// The variables.
+    /// Variables by their names in the mapping.
     pub inputs: Vec<MappingInput>,
     /// The functions, applied in this order.
     #[serde(default)]
     pub steps: Vec<Step>,
-    /// What happens to values that arrive after newer ones of the same variable.
+    /// Treatment of values that arrive after newer ones of the same variable.
     #[serde(default)]
     pub late_values: LateValues,
 }
 
-/// What is decided.
+/// A decision about a field.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct DecisionBody {
     /// `PENDING`, `MAPPED` or `REFUSED`.
     mapping_state: MappingState,
-    /// Where values come from; needed with `MAPPED`.
+    /// Source of the values; needed with `MAPPED`.
     value_source: Option<ValueSource>,
     /// Needed with the source `MAPPING`.
     mapping: Option<MappingDraft>,
-    /// How values are coarsened; every change as it is without it.
+    /// Coarsening of the values; without it every change leaves as it is.
     #[serde(default)]
     disclosure: DisclosurePolicy,
     /// A named policy that holds beside it, in its newest version from now on.
     policy_id: Option<DocumentId>,
-    /// Told to the partner; needed with `REFUSED`.
+    /// Reason that the partner reads; needed with `REFUSED`.
     reason: Option<String>,
 }
 
-/// The mapping of a field, as the engine takes it.
+/// Completes a draft by the field's definition.
 pub(super) async fn mapping_of(
     api: &Api,
     field: &FieldKey,
@@ -87,8 +86,7 @@ pub(super) async fn mapping_of(
     })
 }
 
-/// The mapping of a field, without errors, and with the paths by which its variables are found
-/// again.
+/// Completes a draft by the field's definition and by browse paths; a problem if it has errors.
 pub(super) async fn checked(
     api: &Api,
     field: &FieldKey,
@@ -99,17 +97,17 @@ pub(super) async fn checked(
     if diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error) {
         return Err(mapping_faults(diagnostics));
     }
-    learn_paths(api, &mut mapping).await;
+    add_browse_paths(api, &mut mapping).await;
     Ok(mapping)
 }
 
-/// Notes where the variables stand, so that a mapping finds them again when the server gives them
-/// other ids - even if that happens while the connector is down. Where a server cannot be asked
-/// now, nothing is lost but that.
-async fn learn_paths(api: &Api, mapping: &mut Mapping) {
+/// Adds the browse paths of the variables, so that a mapping finds them again after the server gave
+/// them other ids, even while the connector was down. Without an answer of the server in time the
+/// mapping works all the same.
+async fn add_browse_paths(api: &Api, mapping: &mut Mapping) {
     for input in mapping.inputs.iter_mut().filter(|input| input.monitor.browse_path.is_none()) {
         let asked = tokio::time::timeout(
-            PATH_PATIENCE,
+            BROWSE_PATH_TIMEOUT,
             api.shop_floor.browse_path(&input.source_id, &input.node_id),
         );
         if let Ok(Ok(path)) = asked.await {
@@ -118,7 +116,7 @@ async fn learn_paths(api: &Api, mapping: &mut Mapping) {
     }
 }
 
-/// Decides about a field. The partner is told; values flow or stop at once.
+/// Decides about a field. The partner is notified; values flow or stop at once.
 #[utoipa::path(
     put,
     path = "/decision",
@@ -134,7 +132,7 @@ pub async fn decide_field(
     ApiJson(body): ApiJson<DecisionBody>,
 ) -> Result<Json<FieldView>, Problem> {
     let field = path.into_key();
-    let verdict = match body.mapping_state {
+    let command = match body.mapping_state {
         MappingState::Pending => Verdict::LeavePending,
         MappingState::Refused => Verdict::Refuse,
         MappingState::Mapped => {
@@ -148,17 +146,17 @@ pub async fn decide_field(
             Verdict::Map { value_source, mapping, policy: body.disclosure }
         }
     };
-    let grounds = DecisionBasis { policy_id: body.policy_id, ..DecisionBasis::default() };
+    let basis = DecisionBasis { policy_id: body.policy_id, ..DecisionBasis::default() };
     let (key, by, reason) = (field.clone(), user.principal.user_name.clone(), body.reason);
     let decided = api
         .desk
-        .change(move |books, now| books.decide_on(&key, verdict, reason, &by, grounds, now))
+        .change(move |books, now| books.decide_on(&key, command, reason, &by, basis, now))
         .await?;
     decided.map_err(DeskError::from)?;
     field_view(&api, field).await
 }
 
-/// Shows a field as it stands.
+/// Shows a field with its decision and its newest disclosed value.
 #[utoipa::path(
     get,
     path = "/",
@@ -199,11 +197,11 @@ fn missing(member: &str) -> Problem {
 #[derive(Deserialize, ToSchema)]
 pub struct EnteredValue {
     /// The value as plain JSON; 64-bit integers may be texts.
-    #[schema(value_type = Object)]
+    #[schema(value_type = Value)]
     value: serde_json::Value,
 }
 
-/// What became of it.
+/// Outcome of an entered value.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Entered {
@@ -212,7 +210,7 @@ pub struct Entered {
     outcome: &'static str,
     /// Less than was entered is disclosed.
     is_coarsened: bool,
-    /// When a withheld value may leave at the earliest.
+    /// Earliest time at which a withheld value may leave.
     until: Option<asi_model::DateTime>,
 }
 
@@ -236,11 +234,11 @@ pub async fn enter_value(
         operation_network_id: field.request.operation_network_id.clone(),
         operation_id: field.request.operation_id.clone(),
     };
-    let wanted = field.clone();
-    if !api.desk.read(move |books| books.field(&wanted).is_some()).await? {
+    let key = field.clone();
+    if !api.desk.read(move |books| books.field(&key).is_some()).await? {
         return Err(Problem::not_found("such field"));
     }
-    // As it is stored, so that it is the same after a restart.
+    // The store keeps microseconds: rounded here, the time is the same after a restart.
     let moment = DateTime::from_unix_micros(now().unix_micros());
     let entry = OperatorEntry {
         entry_id: EntryId::fresh(),

@@ -1,4 +1,4 @@
-//! What partners ask.
+//! Inbox: requests of partners.
 
 use asi_model::{
     DateTime, RequestKey,
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::{
-    Api,
+    context::Api,
     paths::RequestPath,
     problems::Problems,
     roles::Viewer,
@@ -21,16 +21,16 @@ use crate::{books::Books, desk::now};
 
 /// Requests per page, and most that a page may ask for.
 const PAGE: usize = 200;
-/// Longest text to look for, in characters.
+/// Longest search text, in characters.
 const SEARCH_CHARS_MAX: usize = 200;
 
-/// Which requests, and which page of them.
+/// Filter and page of the inbox.
 #[derive(Deserialize, IntoParams)]
 #[serde(rename_all = "camelCase")]
 #[into_params(parameter_in = Query)]
 pub struct InboxQuery {
-    /// `nextCursor` of the page before: requests behind its last one, whatever came and went
-    /// meanwhile.
+    /// `nextCursor` of the page before. Requests behind its last one follow, also if others came or
+    /// went meanwhile.
     cursor: Option<String>,
     /// Requests per page, at most 200.
     limit: Option<usize>,
@@ -47,25 +47,24 @@ pub struct InboxQuery {
     is_overdue: bool,
 }
 
-/// A page of the inbox, and how many there are.
+/// A page of the inbox, and totals.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct InboxPage {
-    /// The requests.
+    /// Requests in the order of their addresses.
     items: Vec<RequestView>,
-    /// Where the next page begins; none on the last.
+    /// Cursor of the next page; none on the last.
     next_cursor: Option<String>,
-    /// Requests that the query means.
+    /// Number of requests that pass the filter.
     count: usize,
-    /// All requests and fields, whatever the query.
+    /// Totals over all requests and fields, without the filter.
     totals: InboxTotals,
 }
 
-/// How the fields of all active networks stand.
+/// Numbers of requests and fields of all active networks, by state.
 #[derive(Serialize, ToSchema, Default)]
 #[serde(rename_all = "camelCase")]
 pub struct InboxTotals {
-    /// Requests.
     requests: usize,
     /// Requests with an undecided field.
     open_requests: usize,
@@ -73,11 +72,8 @@ pub struct InboxTotals {
     overdue_requests: usize,
     /// Requests whose validity has ended.
     ended_requests: usize,
-    /// Undecided fields.
     pending: usize,
-    /// Fields whose values flow.
     mapped: usize,
-    /// Refused fields.
     refused: usize,
 }
 
@@ -106,8 +102,8 @@ pub async fn list_inbox(
     Ok(Json(api.desk.read(move |books| page(books, &query, after.as_ref(), now)).await?))
 }
 
-/// Everything is looked at, but only what is on the page is written out: the first requests behind
-/// one.
+/// Scans all requests for the totals, and builds views of those on the page only: the first ones
+/// behind `after`.
 fn page(books: &Books, query: &InboxQuery, after: Option<&RequestKey>, now: DateTime) -> InboxPage {
     let words: Vec<String> =
         query.search.as_deref().unwrap_or("").split_whitespace().map(str::to_lowercase).collect();
@@ -122,14 +118,14 @@ fn page(books: &Books, query: &InboxQuery, after: Option<&RequestKey>, now: Date
         books.networks.values().filter_map(|n| n.message.as_ref().map(|message| (n, message)))
     {
         let is_network =
-            |wanted: &String| message.operation_network.operation_network_id.as_str() == wanted;
+            |id: &String| message.operation_network.operation_network_id.as_str() == id;
         let mut requests: Vec<_> = message.operation_network.requests().collect();
         requests.sort_unstable_by(|(left, ..), (right, ..)| left.cmp(right));
         for (key, operation, request) in requests {
-            let standing = Standing::of(books, &key, request, network.received_at, now);
-            standing.add_to(&mut page.totals);
-            let is_meant = query.state.is_none_or(|state| standing.count(state) > 0)
-                && (!query.is_overdue || standing.is_overdue)
+            let summary = RequestSummary::of(books, &key, request, network.received_at, now);
+            summary.add_to(&mut page.totals);
+            let is_selected = query.state.is_none_or(|state| summary.count(state) > 0)
+                && (!query.is_overdue || summary.is_overdue)
                 && query
                     .partner
                     .as_ref()
@@ -142,7 +138,7 @@ fn page(books: &Books, query: &InboxQuery, after: Option<&RequestKey>, now: Date
                     operation,
                     request,
                 );
-            if !is_meant {
+            if !is_selected {
                 continue;
             }
             page.count += 1;
@@ -162,8 +158,8 @@ fn page(books: &Books, query: &InboxQuery, after: Option<&RequestKey>, now: Date
     page
 }
 
-/// How the fields of a request stand.
-struct Standing {
+/// Numbers of a request's fields by state.
+struct RequestSummary {
     pending: usize,
     mapped: usize,
     refused: usize,
@@ -171,7 +167,7 @@ struct Standing {
     has_ended: bool,
 }
 
-impl Standing {
+impl RequestSummary {
     fn of(
         books: &Books,
         key: &RequestKey,
@@ -269,7 +265,7 @@ mod tests {
     use super::*;
     use crate::books::tests::{arrive, at, books};
 
-    /// A network with requests of so many fields each.
+    /// A network with requests of `fields` fields each.
     fn network_of(
         number: u64,
         revision: u64,
@@ -279,12 +275,12 @@ mod tests {
         let requests: Vec<Value> = requests
             .iter()
             .enumerate()
-            .map(|(place, id)| {
+            .map(|(index, id)| {
                 let fields: Vec<Value> = (0..fields)
                     .map(|field| json!({ "name": format!("field{field}"), "type": 11 }))
                     .collect();
-                json!({ "dynamicDataRequestId": id, "requesterId": format!("org{}", place % 7),
-                    "recipientList": [format!("org{}", place % 7)], "purpose": format!("Plan {id}"),
+                json!({ "dynamicDataRequestId": id, "requesterId": format!("org{}", index % 7),
+                    "recipientList": [format!("org{}", index % 7)], "purpose": format!("Plan {id}"),
                     "reportDataFormat": { "reportName": "Progress", "reportFieldList": fields } })
             })
             .collect();
@@ -296,7 +292,7 @@ mod tests {
         serde_json::from_value(message).expect("a network")
     }
 
-    /// Networks with so many requests of so many fields each, and one more request.
+    /// Networks with `requests` requests of `fields` fields each, and one more request.
     fn inbox(networks: u64, requests: usize, fields: usize) -> Books {
         let mut books = books();
         let requests: Vec<String> = (0..requests).map(|request| format!("R{request}")).collect();
@@ -310,8 +306,8 @@ mod tests {
         serde_json::from_value(json).expect("a query")
     }
 
-    fn first(books: &Books, wanted: Value, now: DateTime) -> InboxPage {
-        page(books, &query(wanted), None, now)
+    fn first(books: &Books, filter: Value, now: DateTime) -> InboxPage {
+        page(books, &query(filter), None, now)
     }
 
     /// Every page, from the first on; `between` happens after each.
@@ -369,8 +365,8 @@ mod tests {
             .collect();
         let mut round = 0_u64;
         let found = pages(&mut books, 7, |books| {
-            // Where the page ended, and behind it: one request goes, others come at the beginning,
-            // the rest turns about.
+            // In the network where the page ended and in the next one, one request goes, others come
+            // first, and the order of the others is reversed.
             round += 1;
             let here = round * 7 / 20;
             for network in [here, here + 1].into_iter().filter(|network| *network < 6) {

@@ -1,25 +1,25 @@
-//! What partners learn in sum, and what consent would offer.
+//! Leak budgets of partners, and consent offers for fields.
 
 use asi_model::OrganisationId;
 use axum::{Json, extract::State};
 use daemon::web::{ApiPath, ApiQuery, Problem};
+use disclosure::{
+    DisclosurePolicy, LeakBudget, LeakSummary, Measured, OpenField, Statement, leak_budget,
+    leak_summary,
+};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::{
-    Api,
+    context::Api,
     paths::FieldPath,
     problems::Problems,
     roles::Viewer,
     view::{Page, RuleReference},
 };
 use crate::desk::now;
-use disclosure::{
-    DisclosurePolicy, LeakBudget, LeakSummary, Measured, OpenField, Statement, leak_budget,
-    leak_summary,
-};
 
-/// What one partner learns.
+/// Leak budget of one partner over all its open fields.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct PartnerLeaks {
@@ -30,7 +30,7 @@ pub struct PartnerLeaks {
     budget: LeakBudget,
 }
 
-/// Whose.
+/// Selection of a partner.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct LeakQuery {
@@ -44,8 +44,8 @@ impl LeakQuery {
     }
 }
 
-/// What each partner learns in sum from all open fields, and what it can conclude from them
-/// together.
+/// Lists the leak budget of each partner: the sum over its open fields, and the conclusions that
+/// they permit together.
 #[utoipa::path(
     get,
     path = "/leak-budgets",
@@ -61,7 +61,7 @@ pub async fn list_leak_budgets(
     each(&api, query, |partner, fields| PartnerLeaks { partner, budget: leak_budget(fields) }).await
 }
 
-/// What the open fields of each partner come to.
+/// Evaluates the open fields of each partner.
 async fn each<T: Send + 'static>(
     api: &Api,
     query: LeakQuery,
@@ -77,7 +77,7 @@ async fn each<T: Send + 'static>(
     Ok(Json(Page::whole(read.await?)))
 }
 
-/// What one partner learns, in short.
+/// Leak budget of one partner, in short.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct PartnerSummary {
@@ -88,8 +88,8 @@ pub struct PartnerSummary {
     summary: LeakSummary,
 }
 
-/// What each partner learns in short: how many fields, how much at most, how exactly, and how many
-/// conclusions.
+/// Summarises the leak budget of each partner: number of fields, most values and bits per hour, time
+/// resolution, and number of conclusions.
 #[utoipa::path(
     get,
     path = "/leak-budgets/summary",
@@ -106,29 +106,30 @@ pub async fn summarise_leak_budgets(
         .await
 }
 
-/// With what the consent for a field begins.
+/// Disclosure that the consent for a field begins with.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ConsentOffer {
-    /// The precision to begin with: what standing rules say, and a minimum interval as long as the
-    /// partner's period.
+    /// Coarsening to begin with: that of the standing rules, and a minimum interval as long as the
+    /// requested period.
     disclosure: DisclosurePolicy,
-    /// The same in words.
+    /// Coarsening in words and as codes.
     #[serde(flatten)]
-    told: Statement,
+    statement: Statement,
     /// The rules behind it.
     rules: Vec<RuleReference>,
     /// The period that the partner asked for, in milliseconds.
     requested_interval_ms: Option<u64>,
     /// Values per hour at that period.
     values_per_hour: Option<f64>,
-    /// What came and left, while values flow.
+    /// Measured candidates and released values, while values flow.
     measured: Option<Measured>,
     /// Values per hour that "every change" would add to that, as far as it was measured.
     every_change_adds_per_hour: Option<f64>,
 }
 
-/// What a consent begins with, and what "every change" instead of the partner's period would add.
+/// Shows the disclosure that a consent begins with, and what "every change" instead of the partner's
+/// period would add.
 #[utoipa::path(
     get,
     path = "/consent-offer",
@@ -163,7 +164,7 @@ pub async fn show_consent_offer(
             let measured = Some(field.traffic.measured(now)).filter(|_| field.decision.is_mapped());
             let every_change = measured.and_then(Measured::candidates_per_hour);
             Some(ConsentOffer {
-                told: Statement::of(&disclosure, field.definition.unit.as_deref()),
+                statement: Statement::of(&disclosure, field.definition.unit.as_deref()),
                 rules: ruled
                     .map(|ruled| {
                         ruled

@@ -1,4 +1,4 @@
-//! What left this factory.
+//! Ledger queries.
 
 pub mod checkpoints;
 pub mod export;
@@ -12,37 +12,37 @@ use asi_model::{
 };
 use axum::{Json, extract::State};
 use daemon::web::{ApiQuery, Problem};
+use disclosure::{Statement, StatementPart};
+use ledger::EventKind;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-use super::{Api, problems::Problems, roles::Viewer};
+use super::{context::Api, problems::Problems, roles::Viewer};
 use crate::store::{LedgerFilter, LedgerRow, LedgerSubject};
-use disclosure::StatementPart;
-use ledger::EventKind;
 
-/// Which entries.
+/// Filter of ledger entries.
 #[derive(Deserialize, IntoParams)]
 #[serde(rename_all = "camelCase")]
 #[into_params(parameter_in = Query)]
 pub struct LedgerSelection {
-    /// Of this recipient's chain.
+    /// Entries of this recipient's chain.
     recipient: Option<OrganisationId>,
-    /// Recorded at this time or later.
+    /// Entries recorded at this time or later.
     from: Option<DateTime>,
-    /// Recorded before this time.
+    /// Entries recorded before this time.
     until: Option<DateTime>,
-    /// Of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or
+    /// Entries of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or
     /// `REVOKED`.
     #[param(inline)]
     kind: Option<EventKind>,
-    /// About this network: decisions about its fields, reports that carried them, and what became
-    /// of those.
+    /// Entries about this network: decisions about its fields, reports that carried them, and the
+    /// delivery of those.
     operation_network_id: Option<OperationNetworkId>,
-    /// Of it, only about this operation.
+    /// Of them, those about this operation.
     operation_id: Option<OperationId>,
-    /// Of it, only about this request.
+    /// Of them, those about this request.
     dynamic_data_request_id: Option<DynamicDataRequestId>,
-    /// Of it, only about this field.
+    /// Of them, those about this field.
     field_name: Option<FieldName>,
 }
 
@@ -74,10 +74,10 @@ impl LedgerSelection {
     }
 }
 
-/// Which page of them.
+/// Page of ledger entries.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
-pub struct LedgerPlace {
+pub struct LedgerPage {
     /// `nextCursor` of the page before.
     after: Option<u64>,
     /// Entries on the page, 1 to 500; 100 without it.
@@ -90,9 +90,9 @@ pub struct LedgerPlace {
 pub struct LedgerView {
     /// Every recipient that has a chain.
     recipients: Vec<String>,
-    /// The entries.
+    /// Entries, newest first.
     items: Vec<EntryView>,
-    /// Where the next page begins.
+    /// Value of `after` for the next page; none on the last.
     next_cursor: Option<String>,
 }
 
@@ -100,35 +100,35 @@ pub struct LedgerView {
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct EntryView {
-    /// Its place in the chain.
+    /// Position in the chain, from 1.
     sequence: u64,
-    /// When it was recorded.
+    /// Time of recording, RFC 3339.
     at: String,
-    /// Whose chain.
+    /// Recipient of the chain.
     recipient_id: String,
     /// `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or `REVOKED`.
     kind: String,
-    /// What the entry says besides: field and policy of a consent, sequence numbers of a report.
+    /// Further members by kind: field and policy of a consent, sequence numbers of a report.
     #[serde(flatten)]
     #[schema(value_type = Object)]
     content: serde_json::Map<String, serde_json::Value>,
-    /// For a report: the values that left, by field, while they are kept.
+    /// For a report: the values that left, by field, while they are retained.
     #[schema(value_type = Option<Object>)]
     value: Option<serde_json::Value>,
-    /// The precision under each consent that the entry names, by field, in the words that the
-    /// partner was told.
+    /// Precision under each consent that the entry names, by field, in the words of the statement to
+    /// the partner.
     precision: BTreeMap<String, String>,
     /// The same as codes with parameters.
     precision_parts: BTreeMap<String, Vec<StatementPart>>,
-    /// For a report: the message it left in last.
+    /// For a report: id of the message that carried it last.
     left_in_message: Option<String>,
-    /// For a report: when the broker accepted it last.
+    /// For a report: time at which the broker accepted it last.
     #[schema(format = "date-time")]
     sent_at: Option<String>,
-    /// For a report: when the platform said that it holds it.
+    /// For a report: time of the platform's receipt.
     #[schema(format = "date-time")]
     delivered_at: Option<String>,
-    /// Its hash, hexadecimal.
+    /// Hash of the entry, hexadecimal.
     hash: String,
 }
 
@@ -150,9 +150,9 @@ impl From<LedgerRow> for EntryView {
         let report: Option<serde_json::Value> =
             row.report.as_deref().and_then(|report| serde_json::from_str(report).ok());
         let (mut precision, mut precision_parts) = (BTreeMap::new(), BTreeMap::new());
-        for (field, told) in row.precision {
-            precision.insert(field.clone(), told.statement);
-            precision_parts.insert(field, told.statement_parts);
+        for (field, Statement { statement, statement_parts }) in row.precision {
+            precision.insert(field.clone(), statement);
+            precision_parts.insert(field, statement_parts);
         }
         Self {
             sequence: row.number,
@@ -171,29 +171,29 @@ impl From<LedgerRow> for EntryView {
     }
 }
 
-/// Lists the entries of a recipient's chain, newest first, with what left; of the first recipient
-/// by name where none is named.
+/// Lists the entries of a recipient's chain, newest first, with the values that left. Without a
+/// recipient, of the first one by name.
 #[utoipa::path(
     get,
     path = "/ledger",
     tag = "ledger",
-    params(LedgerSelection, LedgerPlace),
+    params(LedgerSelection, LedgerPage),
     responses((status = 200, body = LedgerView), Problems)
 )]
 pub async fn list_ledger_entries(
     _: Viewer,
     State(api): State<Api>,
-    ApiQuery(wanted): ApiQuery<LedgerSelection>,
-    ApiQuery(place): ApiQuery<LedgerPlace>,
+    ApiQuery(selection): ApiQuery<LedgerSelection>,
+    ApiQuery(page): ApiQuery<LedgerPage>,
 ) -> Result<Json<LedgerView>, Problem> {
-    let limit = place.limit.unwrap_or(100).clamp(1, 500);
-    let filter = wanted.filter()?;
+    let limit = page.limit.unwrap_or(100).clamp(1, 500);
+    let filter = selection.filter()?;
     let mut session = api.store().await?;
     let recipients = session.ledger().recipients().await?;
     let chosen =
         filter.recipient.as_ref().map(ToString::to_string).or_else(|| recipients.first().cloned());
     let rows = match chosen {
-        Some(chosen) => session.ledger().page(&chosen, &filter, place.after, limit).await?,
+        Some(chosen) => session.ledger().page(&chosen, &filter, page.after, limit).await?,
         None => Vec::new(),
     };
     let is_whole = rows.len() < limit as usize;

@@ -1,4 +1,4 @@
-//! How published mappings are doing: one, or all of them with those in trouble first.
+//! Status of published mappings: of one, and a survey of all with those in trouble first.
 
 use asi_model::{FieldKey, messages::ValueSource};
 use axum::{Json, extract::State};
@@ -8,27 +8,27 @@ use serde::Deserialize;
 use utoipa::IntoParams;
 
 use super::{
-    Api,
+    context::Api,
     paths::FieldPath,
     problems::{Problems, engine},
     roles::{Engineer, Viewer},
 };
 
-/// Mappings told without being told how many, and at most.
+/// Mappings in a survey without a limit, and at most.
 const SURVEYED_DEFAULT: usize = 50;
 const SURVEYED_MAX: usize = 500;
 
-/// Which of them, and how many.
+/// Selection of a survey.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct SurveyQuery {
-    /// Only those that are doing so.
+    /// Mappings in this condition only.
     health: Option<MappingHealth>,
     /// Up to 500; 50 without it, none with 0.
     limit: Option<usize>,
 }
 
-/// How all published mappings are doing: how many do how, and the worst of them.
+/// Surveys all published mappings: numbers by condition, and the worst of them.
 #[utoipa::path(
     get,
     path = "/mappings/survey",
@@ -45,7 +45,7 @@ pub async fn survey_mappings(
     api.engine.survey(query.health, most).await.map(Json).map_err(engine)
 }
 
-/// How a field's mapping is doing: last values in and out, counts, faults, time spent.
+/// Shows the status of a field's mapping: last values in and out, counts, faults, time spent.
 #[utoipa::path(
     get,
     path = "/mapping-status",
@@ -58,12 +58,12 @@ pub async fn show_mapping_status(
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<MappingStatus>, Problem> {
-    let id = at_work(&api, path.into_key()).await?;
+    let id = mapping_id_of(&api, path.into_key()).await?;
     let status = api.engine.status(&id).await.map_err(engine)?;
     status.map(Json).ok_or_else(|| Problem::not_found("mapping at work for this field"))
 }
 
-/// Ends the rest of a field's scripts that did not keep to their budget: they are tried again at
+/// Closes the circuit breakers of a field's scripts that exceeded their budget: they run again at
 /// once.
 #[utoipa::path(
     post,
@@ -77,13 +77,13 @@ pub async fn restart_mapping(
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<MappingStatus>, Problem> {
-    let id = at_work(&api, path.into_key()).await?;
+    let id = mapping_id_of(&api, path.into_key()).await?;
     api.engine.reset(&id).await.map_err(engine)?;
     let status = api.engine.status(&id).await.map_err(engine)?;
     status.map(Json).ok_or_else(|| Problem::not_found("mapping at work for this field"))
 }
 
-async fn at_work(api: &Api, field: FieldKey) -> Result<MappingId, Problem> {
+async fn mapping_id_of(api: &Api, field: FieldKey) -> Result<MappingId, Problem> {
     let known = api
         .desk
         .read(move |books| {

@@ -12,7 +12,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{
-    Api,
+    context::Api,
     problems::Problems,
     roles::Viewer,
     view::{Page, RequestView, requests},
@@ -87,13 +87,11 @@ pub struct NetworkView {
     /// The message as received; none once withdrawn.
     #[schema(value_type = Option<Object>)]
     message: Option<serde_json::Value>,
-    /// Its revision.
     revision: u64,
-    /// Its requests.
     requests: Vec<RequestView>,
 }
 
-/// Shows a network as received, and how its fields stand.
+/// Shows a network as received, and the state of its requests and fields.
 #[utoipa::path(
     get,
     path = "/operation-networks/{operationNetworkId}",
@@ -123,32 +121,32 @@ pub async fn show_operation_network(
     view.map(Json).ok_or_else(|| Problem::not_found(format_args!("operation network {id}")))
 }
 
-/// What the revision in force changed.
+/// Difference between the revision in force and the one before.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
-pub struct NetworkNews {
+pub struct RevisionDifference {
     /// The revision in force.
     revision: u64,
-    /// The one before it, where there was one.
+    /// The one before it; none for the first.
     previous_revision: Option<u64>,
-    /// What differs: operations, relations, requests, and each field with the reasons and with what
-    /// became of its mapping and of the consent.
+    /// Changed operations, relations and requests, and each changed field with the reasons and the
+    /// effect on its mapping and on the consent.
     difference: NetworkDifference,
 }
 
-/// What is new in a network against the revision before.
+/// Compares the revision in force of a network with the one before.
 #[utoipa::path(
     get,
     path = "/operation-networks/{operationNetworkId}/news",
     tag = "inbox",
     params(("operationNetworkId" = String, Path)),
-    responses((status = 200, body = NetworkNews), Problems)
+    responses((status = 200, body = RevisionDifference), Problems)
 )]
 pub async fn show_revision_difference(
     _: Viewer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<OperationNetworkId>,
-) -> Result<Json<NetworkNews>, Problem> {
+) -> Result<Json<RevisionDifference>, Problem> {
     let found = api.store().await?.networks().revisions(&id).await?;
     let found = found.ok_or_else(|| Problem::not_found(format_args!("operation network {id}")))?;
     let nothing = OperationNetwork {
@@ -159,7 +157,7 @@ pub async fn show_revision_difference(
         operation_relation_list: Vec::new(),
     };
     let before = found.previous.as_ref().map_or(&nothing, |message| &message.operation_network);
-    Ok(Json(NetworkNews {
+    Ok(Json(RevisionDifference {
         revision: found.current.revision,
         previous_revision: found.previous.as_ref().map(|message| message.revision),
         difference: difference(before, &found.current.operation_network),

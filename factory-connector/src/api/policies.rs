@@ -3,11 +3,13 @@
 use asi_model::OrganisationId;
 use axum::{Json, extract::State, http::HeaderMap};
 use daemon::web::{ApiJson, ApiPath, Problem};
+use disclosure::{DocumentId, DocumentVersion, NamedPolicy, Statement, StatementPart, Versioned};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    Api, documents,
+    context::Api,
+    documents,
     problems::Problems,
     roles::{Engineer, Viewer},
     view::Page,
@@ -16,42 +18,41 @@ use crate::{
     books::{Books, RecipientPolicy},
     store::DocumentKind,
 };
-use disclosure::{DocumentId, DocumentVersion, NamedPolicy, Statement, StatementPart, Versioned};
 
 /// Most fields listed as using a policy.
 const USES_MAX: usize = 500;
 
-/// A named policy and where it holds.
+/// A named policy and its uses.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct PolicyView {
     /// The newest version.
     #[serde(flatten)]
     policy: Versioned<NamedPolicy>,
-    /// In words, as partners read it.
+    /// Statement that partners read.
     #[serde(flatten)]
-    told: Statement,
-    /// How many mapped fields take it by name.
+    statement: Statement,
+    /// Number of mapped fields that name it.
     field_count: usize,
-    /// The recipients that it is set for.
+    /// Recipients that it is set for.
     recipients: Vec<OrganisationId>,
 }
 
 fn view(books: &Books, policy: Versioned<NamedPolicy>) -> PolicyView {
-    let takes = |id: Option<&DocumentId>| id == Some(&policy.key.id);
+    let is_policy = |id: Option<&DocumentId>| id == Some(&policy.key.id);
     PolicyView {
-        told: Statement::of(&policy.document.disclosure, None),
+        statement: Statement::of(&policy.document.disclosure, None),
         field_count: books
             .fields
             .iter()
             .filter(|field| {
-                field.decision.is_mapped() && takes(field.decision.grounds.policy_id.as_ref())
+                field.decision.is_mapped() && is_policy(field.decision.grounds.policy_id.as_ref())
             })
             .count(),
         recipients: books
             .recipient_policies()
             .into_iter()
-            .filter(|(_, set)| takes(set.policy_id.as_ref()))
+            .filter(|(_, set)| is_policy(set.policy_id.as_ref()))
             .map(|(recipient, _)| recipient)
             .collect(),
         policy,
@@ -76,9 +77,9 @@ pub async fn list_policies(
     Ok(Json(Page::whole(items)))
 }
 
-/// Keeps a new version of a named policy. What fields with it, or recipients with it, get changes
-/// at once; each change is a consent in the ledger and told to the partner. `If-Match` with the
-/// version read (`"0"` for a new one) keeps two engineers from overwriting each other.
+/// Stores a new version of a named policy. Values of fields and recipients with it change at once;
+/// each change is a consent in the ledger, and the partner is notified. `If-Match` with the version
+/// read (`"0"` for a new one) keeps two engineers from overwriting each other.
 #[utoipa::path(
     put,
     path = "/policies/{policyId}",
@@ -100,7 +101,7 @@ pub async fn put_policy(
     documents::keep(&api, &user.principal.user_name, &headers, put).await.map(Json)
 }
 
-/// Every version of a named policy, newest first.
+/// Lists every version of a named policy, newest first.
 #[utoipa::path(
     get,
     path = "/policies/{policyId}/versions",
@@ -116,22 +117,21 @@ pub async fn list_policy_versions(
     documents::versions(&api, DocumentKind::Policy, &id).await
 }
 
-/// What a change of a policy would do to a field.
+/// Effect of a changed policy on a field.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct PolicyUse {
-    /// The field.
     key: asi_model::FieldKey,
-    /// What its partner reads now.
+    /// Statement that the partner reads now.
     #[serde(flatten)]
-    told: Statement,
-    /// What it would read with the draft.
+    statement: Statement,
+    /// Statement with the draft, in words.
     statement_then: String,
-    /// The same as codes with parameters.
+    /// Statement with the draft, as codes with parameters.
     statement_then_parts: Vec<StatementPart>,
 }
 
-/// The mapped fields that a draft of a named policy would change, at most 500; nothing is changed.
+/// Lists the mapped fields that a draft of a named policy would change, at most 500. Changes nothing.
 #[utoipa::path(
     post,
     path = "/policies/{policyId}/preview",
@@ -157,7 +157,7 @@ pub async fn preview_policy(
                         Statement::of(&then, unit.as_deref());
                     PolicyUse {
                         key,
-                        told: Statement::of(&now, unit.as_deref()),
+                        statement: Statement::of(&now, unit.as_deref()),
                         statement_then: statement,
                         statement_then_parts: statement_parts,
                     }
@@ -175,15 +175,14 @@ pub async fn preview_policy(
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RecipientView {
-    /// The organisation.
     recipient: OrganisationId,
-    /// How many mapped fields it gets.
+    /// Number of mapped fields whose values it gets.
     field_count: usize,
-    /// The policy set for all of them.
+    /// Policy for all of them.
     set: Option<RecipientPolicy>,
 }
 
-/// Lists every organisation that may get anything, with the policy set for it.
+/// Lists every organisation that may get values, with the policy set for it.
 #[utoipa::path(
     get,
     path = "/recipients",
@@ -228,24 +227,23 @@ pub async fn list_recipients(
     Ok(Json(Page::whole(items)))
 }
 
-/// Which policy holds for everything a recipient gets.
+/// Policy for everything that a recipient gets.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct RecipientBody {
-    /// The named policy; null takes it away.
+    /// Id of a named policy; null removes the present one.
     policy_id: Option<DocumentId>,
 }
 
-/// What was set.
+/// Version of a recipient's policy.
 #[derive(Serialize, ToSchema)]
 pub struct RecipientVersion {
-    /// Counts the changes.
+    /// Number of changes so far.
     version: u32,
 }
 
-/// Sets a named policy for everything a recipient gets: all recipients of a request get the same
-/// values, so that the strictest of the field's and of all its recipients' policies holds. Changes
-/// at once what leaves.
+/// Sets a named policy for everything that a recipient gets. All recipients of a request get the same
+/// values, so the strictest of the field's and of all its recipients' policies applies, at once.
 #[utoipa::path(
     put,
     path = "/recipients/{recipient}/policy",

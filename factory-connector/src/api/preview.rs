@@ -1,4 +1,4 @@
-//! Exactly what a partner would receive, before anything is decided.
+//! Preview of a decision: exactly the message that a partner would receive.
 
 use std::sync::Arc;
 
@@ -13,12 +13,16 @@ use asi_model::{
 };
 use axum::{Json, extract::State};
 use daemon::web::{ApiJson, ApiPath, Problem};
+use disclosure::{
+    DisclosurePolicy, DocumentId, Effect, GateOutcome, LeakWarning, Statement, effects,
+    leak_warnings,
+};
 use mapping_engine::{DryRunSample, MappingDiagnostic, TraceRun};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    Api,
+    context::Api,
     fields::{MappingDraft, mapping_of},
     paths::FieldPath,
     problems::{Problems, engine, shop_floor},
@@ -29,27 +33,23 @@ use crate::{
     desk::now,
     values::{ShownValue, typed_value},
 };
-use disclosure::{
-    DisclosurePolicy, DocumentId, Effect, GateOutcome, LeakWarning, Statement, effects,
-    leak_warnings,
-};
 
-/// What would be decided.
+/// Draft of a decision.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Draft {
-    /// Where values would come from.
+    /// Source of the values.
     value_source: ValueSource,
     /// Needed with the source `MAPPING`.
     mapping: Option<MappingDraft>,
-    /// How values would be coarsened.
+    /// Coarsening of the values.
     #[serde(default)]
     disclosure: DisclosurePolicy,
-    /// A named policy that would hold beside it.
+    /// Id of a named policy that would apply besides.
     policy_id: Option<DocumentId>,
 }
 
-/// A variable with what its machine says.
+/// A variable with its present value.
 #[derive(Serialize, ToSchema)]
 pub struct InputView {
     /// Its name in the mapping.
@@ -59,14 +59,14 @@ pub struct InputView {
     value: ShownValue,
 }
 
-/// What one function made of its value.
+/// Result of one function.
 #[derive(Serialize, ToSchema)]
 pub struct StepView {
-    /// The function.
+    /// Name of the function.
     function: String,
-    /// Its result; none where it kept the value to itself or failed.
+    /// Its result; none if it yielded none or failed.
     value: Option<ShownValue>,
-    /// Why it failed.
+    /// Text of its fault; none if it succeeded.
     message: Option<String>,
 }
 
@@ -74,32 +74,32 @@ pub struct StepView {
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Preview {
-    /// What the machines say.
+    /// Present values of the variables.
     inputs: Vec<InputView>,
-    /// What the mapping makes of it, function by function.
+    /// Results of the mapping's functions, in order.
     steps: Vec<StepView>,
-    /// The mapping's result.
+    /// Result of the mapping.
     candidate: Option<ShownValue>,
-    /// What leaves of it.
+    /// Coarsened value that would leave; none if nothing would.
     disclosed: Option<ShownValue>,
-    /// When it would leave, where policy holds it back.
+    /// Time at which it would leave; none if at once.
     disclosed_at: Option<DateTime>,
-    /// The precision in words, as the partner reads it.
+    /// Statement of the precision that the partner reads.
     #[serde(flatten)]
-    told: Statement,
-    /// The precision that would hold: the strictest of the draft, the named policy and the
-    /// recipients' policies.
+    statement: Statement,
+    /// Policy that would apply: the strictest of the draft, the named policy and the recipients'
+    /// policies.
     effective_disclosure: DisclosurePolicy,
-    /// What each part of it does to this value.
+    /// Effect of each part of the policy on this value.
     effects: Vec<Effect>,
-    /// What partners could conclude if this were decided.
+    /// Conclusions that the decision would permit to partners.
     warnings: Vec<LeakWarning>,
     /// Nothing would leave now: the policy withholds the present state, or one that is not known.
     is_withheld: bool,
     /// The NetworkMessage that the partner would receive, byte for byte but for its id, numbers and
     /// times.
     message: Option<String>,
-    /// What is wrong or doubtful about the mapping.
+    /// Errors and warnings about the mapping.
     diagnostics: Vec<MappingDiagnostic>,
 }
 
@@ -127,7 +127,7 @@ pub async fn preview_decision(
         candidate: None,
         disclosed: None,
         disclosed_at: None,
-        told: told(&api, &field, &policy).await?,
+        statement: statement(&api, &field, &policy).await?,
         effective_disclosure: (*policy).clone(),
         effects: Vec::new(),
         warnings: warnings(&api, &field, &policy, now).await?,
@@ -152,7 +152,7 @@ pub async fn preview_decision(
             let outcome = gate.on(now, candidate.clone());
             let is_withheld = outcome == GateOutcome::Suppressed;
             let effects = effects(&policy, field_type, &candidate, is_withheld, now);
-            // What is delayed or waits for its hour leaves like this once its time has come.
+            // A value that is delayed or waits for working hours leaves at its due time.
             let mut held_until = None;
             while let Some(due) = gate.due().filter(|_| gate.disclosed().is_none()) {
                 held_until = Some(due);
@@ -194,7 +194,7 @@ async fn effective(
     found.ok_or_else(|| Problem::not_found("such field"))
 }
 
-/// What any partner could conclude with this field, once each.
+/// Returns the conclusions that any partner could draw with this field, once each.
 async fn warnings(
     api: &Api,
     field: &FieldKey,
@@ -218,7 +218,7 @@ async fn warnings(
     Ok(found)
 }
 
-async fn told(
+async fn statement(
     api: &Api,
     field: &FieldKey,
     policy: &DisclosurePolicy,

@@ -1,4 +1,4 @@
-//! Which problems operations answer with, and how the inner errors become them.
+//! Problems of all operations, and their conversion from errors of the connector.
 
 use daemon::web::{Problem, problem::ProblemFault};
 use mapping_engine::{EngineError, MappingDiagnostic, Severity};
@@ -75,7 +75,7 @@ impl From<DeskError> for Problem {
     }
 }
 
-/// What the mapping engine refused.
+/// Converts an error of the mapping engine.
 pub fn engine(error: EngineError) -> Problem {
     match error {
         EngineError::Rejected(diagnostics) => mapping_faults(diagnostics),
@@ -84,12 +84,12 @@ pub fn engine(error: EngineError) -> Problem {
     }
 }
 
-/// What a source refused, or why it cannot be asked.
+/// Converts an error of a local server or of its connection.
 pub fn shop_floor(error: ShopFloorError) -> Problem {
     Problem::unprocessable("SOURCE_REFUSED", format!("{error}."), Vec::new())
 }
 
-/// What keeps a mapping from being published.
+/// Returns the problem that lists all errors of a mapping.
 pub fn mapping_faults(diagnostics: Vec<MappingDiagnostic>) -> Problem {
     let faults = diagnostics
         .into_iter()

@@ -1,4 +1,4 @@
-//! Ending consents, and the receipts of it.
+//! Revocation of consents, and its receipts.
 
 mod receipt_page;
 
@@ -13,13 +13,13 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem};
+use disclosure::Language;
+use receipt_page::receipt_page;
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 
-use receipt_page::receipt_page;
-
 use super::{
-    Api,
+    context::Api,
     problems::Problems,
     roles::{Engineer, Viewer},
     view::Page,
@@ -28,34 +28,33 @@ use crate::{
     books::{Books, Verdict},
     store::StoredRevocation,
 };
-use disclosure::Language;
 
 /// Receipts per page, and most that may be asked for.
 const PAGE: u32 = 50;
 
-/// Whose consent ends: single fields, or everything that the other members name together.
+/// Fields whose consents end: single ones, or all that the other members select together.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RevocationBody {
-    /// These fields.
+    /// Single fields; if any, the other members select none.
     #[serde(default)]
     fields: Vec<FieldKey>,
     /// All fields of this network.
     operation_network_id: Option<OperationNetworkId>,
-    /// Of it, only those about this operation.
+    /// Of them, those about this operation.
     operation_id: Option<OperationId>,
-    /// Of it, only those of this request.
+    /// Of them, those of this request.
     dynamic_data_request_id: Option<DynamicDataRequestId>,
     /// All fields that this organisation may see.
     recipient_id: Option<OrganisationId>,
-    /// How the fields are decided from now on: `PENDING` (without it) or `REFUSED`.
+    /// State of the fields from now on: `PENDING` (the default) or `REFUSED`.
     mapping_state: Option<MappingState>,
-    /// Told to the partner; needed with `REFUSED`.
+    /// Reason that the partner reads; needed with `REFUSED`.
     reason: Option<String>,
 }
 
-/// Ends consents: values stop at once, what waits is taken back, the partner is told, and the
-/// receipt says what had left.
+/// Revokes consents. Values stop at once, waiting reports are taken back, the partner is notified,
+/// and the receipt lists what had left.
 #[utoipa::path(
     post,
     path = "/revocations",
@@ -68,7 +67,7 @@ pub async fn revoke_consents(
     State(api): State<Api>,
     ApiJson(body): ApiJson<RevocationBody>,
 ) -> Result<(StatusCode, Json<StoredRevocation>), Problem> {
-    let verdict = match body.mapping_state {
+    let command = match body.mapping_state {
         None | Some(MappingState::Pending) => Verdict::LeavePending,
         Some(MappingState::Refused) => Verdict::Refuse,
         Some(MappingState::Mapped) => {
@@ -87,20 +86,20 @@ pub async fn revoke_consents(
     }
     let reason = body.reason.clone();
     let fields = if body.fields.is_empty() {
-        api.desk.read(move |books| meant(books, &body)).await?
+        api.desk.read(move |books| selected(books, &body)).await?
     } else {
         body.fields
     };
-    let id = api.desk.revoke(fields, verdict, reason, &user.principal.user_name).await?;
+    let id = api.desk.revoke(fields, command, reason, &user.principal.user_name).await?;
     let receipt = api.store().await?.revocations().lookup(&id.to_string()).await?;
     receipt
         .map(|receipt| (StatusCode::CREATED, Json(receipt)))
         .ok_or_else(|| Problem::not_found("such revocation"))
 }
 
-/// The mapped fields that a wide revocation means.
-fn meant(books: &Books, body: &RevocationBody) -> Vec<FieldKey> {
-    let is_meant = |key: &FieldKey| {
+/// Returns the mapped fields that a revocation selects.
+fn selected(books: &Books, body: &RevocationBody) -> Vec<FieldKey> {
+    let is_selected = |key: &FieldKey| {
         let request = &key.request;
         body.operation_network_id.as_ref().is_none_or(|id| *id == request.operation_network_id)
             && body.operation_id.as_ref().is_none_or(|id| *id == request.operation_id)
@@ -113,14 +112,14 @@ fn meant(books: &Books, body: &RevocationBody) -> Vec<FieldKey> {
     let mut keys: Vec<FieldKey> = books
         .fields
         .iter()
-        .filter(|field| field.decision.is_mapped() && is_meant(&field.key))
+        .filter(|field| field.decision.is_mapped() && is_selected(&field.key))
         .map(|field| field.key.clone())
         .collect();
     keys.sort();
     keys
 }
 
-/// Which page.
+/// Page of receipts.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct RevocationsQuery {
@@ -169,7 +168,7 @@ async fn find(api: &Api, id: &str) -> Result<StoredRevocation, Problem> {
     found.ok_or_else(|| Problem::not_found("such revocation"))
 }
 
-/// In which language to print.
+/// Language of a printed receipt.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct PrintQuery {
@@ -178,7 +177,7 @@ pub struct PrintQuery {
     language: Option<Language>,
 }
 
-/// A receipt as a page to print.
+/// Prints a receipt as a page.
 #[utoipa::path(
     get,
     path = "/revocations/{revocationId}/print",

@@ -3,11 +3,13 @@
 use asi_model::FieldKey;
 use axum::{Json, extract::State, http::HeaderMap};
 use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem};
+use disclosure::{DocumentId, DocumentVersion, Rule, Versioned};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::{
-    Api, documents,
+    context::Api,
+    documents,
     problems::Problems,
     roles::{Engineer, Viewer},
     view::{Page, RuleOfferView},
@@ -16,7 +18,6 @@ use crate::{
     books::{Books, DocumentError},
     store::{DocumentKind, RuleDecision},
 };
-use disclosure::{DocumentId, DocumentVersion, Rule, Versioned};
 
 /// Most fields listed in the preview of a rule.
 const MATCHES_MAX: usize = 500;
@@ -37,8 +38,8 @@ pub async fn list_rules(
     Ok(Json(Page::whole(api.desk.read(Books::rules).await?)))
 }
 
-/// Keeps a new version of a rule. Enabled, it decides about requests from now on; what is there
-/// already is decided by `POST /rules/apply`. `If-Match` as for policies.
+/// Stores a new version of a rule. Enabled, it decides about requests from now on; requests that are
+/// there already are decided by `POST /rules/apply`. `If-Match` as for policies.
 #[utoipa::path(
     put,
     path = "/rules/{ruleId}",
@@ -60,7 +61,7 @@ pub async fn put_rule(
     documents::keep(&api, &user.principal.user_name, &headers, put).await.map(Json)
 }
 
-/// Every version of a rule, newest first.
+/// Lists every version of a rule, newest first.
 #[utoipa::path(
     get,
     path = "/rules/{ruleId}/versions",
@@ -80,17 +81,16 @@ pub async fn list_rule_versions(
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RuleMatch {
-    /// The field.
     key: FieldKey,
     /// `PENDING`, `MAPPED` or `REFUSED`: only undecided fields would be decided.
     mapping_state: asi_model::messages::MappingState,
     /// It is undecided and no engineer has left it open: the rule would decide now.
     would_decide: bool,
-    /// What the rule says.
+    /// Decision that the rule offers.
     offer: RuleOfferView,
 }
 
-/// What a rule would match.
+/// Matches of a draft of a rule.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RulePreview {
@@ -102,7 +102,7 @@ pub struct RulePreview {
     items: Vec<RuleMatch>,
 }
 
-/// What a draft of a rule means among the fields that are there; nothing is changed.
+/// Lists the fields that a draft of a rule matches. Changes nothing.
 #[utoipa::path(
     post,
     path = "/rules/preview",
@@ -145,11 +145,11 @@ pub async fn preview_rule(
     Ok(Json(preview))
 }
 
-/// What was decided.
+/// Result of applying the rules.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Applied {
-    /// How many fields.
+    /// Number of fields that were decided.
     decided_count: usize,
 }
 
@@ -165,7 +165,7 @@ pub async fn apply_rules(_: Engineer, State(api): State<Api>) -> Result<Json<App
     Ok(Json(Applied { decided_count }))
 }
 
-/// Which page.
+/// Page of rule decisions.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct DecisionsQuery {
@@ -175,7 +175,7 @@ pub struct DecisionsQuery {
     limit: Option<u32>,
 }
 
-/// Lists what rules have decided by themselves, newest first.
+/// Lists the decisions that rules made, newest first.
 #[utoipa::path(
     get,
     path = "/rule-decisions",
@@ -194,8 +194,8 @@ pub async fn list_rule_decisions(
     Ok(Json(Page::of(items, limit, |last| last.id.clone())))
 }
 
-/// Takes back what rules decided about a field: it is undecided again and the engineer's. Conflicts
-/// where something else was decided since.
+/// Undoes the decision of rules about a field: it is pending again, and left to the engineer. A
+/// conflict if something else was decided since.
 #[utoipa::path(
     post,
     path = "/rule-decisions/{id}/undo",

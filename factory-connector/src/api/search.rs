@@ -1,4 +1,4 @@
-//! Finding a variable of a server by words of its path.
+//! Search for variables of a server by words of their paths.
 
 use std::time::Duration;
 
@@ -10,20 +10,20 @@ use shop_floor::{BrowsedNode, ListedVariable, SourceId};
 use utoipa::{IntoParams, ToSchema};
 
 use super::{
-    Api,
+    context::Api,
     problems::{Problems, shop_floor},
     roles::Viewer,
 };
 
-/// Finds without being told how many, and at most.
-const FINDS_DEFAULT: usize = 50;
-const FINDS_MAX: usize = 200;
+/// Found variables in an answer without a limit, and at most.
+const RESULTS_DEFAULT: usize = 50;
+const RESULTS_MAX: usize = 200;
 /// Longest text, in bytes.
 const TEXT_BYTES_MAX: usize = 256;
-/// How long a page waits for the list of a server that was not listed yet.
-const PATIENCE: Duration = Duration::from_secs(8);
+/// Time that a page waits for the list of a server that was not listed yet.
+const LISTING_TIMEOUT: Duration = Duration::from_secs(8);
 
-/// What to look for.
+/// Search for variables.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct SearchQuery {
@@ -33,36 +33,35 @@ pub struct SearchQuery {
     limit: Option<usize>,
 }
 
-/// What was found.
+/// Variables that were found.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
-pub struct Finds {
-    /// The variables, those whose own name fits first, each with its browse path.
+pub struct FoundVariables {
+    /// Variables with their browse paths, those whose own name fits first.
     items: Vec<BrowsedNode>,
-    /// How many fit in all.
+    /// Number of all variables that fit.
     total: usize,
-    /// False while the server is still being walked through (ask again), or where it is too large
-    /// to be listed.
+    /// False while the server's variables are still being listed (ask again), or if there are too
+    /// many.
     is_complete: bool,
-    /// When the server was walked through.
+    /// Time at which the server's variables were listed.
     listed_at: Option<DateTime>,
 }
 
-/// Finds variables of a server by words of their paths, in the list of its variables that the
-/// connector keeps.
+/// Searches the connector's list of a server's variables for words of their paths.
 #[utoipa::path(
     get,
     path = "/sources/{sourceId}/search",
     tag = "sources",
     params(("sourceId" = String, Path), SearchQuery),
-    responses((status = 200, body = Finds), Problems)
+    responses((status = 200, body = FoundVariables), Problems)
 )]
 pub async fn search_source(
     _: Viewer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<SourceId>,
     ApiQuery(query): ApiQuery<SearchQuery>,
-) -> Result<Json<Finds>, Problem> {
+) -> Result<Json<FoundVariables>, Problem> {
     let words: Vec<String> =
         query.text.to_lowercase().split_whitespace().map(str::to_owned).collect();
     if words.is_empty() || query.text.len() > TEXT_BYTES_MAX {
@@ -71,8 +70,8 @@ pub async fn search_source(
             "Give a text of 1 to 256 characters to look for.",
         ));
     }
-    let Some(listing) = api.catalog.list(&id, PATIENCE).await else {
-        return Ok(Json(Finds {
+    let Some(listing) = api.catalog.list(&id, LISTING_TIMEOUT).await else {
+        return Ok(Json(FoundVariables {
             items: Vec::new(),
             total: 0,
             is_complete: false,
@@ -82,7 +81,7 @@ pub async fn search_source(
     if let Some(problem) = listing.problem {
         return Err(Problem::unprocessable("SOURCE_REFUSED", format!("{problem}."), Vec::new()));
     }
-    let most = query.limit.unwrap_or(FINDS_DEFAULT).clamp(1, FINDS_MAX);
+    let most = query.limit.unwrap_or(RESULTS_DEFAULT).clamp(1, RESULTS_MAX);
     let list = std::sync::Arc::clone(&listing.list);
     let found = tokio::task::spawn_blocking(move || find(&list.variables, &words, most)).await;
     let (best, total) = found.map_err(|error| Problem::internal(&error))?;
@@ -95,11 +94,11 @@ pub async fn search_source(
             .map(|variable| variable.browse_path.clone());
     }
     let (is_complete, listed_at) = (listing.list.is_complete, Some(listing.listed_at));
-    Ok(Json(Finds { items, total, is_complete, listed_at }))
+    Ok(Json(FoundVariables { items, total, is_complete, listed_at }))
 }
 
-/// The variables in whose paths all words occur, those with all in their own name first; and how
-/// many there are.
+/// Returns up to `most` variables in whose paths all words occur, those with all in their own name
+/// first, and the number of all.
 fn find(
     variables: &[ListedVariable],
     words: &[String],

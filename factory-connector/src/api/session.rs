@@ -1,4 +1,4 @@
-//! Signing in and out.
+//! Sign-in and sign-out.
 
 use std::net::SocketAddr;
 
@@ -15,10 +15,10 @@ use daemon::{
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{Api, Principal, problems::Problems, roles::Viewer};
+use super::{accounts::Principal, context::Api, problems::Problems, roles::Viewer};
 use crate::store::Role;
 
-/// Who wants to sign in.
+/// Credentials of a person.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct SignIn {
@@ -27,22 +27,22 @@ pub struct SignIn {
     password: Confidential<String>,
 }
 
-/// Who is signed in.
+/// Session of a person.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Session {
     user_name: String,
     role: Role,
-    /// What changes must carry in the header `x-csrf-token`.
+    /// Value of the header `x-csrf-token` that changes need.
     csrf_token: String,
 }
 
 impl From<SignedIn<Principal>> for Session {
-    fn from(who: SignedIn<Principal>) -> Self {
+    fn from(user: SignedIn<Principal>) -> Self {
         Self {
-            user_name: who.principal.user_name,
-            role: who.principal.role,
-            csrf_token: who.csrf_token,
+            user_name: user.principal.user_name,
+            role: user.principal.role,
+            csrf_token: user.csrf_token,
         }
     }
 }
@@ -61,11 +61,11 @@ pub async fn sign_in(
     jar: CookieJar,
     ApiJson(body): ApiJson<SignIn>,
 ) -> Result<(CookieJar, Json<Session>), Problem> {
-    let (cookie, who) = api.sessions.sign_in(client.ip(), &body.user_name, &body.password).await?;
-    Ok((jar.add(cookie), Json(who.into())))
+    let (cookie, user) = api.sessions.sign_in(client.ip(), &body.user_name, &body.password).await?;
+    Ok((jar.add(cookie), Json(user.into())))
 }
 
-/// Says who is signed in.
+/// Shows the session of the caller.
 #[utoipa::path(
     get,
     path = "/session",

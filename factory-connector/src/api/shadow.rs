@@ -1,4 +1,4 @@
-//! A mapping on trial: it runs on live values beside the published one and writes nothing.
+//! Shadow mappings, which run on live values beside the published ones and write nothing.
 
 use asi_model::{DateTime, messages::ValueSource};
 use axum::{Json, extract::State, http::StatusCode};
@@ -11,34 +11,33 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{
-    Api,
-    exchange::{Wanted, place},
+    context::Api,
     fields::{MappingDraft, checked, field_view},
+    mapping_import::{ImportOptions, SubmittedMapping, import},
     paths::FieldPath,
     problems::{Problems, engine},
     roles::{Engineer, Viewer},
     view::FieldView,
 };
 
-/// A mapping on trial beside the published one.
+/// A shadow mapping beside the published one.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ShadowView {
-    /// The mapping on trial.
+    /// The shadow mapping.
     mapping: Mapping,
-    /// Who started it.
+    /// Name of the person who started it.
     author: String,
-    /// When.
     started_at: DateTime,
-    /// What differs from the published one; none where nothing is published.
+    /// Differences to the published mapping; none if there is none.
     changes: Vec<MappingChange>,
-    /// How it is doing, its last value with it.
+    /// Status with the last value; none before it runs.
     status: Option<MappingStatus>,
-    /// How the published one is doing.
+    /// Status of the published mapping; none if there is none.
     published: Option<MappingStatus>,
 }
 
-/// Lets a mapping run on live values without writing, in place of the one on trial so far.
+/// Starts a shadow mapping, in place of the present one.
 #[utoipa::path(
     put,
     path = "/shadow",
@@ -59,7 +58,7 @@ pub async fn start_shadow_mapping(
     view(&api, field).await
 }
 
-/// Shows the mapping on trial, with its values beside those of the published one.
+/// Shows the shadow mapping, with its values beside those of the published one.
 #[utoipa::path(
     get,
     path = "/shadow",
@@ -75,7 +74,7 @@ pub async fn show_shadow_mapping(
     view(&api, path.into_key()).await
 }
 
-/// Ends the trial.
+/// Ends the shadow mapping.
 #[utoipa::path(
     delete,
     path = "/shadow",
@@ -92,7 +91,7 @@ pub async fn end_shadow_mapping(
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Publishes the mapping on trial as the next version, under the consent in force; the trial ends.
+/// Publishes the shadow mapping as the next version, under the consent in force, and ends it.
 #[utoipa::path(
     post,
     path = "/shadow/publish",
@@ -106,11 +105,11 @@ pub async fn publish_shadow_mapping(
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<FieldView>, Problem> {
     let field = path.into_key();
-    let wanted = field.clone();
+    let key = field.clone();
     let known = api
         .desk
         .read(move |books| {
-            let field = books.field(&wanted)?;
+            let field = books.field(&key)?;
             let shadow = field.shelf.shadow.as_ref().map(|shadow| shadow.mapping.clone());
             Some((shadow, field.decision.is_open_for(ValueSource::Mapping)))
         })
@@ -122,8 +121,9 @@ pub async fn publish_shadow_mapping(
         return Err(Problem::conflict("NOT_MAPPED", message));
     }
     let author = &user.principal.user_name;
-    let wanted = Wanted { mapping, pointer: "/mapping".to_owned() };
-    place(&api, vec![wanted], author, Some("tried as a shadow".to_owned()), false).await?;
+    let submitted = SubmittedMapping { mapping, pointer: "/mapping".to_owned() };
+    let options = ImportOptions { author, note: Some("tried as a shadow"), is_dry_run: false };
+    import(&api, vec![submitted], options, Vec::new()).await?;
     api.desk.shadow(field.clone(), None, author).await?;
     field_view(&api, field).await
 }
@@ -144,7 +144,7 @@ async fn view(api: &Api, field: asi_model::FieldKey) -> Result<Json<ShadowView>,
     let (shadow, published, shadow_id, mapping_id) =
         known.ok_or_else(|| Problem::not_found("such field"))?;
     let shadow = shadow.ok_or_else(no_shadow)?;
-    // Only what a person wrote is compared, not the ids.
+    // Ids are not compared, only what a person wrote.
     let written = Mapping { mapping_id: mapping_id.clone(), ..shadow.mapping.clone() };
     Ok(Json(ShadowView {
         changes: published.map(|published| compare(&published, &written)).unwrap_or_default(),
@@ -157,5 +157,5 @@ async fn view(api: &Api, field: asi_model::FieldKey) -> Result<Json<ShadowView>,
 }
 
 fn no_shadow() -> Problem {
-    Problem::not_found("mapping on trial for this field")
+    Problem::not_found("shadow mapping of this field")
 }

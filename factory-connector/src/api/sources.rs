@@ -10,26 +10,26 @@ use shop_floor::{
 use utoipa::{IntoParams, ToSchema};
 
 use super::{
-    Api,
+    context::Api,
     problems::{Problems, shop_floor},
     roles::{Engineer, Viewer},
     view::Page,
 };
 use crate::{store::SourceRow, values::ShownValue};
 
-/// Children per page without a wish, and at most.
+/// Children per page without a limit, and at most.
 const CHILDREN: usize = 500;
 const CHILDREN_MAX: usize = 1000;
 
-/// A source with its configuration and how it stands.
+/// A source with its configuration and status.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct SourceView {
-    /// How it is configured, without its password.
+    /// Configuration without the password.
     #[serde(flatten)]
     #[schema(value_type = Object)]
     config: serde_json::Value,
-    /// How it stands.
+    /// Status of the connection.
     #[serde(flatten)]
     status: SourceStatus,
 }
@@ -135,11 +135,11 @@ pub async fn remove_source(
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Below what to look.
+/// Page of a node's children.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct NodesQuery {
-    /// The node whose children to list; the Objects folder without it.
+    /// Node whose children are listed; the Objects folder without it.
     parent: Option<NodeId>,
     /// `nextCursor` of the page before.
     cursor: Option<usize>,
@@ -168,11 +168,11 @@ pub async fn browse_source(
     Ok(Json(Page { items, next_cursor: next.map(|next| next.to_string()) }))
 }
 
-/// Which variable.
+/// Variable to read.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct ValueQuery {
-    /// The variable.
+    /// Node id of the variable.
     node: NodeId,
 }
 
@@ -212,7 +212,7 @@ pub async fn list_source_certificates(
     Ok(Json(Page::whole(api.shop_floor.certificates().await.map_err(shop_floor)?)))
 }
 
-/// Whether a certificate is trusted.
+/// Approval of a server's certificate.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct TrustBody {

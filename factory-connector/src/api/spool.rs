@@ -1,17 +1,17 @@
-//! What waits to leave, and what was rejected.
+//! Spool and dead letters.
 
 use axum::{Json, extract::State};
 use daemon::web::{ApiQuery, Problem};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-use super::{Api, problems::Problems, roles::Viewer, view::Page};
+use super::{context::Api, problems::Problems, roles::Viewer, view::Page};
 use crate::store::DeadLetter;
 
 /// Letters per page.
 const PAGE: u32 = 100;
 
-/// Shows how much waits to leave.
+/// Shows the backlog of the spool.
 #[utoipa::path(
     get,
     path = "/spool",
@@ -26,10 +26,10 @@ pub async fn show_spool(
     Ok(Json(serde_json::to_value(backlog).unwrap_or_default()))
 }
 
-/// Which page.
+/// Page of dead letters.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
-pub struct LettersQuery {
+pub struct DeadLettersQuery {
     /// `nextCursor` of the page before.
     cursor: Option<i64>,
 }
@@ -39,13 +39,13 @@ pub struct LettersQuery {
     get,
     path = "/dead-letters",
     tag = "spool",
-    params(LettersQuery),
+    params(DeadLettersQuery),
     responses((status = 200, body = Page<DeadLetter>), Problems)
 )]
 pub async fn list_dead_letters(
     _: Viewer,
     State(api): State<Api>,
-    ApiQuery(query): ApiQuery<LettersQuery>,
+    ApiQuery(query): ApiQuery<DeadLettersQuery>,
 ) -> Result<Json<Page<DeadLetter>>, Problem> {
     let items =
         api.store().await?.dead_letters().page(query.cursor.unwrap_or(i64::MAX), PAGE).await?;

@@ -1,4 +1,4 @@
-//! How the connector stands, with evidence.
+//! Status of the connector.
 
 use asi_model::DateTime;
 use axum::{Json, extract::State};
@@ -7,37 +7,36 @@ use serde::Serialize;
 use shop_floor::SourceStatus;
 use utoipa::ToSchema;
 
-use super::{Api, problems::Problems, roles::Viewer};
+use super::{context::Api, problems::Problems, roles::Viewer};
 use crate::desk::now;
 
-/// How the connector stands.
+/// Status of the connector, with evidence.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Status {
     factory_id: String,
     version: &'static str,
     started_at: DateTime,
-    /// Its own clock, to tell ages by.
+    /// Clock of the connector; pages compute ages from it.
     now: DateTime,
-    /// The link to the platform: `state` (connecting, up, down, stopped), since when, and why.
+    /// Link to the platform: `state` (connecting, up, down, stopped), `since` and `reason`.
     #[schema(value_type = Object)]
     link: serde_json::Value,
-    /// Whether this connector may speak for its factory: `state` (`ASKING`, `HELD`, `REFUSED`),
-    /// since when, and which other connector (`holder`, `contender`) has the factory's credential,
-    /// too.
+    /// Lease to speak for the factory: `state` (`ASKING`, `HELD`, `REFUSED`), `since`, and the other
+    /// connector with the factory's credential (`holder`, `contender`).
     #[schema(value_type = Object)]
     lease: serde_json::Value,
-    /// The OPC UA server.
+    /// OPC UA server: `endpointUrl`.
     #[schema(value_type = Object)]
     twin: serde_json::Value,
-    /// What waits to leave.
+    /// Backlog of the spool.
     #[schema(value_type = Object)]
     spool: serde_json::Value,
-    /// The local servers.
+    /// Status of each local server.
     sources: Vec<SourceStatus>,
 }
 
-/// Says how the connector stands.
+/// Shows the status of the connector.
 #[utoipa::path(
     get,
     path = "/status",
@@ -59,9 +58,9 @@ pub async fn show_status(_: Viewer, State(api): State<Api>) -> Result<Json<Statu
     }
     let backlog = api.store().await?.spool().backlog().await?;
     Ok(Json(Status {
-        factory_id: api.factory_id.to_string(),
+        factory_id: api.instance.factory_id.to_string(),
         version: env!("CARGO_PKG_VERSION"),
-        started_at: api.started_at,
+        started_at: api.instance.started_at,
         now: now(),
         link,
         lease: serde_json::to_value(&*api.lease.borrow()).unwrap_or_default(),

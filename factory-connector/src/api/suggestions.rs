@@ -1,4 +1,4 @@
-//! Which variables of the connected servers a field might mean.
+//! Suggestions of variables for a field.
 
 use std::{collections::HashMap, time::Duration};
 
@@ -15,19 +15,21 @@ use serde::{Deserialize, Serialize};
 use shop_floor::{BrowsePath, BrowsedNode, MonitorOptions, SourceId, SourceState};
 use utoipa::{IntoParams, ToSchema};
 
-use super::{Api, fields::MappingDraft, paths::FieldPath, problems::Problems, roles::Engineer};
+use super::{
+    context::Api, fields::MappingDraft, paths::FieldPath, problems::Problems, roles::Engineer,
+};
 use crate::{catalog::Listing, values::ShownValue};
 
-/// Suggestions without being told how many, and at most.
+/// Suggestions in an answer without a limit, and at most.
 const SUGGESTIONS_DEFAULT: usize = 10;
 const SUGGESTIONS_MAX: usize = 100;
 /// Of how many variables per server type, unit and value are looked up, once names have been
 /// compared.
 const DESCRIBED_MAX: usize = 200;
-/// How long a page waits for the lists of servers that were not listed yet.
-const PATIENCE: Duration = Duration::from_secs(8);
+/// Time that a page waits for the lists of servers that were not listed yet.
+const LISTING_TIMEOUT: Duration = Duration::from_secs(8);
 
-/// How many to suggest.
+/// Length of an answer.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct SuggestionsQuery {
@@ -51,7 +53,7 @@ pub struct SuggestedVariable {
     /// The variable with its score and reasons.
     #[serde(flatten)]
     suggestion: Suggestion,
-    /// What the server says about it.
+    /// Description by the server.
     description: Option<String>,
     /// The built-in type of its value.
     value_type: Option<TypeName>,
@@ -59,7 +61,7 @@ pub struct SuggestedVariable {
     unit: Option<String>,
     /// Its value at this moment.
     value: Option<ShownValue>,
-    /// What is to be decided if it is the right one.
+    /// Mapping to decide with.
     mapping: MappingDraft,
 }
 
@@ -67,16 +69,15 @@ pub struct SuggestedVariable {
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct SearchedSource {
-    /// The server.
     source_id: SourceId,
-    /// How many variables it has.
+    /// Number of its variables.
     variables: usize,
     /// False while the list is being made, or where the server has more than is listed: ask again,
     /// or search by hand.
     is_complete: bool,
-    /// When the list was made.
+    /// Time at which they were listed.
     listed_at: Option<DateTime>,
-    /// Why it could not be looked through.
+    /// Reason why they could not be listed.
     problem: Option<String>,
 }
 
@@ -125,7 +126,7 @@ pub async fn list_suggestions(
     Ok(Json(Suggestions { items, sources }))
 }
 
-/// What is known of a variable beside what suggestions go by.
+/// Details of a variable that suggestions do not depend on.
 struct Detail {
     node: BrowsedNode,
     path: BrowsePath,
@@ -150,7 +151,8 @@ async fn search(
     if !is_connected {
         return (searched, Vec::new());
     }
-    let Some(Listing { list, listed_at, problem }) = api.catalog.list(&source_id, PATIENCE).await
+    let Some(Listing { list, listed_at, problem }) =
+        api.catalog.list(&source_id, LISTING_TIMEOUT).await
     else {
         searched.problem = Some("The server's variables are still being listed.".to_owned());
         return (searched, Vec::new());

@@ -1,4 +1,4 @@
-//! Templates: one mapping for a series of like machines.
+//! Mapping templates: one mapping for a series of like machines.
 
 use std::collections::BTreeMap;
 
@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::{
-    Api,
-    exchange::{ImportOutcome, Wanted, place, refused},
+    context::Api,
+    mapping_import::{ImportOptions, ImportOutcome, SubmittedMapping, import, nothing_imported},
     paths::FieldPath,
     problems::Problems,
     roles::{Engineer, Viewer},
@@ -24,16 +24,14 @@ const TEMPLATES_MAX: usize = 1000;
 const SERIES_MAX: usize = 10_000;
 const ID_BYTES_MAX: usize = 64;
 
-/// A template as it is kept.
+/// A stored template.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct TemplateView {
-    /// The template.
     #[serde(flatten)]
     template: MappingTemplate,
-    /// Who changed it last.
+    /// Name of the person who changed it last.
     author: String,
-    /// When.
     changed_at: DateTime,
 }
 
@@ -60,7 +58,7 @@ pub async fn list_mapping_templates(
     Ok(Json(Page::whole(items)))
 }
 
-/// Keeps a template, in place of the one with the same id.
+/// Stores a template, in place of the one with the same id.
 #[utoipa::path(
     put,
     path = "/mapping-templates/{templateId}",
@@ -85,11 +83,11 @@ pub async fn put_mapping_template(
     if !faults.is_empty() {
         return Err(Problem::unprocessable("INVALID_TEMPLATE", "The template has errors.", faults));
     }
-    take(&api, vec![template.clone()], &user.principal.user_name, false).await?;
+    store_all(&api, vec![template.clone()], &user.principal.user_name, false).await?;
     Ok(Json(template))
 }
 
-/// Forgets a template; mappings made from it stay.
+/// Removes a template; mappings made from it stay.
 #[utoipa::path(
     delete,
     path = "/mapping-templates/{templateId}",
@@ -106,19 +104,19 @@ pub async fn remove_mapping_template(
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// How to make a template of a field's mapping.
+/// Draft of a template of a field's mapping.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct TemplateDraft {
     /// Its id: letters, digits, `_` and `-`.
     template_id: String,
-    /// What people call it.
+    /// Name for people.
     name: Option<String>,
-    /// The parameters and the texts that they stand for in this mapping, as `machine` for `Press1`.
+    /// Parameters and the texts that they replace in this mapping, as `machine` for `Press1`.
     parameters: BTreeMap<String, String>,
 }
 
-/// Makes a template of a field's mapping; it is not kept yet.
+/// Makes a template of a field's mapping without storing it.
 #[utoipa::path(
     post,
     path = "/template",
@@ -158,18 +156,17 @@ pub struct Series {
     patterns: BTreeMap<String, String>,
 }
 
-/// Whether to do it.
+/// Mode of filling a template.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query, rename_all = "camelCase")]
 #[serde(rename_all = "camelCase")]
 pub struct FillQuery {
-    /// True: say what would happen and change nothing.
+    /// True to change nothing and return the outcome that there would be.
     #[serde(default)]
     dry_run: bool,
 }
 
-/// Fills a template once per member of a series and takes the mappings, as an import does: all or
-/// none.
+/// Fills a template once per member of a series and imports the mappings, all or none.
 #[utoipa::path(
     post,
     path = "/mapping-templates/{templateId}/fill",
@@ -186,13 +183,13 @@ pub async fn fill_mapping_template(
     ApiJson(series): ApiJson<Series>,
 ) -> Result<Json<ImportOutcome>, Problem> {
     let template =
-        all(&api).await?.into_iter().find(|template| template.template_id == template_id);
+        load_all(&api).await?.into_iter().find(|template| template.template_id == template_id);
     let template = template.ok_or_else(|| Problem::not_found("such template"))?;
-    let (mut wanted, mut faults) = (Vec::new(), Vec::new());
+    let (mut submitted, mut faults) = (Vec::new(), Vec::new());
     for (index, values) in members(series)?.iter().enumerate() {
         let pointer = format!("/sets/{index}");
         match template.fill(values) {
-            Ok(mapping) => wanted.push(Wanted { mapping, pointer }),
+            Ok(mapping) => submitted.push(SubmittedMapping { mapping, pointer }),
             Err(fault) => {
                 faults.push(ProblemFault {
                     pointer,
@@ -203,13 +200,18 @@ pub async fn fill_mapping_template(
         }
     }
     if !faults.is_empty() {
-        return Err(refused(faults));
+        return Err(nothing_imported(faults));
     }
-    let note = Some(format!("from the template {template_id}"));
-    Ok(Json(place(&api, wanted, &user.principal.user_name, note, query.dry_run).await?))
+    let note = format!("from the template {template_id}");
+    let options = ImportOptions {
+        author: &user.principal.user_name,
+        note: Some(&note),
+        is_dry_run: query.dry_run,
+    };
+    Ok(Json(import(&api, submitted, options, faults).await?))
 }
 
-/// The values of each member.
+/// Returns the parameter values of each member.
 fn members(series: Series) -> Result<Vec<BTreeMap<String, String>>, Problem> {
     let Series { sets, patterns } = series;
     let invalid = |pointer: &str, message: String| {
@@ -256,15 +258,15 @@ fn members(series: Series) -> Result<Vec<BTreeMap<String, String>>, Problem> {
     Ok(sets)
 }
 
-/// All templates.
-pub(super) async fn all(api: &Api) -> Result<Vec<MappingTemplate>, Problem> {
+/// Returns all templates.
+pub(super) async fn load_all(api: &Api) -> Result<Vec<MappingTemplate>, Problem> {
     let rows = api.store().await?.mapping_templates().all().await?;
     let templates =
         rows.iter().map(|row| serde_json::from_str(&row.template)).collect::<Result<_, _>>();
     templates.map_err(|error: serde_json::Error| Problem::internal(&error))
 }
 
-/// What is wrong with templates, apart from what only filling shows.
+/// Returns the faults of templates, except those that only filling shows.
 pub(super) fn faults(templates: &[MappingTemplate]) -> Vec<ProblemFault> {
     let mut faults = Vec::new();
     for (index, template) in templates.iter().enumerate() {
@@ -289,8 +291,8 @@ pub(super) fn faults(templates: &[MappingTemplate]) -> Vec<ProblemFault> {
     faults
 }
 
-/// Keeps templates; how many of them are new or other.
-pub(super) async fn take(
+/// Stores templates and returns the number of new or changed ones.
+pub(super) async fn store_all(
     api: &Api,
     templates: Vec<MappingTemplate>,
     author: &str,
@@ -299,7 +301,7 @@ pub(super) async fn take(
     if templates.is_empty() {
         return Ok(0);
     }
-    let known = all(api).await?;
+    let known = load_all(api).await?;
     let other: Vec<_> =
         templates.into_iter().filter(|template| !known.contains(template)).collect();
     if known.len() + other.len() > TEMPLATES_MAX {

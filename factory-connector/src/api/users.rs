@@ -1,4 +1,4 @@
-//! People who may sign in, at the pages and at the twin.
+//! Users of the pages and of the OPC UA server.
 
 use axum::{Json, extract::State, http::StatusCode};
 use daemon::{
@@ -12,7 +12,7 @@ use daemon::{
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{Api, problems::Problems, roles::Engineer, view::Page};
+use super::{context::Api, problems::Problems, roles::Engineer, view::Page};
 use crate::{
     desk::now,
     store::{Role, Session, Store, StoreError, User},
@@ -31,7 +31,7 @@ pub struct UserView {
     role: Role,
 }
 
-/// Lists everybody who may sign in.
+/// Lists all users.
 #[utoipa::path(
     get,
     path = "/users",
@@ -42,10 +42,10 @@ pub async fn list_users(
     _: Engineer,
     State(api): State<Api>,
 ) -> Result<Json<Page<UserView>>, Problem> {
-    Ok(Json(Page::whole(everybody(&api).await?)))
+    Ok(Json(Page::whole(all_users(&api).await?)))
 }
 
-/// What a person may do, and a password.
+/// Role and password of a user.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct UserBody {
@@ -75,15 +75,15 @@ pub async fn put_user(
     // Two engineers who take each other's role at once must not both succeed.
     let _change = api.accounts.change().await;
     let known = api.store().await?.users().lookup(&user_name).await?;
-    let everybody = everybody(&api).await?;
-    if known.is_none() && everybody.len() >= USERS_MAX {
+    let known_users = all_users(&api).await?;
+    if known.is_none() && known_users.len() >= USERS_MAX {
         return Err(Problem::conflict(
             "LIMIT_REACHED",
             "There are 1000 users already. Remove some first.",
         ));
     }
     if body.role != Role::Engineer {
-        keep_an_engineer(&everybody, &user_name)?;
+        keep_an_engineer(&known_users, &user_name)?;
     }
     let has_new_password = body.password.is_some();
     let password_hash = match (body.password, known) {
@@ -92,7 +92,7 @@ pub async fn put_user(
         (None, None) => return Err(fault("/password", "A new person needs a password.")),
     };
     if has_new_password && user_name == user.principal.user_name {
-        api.accounts.stay_good_for(&user.session, &password_hash);
+        api.accounts.extend_to(&user.session, &password_hash);
     }
     let changed = User { user_name: user_name.clone(), role: body.role, password_hash };
     on_store(&api, move |mut session| async move { session.users().put(&changed, now()).await })
@@ -124,7 +124,7 @@ pub async fn remove_user(
     ApiPath(user_name): ApiPath<String>,
 ) -> Result<StatusCode, Problem> {
     let _change = api.accounts.change().await;
-    keep_an_engineer(&everybody(&api).await?, &user_name)?;
+    keep_an_engineer(&all_users(&api).await?, &user_name)?;
     let name = user_name.clone();
     if !on_store(&api, move |mut session| async move { session.users().remove(&name).await })
         .await?
@@ -137,7 +137,7 @@ pub async fn remove_user(
     Ok(StatusCode::NO_CONTENT)
 }
 
-async fn everybody(api: &Api) -> Result<Vec<UserView>, Problem> {
+async fn all_users(api: &Api) -> Result<Vec<UserView>, Problem> {
     let found = api.store().await?.users().all().await?;
     Ok(found
         .into_iter()
@@ -145,21 +145,22 @@ async fn everybody(api: &Api) -> Result<Vec<UserView>, Problem> {
         .collect())
 }
 
-/// Works on a connection of its own, on a thread of its own.
+/// Runs work on a connection and a thread of its own.
 async fn on_store<T, W, F>(api: &Api, work: W) -> Result<T, Problem>
 where
     T: Send + 'static,
     W: FnOnce(Session) -> F + Send + 'static,
     F: Future<Output = Result<T, StoreError>>,
 {
-    let (directory, runtime) = (api.data_directory.clone(), tokio::runtime::Handle::current());
+    let (directory, runtime) =
+        (api.instance.data_directory.clone(), tokio::runtime::Handle::current());
     let done = tokio::task::spawn_blocking(move || {
         runtime.block_on(async { work(Store::connect(&directory).await?).await })
     });
     Ok(done.await.map_err(|error| Problem::internal(&error))??)
 }
 
-/// Argon2 is made to be slow: it has a thread of its own.
+/// Hashes a password on a thread of its own: Argon2 is made to be slow.
 async fn hash(password: Confidential<String>) -> Result<String, Problem> {
     let hashed =
         tokio::task::spawn_blocking(move || PasswordHash::of(&password, PasswordPolicy::default()))
@@ -173,10 +174,10 @@ async fn hash(password: Confidential<String>) -> Result<String, Problem> {
     }
 }
 
-/// Without an engineer nobody could change anything any more, users least of all.
-fn keep_an_engineer(everybody: &[UserView], but: &str) -> Result<(), Problem> {
-    let is_left = everybody.iter().any(|user| user.role == Role::Engineer && user.user_name != but);
-    if is_left || !everybody.iter().any(|user| user.user_name == but) {
+/// Returns a conflict if no engineer would be left, who alone can add another one.
+fn keep_an_engineer(users: &[UserView], but: &str) -> Result<(), Problem> {
+    let is_left = users.iter().any(|user| user.role == Role::Engineer && user.user_name != but);
+    if is_left || !users.iter().any(|user| user.user_name == but) {
         return Ok(());
     }
     Err(Problem::conflict(

@@ -1,4 +1,4 @@
-//! Versions of a field's mapping: who published what, what changed, and the way back.
+//! Versions of a field's mapping: list, comparison and rollback.
 
 use asi_model::{DateTime, FieldKey};
 use axum::{Json, extract::State};
@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::{
-    Api,
-    exchange::{Wanted, place},
+    context::Api,
     fields::field_view,
+    mapping_import::{ImportOptions, SubmittedMapping, import},
     paths::FieldPath,
     problems::Problems,
     roles::{Engineer, Viewer},
@@ -32,23 +32,21 @@ pub struct VersionPath {
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct VersionView {
-    /// Counts from 1.
+    /// Number, from 1.
     version: u32,
-    /// Who published it.
+    /// Name of the person who published it.
     author: Option<String>,
-    /// Where it came from, where not from the editor.
+    /// Origin, if not the editor.
     note: Option<String>,
-    /// When.
     published_at: DateTime,
-    /// It is the mapping of the field now.
+    /// True for the mapping that is published now.
     is_current: bool,
-    /// The mapping.
     mapping: Mapping,
-    /// What differs from the version before; none for the oldest.
+    /// Differences to the version before; none for the oldest.
     changes: Vec<MappingChange>,
 }
 
-/// Lists the versions of a field's mapping, newest first; the last hundred are kept.
+/// Lists the last hundred versions of a field's mapping, newest first.
 #[utoipa::path(
     get,
     path = "/versions",
@@ -62,14 +60,14 @@ pub async fn list_mapping_versions(
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<Page<VersionView>>, Problem> {
     let (stored, current) = versions(&api, path.into_key()).await?;
-    let items = stored.iter().enumerate().map(|(place, (row, mapping))| VersionView {
+    let items = stored.iter().enumerate().map(|(index, (row, mapping))| VersionView {
         version: row.version,
         author: row.author.clone(),
         note: row.note.clone(),
         published_at: row.published_at,
         is_current: current.as_ref() == Some(mapping),
         changes: stored
-            .get(place + 1)
+            .get(index + 1)
             .map(|(_, before)| compare(before, mapping))
             .unwrap_or_default(),
         mapping: mapping.clone(),
@@ -77,24 +75,24 @@ pub async fn list_mapping_versions(
     Ok(Json(Page::whole(items.collect())))
 }
 
-/// Which versions to compare.
+/// Versions to compare.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct DifferenceQuery {
     /// The earlier version.
     from: u32,
-    /// The later one; the field's mapping as it is now without it.
+    /// The later version; the present mapping without it.
     to: Option<u32>,
 }
 
-/// What differs between two versions.
+/// Difference between two versions.
 #[derive(Serialize, ToSchema)]
 pub struct Difference {
     /// The earlier mapping.
     before: Mapping,
     /// The later mapping.
     after: Mapping,
-    /// What differs.
+    /// Changes from the earlier to the later mapping.
     changes: Vec<MappingChange>,
 }
 
@@ -121,7 +119,7 @@ pub async fn compare_mapping_versions(
     Ok(Json(Difference { changes: compare(&before, &after), before, after }))
 }
 
-/// Goes back to a version: it is published again as the newest one, under the consent in force.
+/// Publishes a version again as the newest one, under the consent in force.
 #[utoipa::path(
     post,
     path = "/versions/{version}/rollback",
@@ -141,13 +139,15 @@ pub async fn roll_mapping_back(
         .into_iter()
         .find(|(row, _)| row.version == version)
         .ok_or_else(|| Problem::not_found("such version"))?;
-    let note = Some(format!("as version {version}"));
-    let wanted = Wanted { mapping, pointer: "/mapping".to_owned() };
-    place(&api, vec![wanted], &user.principal.user_name, note, false).await?;
+    let note = format!("as version {version}");
+    let submitted = SubmittedMapping { mapping, pointer: "/mapping".to_owned() };
+    let author = &user.principal.user_name;
+    let options = ImportOptions { author, note: Some(&note), is_dry_run: false };
+    import(&api, vec![submitted], options, Vec::new()).await?;
     field_view(&api, field).await
 }
 
-/// The stored versions, newest first, and the field's mapping as it is now.
+/// Returns the stored versions, newest first, and the present mapping of the field.
 async fn versions(
     api: &Api,
     field: FieldKey,

@@ -1,12 +1,14 @@
-//! Requests and fields as pages show them.
+//! Views of requests and fields.
 
-use disclosure::DecisionBasis;
 use std::time::Duration;
 
 use asi_model::{
     DateTime, FieldKey, RequestKey,
     messages::{MappingState, OperationNetworkMessage},
     network::{DynamicDataRequest, Operation},
+};
+use disclosure::{
+    DecisionBasis, DisclosurePolicy, DocumentVersion, RuleAction, Statement, StatementPart,
 };
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -15,28 +17,26 @@ use crate::{
     books::{Books, Field, Network, RuleOffer},
     values::ShownValue,
 };
-use disclosure::{DisclosurePolicy, DocumentVersion, RuleAction, Statement, StatementPart};
 
 /// A page of a list.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Page<T> {
-    /// The items.
     pub items: Vec<T>,
-    /// Where the next page begins; none on the last.
+    /// Cursor of the next page; none on the last.
     pub next_cursor: Option<String>,
 }
 
 impl<T> Page<T> {
-    /// A page of at most `limit` items; a full one may have another behind it, which begins after
-    /// the last item.
+    /// Returns a page of at most `limit` items. A full one has the cursor of its last item, since
+    /// another page may follow.
     pub fn of(items: Vec<T>, limit: u32, cursor: impl Fn(&T) -> String) -> Self {
         let is_full = items.len() >= limit as usize;
         let next_cursor = items.last().filter(|_| is_full).map(cursor);
         Self { items, next_cursor }
     }
 
-    /// All of a list.
+    /// Returns a whole list as its only page.
     pub const fn whole(items: Vec<T>) -> Self {
         Self { items, next_cursor: None }
     }
@@ -46,61 +46,57 @@ impl<T> Page<T> {
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct FieldView {
-    /// Its address.
     pub key: FieldKey,
-    /// Its name.
     pub name: String,
-    /// Its built-in type by name.
+    /// Name of the built-in type.
     #[serde(rename = "type")]
     pub field_type: String,
     /// -1 scalar, 1 array.
     pub value_rank: i32,
-    /// Its unit as requested.
+    /// Unit in the words of the request.
     pub unit: Option<String>,
-    /// What it means.
+    /// Meaning: a well-known name or an IRI.
     pub semantic: Option<String>,
-    /// More about it.
     pub description: Option<String>,
     /// `PENDING`, `MAPPED` or `REFUSED`.
     pub mapping_state: asi_model::messages::MappingState,
     /// `MAPPING`, `MANUAL` or `EXTERNAL`, while mapped.
     pub value_source: Option<asi_model::messages::ValueSource>,
-    /// How values are coarsened at least, as decided.
+    /// Coarsening of values as decided.
     pub disclosure: DisclosurePolicy,
-    /// How they are coarsened: the strictest of that, of the named policy and of the recipients'
+    /// Coarsening in effect: the strictest of that, of the named policy and of the recipients'
     /// policies.
     pub effective_disclosure: DisclosurePolicy,
-    /// The named policy and the rules on whose grounds it was decided.
-    pub grounds: DecisionBasis,
-    /// What the standing rules offer for an undecided field.
+    /// Named policy and rules that the decision is based on.
+    #[serde(rename = "grounds")]
+    pub basis: DecisionBasis,
+    /// Decision that the standing rules offer for a pending field.
     pub offer: Option<RuleOfferView>,
-    /// Nothing leaves at present: the policy withholds the present state, or one that is not known.
+    /// True while no value leaves: the policy withholds the present state, or an unknown one.
     pub is_withheld: bool,
-    /// The same in words, as the partner is told.
+    /// Coarsening in effect in words, as in the statement to the partner.
     pub disclosure_statement: Option<String>,
-    /// The same as codes with parameters; none while undecided.
+    /// Coarsening in effect as codes with parameters; none while pending.
     pub disclosure_parts: Vec<StatementPart>,
-    /// Why it was decided so.
     pub decision_reason: Option<String>,
-    /// Who decided.
+    /// Name of the person or rule that decided.
     pub decided_by: Option<String>,
-    /// When.
     pub decision_time: Option<DateTime>,
-    /// The newest disclosed value: what the partner has.
+    /// Newest disclosed value, which the partner has.
     pub value: Option<ShownValue>,
-    /// The mapping in force, or the one to offer again.
+    /// Published mapping, or the former one of a field that is not mapped.
     pub mapping: Option<mapping_engine::Mapping>,
-    /// The number of the newest version of the mapping; none before the first.
+    /// Number of the newest version of the mapping; none before the first.
     pub mapping_version: Option<u32>,
-    /// A mapping is on trial beside the published one.
+    /// True while a shadow mapping runs beside the published one.
     pub has_shadow: bool,
 }
 
 impl FieldView {
-    /// As it stands.
+    /// Returns the view of a field at present.
     pub fn new(books: &Books, key: FieldKey, field: &Field) -> Self {
         let (definition, decision) = (&field.definition, &field.decision);
-        let told = decision
+        let statement = decision
             .is_mapped()
             .then(|| Statement::of(field.gate.policy(), definition.unit.as_deref()));
         Self {
@@ -114,14 +110,14 @@ impl FieldView {
             value_source: decision.value_source,
             disclosure: (*decision.policy).clone(),
             effective_disclosure: (**field.gate.policy()).clone(),
-            grounds: decision.grounds.clone(),
+            basis: decision.grounds.clone(),
             offer: (decision.mapping_state == asi_model::messages::MappingState::Pending)
                 .then(|| books.rule_offer(&key))
                 .flatten()
                 .map(|offer| RuleOfferView::new(&offer, field)),
             is_withheld: decision.is_mapped() && field.gate.is_withheld(),
-            disclosure_statement: told.as_ref().map(|told| told.statement.clone()),
-            disclosure_parts: told.map(|told| told.statement_parts).unwrap_or_default(),
+            disclosure_statement: statement.as_ref().map(|told| told.statement.clone()),
+            disclosure_parts: statement.map(|told| told.statement_parts).unwrap_or_default(),
             decision_reason: decision.reason.clone(),
             decided_by: decision.decided_by.clone(),
             decision_time: decision.decided_at,
@@ -134,40 +130,37 @@ impl FieldView {
     }
 }
 
-/// What standing rules say about a field.
+/// Decision about a field that standing rules offer.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RuleOfferView {
-    /// What they come to.
     pub action: RuleAction,
-    /// The rules, the one that gives reason and source first.
+    /// Rules, the one that gives reason and source first.
     pub rules: Vec<RuleReference>,
-    /// The precision.
+    /// Coarsening of values.
     pub disclosure: DisclosurePolicy,
-    /// The same in words.
+    /// Coarsening in words and as codes.
     #[serde(flatten)]
-    pub told: Statement,
-    /// Where values would come from.
+    pub statement: Statement,
+    /// Source of the values.
     pub value_source: Option<asi_model::messages::ValueSource>,
-    /// The mapping, with the source `MAPPING`.
+    /// Mapping, with the source `MAPPING`.
     pub mapping: Option<mapping_engine::Mapping>,
-    /// What the partner would be told.
+    /// Reason that the partner would read.
     pub reason: Option<String>,
 }
 
-/// A rule by name.
+/// A version of a rule, with its name.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RuleReference {
-    /// Which, in which version.
     #[serde(flatten)]
     pub key: DocumentVersion,
-    /// What it is called.
     pub name: String,
 }
 
 impl RuleOfferView {
-    /// For a field.
+    /// Returns the view of an offer for a field.
     pub fn new(offer: &RuleOffer, field: &Field) -> Self {
         Self {
             action: offer.action,
@@ -177,7 +170,7 @@ impl RuleOfferView {
                 .map(|(key, name)| RuleReference { key: key.clone(), name: name.clone() })
                 .collect(),
             disclosure: (*offer.disclosure).clone(),
-            told: Statement::of(&offer.disclosure, field.definition.unit.as_deref()),
+            statement: Statement::of(&offer.disclosure, field.definition.unit.as_deref()),
             value_source: offer.value_source,
             mapping: offer.mapping.clone(),
             reason: offer.reason.clone(),
@@ -189,47 +182,42 @@ impl RuleOfferView {
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RequestView {
-    /// Its address.
     pub key: RequestKey,
-    /// The operation it asks about, without its requests.
+    /// Operation that it is about, without requests.
     #[schema(value_type = Object)]
     pub operation: serde_json::Value,
-    /// What the network is called.
     pub network_name: Option<String>,
-    /// Who asks.
+    /// Organisation that asks.
     pub requester_id: String,
-    /// Who may see the answers.
+    /// Organisations that get the values.
     pub recipient_list: Vec<asi_model::OrganisationId>,
-    /// What for.
+    /// Purpose in the requester's words.
     pub purpose: String,
-    /// More about it.
     pub description: Option<String>,
-    /// How often the partner wants to hear, as the time between two reports in milliseconds.
+    /// Requested time between two reports, in milliseconds.
     pub update_interval_ms: Option<u64>,
-    /// From when values are asked for.
+    /// Begin of the requested period.
     pub valid_from: Option<DateTime>,
-    /// Until when.
+    /// End of the requested period.
     pub valid_until: Option<DateTime>,
-    /// That time is over: nothing leaves any more.
+    /// True after that period: no value leaves any more.
     pub has_ended: bool,
-    /// When this revision came.
+    /// Arrival of this revision of the network.
     pub received_at: DateTime,
-    /// Since when it waits for an engineer, while a field of it is undecided.
+    /// Time since which it waits for an engineer; none if no field is pending.
     pub open_since: Option<DateTime>,
-    /// It has waited for more than a day.
+    /// True after a day of waiting.
     pub is_overdue: bool,
-    /// What the report is called.
     pub report_name: String,
-    /// Its DataSetWriter.
+    /// DataSetWriter of its reports; none before the first decision.
     pub data_set_writer_id: Option<u16>,
-    /// Its fields.
     pub fields: Vec<FieldView>,
 }
 
-/// How long a request may lie open before the inbox reminds of it: a working day.
+/// Time after which the inbox reminds of an open request: a day.
 pub const REMIND_AFTER: Duration = Duration::from_secs(24 * 3600);
 
-/// Every request of a network, in document order.
+/// Returns every request of a network, in the order of the document.
 pub fn requests(
     books: &Books,
     network: &asi_model::OperationNetworkId,
@@ -249,7 +237,7 @@ pub fn requests(
 }
 
 impl RequestView {
-    /// One of an active network; none where nobody asks, or no more.
+    /// Returns the view of a request of an active network; none if there is no such request.
     pub fn of(books: &Books, key: &RequestKey, now: DateTime) -> Option<Self> {
         let network = books.networks.get(&key.operation_network_id)?;
         let message = network.message.as_ref()?;
@@ -258,7 +246,7 @@ impl RequestView {
         Some(Self::new(books, network, message, key, operation, request, now))
     }
 
-    /// As it stands.
+    /// Returns the view of a request at `now`.
     pub fn new(
         books: &Books,
         network: &Network,

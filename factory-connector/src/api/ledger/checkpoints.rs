@@ -1,21 +1,21 @@
-//! Signed statements of the heads of all chains.
+//! Checkpoints: signed heads of all chains.
 
 use asi_model::DateTime;
 use axum::{Json, extract::State};
 use daemon::web::{ApiQuery, Problem};
+use ledger::{Checkpoint, CheckpointHead};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use crate::{
-    api::{Api, problems::Problems, roles::Viewer, view::Page},
+    api::{context::Api, problems::Problems, roles::Viewer, view::Page},
     store::StoredCheckpoint,
 };
-use ledger::{Checkpoint, CheckpointHead};
 
 /// Checkpoints per page.
 const PAGE: u32 = 20;
 
-/// Which page.
+/// Page of checkpoints.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct CheckpointsQuery {
@@ -25,19 +25,18 @@ pub struct CheckpointsQuery {
     limit: Option<u32>,
 }
 
-/// A checkpoint: whoever keeps one elsewhere can prove later whether the ledger still holds what it
-/// held then.
+/// A checkpoint. A copy of it elsewhere proves later whether the ledger still has the entries of that
+/// time.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct CheckpointView {
-    /// Its place, from 1 without gaps.
+    /// Number, from 1 without gaps.
     number: u64,
-    /// When it was made.
+    /// Time at which it was made.
     recorded_at: DateTime,
-    /// The last entry of each chain then.
+    /// Last entry of each chain at that time.
     heads: Vec<CheckpointHead>,
-    /// The exact text that was signed: factory, number, time, and of each chain the last number and
-    /// hash.
+    /// Exact text that was signed: factory, number, time, and the last number and hash of each chain.
     signed_text: String,
     /// The Ed25519 signature over that text, hexadecimal.
     signature: String,

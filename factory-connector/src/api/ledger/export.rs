@@ -1,4 +1,4 @@
-//! The ledger as a file.
+//! Export of the ledger as a file.
 
 use axum::{
     body::Body,
@@ -7,32 +7,32 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use daemon::web::{ApiQuery, Problem};
+use disclosure::Language;
 use futures::StreamExt as _;
 use serde::Deserialize;
 use utoipa::IntoParams;
 
 use super::LedgerSelection;
-use crate::ledger_export::{ExportFormat, Exporter};
 use crate::{
-    api::{Api, problems::Problems, roles::Viewer},
+    api::{context::Api, problems::Problems, roles::Viewer},
+    ledger_export::{ExportFormat, Exporter},
     store::{LedgerCursor, StoreError},
 };
-use disclosure::Language;
 
-/// In which form to export.
+/// Form of an export.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct ExportQuery {
     /// `jsonl`, `csv` or `html`.
     #[param(inline)]
     format: ExportFormat,
-    /// Of a page to print: `en` or `de`.
+    /// Language of a page to print: `en` or `de`.
     #[param(inline)]
     language: Option<Language>,
 }
 
-/// Exports what left, as JSON lines, as a table for spreadsheets or as a page to print; in the
-/// order of the chains.
+/// Exports entries as JSON lines, as a table for spreadsheets or as a page to print, in the order of
+/// the chains.
 #[utoipa::path(
     get,
     path = "/ledger/export",
@@ -43,14 +43,14 @@ pub struct ExportQuery {
 pub async fn export_ledger(
     _: Viewer,
     State(api): State<Api>,
-    ApiQuery(wanted): ApiQuery<LedgerSelection>,
+    ApiQuery(selection): ApiQuery<LedgerSelection>,
     ApiQuery(query): ApiQuery<ExportQuery>,
 ) -> Result<Response, Problem> {
     let exporter = Exporter::new(query.format, query.language.unwrap_or_default());
-    let filter = wanted.filter()?;
+    let filter = selection.filter()?;
     let session = api.store().await?;
-    let first = exporter.begin(api.factory_id.as_str());
-    // One part per block of entries: nothing larger is ever in memory.
+    let first = exporter.begin(api.instance.factory_id.as_str());
+    // One part per block of entries: no more than a block is in memory at once.
     let state = Some((session, LedgerCursor::new(filter)));
     let parts = futures::stream::try_unfold(state, move |state| async move {
         let Some((mut session, mut cursor)) = state else { return Ok(None) };
@@ -62,8 +62,11 @@ pub async fn export_ledger(
         Ok::<_, StoreError>(Some((part, Some((session, cursor)))))
     });
     let body = futures::stream::once(async move { Ok(first) }).chain(parts);
-    let name =
-        format!("attachment; filename=\"ledger-{}.{}\"", api.factory_id, query.format.extension());
+    let name = format!(
+        "attachment; filename=\"ledger-{}.{}\"",
+        api.instance.factory_id,
+        query.format.extension()
+    );
     let headers = [
         (header::CONTENT_TYPE, query.format.media_type().to_owned()),
         (header::CONTENT_DISPOSITION, name),

@@ -1,4 +1,4 @@
-//! What can be looked for in the ledger.
+//! Search for fields that the ledger has entries about.
 
 use asi_model::FieldKey;
 use axum::{Json, extract::State};
@@ -14,7 +14,7 @@ const FIELDS_MAX: u32 = 200;
 /// Most words of a search.
 const WORDS_MAX: usize = 10;
 
-/// Which fields.
+/// Search for fields.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct LedgerFieldsQuery {
@@ -24,15 +24,14 @@ pub struct LedgerFieldsQuery {
     limit: Option<u32>,
 }
 
-/// A field that the ledger speaks of, requested still or no more.
+/// A field that the ledger has entries about, requested still or no more.
 #[derive(Serialize, ToSchema)]
 pub struct LedgerField {
-    /// Its address.
     key: FieldKey,
 }
 
-/// Searches the fields that the ledger speaks of, in the order of their addresses; those of ended
-/// requests included.
+/// Searches the fields that the ledger has entries about, in the order of their addresses; those of
+/// ended requests included.
 #[utoipa::path(
     get,
     path = "/ledger/fields",

@@ -1,15 +1,15 @@
-//! Whether the ledger is as it was written.
+//! Verification of the ledger.
 
 use axum::{Json, extract::State};
 use daemon::web::Problem;
+use ledger::Verification;
 use serde::Serialize;
 use utoipa::ToSchema;
 
 use crate::{
-    api::{Api, problems::Problems, roles::Viewer},
+    api::{context::Api, problems::Problems, roles::Viewer},
     store::Store,
 };
-use ledger::Verification;
 
 /// The outcome of a verification.
 #[derive(Serialize, ToSchema)]
@@ -17,11 +17,11 @@ use ledger::Verification;
 pub struct VerificationView {
     /// Nothing is wrong.
     valid: bool,
-    /// How many chains there are.
+    /// Number of chains.
     chains: usize,
     /// The first thing that is wrong, in words.
     fault: Option<String>,
-    /// What was looked at and everything that is wrong.
+    /// Numbers of verified entries, and all faults.
     #[serde(flatten)]
     verification: Verification,
 }
@@ -38,7 +38,7 @@ pub async fn verify_ledger(
     State(api): State<Api>,
 ) -> Result<Json<VerificationView>, Problem> {
     // Hashing a whole ledger takes its time: it has a thread of its own.
-    let directory = api.data_directory.clone();
+    let directory = api.instance.data_directory.clone();
     let trusted =
         crate::ledger_key::public_half(&directory.join(crate::ledger_key::LEDGER_KEY_FILE))
             .map_err(|error| Problem::internal(&error))?;

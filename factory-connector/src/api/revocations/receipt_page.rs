@@ -1,13 +1,14 @@
-//! A revocation's receipt as a page to print.
+//! Receipt of a revocation as a page to print.
+
+use disclosure::Language;
+use ledger::Sequences;
 
 use crate::{
     print::{END, TABLE_END, begin, escaped, row, table},
     store::StoredRevocation,
 };
-use disclosure::Language;
-use ledger::Sequences;
 
-/// A receipt as HTML, with everything that proves it.
+/// Returns a receipt as HTML, with signature and signed text.
 #[must_use]
 pub fn receipt_page(found: &StoredRevocation, language: Language) -> String {
     let say = |english, german| language.choose(english, german);

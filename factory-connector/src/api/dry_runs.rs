@@ -1,4 +1,4 @@
-//! Trying a mapping before it is published.
+//! Dry runs of mappings on live or recorded values.
 
 use asi_model::DateTime;
 use axum::{Json, extract::State};
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    Api,
+    context::Api,
     fields::{MappingDraft, mapping_of},
     paths::FieldPath,
     problems::{Problems, engine, shop_floor},
@@ -16,76 +16,73 @@ use super::{
 };
 use crate::desk::now;
 
-/// Runs without being told how many, and at most.
+/// Runs in an answer without a limit, and at most.
 const RUNS_DEFAULT: usize = 200;
 const RUNS_MAX: usize = 2000;
 
-/// What to run a mapping on.
+/// Values that a dry run is made on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
-pub enum TrialOn {
-    /// The values that its variables have now; functions go on from what the published mapping
-    /// remembers.
+pub enum DryRunValues {
+    /// Present values of its variables; functions go on from the state of the published mapping.
     #[default]
     Live,
-    /// The values that its variables had lately, as far as they are recorded; functions start
-    /// afresh.
+    /// Recorded values of its variables; functions begin without state.
     History,
 }
 
-/// A mapping to try.
+/// A dry run to make.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
-pub struct TrialBody {
-    /// The mapping.
+pub struct DryRunBody {
     mapping: MappingDraft,
-    /// What to run it on: `LIVE` (the default) or `HISTORY`.
+    /// `LIVE` (the default) or `HISTORY`.
     #[serde(default)]
-    on: TrialOn,
-    /// The last so many runs are shown, up to 2000; 200 without it.
+    on: DryRunValues,
+    /// Most runs in the answer, the last ones, up to 2000; 200 without it.
     limit: Option<usize>,
 }
 
-/// What became of a trial.
+/// Result of a dry run.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
-pub struct Trial {
-    /// Every run with every intermediate value; the last ones.
+pub struct DryRun {
+    /// The last runs with every intermediate value.
     #[serde(flatten)]
     trace: Trace,
-    /// How many runs there were.
+    /// Number of all runs.
     runs_total: usize,
-    /// How many values went in.
+    /// Number of values that went in.
     values: usize,
-    /// When the first value came.
+    /// Time of the first value.
     from: Option<DateTime>,
-    /// When the last value came.
+    /// Time of the last value.
     to: Option<DateTime>,
-    /// Inputs of which nothing is recorded: only variables that a mapping at work (or on trial)
-    /// uses are.
+    /// Inputs without recorded values: only variables that a published or shadow mapping uses are
+    /// recorded.
     unrecorded: Vec<String>,
 }
 
-/// Runs a mapping on live or recorded values and shows every intermediate value; nothing is changed
+/// Runs a mapping on live or recorded values and shows every intermediate value. Nothing is changed,
 /// and nothing leaves.
 #[utoipa::path(
     post,
     path = "/trial",
     tag = "mappings",
     params(FieldPath),
-    request_body = TrialBody,
-    responses((status = 200, body = Trial), Problems)
+    request_body = DryRunBody,
+    responses((status = 200, body = DryRun), Problems)
 )]
 pub async fn dry_run_mapping(
     _: Engineer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
-    ApiJson(body): ApiJson<TrialBody>,
-) -> Result<Json<Trial>, Problem> {
+    ApiJson(body): ApiJson<DryRunBody>,
+) -> Result<Json<DryRun>, Problem> {
     let field = path.into_key();
     let mapping = mapping_of(&api, &field, body.mapping).await?;
     let (samples, state) = match body.on {
-        TrialOn::Live => {
+        DryRunValues::Live => {
             let draft = mapping.clone();
             let state = api
                 .desk
@@ -93,7 +90,7 @@ pub async fn dry_run_mapping(
                 .await?;
             (live_values(&api, &mapping).await?, state)
         }
-        TrialOn::History => {
+        DryRunValues::History => {
             (api.engine.recorded(mapping.inputs.clone()).await.map_err(engine)?, None)
         }
     };
@@ -111,10 +108,10 @@ pub async fn dry_run_mapping(
     let runs_total = trace.runs.len();
     let most = body.limit.unwrap_or(RUNS_DEFAULT).clamp(1, RUNS_MAX);
     trace.runs.drain(..runs_total.saturating_sub(most));
-    Ok(Json(Trial { trace, runs_total, values, from, to, unrecorded }))
+    Ok(Json(DryRun { trace, runs_total, values, from, to, unrecorded }))
 }
 
-/// The present values of a mapping's inputs.
+/// Reads the present values of a mapping's inputs.
 async fn live_values(api: &Api, mapping: &Mapping) -> Result<Vec<DryRunSample>, Problem> {
     let at = now();
     let mut samples = Vec::new();

@@ -1,0 +1,108 @@
+//! Context of all operations: handles of the connector's parts, sessions and accounts.
+
+use std::{path::PathBuf, sync::Arc};
+
+use asi_model::{DateTime, FactoryId, pubsub::json::Encoding};
+use daemon::{
+    configuration::Setting,
+    telemetry::Metrics,
+    web::{
+        Problem,
+        events::EventLog,
+        health::Readiness,
+        session::{SessionConfig, Sessions},
+    },
+};
+use mapping_engine::MappingEngineHandle;
+use messaging::LinkHandle;
+use shop_floor::ShopFloorHandle;
+use tokio::sync::{Notify, watch};
+use tokio_util::sync::CancellationToken;
+use twin::TwinHandle;
+
+use super::accounts::StoredAccounts;
+use crate::{
+    books::ConnectorEvent,
+    catalog::CatalogHandle,
+    desk::DeskHandle,
+    lease::LeaseStatus,
+    store::{Readers, Session},
+};
+
+/// Name of the session cookie.
+pub(super) const COOKIE: &str = "verbund_connector";
+
+/// Parts of the connector that operations use.
+pub struct Parts {
+    pub desk: DeskHandle,
+    /// Reading connections of the store.
+    pub readers: Readers,
+    pub shop_floor: ShopFloorHandle,
+    pub engine: MappingEngineHandle,
+    /// Lists of the variables of local servers.
+    pub catalog: CatalogHandle,
+    pub twin: TwinHandle,
+    /// Link to the platform; none before the enrolment.
+    pub link: Option<LinkHandle>,
+    pub lease: watch::Receiver<LeaseStatus>,
+    /// Events for pages.
+    pub events: EventLog<ConnectorEvent>,
+    /// Wakes the twin after a change of users.
+    pub users_changed: Arc<Notify>,
+    pub instance: Instance,
+    pub server: ServerParts,
+}
+
+/// Facts about the running connector.
+pub struct Instance {
+    /// Factory that the connector speaks for.
+    pub factory_id: FactoryId,
+    pub started_at: DateTime,
+    /// Directory of the store and of keys.
+    pub data_directory: PathBuf,
+    /// Encoding of reports.
+    pub encoding: Encoding,
+    /// Configuration in effect.
+    pub settings: Vec<Setting>,
+}
+
+/// Parts of the web server.
+pub struct ServerParts {
+    pub readiness: Readiness,
+    pub metrics: Metrics,
+    /// Ends live streams.
+    pub shutdown: CancellationToken,
+    /// True if cookies are for TLS only.
+    pub has_tls: bool,
+}
+
+/// Context of the operations; clones share it.
+#[derive(Clone)]
+pub struct Api {
+    parts: Arc<Parts>,
+    pub(super) sessions: Sessions<StoredAccounts>,
+    pub(super) accounts: StoredAccounts,
+}
+
+impl Api {
+    /// Returns the context of these parts, without any session.
+    #[must_use]
+    pub fn new(parts: Parts) -> Self {
+        let accounts = StoredAccounts::new(parts.readers.clone());
+        let config = SessionConfig::new(COOKIE, parts.server.has_tls);
+        let sessions = Sessions::new(config, accounts.clone());
+        Self { parts: Arc::new(parts), sessions, accounts }
+    }
+
+    /// Takes a reading connection to the store.
+    pub(super) async fn store(&self) -> Result<Session, Problem> {
+        Ok(self.parts.readers.session().await?)
+    }
+}
+
+impl std::ops::Deref for Api {
+    type Target = Parts;
+    fn deref(&self) -> &Parts {
+        &self.parts
+    }
+}

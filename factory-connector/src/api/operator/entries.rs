@@ -1,0 +1,200 @@
+//! Entries about operations, which pages keep while they are offline and deliver later.
+
+use asi_model::{DateTime, FieldKey, OperationId, OperationNetworkId};
+use axum::{Json, extract::State};
+use daemon::web::{ApiJson, ApiQuery, Problem};
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+
+use crate::{
+    api::{
+        context::Api,
+        fields::Entered,
+        problems::Problems,
+        roles::{Operator, Viewer},
+        view::Page,
+    },
+    books::EntryOutcome,
+    desk::now,
+    operator::{Action, EntryId, OperationKey, OperatorEntry},
+};
+
+/// Most entries delivered at once.
+const ENTRIES_MAX: usize = 500;
+/// Entries listed of an operation.
+const LISTED_MAX: usize = 200;
+
+/// Operation whose entries are listed.
+#[derive(Deserialize, IntoParams)]
+#[serde(rename_all = "camelCase")]
+#[into_params(parameter_in = Query)]
+pub struct EntriesQuery {
+    operation_network_id: OperationNetworkId,
+    operation_id: OperationId,
+}
+
+/// Lists the last 200 entries about an operation, newest first.
+#[utoipa::path(
+    get,
+    path = "/operator/entries",
+    tag = "operator",
+    params(EntriesQuery),
+    responses((status = 200, body = Page<OperatorEntry>), Problems)
+)]
+pub async fn list_operator_entries(
+    _: Viewer,
+    State(api): State<Api>,
+    ApiQuery(query): ApiQuery<EntriesQuery>,
+) -> Result<Json<Page<OperatorEntry>>, Problem> {
+    let key = OperationKey {
+        operation_network_id: query.operation_network_id,
+        operation_id: query.operation_id,
+    };
+    let items = api
+        .desk
+        .read(move |books| {
+            books.operation(&key)?;
+            let newest = books
+                .journal(&key)
+                .map(|journal| journal.newest().take(LISTED_MAX).cloned().collect());
+            Some(newest.unwrap_or_default())
+        })
+        .await?;
+    items.map(|items| Json(Page::whole(items))).ok_or_else(|| Problem::not_found("such operation"))
+}
+
+/// Entries that a page has collected.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Delivery {
+    /// Page's clock at the delivery. The entries' times are corrected by its difference to ours.
+    sent_at: Option<DateTime>,
+    /// Up to 500, in any order.
+    #[schema(value_type = Vec<NewEntry>)]
+    entries: Vec<serde_json::Value>,
+}
+
+/// An entry of a page.
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct NewEntry {
+    /// Id made by the page: 1 to 64 letters, digits, `-` or `_`. An entry that comes again has no
+    /// further effect.
+    entry_id: EntryId,
+    #[serde(flatten)]
+    operation: OperationKey,
+    /// Time of the entry by the page's clock.
+    made_at: DateTime,
+    #[serde(flatten)]
+    action: Action,
+}
+
+/// Result of an entry.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct EntryResult {
+    entry_id: String,
+    /// `TAKEN`, `REPEATED` or `REFUSED`; in each case the page must not deliver it again.
+    result: &'static str,
+    /// For `REFUSED`: the reason as a code.
+    code: Option<&'static str>,
+    /// For `REFUSED`: the reason in words, and what to do.
+    message: Option<String>,
+    /// Fields that got a value from it.
+    fields: Vec<FieldResult>,
+}
+
+/// Result of an entry for one field.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct FieldResult {
+    key: FieldKey,
+    #[serde(flatten)]
+    entered: Entered,
+}
+
+/// Accepts entries. They are stored together before the answer is sent; a page without an answer
+/// delivers them again.
+#[utoipa::path(
+    post,
+    path = "/operator/entries",
+    tag = "operator",
+    request_body = Delivery,
+    responses((status = 200, body = Page<EntryResult>), Problems)
+)]
+pub async fn deliver_operator_entries(
+    Operator(user): Operator,
+    State(api): State<Api>,
+    ApiJson(delivery): ApiJson<Delivery>,
+) -> Result<Json<Page<EntryResult>>, Problem> {
+    if delivery.entries.len() > ENTRIES_MAX {
+        return Err(Problem::bad_request(
+            "TOO_MANY",
+            "At most 500 entries are taken at once; deliver them in parts.",
+        ));
+    }
+    let now = DateTime::from_unix_micros(now().unix_micros());
+    let mut results = Vec::with_capacity(delivery.entries.len());
+    let (mut positions, mut entries) = (Vec::new(), Vec::new());
+    for json in delivery.entries {
+        let entry_id = json["entryId"].as_str().unwrap_or_default().to_owned();
+        match serde_json::from_value::<NewEntry>(json) {
+            Ok(entry) => {
+                positions.push(results.len());
+                results.push(result(entry_id, EntryOutcome::Repeated));
+                entries.push(OperatorEntry {
+                    entry_id: entry.entry_id,
+                    operation: entry.operation,
+                    made_at: corrected(entry.made_at, delivery.sent_at, now),
+                    received_at: now,
+                    made_by: user.principal.user_name.clone(),
+                    action: entry.action,
+                });
+            }
+            // One entry that cannot be read must not keep the others from ever being delivered.
+            Err(error) => results.push(unreadable(entry_id, &error)),
+        }
+    }
+    for (position, outcome) in positions.into_iter().zip(api.desk.enter(entries).await?) {
+        let entry_id = std::mem::take(&mut results[position].entry_id);
+        results[position] = result(entry_id, outcome);
+    }
+    Ok(Json(Page::whole(results)))
+}
+
+fn unreadable(entry_id: String, error: &serde_json::Error) -> EntryResult {
+    EntryResult {
+        entry_id,
+        result: "REFUSED",
+        code: Some("UNREADABLE"),
+        message: Some(format!("The entry cannot be read: {error}.")),
+        fields: Vec::new(),
+    }
+}
+
+/// Converts a time of the page's clock to ours: whole microseconds, never in the future.
+fn corrected(made_at: DateTime, sent_at: Option<DateTime>, now: DateTime) -> DateTime {
+    let sent_at = sent_at.unwrap_or(now);
+    let age = sent_at.since(made_at);
+    let micros = i64::try_from(age.as_micros()).unwrap_or(i64::MAX);
+    DateTime::from_unix_micros(now.unix_micros().saturating_sub(micros))
+}
+
+fn result(entry_id: String, outcome: EntryOutcome) -> EntryResult {
+    let (result, code, message, fields) = match outcome {
+        EntryOutcome::Taken(fields) => ("TAKEN", None, None, fields),
+        EntryOutcome::Repeated => ("REPEATED", None, None, Vec::new()),
+        EntryOutcome::Refused(fault) => {
+            let mut message = format!("{fault}.");
+            if let Some(first) = message.get_mut(..1) {
+                first.make_ascii_uppercase();
+            }
+            ("REFUSED", Some(fault.code()), Some(message), Vec::new())
+        }
+    };
+    let fields = fields
+        .into_iter()
+        .map(|(key, outcome)| FieldResult { key, entered: outcome.into() })
+        .collect();
+    EntryResult { entry_id, result, code, message, fields }
+}
