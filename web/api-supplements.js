@@ -82,7 +82,6 @@ export const connectorSupplements = () => ({
     ),
     SpoolStatus: object({ waiting: count, sent: count, bytes: count }, { oldestAt: optionalText }),
     TwinStatus: object({}, { endpointUrl: optionalText }),
-    OperatorProblem: object({ text, since: text, toldBy: text }),
     // Any part of a policy and of the monitoring options may be left out.
     DisclosurePolicy: withoutDefaults,
     MonitorOptions: withoutDefaults,
@@ -106,7 +105,6 @@ export const connectorSupplements = () => ({
     'EntryView.value': { type: ['object', 'null'], additionalProperties: {} },
     'EntryResult.result': oneOf('TAKEN', 'REPEATED', 'REFUSED'),
     'RequestView.operation': ref('OperationSummary'),
-    'Standing.problem': optional(ref('OperatorProblem')),
     'RuleCondition.namePattern': optionalText,
     'Status.lease': ref('LeaseStatus'),
     'Status.link': optional(ref('LinkStatus')),

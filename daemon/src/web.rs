@@ -2,6 +2,7 @@
 
 pub mod api;
 pub mod assets;
+mod composition;
 pub mod events;
 pub mod extract;
 pub mod headers;

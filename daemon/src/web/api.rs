@@ -19,6 +19,7 @@ use utoipa_axum::router::OpenApiRouter;
 
 use super::{
     assets::with_app,
+    composition::open_composed_schemas,
     headers::secured,
     health::{self, Readiness},
     problem::{Problem, unknown_method, unknown_route},
@@ -108,6 +109,7 @@ where
     description = description.nest(API, all);
     describe_responses(&mut description);
     share_problem_responses(&mut description);
+    open_composed_schemas(&mut description);
     version.clone_into(&mut description.info.version);
     description
 }

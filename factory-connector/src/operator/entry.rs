@@ -107,7 +107,7 @@ pub enum Action {
         /// The field.
         field_name: FieldName,
         /// As plain JSON; 64-bit integers may be texts.
-        #[schema(value_type = Object)]
+        #[schema(value_type = Value)]
         value: serde_json::Value,
     },
 }

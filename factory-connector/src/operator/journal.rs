@@ -40,6 +40,8 @@ pub enum Answer {
 /// A problem that lasts.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
+// The problem document of a failed request is another schema, also named `Problem`.
+#[schema(as = OperatorProblem)]
 pub struct Problem {
     /// What is wrong.
     pub text: String,

@@ -1,6 +1,7 @@
 //! The whole connector in this process, over real machines of the simulator; the platform stays
 //! away.
 
+mod answers;
 mod control;
 mod events;
 mod ledger;

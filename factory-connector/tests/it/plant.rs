@@ -75,13 +75,15 @@ pub fn field(name: &str) -> String {
 impl Plant {
     /// A plant with a milling cell `Mill1` and a conveyor `Belt1`, both connected.
     pub async fn start(fields: Value) -> Self {
+        Self::start_with(fields, MachineConfig::new("Mill1", MachineKind::MillingCell)).await
+    }
+
+    /// A plant whose milling cell is configured so.
+    pub async fn start_with(fields: Value, mill: MachineConfig) -> Self {
         rustls::crypto::ring::default_provider().install_default().ok();
         let directory = tempfile::tempdir().expect("a folder");
         enrol(&directory, fields).await;
-        let machines = vec![
-            MachineConfig::new("Mill1", MachineKind::MillingCell),
-            MachineConfig::new("Belt1", MachineKind::Conveyor),
-        ];
+        let machines = vec![mill, MachineConfig::new("Belt1", MachineKind::Conveyor)];
         let mut config = simulator::Config::of(machines);
         config.pki_directory = directory.path().join("machines");
         config.update_interval_ms = 50;

@@ -19,11 +19,11 @@ pub struct MappingChange {
     pub pointer: String,
     /// Value in the earlier version; absent where it is new.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<Object>)]
+    #[schema(value_type = Option<Value>)]
     pub before: Option<Json>,
     /// Value in the later version; absent where it was taken away.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<Object>)]
+    #[schema(value_type = Option<Value>)]
     pub after: Option<Json>,
 }
 

@@ -468,12 +468,12 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Server-sent events: `field` with the field's key, its state and its newest disclosed value,
-         *     `decisions` with how many fields were decided at once and how many of them by standing rules,
-         *     `inbox` and `comment` with the network's id, `operator` with the operation's key, `revocation`
-         *     with the receipt's id, `policies`, `ledger` every other second while it grows, `status` where
-         *     the link or a local server changes its state, and `reset` where events were missed and the page
-         *     must load afresh.
+         * Streams server-sent events: `field` with the field's key, its state and its newest disclosed
+         *     value, `decisions` with the number of fields decided at once and of those decided by standing
+         *     rules, `inbox` and `comment` with the network's id, `operator` with the operation's key,
+         *     `revocation` with the receipt's id, `policies`, `ledger` every other second while it grows,
+         *     `status` when the link or a local server changes its state, and `reset` when events were missed
+         *     and the page must load again.
          * @description Least role: VIEWER.
          */
         get: {
@@ -512,7 +512,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Shows a field as it stands.
+         * Shows a field with its decision and its newest disclosed value.
          * @description Least role: VIEWER.
          */
         get: {
@@ -556,7 +556,8 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * What a consent begins with, and what "every change" instead of the partner's period would add.
+         * Shows the disclosure that a consent begins with, and what "every change" instead of the partner's
+         *     period would add.
          * @description Least role: VIEWER.
          */
         get: {
@@ -573,7 +574,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
-                /** @description With what the consent for a field begins. */
+                /** @description Disclosure that the consent for a field begins with. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -601,7 +602,7 @@ export interface paths {
         };
         get?: never;
         /**
-         * Decides about a field. The partner is told; values flow or stop at once.
+         * Decides about a field. The partner is notified; values flow or stop at once.
          * @description Least role: ENGINEER.
          */
         put: {
@@ -648,7 +649,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * How a field's mapping is doing: last values in and out, counts, faults, time spent.
+         * Shows the status of a field's mapping: last values in and out, counts, faults, time spent.
          * @description Least role: VIEWER.
          */
         get: {
@@ -694,7 +695,7 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Ends the rest of a field's scripts that did not keep to their budget: they are tried again at
+         * Closes the circuit breakers of a field's scripts that exceeded their budget: they run again at
          *     once.
          * @description Least role: ENGINEER.
          */
@@ -785,7 +786,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Shows the mapping on trial, with its values beside those of the published one.
+         * Shows the shadow mapping, with its values beside those of the published one.
          * @description Least role: VIEWER.
          */
         get: {
@@ -802,7 +803,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
-                /** @description A mapping on trial beside the published one. */
+                /** @description A shadow mapping beside the published one. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -814,7 +815,7 @@ export interface paths {
             };
         };
         /**
-         * Lets a mapping run on live values without writing, in place of the one on trial so far.
+         * Starts a shadow mapping, in place of the present one.
          * @description Least role: ENGINEER.
          */
         put: {
@@ -835,7 +836,7 @@ export interface paths {
                 };
             };
             responses: {
-                /** @description A mapping on trial beside the published one. */
+                /** @description A shadow mapping beside the published one. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -848,7 +849,7 @@ export interface paths {
         };
         post?: never;
         /**
-         * Ends the trial.
+         * Ends the shadow mapping.
          * @description Least role: ENGINEER.
          */
         delete: {
@@ -889,7 +890,7 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Publishes the mapping on trial as the next version, under the consent in force; the trial ends.
+         * Publishes the shadow mapping as the next version, under the consent in force, and ends it.
          * @description Least role: ENGINEER.
          */
         post: {
@@ -980,7 +981,7 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Makes a template of a field's mapping; it is not kept yet.
+         * Makes a template of a field's mapping without storing it.
          * @description Least role: ENGINEER.
          */
         post: {
@@ -1028,7 +1029,7 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Runs a mapping on live or recorded values and shows every intermediate value; nothing is changed
+         * Runs a mapping on live or recorded values and shows every intermediate value. Nothing is changed,
          *     and nothing leaves.
          * @description Least role: ENGINEER.
          */
@@ -1046,17 +1047,17 @@ export interface paths {
             };
             requestBody: {
                 content: {
-                    "application/json": components["schemas"]["TrialBody"];
+                    "application/json": components["schemas"]["DryRunBody"];
                 };
             };
             responses: {
-                /** @description What became of a trial. */
+                /** @description Result of a dry run. */
                 200: {
                     headers: {
                         [name: string]: unknown;
                     };
                     content: {
-                        "application/json": components["schemas"]["Trial"];
+                        "application/json": components["schemas"]["DryRun"];
                     };
                 };
             };
@@ -1097,7 +1098,7 @@ export interface paths {
                 };
             };
             responses: {
-                /** @description What became of it. */
+                /** @description Outcome of an entered value. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1131,7 +1132,7 @@ export interface paths {
                 query: {
                     /** @description The earlier version. */
                     from: number;
-                    /** @description The later one; the field's mapping as it is now without it. */
+                    /** @description The later version; the present mapping without it. */
                     to?: number;
                 };
                 header?: never;
@@ -1145,7 +1146,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
-                /** @description What differs between two versions. */
+                /** @description Difference between two versions. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1172,7 +1173,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Lists the versions of a field's mapping, newest first; the last hundred are kept.
+         * Lists the last hundred versions of a field's mapping, newest first.
          * @description Least role: VIEWER.
          */
         get: {
@@ -1218,7 +1219,7 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Goes back to a version: it is published again as the newest one, under the consent in force.
+         * Publishes a version again as the newest one, under the consent in force.
          * @description Least role: ENGINEER.
          */
         post: {
@@ -1269,8 +1270,8 @@ export interface paths {
             parameters: {
                 query?: {
                     /**
-                     * @description `nextCursor` of the page before: requests behind its last one, whatever came and went
-                     *     meanwhile.
+                     * @description `nextCursor` of the page before. Requests behind its last one follow, also if others came or
+                     *     went meanwhile.
                      */
                     cursor?: string;
                     /** @description Requests per page, at most 200. */
@@ -1292,7 +1293,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
-                /** @description A page of the inbox, and how many there are. */
+                /** @description A page of the inbox, and totals. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1319,8 +1320,8 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * What each partner learns in sum from all open fields, and what it can conclude from them
-         *     together.
+         * Lists the leak budget of each partner: the sum over its open fields, and the conclusions that
+         *     they permit together.
          * @description Least role: VIEWER.
          */
         get: {
@@ -1362,8 +1363,8 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * What each partner learns in short: how many fields, how much at most, how exactly, and how many
-         *     conclusions.
+         * Summarises the leak budget of each partner: number of fields, most values and bits per hour, time
+         *     resolution, and number of conclusions.
          * @description Least role: VIEWER.
          */
         get: {
@@ -1405,34 +1406,34 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Lists the entries of a recipient's chain, newest first, with what left; of the first recipient
-         *     by name where none is named.
+         * Lists the entries of a recipient's chain, newest first, with the values that left. Without a
+         *     recipient, of the first one by name.
          * @description Least role: VIEWER.
          */
         get: {
             parameters: {
                 query?: {
-                    /** @description Of this recipient's chain. */
+                    /** @description Entries of this recipient's chain. */
                     recipient?: components["schemas"]["OrganisationId"];
-                    /** @description Recorded at this time or later. */
+                    /** @description Entries recorded at this time or later. */
                     from?: components["schemas"]["DateTime"];
-                    /** @description Recorded before this time. */
+                    /** @description Entries recorded before this time. */
                     until?: components["schemas"]["DateTime"];
                     /**
-                     * @description Of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or
+                     * @description Entries of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or
                      *     `REVOKED`.
                      */
                     kind?: "CONSENT" | "QUEUED" | "SENT" | "RECEIPTED" | "COALESCED" | "EXPIRED" | "PURGED" | "REVOKED";
                     /**
-                     * @description About this network: decisions about its fields, reports that carried them, and what became
-                     *     of those.
+                     * @description Entries about this network: decisions about its fields, reports that carried them, and the
+                     *     delivery of those.
                      */
                     operationNetworkId?: components["schemas"]["OperationNetworkId"];
-                    /** @description Of it, only about this operation. */
+                    /** @description Of them, those about this operation. */
                     operationId?: components["schemas"]["OperationId"];
-                    /** @description Of it, only about this request. */
+                    /** @description Of them, those about this request. */
                     dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"];
-                    /** @description Of it, only about this field. */
+                    /** @description Of them, those about this field. */
                     fieldName?: components["schemas"]["FieldName"];
                     /** @description `nextCursor` of the page before. */
                     after?: string;
@@ -1516,38 +1517,38 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Exports what left, as JSON lines, as a table for spreadsheets or as a page to print; in the
-         *     order of the chains.
+         * Exports entries as JSON lines, as a table for spreadsheets or as a page to print, in the order of
+         *     the chains.
          * @description Least role: VIEWER.
          */
         get: {
             parameters: {
                 query: {
-                    /** @description Of this recipient's chain. */
+                    /** @description Entries of this recipient's chain. */
                     recipient?: components["schemas"]["OrganisationId"];
-                    /** @description Recorded at this time or later. */
+                    /** @description Entries recorded at this time or later. */
                     from?: components["schemas"]["DateTime"];
-                    /** @description Recorded before this time. */
+                    /** @description Entries recorded before this time. */
                     until?: components["schemas"]["DateTime"];
                     /**
-                     * @description Of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or
+                     * @description Entries of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or
                      *     `REVOKED`.
                      */
                     kind?: "CONSENT" | "QUEUED" | "SENT" | "RECEIPTED" | "COALESCED" | "EXPIRED" | "PURGED" | "REVOKED";
                     /**
-                     * @description About this network: decisions about its fields, reports that carried them, and what became
-                     *     of those.
+                     * @description Entries about this network: decisions about its fields, reports that carried them, and the
+                     *     delivery of those.
                      */
                     operationNetworkId?: components["schemas"]["OperationNetworkId"];
-                    /** @description Of it, only about this operation. */
+                    /** @description Of them, those about this operation. */
                     operationId?: components["schemas"]["OperationId"];
-                    /** @description Of it, only about this request. */
+                    /** @description Of them, those about this request. */
                     dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"];
-                    /** @description Of it, only about this field. */
+                    /** @description Of them, those about this field. */
                     fieldName?: components["schemas"]["FieldName"];
                     /** @description `jsonl`, `csv` or `html`. */
                     format: "jsonl" | "csv" | "html";
-                    /** @description Of a page to print: `en` or `de`. */
+                    /** @description Language of a page to print: `en` or `de`. */
                     language?: "en" | "de";
                 };
                 header?: never;
@@ -1583,8 +1584,8 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Searches the fields that the ledger speaks of, in the order of their addresses; those of ended
-         *     requests included.
+         * Searches the fields that the ledger has entries about, in the order of their addresses; those of
+         *     ended requests included.
          * @description Least role: VIEWER.
          */
         get: {
@@ -1707,7 +1708,7 @@ export interface paths {
         };
         get?: never;
         /**
-         * Keeps a template, in place of the one with the same id.
+         * Stores a template, in place of the one with the same id.
          * @description Least role: ENGINEER.
          */
         put: {
@@ -1738,7 +1739,7 @@ export interface paths {
         };
         post?: never;
         /**
-         * Forgets a template; mappings made from it stay.
+         * Removes a template; mappings made from it stay.
          * @description Least role: ENGINEER.
          */
         delete: {
@@ -1776,14 +1777,13 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Fills a template once per member of a series and takes the mappings, as an import does: all or
-         *     none.
+         * Fills a template once per member of a series and imports the mappings, all or none.
          * @description Least role: ENGINEER.
          */
         post: {
             parameters: {
                 query?: {
-                    /** @description True: say what would happen and change nothing. */
+                    /** @description True to change nothing and return the outcome that there would be. */
                     dryRun?: boolean;
                 };
                 header?: never;
@@ -1798,7 +1798,7 @@ export interface paths {
                 };
             };
             responses: {
-                /** @description What an import did, or would do. */
+                /** @description Outcome of an import, or of its dry run. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1823,8 +1823,8 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * All mappings, in force and proposed, in a form that can be imported again; the file has the
-         *     templates too.
+         * Exports all mappings, in force and proposed, in a form that can be imported again. The file has
+         *     the templates too.
          * @description Least role: ENGINEER.
          */
         get: {
@@ -1869,15 +1869,15 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Takes mappings from a table (`text/csv`) or a readable file (`application/json`), as exported.
-         *     Either everything is taken or, where anything is wrong, nothing, and every fault is named with
-         *     its place. Consents stay as they are: mappings of fields that are not mapped are proposals.
+         * Imports mappings from a table (`text/csv`) or a readable file (`application/json`), as exported:
+         *     all or, if there is any fault, none, with a list of all faults and their positions. Consents stay
+         *     as they are: mappings of fields that are not mapped are proposals.
          * @description Least role: ENGINEER.
          */
         post: {
             parameters: {
                 query?: {
-                    /** @description True: say what would happen and change nothing. */
+                    /** @description True to change nothing and return the outcome that there would be. */
                     dryRun?: boolean;
                 };
                 header?: never;
@@ -1891,7 +1891,7 @@ export interface paths {
                 };
             };
             responses: {
-                /** @description What an import did, or would do. */
+                /** @description Outcome of an import, or of its dry run. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -1916,13 +1916,13 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * How all published mappings are doing: how many do how, and the worst of them.
+         * Surveys all published mappings: numbers by condition, and the worst of them.
          * @description Least role: VIEWER.
          */
         get: {
             parameters: {
                 query?: {
-                    /** @description Only those that are doing so. */
+                    /** @description Mappings in this condition only. */
                     health?: components["schemas"]["MappingHealth"];
                     /** @description Up to 500; 50 without it, none with 0. */
                     limit?: number;
@@ -1999,7 +1999,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Shows a network as received, and how its fields stand.
+         * Shows a network as received, and the state of its requests and fields.
          * @description Least role: VIEWER.
          */
         get: {
@@ -2040,7 +2040,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Lists the remarks about a network, oldest first.
+         * Lists the comments about a network, oldest first.
          * @description Least role: VIEWER.
          */
         get: {
@@ -2067,7 +2067,7 @@ export interface paths {
         };
         put?: never;
         /**
-         * Says something to the partners of a network.
+         * Sends a comment to the partners of a network.
          * @description Least role: OPERATOR.
          */
         post: {
@@ -2085,7 +2085,7 @@ export interface paths {
                 };
             };
             responses: {
-                /** @description Said */
+                /** @description Stored and queued */
                 204: {
                     headers: {
                         [name: string]: unknown;
@@ -2108,7 +2108,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * What is new in a network against the revision before.
+         * Compares the revision in force of a network with the one before.
          * @description Least role: VIEWER.
          */
         get: {
@@ -2122,13 +2122,13 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
-                /** @description What the revision in force changed. */
+                /** @description Difference between the revision in force and the one before. */
                 200: {
                     headers: {
                         [name: string]: unknown;
                     };
                     content: {
-                        "application/json": components["schemas"]["NetworkNews"];
+                        "application/json": components["schemas"]["RevisionDifference"];
                     };
                 };
             };
@@ -2149,15 +2149,13 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Lists what was entered about an operation, newest first: the last 200 entries.
+         * Lists the last 200 entries about an operation, newest first.
          * @description Least role: VIEWER.
          */
         get: {
             parameters: {
                 query: {
-                    /** @description The network. */
                     operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    /** @description The operation. */
                     operationId: components["schemas"]["OperationId"];
                 };
                 header?: never;
@@ -2179,7 +2177,7 @@ export interface paths {
         };
         put?: never;
         /**
-         * Takes entries. They are stored together when the answer comes; without an answer the page
+         * Accepts entries. They are stored together before the answer is sent; a page without an answer
          *     delivers them again.
          * @description Least role: OPERATOR.
          */
@@ -2228,9 +2226,9 @@ export interface paths {
         get: {
             parameters: {
                 query?: {
-                    /** @description When the shown day begins; the present day in UTC without it. */
+                    /** @description Begin of the day; that of the present day in UTC without it. */
                     from?: components["schemas"]["DateTime"];
-                    /** @description When it ends; a day later without it. */
+                    /** @description End of the day; 24 hours after its begin without it. */
                     until?: components["schemas"]["DateTime"];
                 };
                 header?: never;
@@ -2306,9 +2304,9 @@ export interface paths {
         };
         get?: never;
         /**
-         * Keeps a new version of a named policy. What fields with it, or recipients with it, get changes
-         *     at once; each change is a consent in the ledger and told to the partner. `If-Match` with the
-         *     version read (`"0"` for a new one) keeps two engineers from overwriting each other.
+         * Stores a new version of a named policy. Values of fields and recipients with it change at once;
+         *     each change is a consent in the ledger, and the partner is notified. `If-Match` with the version
+         *     read (`"0"` for a new one) keeps two engineers from overwriting each other.
          * @description Least role: ENGINEER.
          */
         put: {
@@ -2356,7 +2354,7 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * The mapped fields that a draft of a named policy would change, at most 500; nothing is changed.
+         * Lists the mapped fields that a draft of a named policy would change, at most 500. Changes nothing.
          * @description Least role: ENGINEER.
          */
         post: {
@@ -2399,7 +2397,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Every version of a named policy, newest first.
+         * Lists every version of a named policy, newest first.
          * @description Least role: VIEWER.
          */
         get: {
@@ -2440,7 +2438,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Lists every organisation that may get anything, with the policy set for it.
+         * Lists every organisation that may get values, with the policy set for it.
          * @description Least role: VIEWER.
          */
         get: {
@@ -2480,9 +2478,8 @@ export interface paths {
         };
         get?: never;
         /**
-         * Sets a named policy for everything a recipient gets: all recipients of a request get the same
-         *     values, so that the strictest of the field's and of all its recipients' policies holds. Changes
-         *     at once what leaves.
+         * Sets a named policy for everything that a recipient gets. All recipients of a request get the same
+         *     values, so the strictest of the field's and of all its recipients' policies applies, at once.
          * @description Least role: ENGINEER.
          */
         put: {
@@ -2502,7 +2499,7 @@ export interface paths {
                 };
             };
             responses: {
-                /** @description What was set. */
+                /** @description Version of a recipient's policy. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2601,8 +2598,8 @@ export interface paths {
         };
         put?: never;
         /**
-         * Ends consents: values stop at once, what waits is taken back, the partner is told, and the
-         *     receipt says what had left.
+         * Revokes consents. Values stop at once, waiting reports are taken back, the partner is notified,
+         *     and the receipt lists what had left.
          * @description Least role: ENGINEER.
          */
         post: {
@@ -2684,7 +2681,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * A receipt as a page to print.
+         * Prints a receipt as a page.
          * @description Least role: VIEWER.
          */
         get: {
@@ -2728,7 +2725,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Lists what rules have decided by themselves, newest first.
+         * Lists the decisions that rules made, newest first.
          * @description Least role: VIEWER.
          */
         get: {
@@ -2774,8 +2771,8 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Takes back what rules decided about a field: it is undecided again and the engineer's. Conflicts
-         *     where something else was decided since.
+         * Undoes the decision of rules about a field: it is pending again, and left to the engineer. A
+         *     conflict if something else was decided since.
          * @description Least role: ENGINEER.
          */
         post: {
@@ -2865,7 +2862,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
-                /** @description What was decided. */
+                /** @description Result of applying the rules. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2892,7 +2889,7 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * What a draft of a rule means among the fields that are there; nothing is changed.
+         * Lists the fields that a draft of a rule matches. Changes nothing.
          * @description Least role: ENGINEER.
          */
         post: {
@@ -2908,7 +2905,7 @@ export interface paths {
                 };
             };
             responses: {
-                /** @description What a rule would match. */
+                /** @description Matches of a draft of a rule. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -2934,8 +2931,8 @@ export interface paths {
         };
         get?: never;
         /**
-         * Keeps a new version of a rule. Enabled, it decides about requests from now on; what is there
-         *     already is decided by `POST /rules/apply`. `If-Match` as for policies.
+         * Stores a new version of a rule. Enabled, it decides about requests from now on; requests that are
+         *     there already are decided by `POST /rules/apply`. `If-Match` as for policies.
          * @description Least role: ENGINEER.
          */
         put: {
@@ -2981,7 +2978,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Every version of a rule, newest first.
+         * Lists every version of a rule, newest first.
          * @description Least role: VIEWER.
          */
         get: {
@@ -3022,7 +3019,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Says who is signed in.
+         * Shows the session of the caller.
          * @description Least role: VIEWER.
          */
         get: {
@@ -3034,7 +3031,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
-                /** @description Who is signed in. */
+                /** @description Session of a person. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -3060,7 +3057,7 @@ export interface paths {
                 };
             };
             responses: {
-                /** @description Who is signed in. */
+                /** @description Session of a person. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -3330,7 +3327,7 @@ export interface paths {
         get: {
             parameters: {
                 query?: {
-                    /** @description The node whose children to list; the Objects folder without it. */
+                    /** @description Node whose children are listed; the Objects folder without it. */
                     parent?: components["schemas"]["NodeId"];
                     /** @description `nextCursor` of the page before. */
                     cursor?: string;
@@ -3372,8 +3369,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Finds variables of a server by words of their paths, in the list of its variables that the
-         *     connector keeps.
+         * Searches the connector's list of a server's variables for words of their paths.
          * @description Least role: VIEWER.
          */
         get: {
@@ -3392,13 +3388,13 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
-                /** @description What was found. */
+                /** @description Variables that were found. */
                 200: {
                     headers: {
                         [name: string]: unknown;
                     };
                     content: {
-                        "application/json": components["schemas"]["Finds"];
+                        "application/json": components["schemas"]["FoundVariables"];
                     };
                 };
             };
@@ -3425,7 +3421,7 @@ export interface paths {
         get: {
             parameters: {
                 query: {
-                    /** @description The variable. */
+                    /** @description Node id of the variable. */
                     node: components["schemas"]["NodeId"];
                 };
                 header?: never;
@@ -3463,7 +3459,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Shows how much waits to leave.
+         * Shows the backlog of the spool.
          * @description Least role: VIEWER.
          */
         get: {
@@ -3502,7 +3498,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Says how the connector stands.
+         * Shows the status of the connector.
          * @description Least role: VIEWER.
          */
         get: {
@@ -3514,7 +3510,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
-                /** @description How the connector stands. */
+                /** @description Status of the connector, with evidence. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -3541,7 +3537,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Lists everybody who may sign in.
+         * Lists all users.
          * @description Least role: ENGINEER.
          */
         get: {
@@ -3693,10 +3689,7 @@ export interface components {
             applicationUri?: string | null;
             /** @description The names and addresses of the machine it is for. */
             hostNames: string[];
-            /**
-             * @description The server made it itself, and renews it itself; otherwise somebody has to ask the authority
-             *     in time.
-             */
+            /** @description The server made it and renews it. Otherwise an engineer has to ask the authority in time. */
             isSelfSigned: boolean;
             /** @description The distinguished name of who issued it. */
             issuer: string;
@@ -3711,9 +3704,9 @@ export interface components {
             /** @description SHA-1 over the certificate in hexadecimal digits. */
             thumbprint: string;
         };
-        /** @description What was decided. */
+        /** @description Result of applying the rules. */
         Applied: {
-            /** @description How many fields. */
+            /** @description Number of fields that were decided. */
             decidedCount: number;
         };
         /** @description One bit of an integer, as Boolean. */
@@ -3784,7 +3777,7 @@ export interface components {
          * @enum {string}
          */
         BuiltInType: "Boolean" | "SByte" | "Byte" | "Int16" | "UInt16" | "Int32" | "UInt32" | "Int64" | "UInt64" | "Float" | "Double" | "String" | "DateTime" | "Guid" | "ByteString" | "XmlElement" | "NodeId" | "ExpandedNodeId" | "StatusCode" | "QualifiedName" | "LocalizedText" | "ExtensionObject" | "DataValue" | "Variant" | "DiagnosticInfo";
-        /** @description Which buttons have an effect on a field; the others only tell this plant. */
+        /** @description Buttons with an effect on a field. The others only inform this plant. */
         Buttons: {
             addGood: boolean;
             addScrap: boolean;
@@ -3792,13 +3785,13 @@ export interface components {
             problem: boolean;
             start: boolean;
         };
-        /** @description What is asked of an authority, beside application and host names. */
+        /** @description Request to an authority, besides application and host names. */
         CertificateRequestBody: {
-            /** @description The common name; the server's own where absent. */
+            /** @description Common name of the subject; without it that of the present certificate. */
             commonName?: string | null;
-            /** @description The organisation. */
+            /** @description Organisation (`O`) of the subject. */
             organization?: string | null;
-            /** @description Whether a new key is made; it is used from the installation on. */
+            /** @description True to make a new key, which is used from the installation on. */
             withNewKey?: boolean;
         };
         /** @description A request to be given to an authority. */
@@ -3881,27 +3874,24 @@ export interface components {
             recipient: components["schemas"]["OrganisationId"];
         };
         /**
-         * @description A checkpoint: whoever keeps one elsewhere can prove later whether the ledger still holds what it
-         *     held then.
+         * @description A checkpoint. A copy of it elsewhere proves later whether the ledger still has the entries of that
+         *     time.
          */
         CheckpointView: {
-            /** @description The last entry of each chain then. */
+            /** @description Last entry of each chain at that time. */
             heads: components["schemas"]["CheckpointHead"][];
             /**
              * Format: int64
-             * @description Its place, from 1 without gaps.
+             * @description Number, from 1 without gaps.
              */
             number: number;
             /** @description The key it is verified with, hexadecimal. */
             publicKey: string;
-            /** @description When it was made. */
+            /** @description Time at which it was made. */
             recordedAt: components["schemas"]["DateTime"];
             /** @description The Ed25519 signature over that text, hexadecimal. */
             signature: string;
-            /**
-             * @description The exact text that was signed: factory, number, time, and of each chain the last number and
-             *     hash.
-             */
+            /** @description Exact text that was signed: factory, number, time, and the last number and hash of each chain. */
             signedText: string;
         };
         /** @description The endpoint in use. */
@@ -3941,10 +3931,7 @@ export interface components {
             notAfter: components["schemas"]["DateTime"];
             /** @description Beginning of its validity. */
             notBefore: components["schemas"]["DateTime"];
-            /**
-             * @description Whether its list of revoked certificates is here. Its clients stay outside without a current
-             *     one.
-             */
+            /** @description State of its revocation list. Without a current one its clients are rejected. */
             revocationList: components["schemas"]["RevocationListState"];
             /** @description The subject's distinguished name. */
             subject: string;
@@ -3959,13 +3946,12 @@ export interface components {
             notAfter: components["schemas"]["DateTime"];
             /** @description Beginning of its validity. */
             notBefore: components["schemas"]["DateTime"];
-            /** @description The address that it came from then; null where the twin itself had called. */
+            /** @description Address of the client then; none if the OPC UA server had opened the connection. */
             rejectedAddress?: string | null;
-            /** @description What the application called itself then; nothing of it is proven. */
+            /** @description Name that the application gave itself then, unproven. */
             rejectedApplicationName?: string | null;
             rejectedAt?: components["schemas"]["DateTime"] | null;
             rejectionReason?: components["schemas"]["ClientRejection"] | null;
-            /** @description Whether it opens the door. */
             state: components["schemas"]["ClientTrust"];
             /** @description The subject's distinguished name. */
             subject: string;
@@ -3973,7 +3959,7 @@ export interface components {
             thumbprint: string;
         };
         /**
-         * @description Why a certificate was turned away.
+         * @description Reason of a rejection.
          * @enum {string}
          */
         ClientRejection: "NOT_TRUSTED" | "OUT_OF_TIME" | "USAGE" | "KEY_LENGTH" | "UNREADABLE" | "REVOKED" | "REVOCATION_UNKNOWN";
@@ -3984,24 +3970,21 @@ export interface components {
             /** @description The distinguished name of the authority. */
             issuer: string;
             nextUpdate?: components["schemas"]["DateTime"] | null;
-            /** @description Its identity here. */
+            /** @description Identity of the list in paths of this API. */
             revocationListId: string;
-            /** @description How many certificates it names. */
+            /** @description Number of certificates that it revokes. */
             revokedCount: number;
-            /** @description When it was made. */
+            /** @description Time of issue. */
             thisUpdate: components["schemas"]["DateTime"];
         };
         /**
-         * @description Whether a certificate opens the door.
+         * @description Trust in a client's certificate.
          * @enum {string}
          */
         ClientTrust: "TRUSTED" | "REJECTED";
-        /** @description Whether a client's certificate is trusted. */
+        /** @description Approval of a client's certificate. */
         ClientTrustBody: {
-            /**
-             * @description True: its bearer may connect from now on. False: it is turned away from the next connection
-             *     on.
-             */
+            /** @description True: its bearer may connect from now on. False: it is rejected from the next connection on. */
             isTrusted: boolean;
         };
         /**
@@ -4019,11 +4002,11 @@ export interface components {
          * @enum {string}
          */
         ConsentEffect: "KEPT" | "BACK_TO_PENDING" | "REMOVED";
-        /** @description With what the consent for a field begins. */
+        /** @description Disclosure that the consent for a field begins with. */
         ConsentOffer: components["schemas"]["Statement"] & {
             /**
-             * @description The precision to begin with: what standing rules say, and a minimum interval as long as the
-             *     partner's period.
+             * @description Coarsening to begin with: that of the standing rules, and a minimum interval as long as the
+             *     requested period.
              */
             disclosure: components["schemas"]["DisclosurePolicy"];
             /**
@@ -4141,19 +4124,19 @@ export interface components {
              */
             rules: components["schemas"]["DocumentVersion"][];
         };
-        /** @description What is decided. */
+        /** @description A decision about a field. */
         DecisionBody: {
-            /** @description How values are coarsened; every change as it is without it. */
+            /** @description Coarsening of the values; without it every change leaves as it is. */
             disclosure?: components["schemas"]["DisclosurePolicy"];
             mapping?: components["schemas"]["MappingDraft"] | null;
             /** @description `PENDING`, `MAPPED` or `REFUSED`. */
             mappingState: components["schemas"]["MappingState"];
             policyId?: components["schemas"]["DocumentId"] | null;
-            /** @description Told to the partner; needed with `REFUSED`. */
+            /** @description Reason that the partner reads; needed with `REFUSED`. */
             reason?: string | null;
             valueSource?: components["schemas"]["ValueSource"] | null;
         };
-        /** @description Entries that a page kept. */
+        /** @description Entries that a page has collected. */
         Delivery: {
             /** @description Up to 500, in any order. */
             entries: components["schemas"]["NewEntry"][];
@@ -4164,13 +4147,13 @@ export interface components {
          * @enum {string}
          */
         DiagnosticCode: "tooMany" | "missing" | "invalidName" | "unknownName" | "invalidParameter" | "typeMismatch" | "lossyConversion" | "unknownUnit" | "incompatibleUnits" | "unitMismatch" | "syntax" | "workerUnavailable" | "scriptFault" | "closureState" | "unusedInput";
-        /** @description What differs between two versions. */
+        /** @description Difference between two versions. */
         Difference: {
             /** @description The later mapping. */
             after: components["schemas"]["Mapping"];
             /** @description The earlier mapping. */
             before: components["schemas"]["Mapping"];
-            /** @description What differs. */
+            /** @description Changes from the earlier to the later mapping. */
             changes: components["schemas"]["MappingChange"][];
         };
         /**
@@ -4229,15 +4212,42 @@ export interface components {
              */
             version: number;
         };
-        /** @description What would be decided. */
+        /** @description Draft of a decision. */
         Draft: {
-            /** @description How values would be coarsened. */
+            /** @description Coarsening of the values. */
             disclosure?: components["schemas"]["DisclosurePolicy"];
             mapping?: components["schemas"]["MappingDraft"] | null;
             policyId?: components["schemas"]["DocumentId"] | null;
-            /** @description Where values would come from. */
+            /** @description Source of the values. */
             valueSource: components["schemas"]["ValueSource"];
         };
+        /** @description Result of a dry run. */
+        DryRun: components["schemas"]["Trace"] & {
+            from?: components["schemas"]["DateTime"] | null;
+            /** @description Number of all runs. */
+            runsTotal: number;
+            to?: components["schemas"]["DateTime"] | null;
+            /**
+             * @description Inputs without recorded values: only variables that a published or shadow mapping uses are
+             *     recorded.
+             */
+            unrecorded: string[];
+            /** @description Number of values that went in. */
+            values: number;
+        };
+        /** @description A dry run to make. */
+        DryRunBody: {
+            /** @description Most runs in the answer, the last ones, up to 2000; 200 without it. */
+            limit?: number | null;
+            mapping: components["schemas"]["MappingDraft"];
+            /** @description `LIVE` (the default) or `HISTORY`. */
+            on?: components["schemas"]["DryRunValues"];
+        };
+        /**
+         * @description Values that a dry run is made on.
+         * @enum {string}
+         */
+        DryRunValues: "LIVE" | "HISTORY";
         /** @description A dynamic data request, unique within its network. One request is one DataSetWriter. */
         DynamicDataRequestId: string;
         /** @description Lets a Boolean (or a number: not zero is true) pass only when it changes. */
@@ -4265,7 +4275,7 @@ export interface components {
          * @enum {string}
          */
         EffectKind: "WITHHELD" | "AGGREGATED" | "BANDED" | "ROUNDED" | "DIGITS" | "TIME_STEP" | "DELAYED" | "INTERVAL" | "RATE" | "HOURS";
-        /** @description What became of it. */
+        /** @description Outcome of an entered value. */
         Entered: {
             /** @description Less than was entered is disclosed. */
             isCoarsened: boolean;
@@ -4283,15 +4293,14 @@ export interface components {
         };
         /** @description An entry's id, made where it was entered: 1 to 64 letters, digits, `-` or `_`. */
         EntryId: string;
-        /** @description What became of an entry. */
+        /** @description Result of an entry. */
         EntryResult: {
-            /** @description For `REFUSED`: why, as a code. */
+            /** @description For `REFUSED`: the reason as a code. */
             code?: string | null;
-            /** @description The entry. */
             entryId: string;
-            /** @description Fields that took a value from it. */
+            /** @description Fields that got a value from it. */
             fields: components["schemas"]["FieldResult"][];
-            /** @description For `REFUSED`: why, and what to do. */
+            /** @description For `REFUSED`: the reason in words, and what to do. */
             message?: string | null;
             /** @enum {string} */
             result: "TAKEN" | "REPEATED" | "REFUSED";
@@ -4310,22 +4319,22 @@ export interface components {
             lastSequence?: number | null;
             lastDeliveredSequence?: number | null;
         } & {
-            /** @description When it was recorded. */
+            /** @description Time of recording, RFC 3339. */
             at: string;
             /**
              * Format: date-time
-             * @description For a report: when the platform said that it holds it.
+             * @description For a report: time of the platform's receipt.
              */
             deliveredAt?: string | null;
-            /** @description Its hash, hexadecimal. */
+            /** @description Hash of the entry, hexadecimal. */
             hash: string;
             /** @description `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or `REVOKED`. */
             kind: string;
-            /** @description For a report: the message it left in last. */
+            /** @description For a report: id of the message that carried it last. */
             leftInMessage?: string | null;
             /**
-             * @description The precision under each consent that the entry names, by field, in the words that the
-             *     partner was told.
+             * @description Precision under each consent that the entry names, by field, in the words of the statement to
+             *     the partner.
              */
             precision: {
                 [key: string]: string;
@@ -4334,16 +4343,16 @@ export interface components {
             precisionParts: {
                 [key: string]: components["schemas"]["StatementPart"][];
             };
-            /** @description Whose chain. */
+            /** @description Recipient of the chain. */
             recipientId: string;
             /**
              * Format: date-time
-             * @description For a report: when the broker accepted it last.
+             * @description For a report: time at which the broker accepted it last.
              */
             sentAt?: string | null;
             /**
              * Format: int64
-             * @description Its place in the chain.
+             * @description Position in the chain, from 1.
              */
             sequence: number;
             value?: {
@@ -4448,54 +4457,50 @@ export interface components {
         };
         /** @description The name of a report field: a key of the payload. */
         FieldName: string;
-        /** @description What became of a value of an entry. */
+        /** @description Result of an entry for one field. */
         FieldResult: components["schemas"]["Entered"] & {
             key: components["schemas"]["FieldKey"];
         };
         /** @description A requested field with its decision and value. */
         FieldView: {
-            /** @description Who decided. */
+            /** @description Name of the person or rule that decided. */
             decidedBy?: string | null;
-            /** @description Why it was decided so. */
             decisionReason?: string | null;
             decisionTime?: components["schemas"]["DateTime"] | null;
-            /** @description More about it. */
             description?: string | null;
-            /** @description How values are coarsened at least, as decided. */
+            /** @description Coarsening of values as decided. */
             disclosure: components["schemas"]["DisclosurePolicy"];
-            /** @description The same as codes with parameters; none while undecided. */
+            /** @description Coarsening in effect as codes with parameters; none while pending. */
             disclosureParts: components["schemas"]["StatementPart"][];
-            /** @description The same in words, as the partner is told. */
+            /** @description Coarsening in effect in words, as in the statement to the partner. */
             disclosureStatement?: string | null;
             /**
-             * @description How they are coarsened: the strictest of that, of the named policy and of the recipients'
+             * @description Coarsening in effect: the strictest of that, of the named policy and of the recipients'
              *     policies.
              */
             effectiveDisclosure: components["schemas"]["DisclosurePolicy"];
-            /** @description The named policy and the rules on whose grounds it was decided. */
+            /** @description Named policy and rules that the decision is based on. */
             grounds: components["schemas"]["DecisionBasis"];
-            /** @description A mapping is on trial beside the published one. */
+            /** @description True while a shadow mapping runs beside the published one. */
             hasShadow: boolean;
-            /** @description Nothing leaves at present: the policy withholds the present state, or one that is not known. */
+            /** @description True while no value leaves: the policy withholds the present state, or an unknown one. */
             isWithheld: boolean;
-            /** @description Its address. */
             key: components["schemas"]["FieldKey"];
             mapping?: components["schemas"]["Mapping"] | null;
             /** @description `PENDING`, `MAPPED` or `REFUSED`. */
             mappingState: components["schemas"]["MappingState"];
             /**
              * Format: int32
-             * @description The number of the newest version of the mapping; none before the first.
+             * @description Number of the newest version of the mapping; none before the first.
              */
             mappingVersion?: number | null;
-            /** @description Its name. */
             name: string;
             offer?: components["schemas"]["RuleOfferView"] | null;
-            /** @description What it means. */
+            /** @description Meaning: a well-known name or an IRI. */
             semantic?: string | null;
-            /** @description Its built-in type by name. */
+            /** @description Name of the built-in type. */
             type: string;
-            /** @description Its unit as requested. */
+            /** @description Unit in the words of the request. */
             unit?: string | null;
             value?: components["schemas"]["ShownValue"] | null;
             /**
@@ -4504,19 +4509,6 @@ export interface components {
              */
             valueRank: number;
             valueSource?: components["schemas"]["ValueSource"] | null;
-        };
-        /** @description What was found. */
-        Finds: {
-            /**
-             * @description False while the server is still being walked through (ask again), or where it is too large
-             *     to be listed.
-             */
-            isComplete: boolean;
-            /** @description The variables, those whose own name fits first, each with its browse path. */
-            items: components["schemas"]["BrowsedNode"][];
-            listedAt?: components["schemas"]["DateTime"] | null;
-            /** @description How many fit in all. */
-            total: number;
         };
         /**
          * @description Puts values into a text: `Order {value}: {temperature:.1} of {limit}`.
@@ -4527,6 +4519,19 @@ export interface components {
         Format: {
             /** @description The text with its placeholders. */
             template: string;
+        };
+        /** @description Variables that were found. */
+        FoundVariables: {
+            /**
+             * @description False while the server's variables are still being listed (ask again), or if there are too
+             *     many.
+             */
+            isComplete: boolean;
+            /** @description Variables with their browse paths, those whose own name fits first. */
+            items: components["schemas"]["BrowsedNode"][];
+            listedAt?: components["schemas"]["DateTime"] | null;
+            /** @description Number of all variables that fit. */
+            total: number;
         };
         /**
          * @description Reason for sequence numbers that will never come.
@@ -4565,47 +4570,49 @@ export interface components {
             /** @description Its private key, PEM. */
             privateKeyPath: string;
         };
-        /** @description What an import did, or would do. */
+        /** @description Outcome of an import, or of its dry run. */
         ImportOutcome: {
-            /** @description Nothing was changed. */
+            /** @description True if nothing was changed. */
             isDryRun: boolean;
             /** @description Each mapping that was not there already, in the order of the file. */
-            items: components["schemas"]["PlacedMapping"][];
+            items: components["schemas"]["ImportedMapping"][];
             /** @description Mappings that are offered with the decision about their field, which is not mapped. */
             proposed: number;
             /** @description Mappings that are the next version of their field and run, under the consent in force. */
             published: number;
-            /** @description Templates that were new or other. */
+            /** @description Templates that are new or changed. */
             templates: number;
             /** @description Mappings that were there already. */
             unchanged: number;
         };
-        /** @description A page of the inbox, and how many there are. */
+        /** @description A mapping that an import changes. */
+        ImportedMapping: {
+            key: components["schemas"]["FieldKey"];
+            /** @description Effect on the field. */
+            outcome: components["schemas"]["Placed"];
+        };
+        /** @description A page of the inbox, and totals. */
         InboxPage: {
-            /** @description Requests that the query means. */
+            /** @description Number of requests that pass the filter. */
             count: number;
-            /** @description The requests. */
+            /** @description Requests in the order of their addresses. */
             items: components["schemas"]["RequestView"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
-            /** @description All requests and fields, whatever the query. */
+            /** @description Totals over all requests and fields, without the filter. */
             totals: components["schemas"]["InboxTotals"];
         };
-        /** @description How the fields of all active networks stand. */
+        /** @description Numbers of requests and fields of all active networks, by state. */
         InboxTotals: {
             /** @description Requests whose validity has ended. */
             endedRequests: number;
-            /** @description Fields whose values flow. */
             mapped: number;
             /** @description Requests with an undecided field. */
             openRequests: number;
             /** @description Of them, those that have been open for longer than the time after which the inbox reminds. */
             overdueRequests: number;
-            /** @description Undecided fields. */
             pending: number;
-            /** @description Refused fields. */
             refused: number;
-            /** @description Requests. */
             requests: number;
         };
         /** @description Increment of a counter since its last value. The first value yields nothing. */
@@ -4640,7 +4647,7 @@ export interface components {
             receivedAt?: components["schemas"]["DateTime"] | null;
             value?: components["schemas"]["TracedValue"] | null;
         };
-        /** @description A variable with what its machine says. */
+        /** @description A variable with its present value. */
         InputView: components["schemas"]["ShownValue"] & {
             /** @description Its name in the mapping. */
             name: string;
@@ -4747,16 +4754,15 @@ export interface components {
             /** @description Organisation of the chain; empty when no single chain is affected. */
             recipient: string;
         };
-        /** @description A field that the ledger speaks of, requested still or no more. */
+        /** @description A field that the ledger has entries about, requested still or no more. */
         LedgerField: {
-            /** @description Its address. */
             key: components["schemas"]["FieldKey"];
         };
         /** @description Entries of one chain, newest first. */
         LedgerView: {
-            /** @description The entries. */
+            /** @description Entries, newest first. */
             items: components["schemas"]["EntryView"][];
-            /** @description Where the next page begins. */
+            /** @description Value of `after` for the next page; none on the last. */
             nextCursor?: string | null;
             /** @description Every recipient that has a chain. */
             recipients: string[];
@@ -4838,11 +4844,11 @@ export interface components {
             /** @description Severity; a mapping with an error does not run. */
             severity: components["schemas"]["Severity"];
         };
-        /** @description From local variables to a field: inputs and functions. */
+        /** @description Mapping from local variables to a field, without its target. */
         MappingDraft: {
-            /** @description The variables. */
+            /** @description Variables by their names in the mapping. */
             inputs: components["schemas"]["MappingInput"][];
-            /** @description What happens to values that arrive after newer ones of the same variable. */
+            /** @description Treatment of values that arrive after newer ones of the same variable. */
             lateValues?: components["schemas"]["LateValues"];
             /** @description The functions, applied in this order. */
             steps?: components["schemas"]["Step"][];
@@ -5051,24 +5057,6 @@ export interface components {
             /** @description Requests, without regard to their fields. */
             requests: components["schemas"]["Changes_RequestKey"];
         };
-        /** @description What the revision in force changed. */
-        NetworkNews: {
-            /**
-             * @description What differs: operations, relations, requests, and each field with the reasons and with what
-             *     became of its mapping and of the consent.
-             */
-            difference: components["schemas"]["NetworkDifference"];
-            /**
-             * Format: int64
-             * @description The one before it, where there was one.
-             */
-            previousRevision?: number | null;
-            /**
-             * Format: int64
-             * @description The revision in force.
-             */
-            revision: number;
-        };
         /** @description A network in short. */
         NetworkSummary: {
             collaborationId?: string | null;
@@ -5086,28 +5074,24 @@ export interface components {
         NetworkView: {
             /** @description The message as received; none once withdrawn. */
             message?: unknown;
-            /** @description Its requests. */
             requests: components["schemas"]["RequestView"][];
-            /**
-             * Format: int64
-             * @description Its revision.
-             */
+            /** Format: int64 */
             revision: number;
         };
-        /** @description A remark to make. */
+        /** @description A comment to send. */
         NewComment: {
             dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"] | null;
             fieldName?: components["schemas"]["FieldName"] | null;
             text: string;
         };
-        /** @description An entry as the page made it. */
+        /** @description An entry of a page. */
         NewEntry: components["schemas"]["OperationKey"] & components["schemas"]["Action"] & {
             /**
-             * @description Made by the page, 1 to 64 letters, digits, `-` or `_`; an entry that comes again has no
+             * @description Id made by the page: 1 to 64 letters, digits, `-` or `_`. An entry that comes again has no
              *     further effect.
              */
             entryId: components["schemas"]["EntryId"];
-            /** @description When it was made, by the page's clock. */
+            /** @description Time of the entry by the page's clock. */
             madeAt: components["schemas"]["DateTime"];
         };
         /**
@@ -5163,10 +5147,10 @@ export interface components {
         /** @description A field that takes entered values. */
         OperatorField: {
             description?: string | null;
-            /** @description What was entered last, as it was before the gate. */
+            /** @description Last entered value, before the disclosure gate. */
             entered?: unknown;
             enteredAt?: components["schemas"]["DateTime"] | null;
-            /** @description The value follows from the buttons; it can be typed all the same. */
+            /** @description True if the value follows from the buttons; it can be typed all the same. */
             hasButton: boolean;
             key: components["schemas"]["FieldKey"];
             name: string;
@@ -5175,7 +5159,7 @@ export interface components {
             unit?: string | null;
             value?: components["schemas"]["ShownValue"] | null;
         };
-        /** @description An operation as the operator sees it. */
+        /** @description An operation with fields for people to fill. */
         OperatorOperation: components["schemas"]["OperationKey"] & {
             buttons: components["schemas"]["Buttons"];
             description?: string | null;
@@ -5190,8 +5174,17 @@ export interface components {
             plannedQuantity?: number | null;
             plannedStart?: components["schemas"]["DateTime"] | null;
             quantityUnit?: string | null;
-            /** @description By the entries so far. */
+            /** @description Progress by the entries so far. */
             standing: components["schemas"]["Standing"];
+        };
+        /** @description A problem that lasts. */
+        OperatorProblem: {
+            /** @description Since when. */
+            since: components["schemas"]["DateTime"];
+            /** @description What is wrong. */
+            text: string;
+            /** @description Who said so. */
+            toldBy: string;
         };
         /** @description An organisation that takes part in collaborations. */
         OrganisationId: string;
@@ -5202,191 +5195,164 @@ export interface components {
         Overflow: "fault" | "clamp";
         /** @description A page of a list. */
         Page_BrowsedNode: {
-            /** @description The items. */
             items: components["schemas"]["BrowsedNode"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_CheckpointView: {
-            /** @description The items. */
             items: components["schemas"]["CheckpointView"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_ClientAuthorityView: {
-            /** @description The items. */
             items: components["schemas"]["ClientAuthorityView"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_ClientCertificateView: {
-            /** @description The items. */
             items: components["schemas"]["ClientCertificateView"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_ClientRevocationListView: {
-            /** @description The items. */
             items: components["schemas"]["ClientRevocationListView"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_DeadLetter: {
-            /** @description The items. */
             items: components["schemas"]["DeadLetter"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_EntryResult: {
-            /** @description The items. */
             items: components["schemas"]["EntryResult"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_LedgerField: {
-            /** @description The items. */
             items: components["schemas"]["LedgerField"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_NetworkSummary: {
-            /** @description The items. */
             items: components["schemas"]["NetworkSummary"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_OperatorEntry: {
-            /** @description The items. */
             items: components["schemas"]["OperatorEntry"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_OperatorOperation: {
-            /** @description The items. */
             items: components["schemas"]["OperatorOperation"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_PartnerLeaks: {
-            /** @description The items. */
             items: components["schemas"]["PartnerLeaks"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_PartnerSummary: {
-            /** @description The items. */
             items: components["schemas"]["PartnerSummary"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_PeerCertificate: {
-            /** @description The items. */
             items: components["schemas"]["PeerCertificate"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_PolicyUse: {
-            /** @description The items. */
             items: components["schemas"]["PolicyUse"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_PolicyView: {
-            /** @description The items. */
             items: components["schemas"]["PolicyView"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_RecipientView: {
-            /** @description The items. */
             items: components["schemas"]["RecipientView"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_RuleDecision: {
-            /** @description The items. */
             items: components["schemas"]["RuleDecision"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_Setting: {
-            /** @description The items. */
             items: components["schemas"]["Setting"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_SourceView: {
-            /** @description The items. */
             items: components["schemas"]["SourceView"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_StoredComment: {
-            /** @description The items. */
             items: components["schemas"]["StoredComment"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_StoredRevocation: {
-            /** @description The items. */
             items: components["schemas"]["StoredRevocation"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_TemplateView: {
-            /** @description The items. */
             items: components["schemas"]["TemplateView"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_UserView: {
-            /** @description The items. */
             items: components["schemas"]["UserView"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_VersionView: {
-            /** @description The items. */
             items: components["schemas"]["VersionView"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_Versioned_NamedPolicy: {
-            /** @description The items. */
             items: components["schemas"]["Versioned_NamedPolicy"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
         Page_Versioned_Rule: {
-            /** @description The items. */
             items: components["schemas"]["Versioned_Rule"][];
-            /** @description Where the next page begins; none on the last. */
+            /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
         /** @description Takes a value out of a text. */
@@ -5406,12 +5372,12 @@ export interface components {
             /** @description The type of the value. */
             to: components["schemas"]["TypeName"];
         };
-        /** @description What one partner learns. */
+        /** @description Leak budget of one partner over all its open fields. */
         PartnerLeaks: components["schemas"]["LeakBudget"] & {
             /** @description The organisation: a requester or a recipient. */
             partner: components["schemas"]["OrganisationId"];
         };
-        /** @description What one partner learns, in short. */
+        /** @description Leak budget of one partner, in short. */
         PartnerSummary: components["schemas"]["LeakSummary"] & {
             /** @description The organisation: a requester or a recipient. */
             partner: components["schemas"]["OrganisationId"];
@@ -5438,44 +5404,36 @@ export interface components {
          * @enum {string}
          */
         Placed: "PUBLISHED" | "PROPOSED" | "UNCHANGED";
-        /** @description What became of a mapping. */
-        PlacedMapping: {
-            /** @description Its field. */
-            key: components["schemas"]["FieldKey"];
-            /** @description What became of it. */
-            outcome: components["schemas"]["Placed"];
-        };
-        /** @description What a change of a policy would do to a field. */
+        /** @description Effect of a changed policy on a field. */
         PolicyUse: components["schemas"]["Statement"] & {
-            /** @description The field. */
             key: components["schemas"]["FieldKey"];
-            /** @description What it would read with the draft. */
+            /** @description Statement with the draft, in words. */
             statementThen: string;
-            /** @description The same as codes with parameters. */
+            /** @description Statement with the draft, as codes with parameters. */
             statementThenParts: components["schemas"]["StatementPart"][];
         };
-        /** @description A named policy and where it holds. */
+        /** @description A named policy and its uses. */
         PolicyView: components["schemas"]["Versioned_NamedPolicy"] & components["schemas"]["Statement"] & {
-            /** @description How many mapped fields take it by name. */
+            /** @description Number of mapped fields that name it. */
             fieldCount: number;
-            /** @description The recipients that it is set for. */
+            /** @description Recipients that it is set for. */
             recipients: components["schemas"]["OrganisationId"][];
         };
         /** @description Side by side: machine, mapping, what is disclosed, and the message. */
         Preview: components["schemas"]["Statement"] & {
             candidate?: components["schemas"]["ShownValue"] | null;
-            /** @description What is wrong or doubtful about the mapping. */
+            /** @description Errors and warnings about the mapping. */
             diagnostics: components["schemas"]["MappingDiagnostic"][];
             disclosed?: components["schemas"]["ShownValue"] | null;
             disclosedAt?: components["schemas"]["DateTime"] | null;
             /**
-             * @description The precision that would hold: the strictest of the draft, the named policy and the
-             *     recipients' policies.
+             * @description Policy that would apply: the strictest of the draft, the named policy and the recipients'
+             *     policies.
              */
             effectiveDisclosure: components["schemas"]["DisclosurePolicy"];
-            /** @description What each part of it does to this value. */
+            /** @description Effect of each part of the policy on this value. */
             effects: components["schemas"]["Effect"][];
-            /** @description What the machines say. */
+            /** @description Present values of the variables. */
             inputs: components["schemas"]["InputView"][];
             /** @description Nothing would leave now: the policy withholds the present state, or one that is not known. */
             isWithheld: boolean;
@@ -5484,9 +5442,9 @@ export interface components {
              *     times.
              */
             message?: string | null;
-            /** @description What the mapping makes of it, function by function. */
+            /** @description Results of the mapping's functions, in order. */
             steps: components["schemas"]["StepView"][];
-            /** @description What partners could conclude if this were decided. */
+            /** @description Conclusions that the decision would permit to partners. */
             warnings: components["schemas"]["LeakWarning"][];
         };
         /**
@@ -5564,7 +5522,7 @@ export interface components {
          * @enum {string}
          */
         ReasonKind: "name" | "semantic" | "place" | "description" | "type" | "unit" | "companionType" | "value" | "decision";
-        /** @description Which policy holds for everything a recipient gets. */
+        /** @description Policy for everything that a recipient gets. */
         RecipientBody: {
             policyId?: components["schemas"]["DocumentId"] | null;
         };
@@ -5581,19 +5539,18 @@ export interface components {
              */
             version: number;
         };
-        /** @description What was set. */
+        /** @description Version of a recipient's policy. */
         RecipientVersion: {
             /**
              * Format: int32
-             * @description Counts the changes.
+             * @description Number of changes so far.
              */
             version: number;
         };
         /** @description A recipient and the policy set for it. */
         RecipientView: {
-            /** @description How many mapped fields it gets. */
+            /** @description Number of mapped fields whose values it gets. */
             fieldCount: number;
-            /** @description The organisation. */
             recipient: components["schemas"]["OrganisationId"];
             set?: components["schemas"]["RecipientPolicy"] | null;
         };
@@ -5610,55 +5567,68 @@ export interface components {
         RequestView: {
             /**
              * Format: int32
-             * @description Its DataSetWriter.
+             * @description DataSetWriter of its reports; none before the first decision.
              */
             dataSetWriterId?: number | null;
-            /** @description More about it. */
             description?: string | null;
-            /** @description Its fields. */
             fields: components["schemas"]["FieldView"][];
-            /** @description That time is over: nothing leaves any more. */
+            /** @description True after that period: no value leaves any more. */
             hasEnded: boolean;
-            /** @description It has waited for more than a day. */
+            /** @description True after a day of waiting. */
             isOverdue: boolean;
-            /** @description Its address. */
             key: components["schemas"]["RequestKey"];
-            /** @description What the network is called. */
             networkName?: string | null;
             openSince?: components["schemas"]["DateTime"] | null;
             operation: components["schemas"]["OperationSummary"];
-            /** @description What for. */
+            /** @description Purpose in the requester's words. */
             purpose: string;
-            /** @description When this revision came. */
+            /** @description Arrival of this revision of the network. */
             receivedAt: components["schemas"]["DateTime"];
-            /** @description Who may see the answers. */
+            /** @description Organisations that get the values. */
             recipientList: components["schemas"]["OrganisationId"][];
-            /** @description What the report is called. */
             reportName: string;
-            /** @description Who asks. */
+            /** @description Organisation that asks. */
             requesterId: string;
             /**
              * Format: int64
-             * @description How often the partner wants to hear, as the time between two reports in milliseconds.
+             * @description Requested time between two reports, in milliseconds.
              */
             updateIntervalMs?: number | null;
             validFrom?: components["schemas"]["DateTime"] | null;
             validUntil?: components["schemas"]["DateTime"] | null;
         };
-        /** @description Whose consent ends: single fields, or everything that the other members name together. */
+        /** @description Difference between the revision in force and the one before. */
+        RevisionDifference: {
+            /**
+             * @description Changed operations, relations and requests, and each changed field with the reasons and the
+             *     effect on its mapping and on the consent.
+             */
+            difference: components["schemas"]["NetworkDifference"];
+            /**
+             * Format: int64
+             * @description The one before it; none for the first.
+             */
+            previousRevision?: number | null;
+            /**
+             * Format: int64
+             * @description The revision in force.
+             */
+            revision: number;
+        };
+        /** @description Fields whose consents end: single ones, or all that the other members select together. */
         RevocationBody: {
             dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"] | null;
-            /** @description These fields. */
+            /** @description Single fields; if any, the other members select none. */
             fields?: components["schemas"]["FieldKey"][];
             mappingState?: components["schemas"]["MappingState"] | null;
             operationId?: components["schemas"]["OperationId"] | null;
             operationNetworkId?: components["schemas"]["OperationNetworkId"] | null;
-            /** @description Told to the partner; needed with `REFUSED`. */
+            /** @description Reason that the partner reads; needed with `REFUSED`. */
             reason?: string | null;
             recipientId?: components["schemas"]["OrganisationId"] | null;
         };
         /**
-         * @description Whether an authority's list of revoked certificates is here.
+         * @description State of an authority's revocation list.
          * @enum {string}
          */
         RevocationListState: "CURRENT" | "OUTDATED" | "MISSING";
@@ -5805,29 +5775,27 @@ export interface components {
         };
         /** @description A field that a rule means. */
         RuleMatch: {
-            /** @description The field. */
             key: components["schemas"]["FieldKey"];
             /** @description `PENDING`, `MAPPED` or `REFUSED`: only undecided fields would be decided. */
             mappingState: components["schemas"]["MappingState"];
-            /** @description What the rule says. */
+            /** @description Decision that the rule offers. */
             offer: components["schemas"]["RuleOfferView"];
             /** @description It is undecided and no engineer has left it open: the rule would decide now. */
             wouldDecide: boolean;
         };
-        /** @description What standing rules say about a field. */
+        /** @description Decision about a field that standing rules offer. */
         RuleOfferView: components["schemas"]["Statement"] & {
-            /** @description What they come to. */
             action: components["schemas"]["RuleAction"];
-            /** @description The precision. */
+            /** @description Coarsening of values. */
             disclosure: components["schemas"]["DisclosurePolicy"];
             mapping?: components["schemas"]["Mapping"] | null;
-            /** @description What the partner would be told. */
+            /** @description Reason that the partner would read. */
             reason?: string | null;
-            /** @description The rules, the one that gives reason and source first. */
+            /** @description Rules, the one that gives reason and source first. */
             rules: components["schemas"]["RuleReference"][];
             valueSource?: components["schemas"]["ValueSource"] | null;
         };
-        /** @description What a rule would match. */
+        /** @description Matches of a draft of a rule. */
         RulePreview: {
             /** @description All fields it means. */
             count: number;
@@ -5836,9 +5804,8 @@ export interface components {
             /** @description Of them, those it would decide now. */
             wouldDecideCount: number;
         };
-        /** @description A rule by name. */
+        /** @description A version of a rule, with its name. */
         RuleReference: components["schemas"]["DocumentVersion"] & {
-            /** @description What it is called. */
             name: string;
         };
         /**
@@ -5873,11 +5840,10 @@ export interface components {
              */
             isComplete: boolean;
             listedAt?: components["schemas"]["DateTime"] | null;
-            /** @description Why it could not be looked through. */
+            /** @description Reason why they could not be listed. */
             problem?: string | null;
-            /** @description The server. */
             sourceId: components["schemas"]["SourceId"];
-            /** @description How many variables it has. */
+            /** @description Number of its variables. */
             variables: number;
         };
         /** @description Choice among a server's endpoints. */
@@ -5944,9 +5910,9 @@ export interface components {
             /** Format: int32 */
             subscriptionsPerSessionMax?: number | null;
         };
-        /** @description Who is signed in. */
+        /** @description Session of a person. */
         Session: {
-            /** @description What changes must carry in the header `x-csrf-token`. */
+            /** @description Value of the header `x-csrf-token` that changes need. */
             csrfToken: string;
             role: components["schemas"]["Role"];
             userName: string;
@@ -5973,16 +5939,15 @@ export interface components {
          * @enum {string}
          */
         Severity: "hint" | "warning" | "error";
-        /** @description A mapping on trial beside the published one. */
+        /** @description A shadow mapping beside the published one. */
         ShadowView: {
-            /** @description Who started it. */
+            /** @description Name of the person who started it. */
             author: string;
-            /** @description What differs from the published one; none where nothing is published. */
+            /** @description Differences to the published mapping; none if there is none. */
             changes: components["schemas"]["MappingChange"][];
-            /** @description The mapping on trial. */
+            /** @description The shadow mapping. */
             mapping: components["schemas"]["Mapping"];
             published?: components["schemas"]["MappingStatus"] | null;
-            /** @description When. */
             startedAt: components["schemas"]["DateTime"];
             status?: components["schemas"]["MappingStatus"] | null;
         };
@@ -5994,7 +5959,7 @@ export interface components {
             /** @description The value as plain JSON; 64-bit integers as text; null where there is none. */
             value: unknown;
         };
-        /** @description Who wants to sign in. */
+        /** @description Credentials of a person. */
         SignIn: {
             /** Format: password */
             password: string;
@@ -6188,14 +6153,14 @@ export interface components {
             /** @enum {string} */
             code: "WITHHELD";
         };
-        /** @description How the connector stands. */
+        /** @description Status of the connector, with evidence. */
         Status: {
             factoryId: string;
             lease: components["schemas"]["LeaseStatus"];
             link: components["schemas"]["LinkStatus"] | null;
-            /** @description Its own clock, to tell ages by. */
+            /** @description Clock of the connector; pages compute ages from it. */
             now: components["schemas"]["DateTime"];
-            /** @description The local servers. */
+            /** @description Status of each local server. */
             sources: components["schemas"]["SourceStatus"][];
             spool: components["schemas"]["SpoolStatus"];
             startedAt: components["schemas"]["DateTime"];
@@ -6280,11 +6245,11 @@ export interface components {
             /** @enum {string} */
             function: "script";
         });
-        /** @description What one function made of its value. */
+        /** @description Result of one function. */
         StepView: {
-            /** @description The function. */
+            /** @description Name of the function. */
             function: string;
-            /** @description Why it failed. */
+            /** @description Text of its fault; none if it succeeded. */
             message?: string | null;
             value?: components["schemas"]["ShownValue"] | null;
         };
@@ -6327,9 +6292,9 @@ export interface components {
         };
         /** @description A variable that might be meant. */
         SuggestedVariable: components["schemas"]["Suggestion"] & {
-            /** @description What the server says about it. */
+            /** @description Description by the server. */
             description?: string | null;
-            /** @description What is to be decided if it is the right one. */
+            /** @description Mapping to decide with. */
             mapping: components["schemas"]["MappingDraft"];
             /** @description Its unit, as people see it. */
             unit?: string | null;
@@ -6368,11 +6333,11 @@ export interface components {
             /** @description Counters, inputs and last candidate. */
             status: components["schemas"]["MappingStatus"];
         };
-        /** @description How to make a template of a field's mapping. */
+        /** @description Draft of a template of a field's mapping. */
         TemplateDraft: {
-            /** @description What people call it. */
+            /** @description Name for people. */
             name?: string | null;
-            /** @description The parameters and the texts that they stand for in this mapping, as `machine` for `Press1`. */
+            /** @description Parameters and the texts that they replace in this mapping, as `machine` for `Press1`. */
             parameters: {
                 [key: string]: string;
             };
@@ -6388,11 +6353,10 @@ export interface components {
             /** @description Its name within `${...}`. */
             name: string;
         };
-        /** @description A template as it is kept. */
+        /** @description A stored template. */
         TemplateView: components["schemas"]["MappingTemplate"] & {
-            /** @description Who changed it last. */
+            /** @description Name of the person who changed it last. */
             author: string;
-            /** @description When. */
             changedAt: components["schemas"]["DateTime"];
         };
         /** @description Comparison of a number with a limit, with hysteresis. */
@@ -6466,35 +6430,7 @@ export interface components {
             /** @description Value as plain JSON. */
             value: unknown;
         };
-        /** @description What became of a trial. */
-        Trial: components["schemas"]["Trace"] & {
-            from?: components["schemas"]["DateTime"] | null;
-            /** @description How many runs there were. */
-            runsTotal: number;
-            to?: components["schemas"]["DateTime"] | null;
-            /**
-             * @description Inputs of which nothing is recorded: only variables that a mapping at work (or on trial)
-             *     uses are.
-             */
-            unrecorded: string[];
-            /** @description How many values went in. */
-            values: number;
-        };
-        /** @description A mapping to try. */
-        TrialBody: {
-            /** @description The last so many runs are shown, up to 2000; 200 without it. */
-            limit?: number | null;
-            /** @description The mapping. */
-            mapping: components["schemas"]["MappingDraft"];
-            /** @description What to run it on: `LIVE` (the default) or `HISTORY`. */
-            on?: components["schemas"]["TrialOn"];
-        };
-        /**
-         * @description What to run a mapping on.
-         * @enum {string}
-         */
-        TrialOn: "LIVE" | "HISTORY";
-        /** @description Whether a certificate is trusted. */
+        /** @description Approval of a server's certificate. */
         TrustBody: {
             /** @description True: connections to the server are allowed. */
             isTrusted: boolean;
@@ -6503,11 +6439,10 @@ export interface components {
         TrustFileBody: {
             /** @description Its content: PEM, or DER in base64. One certificate or list. */
             content: string;
-            /** @description What it is. */
             kind: components["schemas"]["TrustFileKind"];
         };
         /**
-         * @description What a file for the trust list is.
+         * @description Kind of a file for the trust list.
          * @enum {string}
          */
         TrustFileKind: "CERTIFICATE" | "ISSUER" | "REVOCATION_LIST";
@@ -6535,7 +6470,7 @@ export interface components {
             /** @description Symbol for people: `mm/s`. */
             displayName: string;
         };
-        /** @description What a person may do, and a password. */
+        /** @description Role and password of a user. */
         UserBody: {
             /**
              * Format: password
@@ -6601,7 +6536,7 @@ export interface components {
         };
         /** @description The outcome of a verification. */
         VerificationView: components["schemas"]["Verification"] & {
-            /** @description How many chains there are. */
+            /** @description Number of chains. */
             chains: number;
             /** @description The first thing that is wrong, in words. */
             fault?: string | null;
@@ -6610,21 +6545,19 @@ export interface components {
         };
         /** @description A published mapping. */
         VersionView: {
-            /** @description Who published it. */
+            /** @description Name of the person who published it. */
             author?: string | null;
-            /** @description What differs from the version before; none for the oldest. */
+            /** @description Differences to the version before; none for the oldest. */
             changes: components["schemas"]["MappingChange"][];
-            /** @description It is the mapping of the field now. */
+            /** @description True for the mapping that is published now. */
             isCurrent: boolean;
-            /** @description The mapping. */
             mapping: components["schemas"]["Mapping"];
-            /** @description Where it came from, where not from the editor. */
+            /** @description Origin, if not the editor. */
             note?: string | null;
-            /** @description When. */
             publishedAt: components["schemas"]["DateTime"];
             /**
              * Format: int32
-             * @description Counts from 1.
+             * @description Number, from 1.
              */
             version: number;
         };
@@ -6736,11 +6669,6 @@ export interface components {
         };
         TwinStatus: {
             endpointUrl?: string | null;
-        };
-        OperatorProblem: {
-            text: string;
-            since: string;
-            toldBy: string;
         };
         Versioned_Rule: components["schemas"]["DocumentVersion"] & components["schemas"]["Rule"] & {
             changedBy: string;

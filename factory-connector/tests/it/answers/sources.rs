@@ -1,0 +1,43 @@
+//! Local OPC UA servers.
+
+use serde_json::{Value, json};
+
+use super::Answers;
+
+/// A query with one parameter.
+fn query(name: &str, value: &str) -> String {
+    let url = reqwest::Url::parse_with_params("http://connector", [(name, value)]);
+    url.expect("an address").query().expect("a query").to_owned()
+}
+
+pub async fn read(answers: &mut Answers<'_>) {
+    let plant = answers.plant;
+    answers.without(&["sessions"]).get("listSources", "/sources").await;
+    // A group with one variable: servers list children in any order.
+    let axes = query("parent", &plant.node("Mill1", "Axes.Loads").replace(".Loads", ""));
+    answers.get("browseSource", &format!("/sources/Mill1/nodes?{axes}")).await;
+    let text = "/sources/Mill1/search?text=identification%20model";
+    plant.until("the variables are listed", text, |page| page["isComplete"] == true).await;
+    answers.get("searchSource", text).await;
+    let node = query("node", &plant.node("Mill1", "Identification.Model"));
+    answers.get("readSourceValue", &format!("/sources/Mill1/value?{node}")).await;
+}
+
+pub async fn configure(answers: &mut Answers<'_>) {
+    let plant = answers.plant;
+    let endpoint = plant.machines.machine("Mill1").expect("a machine").endpoint_url().to_owned();
+    let source = json!({ "sourceId": "Secured", "endpointUrl": endpoint });
+    answers.post("addSource", "/sources", source.clone()).await;
+    let certificates = "/source-certificates";
+    let page = plant
+        .until("its certificate waits", certificates, |page| page["items"][0] != Value::Null)
+        .await;
+    answers.get("listSourceCertificates", certificates).await;
+    let thumbprint = page["items"][0]["thumbprint"].as_str().expect("a thumbprint");
+    let path = format!("{certificates}/{thumbprint}");
+    answers.put("trustSourceCertificate", &path, json!({ "isTrusted": true })).await;
+    let mut renamed = source;
+    renamed["name"] = json!("The mill, secured");
+    answers.put("changeSource", "/sources/Secured", renamed).await;
+    answers.delete("removeSource", "/sources/Secured").await;
+}
