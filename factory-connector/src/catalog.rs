@@ -20,7 +20,7 @@ use tokio::{
 };
 use tokio_util::sync::CancellationToken;
 
-use crate::desk::now;
+use crate::coordinator::now;
 
 /// Most nodes visited per server.
 pub const NODES_MAX: usize = 200_000;

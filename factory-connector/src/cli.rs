@@ -22,7 +22,7 @@ use daemon::{
 };
 use factory_connector::{
     config::{ConnectorConfig, EXAMPLE},
-    desk::now,
+    coordinator::now,
     enrolment, service,
     store::{Role, Store, User},
 };

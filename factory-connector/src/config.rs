@@ -17,7 +17,7 @@ use twin::{DiscoveryConfig, SecurityConfig, TwinConfig, TwinLimits};
 
 pub use broker::{BrokerSection, ProxySection};
 
-use crate::desk::{RetentionLimits, SpoolLimits};
+use crate::coordinator::{RetentionLimits, SpoolLimits};
 
 /// The commented example, also printed by `factory-connector config example`.
 pub const EXAMPLE: &str = include_str!("../factory-connector.example.toml");

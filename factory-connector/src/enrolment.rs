@@ -8,7 +8,7 @@ use messaging::BrokerProfile;
 use serde::Deserialize;
 
 use crate::{
-    desk::now,
+    coordinator::now,
     store::{Enrolment, Store},
 };
 

@@ -1,30 +1,29 @@
-//! The daemon in each factory.
+//! The daemon in each factory. Start reading at [`service::start`].
 //!
-//! - [`books`]: what the connector knows about networks, decisions and values, in memory, as pure
-//!   functions.
-//! - [`catalog`]: which variables the local servers have.
-//! - [`desk`]: the one task that changes anything: books, one transaction, then the other rooms.
-//! - [`outbox`]: the two ends of the link.
+//! - [`coordinator`]: the one task that changes anything: use cases on the state of the crate
+//!   `connector-state`, one transaction, then its effects.
 //! - [`store`]: the durable file.
-//! - [`lease`]: which of several connectors with one credential may speak.
+//! - [`link_adapter`], [`twin_adapter`]: the coordinator as link and twin see it.
+//! - [`in_flight`], [`keep_alive_queue`]: what coordinator and link share.
+//! - [`catalog`]: variables of the local servers.
+//! - [`lease`]: the right to send, of one among several connectors with one credential.
 //! - [`ledger_export`], [`ledger_key`]: the ledger as people read it, and the key that signs it.
-//! - [`operator`]: what people enter about operations without a machine.
 //! - [`mod@print`]: pages to print.
-//! - [`values`]: values as stored and as shown.
+//! - [`values`]: values as pages show them.
 
 pub mod api;
-pub mod books;
 pub mod catalog;
 pub mod config;
-pub mod desk;
+pub mod coordinator;
 pub mod enrolment;
+pub mod in_flight;
+pub mod keep_alive_queue;
 pub mod lease;
 pub mod ledger_export;
 pub mod ledger_key;
-pub mod operator;
-pub mod outbox;
+pub mod link_adapter;
 pub mod print;
 pub mod service;
 pub mod store;
-pub mod twin_side;
+pub mod twin_adapter;
 pub mod values;

@@ -8,6 +8,7 @@ use std::{net::SocketAddr, sync::Arc};
 
 use anyhow::Context as _;
 use asi_model::FactoryId;
+use connector_state::StateConfig;
 use daemon::{
     Confidential,
     lifecycle::{Importance, Lifecycle},
@@ -28,14 +29,15 @@ use twin::Twin;
 use crate::ledger_key::{self, LEDGER_KEY_FILE};
 use crate::{
     api::{self, Api},
-    books::BooksConfig,
     catalog::Catalog,
     config::ConnectorConfig,
-    desk::{self, Desk, DeskConfig, Rooms, now},
+    coordinator::{self, Coordinator, CoordinatorConfig, Outputs, now},
+    in_flight::InFlight,
+    keep_alive_queue::KeepAliveQueue,
     lease::{self, Instance, LeaseGate, LeaseKeeper},
-    outbox::{Departures, Ephemerals, Outbox, PlatformInbox},
+    link_adapter::{ConnectorSpool, PlatformInbox},
     store::{Readers, Role, Session, Store, User},
-    twin_side::{DeskWriter, StoredUsers, UserWatch},
+    twin_adapter::{CoordinatorWriter, StoredUsers, UserWatch},
 };
 
 /// Events kept for pages that catch up.
@@ -88,11 +90,11 @@ pub async fn start(
     let readers = store.readers();
     let shutdown = lifecycle.shutdown();
 
-    let (desk_handle, commands) = desk::channel();
+    let (coordinator_handle, commands) = coordinator::channel();
     let (twin, twin_handle) = Twin::new(
         factory_id.clone(),
         config.twin_config(),
-        Arc::new(DeskWriter(desk_handle.clone())),
+        Arc::new(CoordinatorWriter(coordinator_handle.clone())),
         Arc::new(StoredUsers(readers.clone())),
     )?;
     let users_changed = Arc::new(tokio::sync::Notify::new());
@@ -106,16 +108,16 @@ pub async fn start(
     let (floor, floor_handle, changes) = ShopFloor::new(floor_config);
     let (engine, engine_handle, candidates) =
         MappingEngine::new(config.mapping.clone(), floor_handle.clone(), changes);
-    let ephemerals = Arc::new(Ephemerals::default());
-    let departures = Arc::new(Departures::default());
+    let keep_alives = Arc::new(KeepAliveQueue::default());
+    let in_flight = Arc::new(InFlight::default());
     let gate = Arc::new(LeaseGate::default());
     let (catalog, catalog_handle) = Catalog::new(floor_handle.clone());
-    let outbox = Outbox::new(
+    let spool = ConnectorSpool::new(
         factory_id.clone(),
         readers.clone(),
-        desk_handle.clone(),
-        Arc::clone(&ephemerals),
-        Arc::clone(&departures),
+        coordinator_handle.clone(),
+        Arc::clone(&keep_alives),
+        Arc::clone(&in_flight),
         Arc::clone(&gate),
     );
     let (lease_answers, answers) = lease::channel(factory_id.clone());
@@ -123,8 +125,8 @@ pub async fn start(
     link_config.consumed = LeaseKeeper::received_at_start(&factory_id, identity.was_lease_held);
     let (link, link_handle) = Link::new(
         link_config,
-        Arc::new(outbox),
-        Arc::new(PlatformInbox { desk: desk_handle.clone(), lease: lease_answers }),
+        Arc::new(spool),
+        Arc::new(PlatformInbox { coordinator: coordinator_handle.clone(), lease: lease_answers }),
     )?;
     let events =
         EventLog::new(EVENTS_KEPT_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
@@ -133,15 +135,15 @@ pub async fn start(
         identity.was_lease_held,
         gate,
         link_handle.clone(),
-        desk_handle.clone(),
+        coordinator_handle.clone(),
         answers,
         events.clone(),
     );
     let (mappings, mapping_work) = mpsc::channel(MAPPING_BATCHES_MAX);
     let sources = stored_sources(&readers).await?;
-    let desk = Desk::new(
-        DeskConfig {
-            books: BooksConfig {
+    let coordinator = Coordinator::new(
+        CoordinatorConfig {
+            state: StateConfig {
                 factory_id: factory_id.clone(),
                 encoding: config.reports.encoding,
             },
@@ -150,12 +152,12 @@ pub async fn start(
             retention: config.ledger,
         },
         store,
-        Rooms {
+        Outputs {
             twin: twin_handle.clone(),
             mappings,
             link: Some(link_handle.clone()),
-            ephemerals,
-            departures,
+            keep_alives,
+            in_flight,
             events: events.clone(),
         },
         key,
@@ -181,7 +183,7 @@ pub async fn start(
     });
     let router = api::router(
         Api::new(api::Parts {
-            desk: desk_handle,
+            coordinator: coordinator_handle,
             readers,
             shop_floor: floor_handle,
             engine: engine_handle.clone(),
@@ -209,8 +211,8 @@ pub async fn start(
     );
 
     let token = shutdown.clone();
-    lifecycle.spawn("desk", Importance::Essential, async move {
-        desk.run(token).await.map_err(anyhow::Error::from)
+    lifecycle.spawn("coordinator", Importance::Essential, async move {
+        coordinator.run(token).await.map_err(anyhow::Error::from)
     });
     let token = shutdown.clone();
     lifecycle.spawn("twin", Importance::Essential, async move {

@@ -1,13 +1,12 @@
 //! The connector's durable file: one SQLite database in full-sync mode with one writer.
 //!
 //! One module per noun, with its columns, its reading and its writing; each statement is in exactly
-//! one place. Everything that belongs together is collected in [`Changes`] and committed in one
+//! one place. Everything that belongs together is collected in [`Writes`] and committed in one
 //! transaction ([`Store::commit`]): nothing leaves that is not logged, and nothing that is logged
 //! is lost. Reading goes through repositories that borrow a [`Session`], a connection of its own,
 //! and never waits for a transaction.
 
 mod carried_fields;
-mod changes;
 mod comments;
 mod commit;
 mod consents;
@@ -31,7 +30,6 @@ mod policy_documents;
 mod query;
 mod received_messages;
 mod recipient_policies;
-mod records;
 mod reports;
 mod revocations;
 mod row;
@@ -45,12 +43,16 @@ mod users;
 mod write_connection;
 mod writers;
 
-pub use changes::{
-    CarriedFieldRow, Changes, CheckpointRow, CommentRow, ConsentRow, ControlRow, DeadLetterRow,
-    FieldRow, FieldValueRow, NetworkRow, NewReport, ReportMove, RevocationRow, SourceRow,
-    WriterRow,
-};
 pub use comments::{Comments, StoredComment};
+use connector_state::{
+    Snapshot, StoredMappings, StoredNetwork, StoredPolicies, Writes,
+    writes::{
+        CarriedFieldRow, CheckpointRow, CommentRow, ConsentRow, ControlRow, DeadLetterRow,
+        DocumentRow, FieldRow, FieldValueRow, NetworkRow, NewReport, RecipientPolicyRow,
+        ReportMove, RevocationRow, RuleDecisionRow, ShadowRow, SourceRow, TemplateRow, VersionRow,
+        WaitingRow, WriterRow,
+    },
+};
 pub use control_messages::ControlMessage;
 pub use dead_letters::{DeadLetter, DeadLetters};
 pub use enrolments::{Enrolment, Enrolments};
@@ -68,10 +70,6 @@ pub use operator_entries::OperatorEntries;
 pub use policy_documents::{DocumentKind, PolicyDocuments};
 pub use received_messages::ReceivedMessages;
 pub use recipient_policies::RecipientPolicies;
-pub use records::{
-    DocumentRow, MappingChanges, RecipientPolicyRow, RuleDecisionRow, ShadowRow, Snapshot,
-    StoredMappings, StoredNetwork, TemplateRow, VersionRow, WaitingRow,
-};
 pub use reports::{LastSequences, ReportMessage, Reports};
 pub use revocations::{Revocations, StoredRevocation};
 pub use rule_decisions::{RuleDecision, RuleDecisions};

@@ -1,7 +1,9 @@
 //! Comments of this factory and its partners about a network.
 
+use crate::coordinator::new_message_id;
 use asi_model::{DynamicDataRequestId, FieldName, OperationNetworkId, messages::Comment};
 use axum::{Json, extract::State, http::StatusCode};
+use connector_state::use_cases::comments::write_comment;
 use daemon::web::{ApiJson, ApiPath, Problem};
 use serde::Deserialize;
 use utoipa::ToSchema;
@@ -12,7 +14,7 @@ use super::{
     roles::{Operator, Viewer},
     view::Page,
 };
-use crate::{books::new_message_id, store::StoredComment};
+use crate::store::StoredComment;
 
 /// Longest comment, in characters.
 const TEXT_CHARS_MAX: usize = 4000;
@@ -61,7 +63,8 @@ pub async fn add_comment(
         return Err(Problem::bad_request("INVALID_TEXT", "A comment has 1 to 4000 characters."));
     }
     let network = id.clone();
-    let is_known = api.desk.read(move |books| books.networks.contains_key(&network)).await?;
+    let is_known =
+        api.coordinator.read(move |state| state.networks().get(&network).is_some()).await?;
     if !is_known {
         return Err(Problem::not_found(format_args!("operation network {id}")));
     }
@@ -74,6 +77,6 @@ pub async fn add_comment(
         author_id: user.principal.user_name.clone(),
         text: new.text,
     };
-    api.desk.comment(comment).await?;
+    api.coordinator.execute(|state, now| write_comment(state, comment, now)).await?;
     Ok(StatusCode::NO_CONTENT)
 }

@@ -1,5 +1,6 @@
 //! Context of all operations: handles of the connector's parts, sessions and accounts.
 
+use connector_state::ConnectorEvent;
 use std::{path::PathBuf, sync::Arc};
 
 use asi_model::{DateTime, FactoryId, pubsub::json::Encoding};
@@ -22,9 +23,8 @@ use twin::TwinHandle;
 
 use super::accounts::StoredAccounts;
 use crate::{
-    books::ConnectorEvent,
     catalog::CatalogHandle,
-    desk::DeskHandle,
+    coordinator::CoordinatorHandle,
     lease::LeaseStatus,
     store::{Readers, Session},
 };
@@ -34,7 +34,7 @@ pub(super) const COOKIE: &str = "verbund_connector";
 
 /// Parts of the connector that operations use.
 pub struct Parts {
-    pub desk: DeskHandle,
+    pub coordinator: CoordinatorHandle,
     /// Reading connections of the store.
     pub readers: Readers,
     pub shop_floor: ShopFloorHandle,

@@ -5,28 +5,32 @@ use axum::{
     Json,
     http::{HeaderMap, header},
 };
+use connector_state::ChangeSet;
+use connector_state::{ConnectorState, DocumentError};
 use daemon::web::{Problem, problem::ProblemFault};
 use disclosure::{DocumentId, Versioned};
 use serde::de::DeserializeOwned;
 
 use super::{context::Api, view::Page};
-use crate::{
-    books::{Books, DocumentError},
-    store::DocumentKind,
-};
+use crate::store::DocumentKind;
 
 /// Stores a version in an engineer's name, provided that `If-Match`, if given, names the present one.
 pub(super) async fn keep<T: Send + 'static>(
     api: &Api,
     author: &str,
     headers: &HeaderMap,
-    keep: impl FnOnce(&mut Books, Option<u32>, &str, DateTime) -> Result<T, DocumentError>
+    keep: impl FnOnce(
+        &mut ConnectorState,
+        Option<u32>,
+        &str,
+        DateTime,
+    ) -> Result<(T, ChangeSet), DocumentError>
     + Send
     + 'static,
 ) -> Result<T, Problem> {
     let (expected, by) = (if_match(headers)?, author.to_owned());
-    api.desk
-        .change(move |books, now| keep(books, expected, &by, now))
+    api.coordinator
+        .execute(move |state, now| keep(state, expected, &by, now))
         .await?
         .map_err(document_problem)
 }

@@ -14,7 +14,7 @@ use super::{
     problems::{Problems, engine, shop_floor},
     roles::Engineer,
 };
-use crate::desk::now;
+use crate::coordinator::now;
 
 /// Runs in an answer without a limit, and at most.
 const RUNS_DEFAULT: usize = 200;
@@ -85,8 +85,8 @@ pub async fn dry_run_mapping(
         DryRunValues::Live => {
             let draft = mapping.clone();
             let state = api
-                .desk
-                .read(move |books| books.field(&field).and_then(|field| field.state_for(&draft)))
+                .coordinator
+                .read(move |state| state.field(&field).and_then(|field| field.state_for(&draft)))
                 .await?;
             (live_values(&api, &mapping).await?, state)
         }

@@ -1,13 +1,11 @@
 //! Server-sent events.
 
 use axum::{extract::State, http::HeaderMap, response::Response};
+use connector_state::{ConnectorEvent, FieldEvent};
 use daemon::web::events::last_event_id;
 
 use super::{context::Api, problems::Problems, roles::Viewer};
-use crate::{
-    books::{ConnectorEvent, FieldNews},
-    values::ShownValue,
-};
+use crate::values::ShownValue;
 
 /// State of a field after a change. The members of the key are there twice, flat and as `key`.
 #[derive(serde::Serialize)]
@@ -22,8 +20,8 @@ struct FieldChangeView<'c> {
     value: Option<ShownValue>,
 }
 
-impl<'c> From<&'c FieldNews> for FieldChangeView<'c> {
-    fn from(change: &'c FieldNews) -> Self {
+impl<'c> From<&'c FieldEvent> for FieldChangeView<'c> {
+    fn from(change: &'c FieldEvent) -> Self {
         Self {
             address: &change.key,
             key: &change.key,

@@ -7,6 +7,7 @@ use axum::{
     http::{HeaderMap, HeaderValue, header},
     response::{IntoResponse, Response},
 };
+use connector_state::queries;
 use daemon::web::{ApiQuery, Problem, problem::ProblemFault};
 use mapping_engine::exchange::{
     ExchangeError, FILE_BYTES_MAX, MappingFile, RowFault, read_table, write_table,
@@ -63,7 +64,7 @@ pub async fn export_mappings(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<ExportQuery>,
 ) -> Result<Response, Problem> {
-    let mappings = api.desk.read(|books| books.all_mappings()).await?;
+    let mappings = api.coordinator.read(|state| queries::all_mappings(state)).await?;
     let (kind, name, text) = match query.form {
         ExportForm::Csv => (
             "text/csv; charset=utf-8",

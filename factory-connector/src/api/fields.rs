@@ -1,10 +1,17 @@
 //! Fields, decisions about them, and values that people enter.
 
+use super::problems::decision_problem;
 use asi_model::{
     DateTime, FieldKey,
     messages::{MappingState, ValueSource},
 };
 use axum::{Json, extract::State};
+use connector_state::operator::{Action, EntryFault, EntryId, OperationKey, OperatorEntry};
+use connector_state::use_cases::{
+    decide::{DecisionRequest, decide},
+    enter::enter,
+};
+use connector_state::{use_cases::decide::DecisionCommand, use_cases::enter::EntryOutcome};
 use daemon::web::{ApiJson, ApiPath, Problem, problem::ProblemFault};
 use disclosure::{DecisionBasis, DisclosurePolicy, DocumentId, GateOutcome};
 use mapping_engine::{Mapping, MappingId, MappingInput, Severity, Step, mapping::LateValues};
@@ -18,11 +25,7 @@ use super::{
     roles::{Engineer, Operator, Viewer},
     view::FieldView,
 };
-use crate::{
-    books::{EntryOutcome, Verdict},
-    desk::{DeskError, now},
-    operator::{Action, EntryFault, EntryId, OperationKey, OperatorEntry},
-};
+use crate::coordinator::now;
 
 /// Time for a server to return the browse path of a variable.
 const BROWSE_PATH_TIMEOUT: std::time::Duration = std::time::Duration::from_secs(2);
@@ -68,8 +71,8 @@ pub(super) async fn mapping_of(
 ) -> Result<Mapping, Problem> {
     let key = field.clone();
     let known = api
-        .desk
-        .read(move |books| books.field(&key).map(|field| (field.id, field.definition.clone())))
+        .coordinator
+        .read(move |state| state.field(&key).map(|field| (field.id, field.definition.clone())))
         .await?;
     let (id, definition) = known.ok_or_else(|| Problem::not_found("such field"))?;
     let mapping_id =
@@ -133,8 +136,8 @@ pub async fn decide_field(
 ) -> Result<Json<FieldView>, Problem> {
     let field = path.into_key();
     let command = match body.mapping_state {
-        MappingState::Pending => Verdict::LeavePending,
-        MappingState::Refused => Verdict::Refuse,
+        MappingState::Pending => DecisionCommand::LeavePending,
+        MappingState::Refused => DecisionCommand::Refuse,
         MappingState::Mapped => {
             let value_source = body.value_source.ok_or_else(|| missing("valueSource"))?;
             let mapping = match body.mapping {
@@ -143,16 +146,18 @@ pub async fn decide_field(
                 }
                 _ => None,
             };
-            Verdict::Map { value_source, mapping, policy: body.disclosure }
+            DecisionCommand::Map { value_source, mapping, policy: body.disclosure }
         }
     };
-    let basis = DecisionBasis { policy_id: body.policy_id, ..DecisionBasis::default() };
-    let (key, by, reason) = (field.clone(), user.principal.user_name.clone(), body.reason);
-    let decided = api
-        .desk
-        .change(move |books, now| books.decide_on(&key, command, reason, &by, basis, now))
-        .await?;
-    decided.map_err(DeskError::from)?;
+    let request = DecisionRequest {
+        command,
+        reason: body.reason,
+        decided_by: user.principal.user_name.clone(),
+        basis: DecisionBasis { policy_id: body.policy_id, ..DecisionBasis::default() },
+    };
+    let key = field.clone();
+    let decided = api.coordinator.execute(move |state, now| decide(state, &key, request, now));
+    decided.await?.map_err(decision_problem)?;
     field_view(&api, field).await
 }
 
@@ -174,8 +179,8 @@ pub async fn show_field(
 
 pub(super) async fn field_view(api: &Api, field: FieldKey) -> Result<Json<FieldView>, Problem> {
     let view = api
-        .desk
-        .read(move |books| books.field(&field).map(|f| FieldView::new(books, field.clone(), f)))
+        .coordinator
+        .read(move |state| state.field(&field).map(|f| FieldView::new(state, field.clone(), f)))
         .await?;
     view.map(Json).ok_or_else(|| Problem::not_found("such field"))
 }
@@ -235,13 +240,14 @@ pub async fn enter_value(
         operation_id: field.request.operation_id.clone(),
     };
     let key = field.clone();
-    if !api.desk.read(move |books| books.field(&key).is_some()).await? {
+    if !api.coordinator.read(move |state| state.field(&key).is_some()).await? {
         return Err(Problem::not_found("such field"));
     }
     // The store keeps microseconds: rounded here, the time is the same after a restart.
     let moment = DateTime::from_unix_micros(now().unix_micros());
+    let entry_id = EntryId::try_from(uuid::Uuid::now_v7().to_string()).expect("a UUID is an id");
     let entry = OperatorEntry {
-        entry_id: EntryId::fresh(),
+        entry_id,
         operation,
         made_at: moment,
         received_at: moment,
@@ -252,14 +258,14 @@ pub async fn enter_value(
             value: body.value,
         },
     };
-    let outcome = api.desk.enter(vec![entry]).await?.pop();
+    let outcome = api.coordinator.execute(|state, now| enter(state, entry, now)).await?;
     match outcome {
-        Some(EntryOutcome::Taken(taken)) => {
+        EntryOutcome::Taken(taken) => {
             let outcome =
                 taken.into_iter().find(|(key, _)| *key == field).map(|(_, outcome)| outcome);
             outcome.map(|outcome| Json(outcome.into())).ok_or_else(not_manual)
         }
-        Some(EntryOutcome::Refused(fault @ EntryFault::WrongType(_))) => {
+        EntryOutcome::Refused(fault @ EntryFault::WrongType(_)) => {
             let (code, message) = (fault.code().to_owned(), fault.to_string());
             let listed = ProblemFault {
                 pointer: "/value".to_owned(),
@@ -268,10 +274,10 @@ pub async fn enter_value(
             };
             Err(Problem::unprocessable(&code, message, vec![listed]))
         }
-        Some(EntryOutcome::Refused(EntryFault::TooMany)) => {
+        EntryOutcome::Refused(EntryFault::TooMany) => {
             Err(Problem::conflict("TOO_MANY", EntryFault::TooMany.to_string()))
         }
-        _ => Err(not_manual()),
+        EntryOutcome::Refused(_) | EntryOutcome::Repeated => Err(not_manual()),
     }
 }
 

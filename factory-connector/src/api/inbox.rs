@@ -6,6 +6,7 @@ use asi_model::{
     network::{DynamicDataRequest, Operation},
 };
 use axum::{Json, extract::State};
+use connector_state::ConnectorState;
 use daemon::web::{ApiPath, ApiQuery, Problem};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
@@ -17,7 +18,7 @@ use super::{
     roles::Viewer,
     view::{REMIND_AFTER, RequestView},
 };
-use crate::{books::Books, desk::now};
+use crate::coordinator::now;
 
 /// Requests per page, and most that a page may ask for.
 const PAGE: usize = 200;
@@ -99,12 +100,17 @@ pub async fn list_inbox(
         Problem::bad_request("INVALID_CURSOR", "A cursor is what the page before gave.")
     })?;
     let now = now();
-    Ok(Json(api.desk.read(move |books| page(books, &query, after.as_ref(), now)).await?))
+    Ok(Json(api.coordinator.read(move |state| page(state, &query, after.as_ref(), now)).await?))
 }
 
 /// Scans all requests for the totals, and builds views of those on the page only: the first ones
 /// behind `after`.
-fn page(books: &Books, query: &InboxQuery, after: Option<&RequestKey>, now: DateTime) -> InboxPage {
+fn page(
+    state: &ConnectorState,
+    query: &InboxQuery,
+    after: Option<&RequestKey>,
+    now: DateTime,
+) -> InboxPage {
     let words: Vec<String> =
         query.search.as_deref().unwrap_or("").split_whitespace().map(str::to_lowercase).collect();
     let limit = query.limit.unwrap_or(PAGE).clamp(1, PAGE);
@@ -114,15 +120,18 @@ fn page(books: &Books, query: &InboxQuery, after: Option<&RequestKey>, now: Date
         count: 0,
         totals: InboxTotals::default(),
     };
-    for (network, message) in
-        books.networks.values().filter_map(|n| n.message.as_ref().map(|message| (n, message)))
+    for (network, message) in state
+        .networks()
+        .iter()
+        .map(|(_, network)| network)
+        .filter_map(|n| n.message.as_ref().map(|message| (n, message)))
     {
         let is_network =
             |id: &String| message.operation_network.operation_network_id.as_str() == id;
         let mut requests: Vec<_> = message.operation_network.requests().collect();
         requests.sort_unstable_by(|(left, ..), (right, ..)| left.cmp(right));
         for (key, operation, request) in requests {
-            let summary = RequestSummary::of(books, &key, request, network.received_at, now);
+            let summary = RequestSummary::of(state, &key, request, network.received_at, now);
             summary.add_to(&mut page.totals);
             let is_selected = query.state.is_none_or(|state| summary.count(state) > 0)
                 && (!query.is_overdue || summary.is_overdue)
@@ -147,7 +156,7 @@ fn page(books: &Books, query: &InboxQuery, after: Option<&RequestKey>, now: Date
             }
             if page.items.len() < limit {
                 page.items
-                    .push(RequestView::new(books, network, message, key, operation, request, now));
+                    .push(RequestView::new(state, network, message, key, operation, request, now));
             } else if page.next_cursor.is_none() {
                 let last = page.items.last().map(|last| &last.key);
                 page.next_cursor =
@@ -169,14 +178,14 @@ struct RequestSummary {
 
 impl RequestSummary {
     fn of(
-        books: &Books,
+        state: &ConnectorState,
         key: &RequestKey,
         request: &DynamicDataRequest,
         received_at: DateTime,
         now: DateTime,
     ) -> Self {
         let (mut pending, mut mapped, mut refused) = (0, 0, 0);
-        for (_, field) in books.fields_in(key, request) {
+        for (_, field) in state.fields_in(key, request) {
             match field.decision.mapping_state {
                 MappingState::Pending => pending += 1,
                 MappingState::Mapped => mapped += 1,
@@ -253,7 +262,7 @@ pub async fn show_request(
     ApiPath(path): ApiPath<RequestPath>,
 ) -> Result<Json<RequestView>, Problem> {
     let key = path.into_key();
-    let view = api.desk.read(move |books| RequestView::of(books, &key, now())).await?;
+    let view = api.coordinator.read(move |state| RequestView::of(state, &key, now())).await?;
     view.map(Json).ok_or_else(|| Problem::not_found("such request"))
 }
 
@@ -263,7 +272,7 @@ mod tests {
     use serde_json::{Value, json};
 
     use super::*;
-    use crate::books::tests::{arrive, at, books};
+    use connector_state::scene::{Scene, at};
 
     /// A network with requests of `fields` fields each.
     fn network_of(
@@ -293,50 +302,51 @@ mod tests {
     }
 
     /// Networks with `requests` requests of `fields` fields each, and one more request.
-    fn inbox(networks: u64, requests: usize, fields: usize) -> Books {
-        let mut books = books();
+    fn inbox(networks: u64, requests: usize, fields: usize) -> Scene {
+        let mut scene = Scene::default();
         let requests: Vec<String> = (0..requests).map(|request| format!("R{request}")).collect();
         for network in 0..networks {
-            arrive(&mut books, network_of(network, 1, &requests, fields));
+            scene.arrive(network_of(network, 1, &requests, fields));
         }
-        books
+        scene
     }
 
     fn query(json: Value) -> InboxQuery {
         serde_json::from_value(json).expect("a query")
     }
 
-    fn first(books: &Books, filter: Value, now: DateTime) -> InboxPage {
-        page(books, &query(filter), None, now)
+    fn first(scene: &Scene, filter: Value, now: DateTime) -> InboxPage {
+        page(&scene.state, &query(filter), None, now)
     }
 
     /// Every page, from the first on; `between` happens after each.
     fn pages(
-        books: &mut Books,
+        scene: &mut Scene,
         limit: usize,
-        mut between: impl FnMut(&mut Books),
+        mut between: impl FnMut(&mut Scene),
     ) -> Vec<RequestKey> {
         let (mut keys, mut after) = (Vec::new(), None);
         loop {
-            let found = page(books, &query(json!({ "limit": limit })), after.as_ref(), at(0));
+            let found =
+                page(&scene.state, &query(json!({ "limit": limit })), after.as_ref(), at(0));
             keys.extend(found.items.into_iter().map(|request| request.key));
             let Some(cursor) = found.next_cursor else { return keys };
             after = Some(serde_json::from_str(&cursor).expect("a cursor"));
-            between(books);
+            between(scene);
         }
     }
 
     #[test]
     fn pages_and_filters_hold_for_two_thousand_requests() {
-        let books = inbox(20, 100, 10);
-        let found = first(&books, json!({ "limit": 50 }), at(0));
+        let scene = inbox(20, 100, 10);
+        let found = first(&scene, json!({ "limit": 50 }), at(0));
         assert_eq!((found.count, found.items.len()), (2001, 50));
         assert_eq!(
             (found.totals.requests, found.totals.pending, found.totals.overdue_requests),
             (2001, 20_002, 0)
         );
         let check = |json: Value, expected: usize| {
-            assert_eq!(first(&books, json.clone(), at(0)).count, expected, "{json}")
+            assert_eq!(first(&scene, json.clone(), at(0)).count, expected, "{json}")
         };
         check(json!({ "operationNetworkId": "large-07" }), 100);
         check(json!({ "partner": "org3" }), 280);
@@ -344,7 +354,7 @@ mod tests {
         check(json!({ "search": "note" }), 1);
         check(json!({ "state": "MAPPED" }), 0);
         check(json!({ "isOverdue": true }), 0);
-        let tomorrow = first(&books, json!({ "isOverdue": true, "limit": 1 }), at(25 * 3_600_000));
+        let tomorrow = first(&scene, json!({ "isOverdue": true, "limit": 1 }), at(25 * 3_600_000));
         assert_eq!((tomorrow.count, tomorrow.items[0].is_overdue), (2001, true));
     }
 
@@ -357,14 +367,14 @@ mod tests {
 
     #[test]
     fn nothing_is_skipped_or_doubled_while_requests_come_and_go() {
-        let mut books = inbox(6, 20, 1);
-        let lasting = pages(&mut books, 200, |_| {});
+        let mut scene = inbox(6, 20, 1);
+        let lasting = pages(&mut scene, 200, |_| {});
         let lasting: Vec<RequestKey> = lasting
             .into_iter()
             .filter(|key| key.dynamic_data_request_id.as_str() != "R12")
             .collect();
         let mut round = 0_u64;
-        let found = pages(&mut books, 7, |books| {
+        let found = pages(&mut scene, 7, |scene| {
             // In the network where the page ended and in the next one, one request goes, others come
             // first, and the order of the others is reversed.
             round += 1;
@@ -374,7 +384,7 @@ mod tests {
                     (0..20).rev().filter(|number| *number != 12).map(|number| format!("R{number}"));
                 let requests: Vec<String> =
                     (0..5).map(|new| format!("New{new}-{round}")).chain(kept).collect();
-                arrive(books, network_of(network, round + 1, &requests, 1));
+                scene.arrive(network_of(network, round + 1, &requests, 1));
             }
         });
         assert!(found.is_sorted_by(|left, right| left < right), "nothing is doubled");

@@ -2,6 +2,7 @@
 
 use asi_model::OrganisationId;
 use axum::{Json, extract::State};
+use connector_state::queries;
 use daemon::web::{ApiPath, ApiQuery, Problem};
 use disclosure::{
     DisclosurePolicy, LeakBudget, LeakSummary, Measured, OpenField, Statement, leak_budget,
@@ -17,7 +18,7 @@ use super::{
     roles::Viewer,
     view::{Page, RuleReference},
 };
-use crate::desk::now;
+use crate::coordinator::now;
 
 /// Leak budget of one partner over all its open fields.
 #[derive(Serialize, ToSchema)]
@@ -68,8 +69,8 @@ async fn each<T: Send + 'static>(
     view: impl Fn(OrganisationId, &[OpenField<'_>]) -> T + Send + 'static,
 ) -> Result<Json<Page<T>>, Problem> {
     let now = now();
-    let read = api.desk.read(move |books| {
-        let open = books.open_fields(now, None).into_iter();
+    let read = api.coordinator.read(move |state| {
+        let open = queries::open_fields(state, now, None).into_iter();
         open.filter(|(partner, _)| query.means(partner))
             .map(|(partner, fields)| view(partner.clone(), &fields))
             .collect()
@@ -144,10 +145,10 @@ pub async fn show_consent_offer(
 ) -> Result<Json<ConsentOffer>, Problem> {
     let (key, now) = (path.into_key(), now());
     let offer = api
-        .desk
-        .read(move |books| {
-            let field = books.field(&key)?;
-            let (_, request) = books.request(&key.request)?;
+        .coordinator
+        .read(move |state| {
+            let field = state.field(&key)?;
+            let (_, request) = state.request(&key.request)?;
             let requested_interval_ms = request
                 .update_interval()
                 .map(|interval| u64::try_from(interval.as_millis()).unwrap_or(u64::MAX));
@@ -155,13 +156,13 @@ pub async fn show_consent_offer(
                 minimum_interval_ms: requested_interval_ms,
                 ..DisclosurePolicy::default()
             };
-            let ruled = books.rule_offer(&key);
+            let ruled = queries::rule_offer(state, &key);
             let disclosure = ruled
                 .as_ref()
                 .map_or_else(|| asked.clone(), |ruled| ruled.disclosure.strictest(&asked));
             #[allow(clippy::cast_precision_loss)]
             let values_per_hour = requested_interval_ms.map(|ms| 3_600_000.0 / ms.max(1) as f64);
-            let measured = Some(field.traffic.measured(now)).filter(|_| field.decision.is_mapped());
+            let measured = Some(field.rate.measured(now)).filter(|_| field.decision.is_mapped());
             let every_change = measured.and_then(Measured::candidates_per_hour);
             Some(ConsentOffer {
                 statement: Statement::of(&disclosure, field.definition.unit.as_deref()),

@@ -1,6 +1,11 @@
 //! Import of mappings, from files, templates and versions: checked together, then published or
 //! proposed, all or none.
 
+use connector_state::queries;
+use connector_state::use_cases::import_mappings::import_mappings;
+use connector_state::{
+    queries::ImportOutcome as FieldImport, use_cases::import_mappings::MappingImport,
+};
 use std::{collections::HashSet, fmt::Write as _};
 
 use asi_model::FieldKey;
@@ -10,7 +15,6 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{context::Api, problems::engine};
-use crate::books::{Placed, Placing};
 
 /// Most faults in one answer.
 const FAULTS_MAX: usize = 1000;
@@ -56,7 +60,7 @@ pub struct ImportOutcome {
 pub struct ImportedMapping {
     key: FieldKey,
     /// Effect on the field.
-    outcome: Placed,
+    outcome: FieldImport,
 }
 
 /// Checks mappings and imports them. A problem lists `faults`, which were found before, and all of
@@ -89,41 +93,42 @@ pub(super) async fn import(
             continue;
         }
         match placed {
-            Placed::Unchanged => {
+            FieldImport::Unchanged => {
                 outcome.unchanged += 1;
                 continue;
             }
-            Placed::Published => outcome.published += 1,
-            Placed::Proposed => outcome.proposed += 1,
+            FieldImport::Published => outcome.published += 1,
+            FieldImport::Proposed => outcome.proposed += 1,
         }
         let diagnostics = api.engine.check(mapping.clone()).await.map_err(engine)?;
         let errors = diagnostics.into_iter().filter(|found| found.severity == Severity::Error);
         faults.extend(errors.map(|error| invalid(error, &pointer)));
         outcome.items.push(ImportedMapping { key: mapping.target.clone(), outcome: placed });
         let (author, note) = (options.author.to_owned(), options.note.map(str::to_owned));
-        changes.push(Placing { mapping, author, note });
+        changes.push(MappingImport { mapping, author, note });
     }
     if !faults.is_empty() {
         return Err(nothing_imported(faults));
     }
     if !options.is_dry_run && !changes.is_empty() {
-        api.desk.place(changes).await?;
+        api.coordinator.execute(|state, now| import_mappings(state, changes, now)).await?;
     }
     Ok(outcome)
 }
 
 /// Pointer of a mapping, and the mapping with the types of its field or the mismatches.
-type Validated = (String, Result<(Mapping, Placed), Vec<ProblemFault>>);
+type Validated = (String, Result<(Mapping, FieldImport), Vec<ProblemFault>>);
 
 async fn validate_for_fields(
     api: &Api,
     submitted: Vec<SubmittedMapping>,
 ) -> Result<Vec<Validated>, Problem> {
-    let validated = api.desk.read(move |books| {
+    let validated = api.coordinator.read(move |state| {
         let validate = |SubmittedMapping { mapping, pointer }| {
-            let validated = match books.fitted(mapping) {
+            let validated = match queries::validate_for_field(state, mapping) {
                 Ok(mapping) => {
-                    let placed = books.outcome_of(&mapping).unwrap_or(Placed::Unchanged);
+                    let placed =
+                        queries::import_outcome(state, &mapping).unwrap_or(FieldImport::Unchanged);
                     Ok((mapping, placed))
                 }
                 Err(mismatches) => Err(mismatches

@@ -85,9 +85,9 @@ pub async fn restart_mapping(
 
 async fn mapping_id_of(api: &Api, field: FieldKey) -> Result<MappingId, Problem> {
     let known = api
-        .desk
-        .read(move |books| {
-            let field = books.field(&field)?;
+        .coordinator
+        .read(move |state| {
+            let field = state.field(&field)?;
             field.decision.is_open_for(ValueSource::Mapping).then(|| field.mapping_id())
         })
         .await?;

@@ -17,7 +17,7 @@ use super::{
     roles::Viewer,
     view::{Page, RequestView, requests},
 };
-use crate::desk::now;
+use crate::coordinator::now;
 
 /// A network in short.
 #[derive(Serialize, ToSchema)]
@@ -46,13 +46,13 @@ pub async fn list_operation_networks(
     State(api): State<Api>,
 ) -> Result<Json<Page<NetworkSummary>>, Problem> {
     let items = api
-        .desk
-        .read(|books| {
-            let summary = |(id, network): (&OperationNetworkId, &crate::books::Network)| {
+        .coordinator
+        .read(|state| {
+            let summary = |(id, network): (&OperationNetworkId, &connector_state::Network)| {
                 let document = network.message.as_ref().map(|message| &message.operation_network);
                 let fields = || document.into_iter().flat_map(|document| document.fields());
                 let is_pending = |key: &FieldKey| {
-                    books
+                    state
                         .field(key)
                         .is_some_and(|field| field.decision.mapping_state == MappingState::Pending)
                 };
@@ -74,7 +74,7 @@ pub async fn list_operation_networks(
                     pending_count: fields().filter(|(key, ..)| is_pending(key)).count(),
                 }
             };
-            books.networks.iter().map(summary).collect()
+            state.networks().iter().map(summary).collect()
         })
         .await?;
     Ok(Json(Page::whole(items)))
@@ -106,15 +106,15 @@ pub async fn show_operation_network(
 ) -> Result<Json<NetworkView>, Problem> {
     let wanted = id.clone();
     let view = api
-        .desk
-        .read(move |books| {
-            books.networks.get(&wanted).map(|network| NetworkView {
+        .coordinator
+        .read(move |state| {
+            state.networks().get(&wanted).map(|network| NetworkView {
                 message: network
                     .message
                     .as_ref()
                     .and_then(|message| serde_json::to_value(&**message).ok()),
                 revision: network.revision,
-                requests: requests(books, &wanted, now()),
+                requests: requests(state, &wanted, now()),
             })
         })
         .await?;

@@ -2,6 +2,9 @@
 
 use asi_model::OrganisationId;
 use axum::{Json, extract::State, http::HeaderMap};
+use connector_state::queries;
+use connector_state::use_cases::policies;
+use connector_state::{ConnectorState, RecipientPolicy};
 use daemon::web::{ApiJson, ApiPath, Problem};
 use disclosure::{DocumentId, DocumentVersion, NamedPolicy, Statement, StatementPart, Versioned};
 use serde::{Deserialize, Serialize};
@@ -14,10 +17,7 @@ use super::{
     roles::{Engineer, Viewer},
     view::Page,
 };
-use crate::{
-    books::{Books, RecipientPolicy},
-    store::DocumentKind,
-};
+use crate::store::DocumentKind;
 
 /// Most fields listed as using a policy.
 const USES_MAX: usize = 500;
@@ -38,22 +38,22 @@ pub struct PolicyView {
     recipients: Vec<OrganisationId>,
 }
 
-fn view(books: &Books, policy: Versioned<NamedPolicy>) -> PolicyView {
+fn view(state: &ConnectorState, policy: Versioned<NamedPolicy>) -> PolicyView {
     let is_policy = |id: Option<&DocumentId>| id == Some(&policy.key.id);
     PolicyView {
         statement: Statement::of(&policy.document.disclosure, None),
-        field_count: books
-            .fields
+        field_count: state
+            .fields()
             .iter()
             .filter(|field| {
-                field.decision.is_mapped() && is_policy(field.decision.grounds.policy_id.as_ref())
+                field.decision.is_mapped() && is_policy(field.decision.basis.policy_id.as_ref())
             })
             .count(),
-        recipients: books
-            .recipient_policies()
-            .into_iter()
+        recipients: state
+            .policies()
+            .recipients()
             .filter(|(_, set)| is_policy(set.policy_id.as_ref()))
-            .map(|(recipient, _)| recipient)
+            .map(|(recipient, _)| recipient.clone())
             .collect(),
         policy,
     }
@@ -71,8 +71,8 @@ pub async fn list_policies(
     State(api): State<Api>,
 ) -> Result<Json<Page<PolicyView>>, Problem> {
     let items = api
-        .desk
-        .read(|books| books.policies().into_iter().map(|policy| view(books, policy)).collect())
+        .coordinator
+        .read(|state| state.policies().named().cloned().map(|policy| view(state, policy)).collect())
         .await?;
     Ok(Json(Page::whole(items)))
 }
@@ -95,8 +95,8 @@ pub async fn put_policy(
     headers: HeaderMap,
     ApiJson(policy): ApiJson<NamedPolicy>,
 ) -> Result<Json<DocumentVersion>, Problem> {
-    let put = move |books: &mut Books, expected, by: &str, now| {
-        books.put_policy(&id, policy, expected, by, now)
+    let put = move |state: &mut ConnectorState, expected, by: &str, now| {
+        policies::put_policy(state, &id, policy, expected, by, now)
     };
     documents::keep(&api, &user.principal.user_name, &headers, put).await.map(Json)
 }
@@ -147,10 +147,9 @@ pub async fn preview_policy(
     ApiJson(draft): ApiJson<NamedPolicy>,
 ) -> Result<Json<Page<PolicyUse>>, Problem> {
     let uses = api
-        .desk
-        .read(move |books| {
-            let mut uses: Vec<PolicyUse> = books
-                .policy_changes(&id, &draft.disclosure)
+        .coordinator
+        .read(move |state| {
+            let mut uses: Vec<PolicyUse> = queries::policy_changes(state, &id, &draft.disclosure)
                 .into_iter()
                 .map(|(key, now, then, unit)| {
                     let Statement { statement, statement_parts } =
@@ -194,16 +193,16 @@ pub async fn list_recipients(
     State(api): State<Api>,
 ) -> Result<Json<Page<RecipientView>>, Problem> {
     let items = api
-        .desk
-        .read(|books| {
-            let mut found: std::collections::BTreeMap<OrganisationId, usize> = books
-                .recipient_policies()
-                .into_iter()
-                .map(|(recipient, _)| (recipient, 0))
+        .coordinator
+        .read(|state| {
+            let mut found: std::collections::BTreeMap<OrganisationId, usize> = state
+                .policies()
+                .recipients()
+                .map(|(recipient, _)| (recipient.clone(), 0))
                 .collect();
-            for message in books.networks.values().filter_map(|network| network.message.as_ref()) {
+            for message in state.networks().active() {
                 for (key, _, request) in message.operation_network.requests() {
-                    let count = books
+                    let count = state
                         .fields_of(&key)
                         .filter(|(_, field)| field.decision.is_mapped())
                         .count();
@@ -212,12 +211,11 @@ pub async fn list_recipients(
                     }
                 }
             }
-            let set: std::collections::BTreeMap<_, _> =
-                books.recipient_policies().into_iter().collect();
+            let set: std::collections::BTreeMap<_, _> = state.policies().recipients().collect();
             found
                 .into_iter()
                 .map(|(recipient, field_count)| RecipientView {
-                    set: set.get(&recipient).cloned(),
+                    set: set.get(&recipient).copied().cloned(),
                     recipient,
                     field_count,
                 })
@@ -259,8 +257,8 @@ pub async fn put_recipient_policy(
     headers: HeaderMap,
     ApiJson(body): ApiJson<RecipientBody>,
 ) -> Result<Json<RecipientVersion>, Problem> {
-    let set = move |books: &mut Books, expected, by: &str, now| {
-        books.set_recipient_policy(&recipient, body.policy_id, expected, by, now)
+    let set = move |state: &mut ConnectorState, expected, by: &str, now| {
+        policies::set_recipient_policy(state, &recipient, body.policy_id, expected, by, now)
     };
     let version = documents::keep(&api, &user.principal.user_name, &headers, set).await?;
     Ok(Json(RecipientVersion { version }))

@@ -1,5 +1,9 @@
 //! Preview of a decision: exactly the message that a partner would receive.
 
+use crate::coordinator::new_message_id;
+use connector_state::ConnectorState;
+use connector_state::operator::typed_value;
+use connector_state::queries;
 use std::sync::Arc;
 
 use asi_model::{
@@ -28,11 +32,7 @@ use super::{
     problems::{Problems, engine, shop_floor},
     roles::Engineer,
 };
-use crate::{
-    books::{Books, new_message_id},
-    desk::now,
-    values::{ShownValue, typed_value},
-};
+use crate::{coordinator::now, values::ShownValue};
 
 /// Draft of a decision.
 #[derive(Deserialize, ToSchema)]
@@ -145,10 +145,10 @@ pub async fn preview_decision(
     let Some(candidate) = candidate else { return Ok(Json(preview)) };
     preview.candidate = Some(ShownValue::from(&candidate));
     let shown = api
-        .desk
-        .read(move |books| {
-            let field_type = books.field(&field)?.definition.field_type.0;
-            let mut gate = books.trial_gate(&field, Arc::clone(&policy), now)?;
+        .coordinator
+        .read(move |state| {
+            let field_type = state.field(&field)?.definition.field_type.0;
+            let mut gate = queries::draft_gate(state, &field, Arc::clone(&policy), now)?;
             let outcome = gate.on(now, candidate.clone());
             let is_withheld = outcome == GateOutcome::Suppressed;
             let effects = effects(&policy, field_type, &candidate, is_withheld, now);
@@ -159,7 +159,7 @@ pub async fn preview_decision(
                 gate.on_time(due);
             }
             let shown = gate.disclosed().map(|disclosed| {
-                (ShownValue::from(disclosed), held_until, message(books, &field, disclosed, now))
+                (ShownValue::from(disclosed), held_until, message(state, &field, disclosed, now))
             });
             Some((effects, is_withheld, shown))
         })
@@ -185,10 +185,10 @@ async fn effective(
 ) -> Result<Arc<DisclosurePolicy>, Problem> {
     let key = field.clone();
     let found = api
-        .desk
-        .read(move |books| {
-            let field = books.field(&key)?;
-            Some(books.effective_policy(&key, field, &draft, policy_id.as_ref()).0)
+        .coordinator
+        .read(move |state| {
+            let field = state.field(&key)?;
+            Some(queries::effective_policy(state, field, &draft, policy_id.as_ref()).0)
         })
         .await?;
     found.ok_or_else(|| Problem::not_found("such field"))
@@ -203,10 +203,10 @@ async fn warnings(
 ) -> Result<Vec<LeakWarning>, Problem> {
     let (key, policy) = (field.clone(), Arc::clone(policy));
     let found = api
-        .desk
-        .read(move |books| {
+        .coordinator
+        .read(move |state| {
             let mut found: Vec<LeakWarning> = Vec::new();
-            let open = books.open_fields(now, Some((&key, &policy)));
+            let open = queries::open_fields(state, now, Some((&key, &policy)));
             for warning in open.into_values().flat_map(|fields| leak_warnings(&fields)) {
                 if warning.fields.contains(&key) && !found.contains(&warning) {
                     found.push(warning);
@@ -225,8 +225,8 @@ async fn statement(
 ) -> Result<Statement, Problem> {
     let key = field.clone();
     let unit = api
-        .desk
-        .read(move |books| books.field(&key).map(|field| field.definition.unit.clone()))
+        .coordinator
+        .read(move |state| state.field(&key).map(|field| field.definition.unit.clone()))
         .await?;
     let unit = unit.ok_or_else(|| Problem::not_found("such field"))?;
     Ok(Statement::of(policy, unit.as_deref()))
@@ -258,8 +258,8 @@ async fn run(
     // A counter goes on from what was published rather than from zero.
     let (key, draft) = (field.clone(), mapping.clone());
     let state = api
-        .desk
-        .read(move |books| books.field(&key).and_then(|field| field.state_for(&draft)))
+        .coordinator
+        .read(move |state| state.field(&key).and_then(|field| field.state_for(&draft)))
         .await?;
     let trace = api.engine.dry_run(mapping, samples, state).await.map_err(engine)?;
     preview.diagnostics = trace.diagnostics;
@@ -292,22 +292,22 @@ async fn run(
 async fn current(api: &Api, field: &FieldKey) -> Result<Option<DataValue>, Problem> {
     let field = field.clone();
     Ok(api
-        .desk
-        .read(move |books| books.field(&field).and_then(|field| field.gate.disclosed().cloned()))
+        .coordinator
+        .read(move |state| state.field(&field).and_then(|field| field.gate.disclosed().cloned()))
         .await?)
 }
 
 /// The message as it would be sent with the next number: the request's other open fields, and this
 /// one.
 fn message(
-    books: &Books,
+    state: &ConnectorState,
     field: &FieldKey,
     disclosed: &DataValue,
     now: DateTime,
 ) -> Option<String> {
-    let writer = books.writer_of.get(&field.request).copied()?;
-    let (mut frame, _) =
-        books.key_frame(writer, now).unwrap_or_else(|| books.empty_frame(writer, now));
+    let writer = state.writers().id_of(&field.request)?;
+    let mut frame = queries::key_frame(state, writer, now)
+        .map_or_else(|| queries::empty_frame(state, writer, now), |(frame, _)| frame);
     let shown = DataValue { source_timestamp: None, server_timestamp: None, ..disclosed.clone() };
     let name: Arc<str> = Arc::from(field.field_name.as_str());
     match frame.fields.iter_mut().find(|payload| payload.name == name) {
@@ -315,7 +315,7 @@ fn message(
         None => {
             frame.fields.push(PayloadField::with(name, shown));
             if let Some(unit) =
-                books.field(field).and_then(|field| field.definition.unit.as_deref())
+                state.field(field).and_then(|field| field.definition.unit.as_deref())
             {
                 frame.fields.push(PayloadField::new(unit_member(field.field_name.as_str()), unit));
             }
@@ -324,8 +324,8 @@ fn message(
     let message_id = new_message_id();
     let header = NetworkMessageHeader {
         message_id: Some(&message_id),
-        publisher_id: Some(books.config.factory_id.as_str()),
+        publisher_id: Some(state.config().factory_id.as_str()),
         ..NetworkMessageHeader::default()
     };
-    String::from_utf8(header.wrap([encode_data_set_message(&frame, books.config.encoding)])).ok()
+    String::from_utf8(header.wrap([encode_data_set_message(&frame, state.config().encoding)])).ok()
 }

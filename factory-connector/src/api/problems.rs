@@ -1,11 +1,12 @@
 //! Problems of all operations, and their conversion from errors of the connector.
 
+use connector_state::use_cases::decide::DecisionError;
 use daemon::web::{Problem, problem::ProblemFault};
 use mapping_engine::{EngineError, MappingDiagnostic, Severity};
 use shop_floor::ShopFloorError;
 use utoipa::IntoResponses;
 
-use crate::{books::DecisionError, desk::DeskError, store::StoreError};
+use crate::{coordinator::CoordinatorError, store::StoreError};
 
 /// The problems of any operation.
 #[derive(IntoResponses)]
@@ -40,37 +41,43 @@ impl From<StoreError> for Problem {
     }
 }
 
-impl From<DeskError> for Problem {
-    fn from(error: DeskError) -> Self {
+/// Returns the problem of a decision that is not taken.
+pub(super) fn decision_problem(error: DecisionError) -> Problem {
+    match error {
+        DecisionError::UnknownField => Problem::not_found("such field"),
+        DecisionError::Policy(faults) => {
+            let faults = faults
+                .into_iter()
+                .map(|fault| ProblemFault {
+                    pointer: format!("/disclosure/{}", fault.member),
+                    code: "INVALID_POLICY".to_owned(),
+                    message: fault.message,
+                })
+                .collect();
+            Problem::unprocessable(
+                "INVALID_POLICY",
+                "The disclosure policy does not fit the field.",
+                faults,
+            )
+        }
+        DecisionError::DecidedSince => Problem::conflict(
+            "DECIDED_SINCE",
+            "Something else was decided about the field since; read it again.",
+        ),
+        other => Problem::unprocessable("INVALID_DECISION", format!("{other}."), Vec::new()),
+    }
+}
+
+impl From<CoordinatorError> for Problem {
+    fn from(error: CoordinatorError) -> Self {
         match error {
-            DeskError::Decision(DecisionError::UnknownField) => Self::not_found("such field"),
-            DeskError::Decision(DecisionError::Policy(faults)) => {
-                let faults = faults
-                    .into_iter()
-                    .map(|fault| ProblemFault {
-                        pointer: format!("/disclosure/{}", fault.member),
-                        code: "INVALID_POLICY".to_owned(),
-                        message: fault.message,
-                    })
-                    .collect();
-                Self::unprocessable(
-                    "INVALID_POLICY",
-                    "The disclosure policy does not fit the field.",
-                    faults,
-                )
-            }
-            DeskError::Decision(DecisionError::DecidedSince) => Self::conflict(
-                "DECIDED_SINCE",
-                "Something else was decided about the field since; read it again.",
-            ),
-            DeskError::Decision(other) => {
-                Self::unprocessable("INVALID_DECISION", format!("{other}."), Vec::new())
-            }
-            DeskError::NotWritten => Self::unavailable(
+            CoordinatorError::NotWritten => Self::unavailable(
                 "NOT_WRITTEN",
                 "It could not be written to disk, so nothing was changed. Check the disk of the data directory.",
             ),
-            DeskError::Stopped => Self::unavailable("STOPPING", "The connector is stopping."),
+            CoordinatorError::Stopped => {
+                Self::unavailable("STOPPING", "The connector is stopping.")
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod receipt_page;
 
+use super::problems::decision_problem;
 use asi_model::{
     DynamicDataRequestId, FieldKey, OperationId, OperationNetworkId, OrganisationId,
     messages::MappingState,
@@ -12,6 +13,8 @@ use axum::{
     http::{StatusCode, header},
     response::{IntoResponse, Response},
 };
+use connector_state::use_cases::revoke::{Revocation, revoke};
+use connector_state::{ConnectorState, use_cases::decide::DecisionCommand};
 use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem};
 use disclosure::Language;
 use receipt_page::receipt_page;
@@ -24,10 +27,7 @@ use super::{
     roles::{Engineer, Viewer},
     view::Page,
 };
-use crate::{
-    books::{Books, Verdict},
-    store::StoredRevocation,
-};
+use crate::store::StoredRevocation;
 
 /// Receipts per page, and most that may be asked for.
 const PAGE: u32 = 50;
@@ -68,8 +68,8 @@ pub async fn revoke_consents(
     ApiJson(body): ApiJson<RevocationBody>,
 ) -> Result<(StatusCode, Json<StoredRevocation>), Problem> {
     let command = match body.mapping_state {
-        None | Some(MappingState::Pending) => Verdict::LeavePending,
-        Some(MappingState::Refused) => Verdict::Refuse,
+        None | Some(MappingState::Pending) => DecisionCommand::LeavePending,
+        Some(MappingState::Refused) => DecisionCommand::Refuse,
         Some(MappingState::Mapped) => {
             return Err(Problem::bad_request(
                 "INVALID_DECISION",
@@ -86,11 +86,14 @@ pub async fn revoke_consents(
     }
     let reason = body.reason.clone();
     let fields = if body.fields.is_empty() {
-        api.desk.read(move |books| selected(books, &body)).await?
+        api.coordinator.read(move |state| selected(state, &body)).await?
     } else {
         body.fields
     };
-    let id = api.desk.revoke(fields, command, reason, &user.principal.user_name).await?;
+    let revoked_by = user.principal.user_name.clone();
+    let revocation = Revocation { fields, command, reason, revoked_by };
+    let revoked = api.coordinator.execute(move |state, now| revoke(state, &revocation, now));
+    let id = revoked.await?.map_err(decision_problem)?;
     let receipt = api.store().await?.revocations().lookup(&id.to_string()).await?;
     receipt
         .map(|receipt| (StatusCode::CREATED, Json(receipt)))
@@ -98,7 +101,7 @@ pub async fn revoke_consents(
 }
 
 /// Returns the mapped fields that a revocation selects.
-fn selected(books: &Books, body: &RevocationBody) -> Vec<FieldKey> {
+fn selected(state: &ConnectorState, body: &RevocationBody) -> Vec<FieldKey> {
     let is_selected = |key: &FieldKey| {
         let request = &key.request;
         body.operation_network_id.as_ref().is_none_or(|id| *id == request.operation_network_id)
@@ -107,10 +110,13 @@ fn selected(books: &Books, body: &RevocationBody) -> Vec<FieldKey> {
                 .dynamic_data_request_id
                 .as_ref()
                 .is_none_or(|id| *id == request.dynamic_data_request_id)
-            && body.recipient_id.as_ref().is_none_or(|id| books.recipients(request).contains(id))
+            && body
+                .recipient_id
+                .as_ref()
+                .is_none_or(|id| state.networks().recipients(request).contains(id))
     };
-    let mut keys: Vec<FieldKey> = books
-        .fields
+    let mut keys: Vec<FieldKey> = state
+        .fields()
         .iter()
         .filter(|field| field.decision.is_mapped() && is_selected(&field.key))
         .map(|field| field.key.clone())

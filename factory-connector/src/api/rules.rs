@@ -1,7 +1,11 @@
 //! Standing rules: kept, looked at before they are enabled, applied, and undone.
 
+use super::problems::decision_problem;
 use asi_model::FieldKey;
 use axum::{Json, extract::State, http::HeaderMap};
+use connector_state::queries;
+use connector_state::use_cases::rules;
+use connector_state::{ConnectorState, DocumentError};
 use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem};
 use disclosure::{DocumentId, DocumentVersion, Rule, Versioned};
 use serde::{Deserialize, Serialize};
@@ -14,10 +18,7 @@ use super::{
     roles::{Engineer, Viewer},
     view::{Page, RuleOfferView},
 };
-use crate::{
-    books::{Books, DocumentError},
-    store::{DocumentKind, RuleDecision},
-};
+use crate::store::{DocumentKind, RuleDecision};
 
 /// Most fields listed in the preview of a rule.
 const MATCHES_MAX: usize = 500;
@@ -35,7 +36,9 @@ pub async fn list_rules(
     _: Viewer,
     State(api): State<Api>,
 ) -> Result<Json<Page<Versioned<Rule>>>, Problem> {
-    Ok(Json(Page::whole(api.desk.read(Books::rules).await?)))
+    Ok(Json(Page::whole(
+        api.coordinator.read(|state| state.policies().rules().cloned().collect()).await?,
+    )))
 }
 
 /// Stores a new version of a rule. Enabled, it decides about requests from now on; requests that are
@@ -55,8 +58,8 @@ pub async fn put_rule(
     headers: HeaderMap,
     ApiJson(rule): ApiJson<Rule>,
 ) -> Result<Json<DocumentVersion>, Problem> {
-    let put = move |books: &mut Books, expected, by: &str, now| {
-        books.put_rule(&id, rule, expected, by, now)
+    let put = move |state: &mut ConnectorState, expected, by: &str, now| {
+        rules::put_rule(state, &id, rule, expected, by, now)
     };
     documents::keep(&api, &user.principal.user_name, &headers, put).await.map(Json)
 }
@@ -120,13 +123,12 @@ pub async fn preview_rule(
         return Err(documents::document_problem(DocumentError::Faults(faults)));
     }
     let preview = api
-        .desk
-        .read(move |books| {
-            let mut items: Vec<RuleMatch> = books
-                .rule_preview(&rule)
+        .coordinator
+        .read(move |state| {
+            let mut items: Vec<RuleMatch> = queries::rule_preview(state, &rule)
                 .into_iter()
                 .filter_map(|(key, offer)| {
-                    let field = books.field(&key)?;
+                    let field = state.field(&key)?;
                     Some(RuleMatch {
                         mapping_state: field.decision.mapping_state,
                         would_decide: field.is_undecided() && offer.decides(),
@@ -161,7 +163,8 @@ pub struct Applied {
     responses((status = 200, body = Applied), Problems)
 )]
 pub async fn apply_rules(_: Engineer, State(api): State<Api>) -> Result<Json<Applied>, Problem> {
-    let decided_count = api.desk.change(|books, now| books.apply_rules(None, now)).await?;
+    let decided_count =
+        api.coordinator.execute(|state, now| rules::apply_rules(state, None, now)).await?;
     Ok(Json(Applied { decided_count }))
 }
 
@@ -216,11 +219,18 @@ pub async fn undo_rule_decision(
     }
     let by = user.principal.user_name.clone();
     let undone = api
-        .desk
-        .change(move |books, now| {
-            books.undo_rule_decision(id, &decision.field, decision.consent_version, &by, now)
+        .coordinator
+        .execute(move |state, now| {
+            rules::undo_rule_decision(
+                state,
+                id,
+                &decision.field,
+                decision.consent_version,
+                &by,
+                now,
+            )
         })
         .await?;
-    undone.map_err(crate::desk::DeskError::from)?;
+    undone.map_err(decision_problem)?;
     Ok(axum::http::StatusCode::NO_CONTENT)
 }

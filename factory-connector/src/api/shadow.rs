@@ -1,7 +1,9 @@
 //! Shadow mappings, which run on live values beside the published ones and write nothing.
 
+use super::problems::decision_problem;
 use asi_model::{DateTime, messages::ValueSource};
 use axum::{Json, extract::State, http::StatusCode};
+use connector_state::use_cases::import_mappings::set_shadow;
 use daemon::web::{ApiJson, ApiPath, Problem};
 use mapping_engine::{
     Mapping, MappingStatus,
@@ -54,7 +56,7 @@ pub async fn start_shadow_mapping(
 ) -> Result<Json<ShadowView>, Problem> {
     let field = path.into_key();
     let mapping = checked(&api, &field, draft).await?;
-    api.desk.shadow(field.clone(), Some(mapping), &user.principal.user_name).await?;
+    set(&api, field.clone(), Some(mapping), &user.principal.user_name).await?;
     view(&api, field).await
 }
 
@@ -87,7 +89,7 @@ pub async fn end_shadow_mapping(
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<StatusCode, Problem> {
-    api.desk.shadow(path.into_key(), None, &user.principal.user_name).await?;
+    set(&api, path.into_key(), None, &user.principal.user_name).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -107,10 +109,10 @@ pub async fn publish_shadow_mapping(
     let field = path.into_key();
     let key = field.clone();
     let known = api
-        .desk
-        .read(move |books| {
-            let field = books.field(&key)?;
-            let shadow = field.shelf.shadow.as_ref().map(|shadow| shadow.mapping.clone());
+        .coordinator
+        .read(move |state| {
+            let field = state.field(&key)?;
+            let shadow = field.versions.shadow.as_ref().map(|shadow| shadow.mapping.clone());
             Some((shadow, field.decision.is_open_for(ValueSource::Mapping)))
         })
         .await?;
@@ -124,21 +126,34 @@ pub async fn publish_shadow_mapping(
     let submitted = SubmittedMapping { mapping, pointer: "/mapping".to_owned() };
     let options = ImportOptions { author, note: Some("tried as a shadow"), is_dry_run: false };
     import(&api, vec![submitted], options, Vec::new()).await?;
-    api.desk.shadow(field.clone(), None, author).await?;
+    set(&api, field.clone(), None, author).await?;
     field_view(&api, field).await
+}
+
+/// Starts, replaces or ends a field's shadow mapping.
+async fn set(
+    api: &Api,
+    field: asi_model::FieldKey,
+    mapping: Option<Mapping>,
+    author: &str,
+) -> Result<(), Problem> {
+    let author = author.to_owned();
+    let set =
+        api.coordinator.execute(move |state, now| set_shadow(state, &field, mapping, &author, now));
+    set.await?.map_err(decision_problem)
 }
 
 async fn view(api: &Api, field: asi_model::FieldKey) -> Result<Json<ShadowView>, Problem> {
     let known = api
-        .desk
-        .read(move |books| {
-            let field = books.field(&field)?;
+        .coordinator
+        .read(move |state| {
+            let field = state.field(&field)?;
             let published = field
                 .decision
                 .mapping
                 .clone()
                 .filter(|_| field.decision.is_open_for(ValueSource::Mapping));
-            Some((field.shelf.shadow.clone(), published, field.shadow_id(), field.mapping_id()))
+            Some((field.versions.shadow.clone(), published, field.shadow_id(), field.mapping_id()))
         })
         .await?;
     let (shadow, published, shadow_id, mapping_id) =

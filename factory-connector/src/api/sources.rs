@@ -2,6 +2,8 @@
 
 use asi_model::NodeId;
 use axum::{Json, extract::State, http::StatusCode};
+use connector_state::use_cases::configuration;
+use connector_state::writes::SourceRow;
 use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem};
 use serde::{Deserialize, Serialize};
 use shop_floor::{
@@ -15,7 +17,7 @@ use super::{
     roles::{Engineer, Viewer},
     view::Page,
 };
-use crate::{store::SourceRow, values::ShownValue};
+use crate::values::ShownValue;
 
 /// Children per page without a limit, and at most.
 const CHILDREN: usize = 500;
@@ -113,7 +115,7 @@ async fn put(api: &Api, source: SourceConfig) -> Result<(), Problem> {
     let config = serde_json::to_string(&source).map_err(|error| Problem::internal(&error))?;
     let row = SourceRow { source_id: source.source_id.to_string(), config, password };
     api.shop_floor.put_source(source).map_err(shop_floor)?;
-    api.desk.put_source(row).await?;
+    api.coordinator.execute(|_, _| configuration::put_source(row)).await?;
     Ok(())
 }
 
@@ -130,7 +132,8 @@ pub async fn remove_source(
     State(api): State<Api>,
     ApiPath(id): ApiPath<SourceId>,
 ) -> Result<StatusCode, Problem> {
-    api.desk.remove_source(id.to_string()).await?;
+    let source_id = id.to_string();
+    api.coordinator.execute(move |_, _| configuration::remove_source(source_id)).await?;
     api.shop_floor.remove_source(&id);
     Ok(StatusCode::NO_CONTENT)
 }

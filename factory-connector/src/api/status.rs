@@ -8,7 +8,7 @@ use shop_floor::SourceStatus;
 use utoipa::ToSchema;
 
 use super::{context::Api, problems::Problems, roles::Viewer};
-use crate::desk::now;
+use crate::coordinator::now;
 
 /// Status of the connector, with evidence.
 #[derive(Serialize, ToSchema)]

@@ -1,5 +1,6 @@
 //! Suggestions of variables for a field.
 
+use connector_state::queries;
 use std::{collections::HashMap, time::Duration};
 
 use asi_model::{DateTime, FieldKey, NodeId};
@@ -96,8 +97,12 @@ pub async fn list_suggestions(
     ApiQuery(query): ApiQuery<SuggestionsQuery>,
 ) -> Result<Json<Suggestions>, Problem> {
     let field: FieldKey = path.into_key();
-    let known =
-        api.desk.read(move |books| Some((books.wanted(&field)?, books.past_decisions()))).await?;
+    let known = api
+        .coordinator
+        .read(move |state| {
+            Some((queries::wanted_field(state, &field)?, queries::past_decisions(state)))
+        })
+        .await?;
     let (wanted, past) = known.ok_or_else(|| Problem::not_found("such field"))?;
     let most = query.limit.unwrap_or(SUGGESTIONS_DEFAULT).clamp(1, SUGGESTIONS_MAX);
     let states = api.shop_floor.states();

@@ -1,5 +1,7 @@
 //! Mapping templates: one mapping for a series of like machines.
 
+use connector_state::use_cases::configuration;
+use connector_state::writes::TemplateRow;
 use std::collections::BTreeMap;
 
 use asi_model::DateTime;
@@ -17,7 +19,7 @@ use super::{
     roles::{Engineer, Viewer},
     view::Page,
 };
-use crate::{desk::now, store::TemplateRow};
+use crate::coordinator::now;
 
 /// Most templates, most mappings of one series, longest id in bytes.
 const TEMPLATES_MAX: usize = 1000;
@@ -100,7 +102,7 @@ pub async fn remove_mapping_template(
     State(api): State<Api>,
     ApiPath(template_id): ApiPath<String>,
 ) -> Result<StatusCode, Problem> {
-    api.desk.remove_template(template_id).await?;
+    api.coordinator.execute(|_, _| configuration::remove_template(template_id)).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
@@ -133,8 +135,8 @@ pub async fn make_mapping_template(
 ) -> Result<Json<MappingTemplate>, Problem> {
     let field = path.into_key();
     let mapping = api
-        .desk
-        .read(move |books| books.field(&field).map(|field| field.decision.mapping.clone()))
+        .coordinator
+        .read(move |state| state.field(&field).map(|field| field.decision.mapping.clone()))
         .await?;
     let mapping = mapping.ok_or_else(|| Problem::not_found("such field"))?;
     let mapping =
@@ -320,7 +322,7 @@ pub(super) async fn store_all(
             author: author.to_owned(),
             changed_at: now(),
         };
-        api.desk.put_template(row).await?;
+        api.coordinator.execute(|_, _| configuration::put_template(row)).await?;
     }
     Ok(count)
 }

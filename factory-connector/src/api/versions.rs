@@ -19,7 +19,6 @@ use super::{
     roles::{Engineer, Viewer},
     view::{FieldView, Page},
 };
-use crate::store;
 
 /// Number of a version in a path.
 #[derive(Deserialize, IntoParams)]
@@ -151,11 +150,11 @@ pub async fn roll_mapping_back(
 async fn versions(
     api: &Api,
     field: FieldKey,
-) -> Result<(Vec<(store::VersionRow, Mapping)>, Option<Mapping>), Problem> {
+) -> Result<(Vec<(connector_state::writes::VersionRow, Mapping)>, Option<Mapping>), Problem> {
     let known = api
-        .desk
-        .read(move |books| {
-            books.field(&field).map(|field| (field.id, field.decision.mapping.as_deref().cloned()))
+        .coordinator
+        .read(move |state| {
+            state.field(&field).map(|field| (field.id, field.decision.mapping.as_deref().cloned()))
         })
         .await?;
     let (id, current) = known.ok_or_else(|| Problem::not_found("such field"))?;

@@ -1,5 +1,7 @@
 //! Views of requests and fields.
 
+use connector_state::queries;
+use connector_state::{ConnectorState, Field, Network, queries::RuleOffer};
 use std::time::Duration;
 
 use asi_model::{
@@ -13,10 +15,7 @@ use disclosure::{
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use crate::{
-    books::{Books, Field, Network, RuleOffer},
-    values::ShownValue,
-};
+use crate::values::ShownValue;
 
 /// A page of a list.
 #[derive(Serialize, ToSchema)]
@@ -94,7 +93,7 @@ pub struct FieldView {
 
 impl FieldView {
     /// Returns the view of a field at present.
-    pub fn new(books: &Books, key: FieldKey, field: &Field) -> Self {
+    pub fn new(state: &ConnectorState, key: FieldKey, field: &Field) -> Self {
         let (definition, decision) = (&field.definition, &field.decision);
         let statement = decision
             .is_mapped()
@@ -110,9 +109,9 @@ impl FieldView {
             value_source: decision.value_source,
             disclosure: (*decision.policy).clone(),
             effective_disclosure: (**field.gate.policy()).clone(),
-            basis: decision.grounds.clone(),
+            basis: decision.basis.clone(),
             offer: (decision.mapping_state == asi_model::messages::MappingState::Pending)
-                .then(|| books.rule_offer(&key))
+                .then(|| queries::rule_offer(state, &key))
                 .flatten()
                 .map(|offer| RuleOfferView::new(&offer, field)),
             is_withheld: decision.is_mapped() && field.gate.is_withheld(),
@@ -123,8 +122,8 @@ impl FieldView {
             decision_time: decision.decided_at,
             value: field.gate.disclosed().map(ShownValue::from),
             mapping: decision.mapping.as_deref().cloned(),
-            mapping_version: (field.shelf.version > 0).then_some(field.shelf.version),
-            has_shadow: field.shelf.shadow.is_some(),
+            mapping_version: (field.versions.newest > 0).then_some(field.versions.newest),
+            has_shadow: field.versions.shadow.is_some(),
             key,
         }
     }
@@ -219,36 +218,36 @@ pub const REMIND_AFTER: Duration = Duration::from_secs(24 * 3600);
 
 /// Returns every request of a network, in the order of the document.
 pub fn requests(
-    books: &Books,
+    state: &ConnectorState,
     network: &asi_model::OperationNetworkId,
     now: DateTime,
 ) -> Vec<RequestView> {
     let Some((network, message)) =
-        books.networks.get(network).and_then(|n| n.message.as_ref().map(|m| (n, m)))
+        state.networks().get(network).and_then(|n| n.message.as_ref().map(|m| (n, m)))
     else {
         return Vec::new();
     };
     let requests = message.operation_network.requests();
     requests
         .map(|(key, operation, request)| {
-            RequestView::new(books, network, message, key, operation, request, now)
+            RequestView::new(state, network, message, key, operation, request, now)
         })
         .collect()
 }
 
 impl RequestView {
     /// Returns the view of a request of an active network; none if there is no such request.
-    pub fn of(books: &Books, key: &RequestKey, now: DateTime) -> Option<Self> {
-        let network = books.networks.get(&key.operation_network_id)?;
+    pub fn of(state: &ConnectorState, key: &RequestKey, now: DateTime) -> Option<Self> {
+        let network = state.networks().get(&key.operation_network_id)?;
         let message = network.message.as_ref()?;
         let (key, operation, request) =
             message.operation_network.requests().find(|(known, ..)| known == key)?;
-        Some(Self::new(books, network, message, key, operation, request, now))
+        Some(Self::new(state, network, message, key, operation, request, now))
     }
 
     /// Returns the view of a request at `now`.
     pub fn new(
-        books: &Books,
+        state: &ConnectorState,
         network: &Network,
         message: &OperationNetworkMessage,
         key: RequestKey,
@@ -258,9 +257,9 @@ impl RequestView {
     ) -> Self {
         let mut short = operation.clone();
         short.dynamic_data_request_list.clear();
-        let fields: Vec<FieldView> = books
+        let fields: Vec<FieldView> = state
             .fields_in(&key, request)
-            .map(|(key, field)| FieldView::new(books, key, field))
+            .map(|(key, field)| FieldView::new(state, key, field))
             .collect();
         let is_open = fields.iter().any(|field| field.mapping_state == MappingState::Pending);
         let has_ended = request.valid_until.is_some_and(|until| until <= now);
@@ -282,7 +281,7 @@ impl RequestView {
             open_since,
             is_overdue: open_since.is_some_and(|since| now.since(since) >= REMIND_AFTER),
             report_name: request.report_data_format.report_name.clone(),
-            data_set_writer_id: books.writer_of.get(&key).copied(),
+            data_set_writer_id: state.writers().id_of(&key),
             fields,
             key,
         }

@@ -3,16 +3,14 @@
 use std::{sync::Arc, time::Instant};
 
 use asi_model::messages::{FactoryMessage, Lease as LeaseAnswer, PlatformMessage};
+use connector_state::{ConnectorEvent, use_cases::configuration::set_lease_held};
 use daemon::web::events::EventLog;
 use messaging::{Delivery, Envelope, LinkHandle, LinkState, LogicalAddress};
 use tokio::sync::{mpsc, watch};
 use tokio_util::sync::CancellationToken;
 
 use super::{Action, Input, Instance, Lease, LeaseGate, LeaseState, LeaseStatus};
-use crate::{
-    books::{ConnectorEvent, new_message_id},
-    desk::{DeskHandle, now},
-};
+use crate::coordinator::{CoordinatorHandle, new_message_id, now};
 
 /// Answers on their way to the keeper; more than a platform gives in a minute. What is beyond is
 /// asked for again.
@@ -30,7 +28,7 @@ pub struct LeaseKeeper {
     lease: Lease,
     gate: Arc<LeaseGate>,
     link: LinkHandle,
-    desk: DeskHandle,
+    coordinator: CoordinatorHandle,
     answers: mpsc::Receiver<LeaseAnswer>,
     status: watch::Sender<LeaseStatus>,
     events: EventLog<ConnectorEvent>,
@@ -83,7 +81,7 @@ impl LeaseKeeper {
         was_held: bool,
         gate: Arc<LeaseGate>,
         link: LinkHandle,
-        desk: DeskHandle,
+        coordinator: CoordinatorHandle,
         answers: mpsc::Receiver<LeaseAnswer>,
         events: EventLog<ConnectorEvent>,
     ) -> (Self, watch::Receiver<LeaseStatus>) {
@@ -99,7 +97,7 @@ impl LeaseKeeper {
             lease,
             gate,
             link,
-            desk,
+            coordinator,
             answers,
             status,
             events,
@@ -205,12 +203,7 @@ impl LeaseKeeper {
             return;
         }
         // A disk that is full now is no reason to stop: it is written with the next change.
-        if self
-            .desk
-            .change(move |books, _| books.changes.is_lease_held = Some(is_held))
-            .await
-            .is_ok()
-        {
+        if self.coordinator.execute(move |_, _| set_lease_held(is_held)).await.is_ok() {
             self.is_stored = is_held;
         }
     }

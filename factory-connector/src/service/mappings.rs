@@ -1,23 +1,22 @@
 //! Publishes mappings at the engine, in the order of the decisions.
 
-use mapping_engine::{MappingEngineHandle, Published};
+use connector_state::EngineCommand;
+use mapping_engine::{MappingEngineHandle, PublishRequest};
 use tokio::sync::mpsc;
 use tokio_util::sync::CancellationToken;
 
-use crate::books::MappingWork;
-
 /// Runs until shutdown.
 pub(super) async fn publish(
-    mut work: mpsc::Receiver<Vec<MappingWork>>,
+    mut work: mpsc::Receiver<Vec<EngineCommand>>,
     engine: MappingEngineHandle,
     shutdown: CancellationToken,
 ) {
     while let Some(Some(batch)) = shutdown.run_until_cancelled(work.recv()).await {
-        let mut ready: Vec<Published> = Vec::new();
+        let mut ready: Vec<PublishRequest> = Vec::new();
         for piece in batch {
             match piece {
-                MappingWork::Put(published) => ready.push(published),
-                MappingWork::Remove(id) => {
+                EngineCommand::Put(published) => ready.push(published),
+                EngineCommand::Remove(id) => {
                     put(&engine, std::mem::take(&mut ready)).await;
                     if engine.remove(&id).await.is_err() {
                         return;
@@ -29,7 +28,7 @@ pub(super) async fn publish(
     }
 }
 
-async fn put(engine: &MappingEngineHandle, mappings: Vec<Published>) {
+async fn put(engine: &MappingEngineHandle, mappings: Vec<PublishRequest>) {
     if mappings.is_empty() {
         return;
     }

@@ -7,7 +7,7 @@ use messaging::LinkState;
 use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 
-use crate::books::ConnectorEvent;
+use connector_state::ConnectorEvent;
 
 /// However fast things change, pages are told so often at most.
 const PAUSE: Duration = Duration::from_millis(500);

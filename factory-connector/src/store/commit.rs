@@ -3,58 +3,62 @@
 use rusqlite::Connection;
 
 use super::{
-    Changes, carried_fields, comments, consents, control_messages, dead_letters, fields, identity,
+    Writes, carried_fields, comments, consents, control_messages, dead_letters, fields, identity,
     ledger, mapping_templates, mapping_versions, networks, operator_entries, policy_documents,
     received_messages, recipient_policies, reports, revocations, rule_decisions, shadow_mappings,
     sources, writers,
 };
 
 /// Writes the rows of every noun.
-pub(super) fn write(connection: &Connection, changes: &Changes) -> rusqlite::Result<()> {
-    networks::write(connection, &changes.networks)?;
-    received_messages::write(connection, &changes.seen)?;
-    comments::write(connection, &changes.comments)?;
-    dead_letters::write(connection, &changes.dead_letters)?;
+pub(super) fn write(connection: &Connection, writes: &Writes) -> rusqlite::Result<()> {
+    networks::write(connection, &writes.networks)?;
+    received_messages::write(connection, &writes.messages.seen)?;
+    comments::write(connection, &writes.messages.comments)?;
+    dead_letters::write(connection, &writes.messages.dead_letters)?;
     // Fields go before everything that refers to them by a foreign key.
-    fields::write(connection, &changes.fields, &changes.removed_fields)?;
-    fields::write_values(connection, &changes.field_values)?;
-    consents::write(connection, &changes.consents)?;
-    mapping_versions::write(connection, &changes.mappings.versions)?;
-    shadow_mappings::write(connection, &changes.mappings.shadows)?;
-    let (templates, removed) = (&changes.mappings.templates, &changes.mappings.removed_templates);
+    fields::write(connection, &writes.fields.decided, &writes.fields.removed)?;
+    fields::write_values(connection, &writes.fields.values)?;
+    consents::write(connection, &writes.fields.consents)?;
+    mapping_versions::write(connection, &writes.mappings.versions)?;
+    shadow_mappings::write(connection, &writes.mappings.shadows)?;
+    let (templates, removed) = (&writes.mappings.templates, &writes.mappings.removed_templates);
     mapping_templates::write(connection, templates, removed)?;
-    policy_documents::write_policies(connection, &changes.policies)?;
-    policy_documents::write_rules(connection, &changes.rules)?;
-    recipient_policies::write(connection, &changes.recipient_policies)?;
-    rule_decisions::write(connection, &changes.rule_decisions, &changes.undone_rule_decisions)?;
-    write_spool(connection, changes)?;
-    write_ledger(connection, changes)?;
-    sources::write(connection, &changes.sources, &changes.removed_sources)?;
-    operator_entries::write(connection, &changes.operator_entries, &changes.networks)?;
-    if changes.are_epochs_begun {
+    policy_documents::write_policies(connection, &writes.policies.named)?;
+    policy_documents::write_rules(connection, &writes.policies.rules)?;
+    recipient_policies::write(connection, &writes.policies.recipients)?;
+    rule_decisions::write(
+        connection,
+        &writes.policies.rule_decisions,
+        &writes.policies.undone_rule_decisions,
+    )?;
+    write_spool(connection, writes)?;
+    write_ledger(connection, writes)?;
+    sources::write(connection, &writes.sources.put, &writes.sources.removed)?;
+    operator_entries::write(connection, &writes.operator_entries, &writes.networks)?;
+    if writes.writers.are_epochs_begun {
         identity::end_restoration(connection)?;
     }
-    if let Some(is_held) = changes.is_lease_held {
+    if let Some(is_held) = writes.is_lease_held {
         identity::write_lease(connection, is_held)?;
     }
     Ok(())
 }
 
-fn write_spool(connection: &Connection, changes: &Changes) -> rusqlite::Result<()> {
-    writers::write(connection, &changes.writers)?;
-    carried_fields::write(connection, &changes.carried_fields)?;
+fn write_spool(connection: &Connection, writes: &Writes) -> rusqlite::Result<()> {
+    writers::write(connection, &writes.writers.changed)?;
+    carried_fields::write(connection, &writes.writers.carried_fields)?;
     // New reports first: one of them may change its state in the same transaction.
-    reports::write(connection, &changes.reports)?;
-    reports::apply_moves(connection, &changes.report_moves)?;
-    control_messages::write(connection, &changes.controls)?;
-    control_messages::remove(connection, &changes.controls_done)?;
-    control_messages::park(connection, &changes.controls_parked)?;
-    control_messages::count_attempt(connection, &changes.controls_attempted)
+    reports::write(connection, &writes.reports.queued)?;
+    reports::apply_moves(connection, &writes.reports.moves)?;
+    control_messages::write(connection, &writes.controls.queued)?;
+    control_messages::remove(connection, &writes.controls.done)?;
+    control_messages::park(connection, &writes.controls.parked)?;
+    control_messages::count_attempt(connection, &writes.controls.attempted)
 }
 
-fn write_ledger(connection: &Connection, changes: &Changes) -> rusqlite::Result<()> {
-    ledger::write_entries(connection, &changes.ledger)?;
-    ledger::write_heads(connection, &changes.heads)?;
-    revocations::write(connection, &changes.revocations)?;
-    ledger::write_checkpoint(connection, changes.checkpoint.as_ref())
+fn write_ledger(connection: &Connection, writes: &Writes) -> rusqlite::Result<()> {
+    ledger::write_entries(connection, &writes.ledger.entries)?;
+    ledger::write_heads(connection, &writes.ledger.heads)?;
+    revocations::write(connection, &writes.ledger.revocations)?;
+    ledger::write_checkpoint(connection, writes.ledger.checkpoint.as_ref())
 }

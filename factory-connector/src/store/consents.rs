@@ -38,7 +38,7 @@ pub(super) fn write(connection: &Connection, consents: &[ConsentRow]) -> rusqlit
                 row.mapping_state.name(),
                 row.value_source.map(|source| source.name()),
                 &row.policy,
-                &row.grounds,
+                &row.basis,
                 &row.reason,
                 &row.decided_by,
                 row.decided_at.unix_micros(),

@@ -68,3 +68,9 @@ impl StoreError {
         move |error| Self::Unreadable { what, reason: error.to_string() }
     }
 }
+
+impl From<connector_state::UnreadableState> for StoreError {
+    fn from(error: connector_state::UnreadableState) -> Self {
+        Self::Unreadable { what: error.what, reason: error.reason }
+    }
+}

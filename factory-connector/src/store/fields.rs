@@ -41,7 +41,7 @@ fn field(row: &SqliteRow) -> Result<FieldRow, StoreError> {
         decided_at: row.time_option("decided_at")?,
         mapping: row.column("mapping")?,
         policy: row.column("policy")?,
-        grounds: row.column("grounds")?,
+        basis: row.column("grounds")?,
         consent_version: row.number("consent_version")?,
     })
 }
@@ -86,7 +86,7 @@ pub(super) fn write(
                 row.decided_at.map(DateTime::unix_micros),
                 &row.mapping,
                 &row.policy,
-                &row.grounds,
+                &row.basis,
                 row.consent_version,
             )
         },

@@ -16,7 +16,7 @@ use sqlx::{
 use uuid::Uuid;
 
 use super::{
-    Changes, Snapshot, commit,
+    Snapshot, Writes, commit,
     error::StoreError,
     identity::{Identity, Start, identify},
     ledger, load,
@@ -145,10 +145,10 @@ impl Store {
     ///
     /// # Errors
     /// [`StoreError::Write`]; then nothing was written.
-    pub async fn commit(&mut self, changes: Changes) -> Result<(), StoreError> {
+    pub async fn commit(&mut self, writes: Writes) -> Result<(), StoreError> {
         let action = "write a transaction";
         let work = move |connection: &Transaction<'_>| {
-            commit::write(connection, &changes).map_err(StoreError::while_writing(action))
+            commit::write(connection, &writes).map_err(StoreError::while_writing(action))
         };
         self.writer.transact(action, work).await
     }

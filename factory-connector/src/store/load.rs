@@ -1,7 +1,7 @@
 //! Reading everything back: first start, restart and recovery from a failed transaction take this
 //! one way.
 
-use super::{Snapshot, StoredMappings, error::StoreError, session::Session};
+use super::{Snapshot, StoredMappings, StoredPolicies, error::StoreError, session::Session};
 
 /// Reads everything that the connector keeps in memory.
 pub(super) async fn load(session: &mut Session) -> Result<Snapshot, StoreError> {
@@ -13,14 +13,15 @@ pub(super) async fn load(session: &mut Session) -> Result<Snapshot, StoreError> 
         last_checkpoint: session.checkpoints().last().await?,
         last_row: session.spool().last_id().await?,
         operator_entries: session.operator_entries().all().await?,
-        sources: session.sources().all().await?,
         mappings: StoredMappings {
-            versions: session.mapping_versions().newest().await?,
+            newest_versions: session.mapping_versions().newest().await?,
             shadows: session.shadow_mappings().all().await?,
         },
-        policies: session.policy_documents().newest_policies().await?,
-        rules: session.policy_documents().newest_rules().await?,
-        recipient_policies: session.recipient_policies().newest().await?,
-        last_rule_decision: session.rule_decisions().last_id().await?,
+        policies: StoredPolicies {
+            named: session.policy_documents().newest_policies().await?,
+            rules: session.policy_documents().newest_rules().await?,
+            recipients: session.recipient_policies().newest().await?,
+            last_rule_decision: session.rule_decisions().last_id().await?,
+        },
     })
 }

@@ -10,7 +10,7 @@ use super::{
     row::{Columns as _, document},
     statement::write_rows,
 };
-use crate::operator::{EntryId, OperationKey, OperatorEntry};
+use connector_state::operator::{EntryId, OperationKey, OperatorEntry};
 
 /// Repository of operators' entries.
 pub struct OperatorEntries<'c>(pub(super) &'c mut SqliteConnection);

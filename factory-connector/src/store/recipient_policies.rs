@@ -12,7 +12,7 @@ use super::{
     row::Columns as _,
     statement::write_rows,
 };
-use crate::books::RecipientPolicy;
+use connector_state::RecipientPolicy;
 
 /// Repository of recipients' policies.
 pub struct RecipientPolicies<'c>(pub(super) &'c mut SqliteConnection);

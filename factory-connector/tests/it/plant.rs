@@ -6,11 +6,16 @@ use std::{
 };
 
 use asi_model::{FactoryId, messages::OperationNetworkMessage, pubsub::json::Encoding};
+use connector_state::{
+    ConnectorState, IdSource, StateConfig,
+    transaction::{self, DeliveryState},
+    use_cases::revise::receive_network,
+};
 use daemon::{Confidential, lifecycle::Lifecycle};
 use factory_connector::{
-    books::{Books, BooksConfig},
     config::ConnectorConfig,
-    desk::now,
+    coordinator::now,
+    ledger_key::{self, LEDGER_KEY_FILE},
     service,
     store::{Enrolment, Store},
 };
@@ -335,14 +340,20 @@ async fn enrol(directory: &TempDir, fields: Value) {
     session.enrolments().put(&enrolment, now()).await.expect("enrolled");
     drop(session);
     let mut store = Store::open(&data, &factory_id, now()).await.expect("opened");
-    let config = BooksConfig { factory_id, encoding: Encoding::Digicor };
+    let config = StateConfig { factory_id, encoding: Encoding::Digicor };
     let snapshot = store.load().await.expect("loaded");
-    let mut books = Books::new(config, snapshot, false, now()).expect("books");
+    let ids = IdSource::new([0; 32]);
+    let (mut state, mut pending) =
+        ConnectorState::load(config, snapshot, ids, false, now()).expect("loaded");
     let message: OperationNetworkMessage =
         serde_json::from_value(network(fields)).expect("a network");
     let raw = serde_json::to_string(&message).expect("serialises");
-    books.network_arrived(message, raw, now());
-    let (changes, _) = books.take();
-    store.commit(changes).await.expect("stored");
+    pending.merge(receive_network(&mut state, message, raw, now()));
+    let key = ledger_key::open(&data.join(LEDGER_KEY_FILE)).expect("a key");
+    let (writes, _) = transaction::refresh(&mut state, pending)
+        .take_back(&mut state, DeliveryState::default(), &key, now())
+        .report(&mut state, now(), || [0; ledger::SALT_BYTES])
+        .sign(&state, &key);
+    store.commit(writes).await.expect("stored");
     store.close().await;
 }

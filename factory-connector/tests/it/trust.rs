@@ -9,7 +9,7 @@ use std::{
 
 use base64::{Engine as _, engine::general_purpose::STANDARD};
 use factory_connector::{
-    desk::now,
+    coordinator::now,
     store::{Role, Store, User},
 };
 use opcua_stack::{

@@ -4,7 +4,7 @@
 use house_rules::{Exemption, Wall};
 
 /// Packages of the connector, whose types have bounds.
-pub const CONNECTOR: &[&str] = &["factory-connector", "disclosure", "ledger"];
+pub const CONNECTOR: &[&str] = &["factory-connector", "connector-state", "disclosure", "ledger"];
 
 /// Types of the connector that may have more fields or methods.
 pub const LARGE_TYPES: &[Exemption] = &[];
@@ -31,5 +31,19 @@ pub const WALLS: &[Wall] = &[
     wall("ledger", "", "::std::time::SystemTime::now", "time is an argument"),
     wall("spool", "", "::tokio", "decisions about the spool are pure"),
     wall("spool", "", "::sqlx", "the owner of the spool writes its rows"),
+    wall("connector-state", "", "::tokio", "use cases are functions; the coordinator runs them"),
+    wall("connector-state", "", "::sqlx", "the state knows no database"),
+    wall("connector-state", "", "::rusqlite", "the state knows no database"),
+    wall("connector-state", "", "::std::time::SystemTime::now", "time is an argument"),
+    wall("connector-state", "", "::std::time::Instant::now", "time is an argument"),
+    wall("connector-state", "use_cases", "transaction", "a use case does not commit"),
+    wall("shop-floor-model", "", "::tokio", "plain data"),
     wall("factory-connector", "store", "api", "rows know no HTTP"),
+    wall("factory-connector", "store", "coordinator", "rows know no task"),
+    wall(
+        "factory-connector",
+        "api",
+        "store::commit",
+        "pages change nothing beside the coordinator",
+    ),
 ];

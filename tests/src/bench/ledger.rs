@@ -12,13 +12,18 @@ use asi_model::{
     messages::{OperationNetworkMessage, ValueSource},
     pubsub::json::Encoding,
 };
-use disclosure::DisclosurePolicy;
-use factory_connector::{
-    books::{Books, BooksConfig, Verdict},
-    desk::now,
-    store::{Changes, Store},
+use connector_state::{
+    ChangeSet, ConnectorState, IdSource, StateConfig, Writes,
+    transaction::{self, DeliveryState},
+    use_cases::{
+        decide::{DecisionCommand, DecisionRequest, decide},
+        revise::receive_network,
+        values::write_value,
+    },
 };
-use ledger::{LedgerKey, SignedHead};
+use disclosure::{DecisionBasis, DisclosurePolicy};
+use factory_connector::{coordinator::now, store::Store};
+use ledger::LedgerKey;
 use serde_json::{Value, json};
 
 use self::bare::BareStore;
@@ -82,9 +87,9 @@ pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
 
 struct Plant {
     store: Store,
-    books: Books,
+    state: ConnectorState,
+    pending: ChangeSet,
     key: LedgerKey,
-    factory: FactoryId,
     fields: Vec<FieldKey>,
     next: usize,
     count: u64,
@@ -124,20 +129,23 @@ impl Plant {
         let factory: FactoryId = "F".parse()?;
         let mut store = Store::open(folder, &factory, now()).await?;
         let key = factory_connector::ledger_key::open(&folder.join("key.pem"))?;
-        let config = BooksConfig { factory_id: factory.clone(), encoding: Encoding::Digicor };
-        let mut books = Books::new(config, store.load().await?, false, now())?;
+        let config = StateConfig { factory_id: factory, encoding: Encoding::Digicor };
+        let (snapshot, ids) = (store.load().await?, IdSource::new(rand::random()));
+        let (mut state, mut pending) = ConnectorState::load(config, snapshot, ids, false, now())?;
         let message = network()?;
         let raw = serde_json::to_string(&message)?;
         let fields: Vec<FieldKey> =
             message.operation_network.fields().map(|(key, ..)| key).collect();
-        books.network_arrived(message, raw, now());
+        pending.merge(receive_network(&mut state, message, raw, now()));
         for field in &fields {
             let policy = DisclosurePolicy::default();
-            let verdict =
-                Verdict::Map { value_source: ValueSource::External, mapping: None, policy };
-            books.decide(field, verdict, None, "eve", now()).context("a decision")?;
+            let value_source = ValueSource::External;
+            let command = DecisionCommand::Map { value_source, mapping: None, policy };
+            let (decided_by, basis) = ("eve".to_owned(), DecisionBasis::default());
+            let request = DecisionRequest { command, reason: None, decided_by, basis };
+            pending.merge(decide(&mut state, field, request, now()).context("a decision")?);
         }
-        let mut plant = Self { store, books, key, factory, fields, next: 0, count: 0, entries: 0 };
+        let mut plant = Self { store, state, pending, key, fields, next: 0, count: 0, entries: 0 };
         plant.disclose(0).await?;
         Ok(plant)
     }
@@ -152,26 +160,22 @@ impl Plant {
     }
 
     /// Changes that follow when the next fields get new values.
-    fn changes(&mut self, values: usize, now: DateTime) -> anyhow::Result<Changes> {
+    fn changes(&mut self, values: usize, now: DateTime) -> anyhow::Result<Writes> {
         for _ in 0..values {
             let field = &self.fields[self.next];
             self.next = (self.next + 1) % self.fields.len();
             self.count += 1;
-            let taken = self.books.candidate(
-                field,
-                ValueSource::External,
-                DataValue::good(self.count, now),
-                None,
-                now,
-            );
-            anyhow::ensure!(taken.is_some(), "the field is open");
+            let value = DataValue::good(self.count, now);
+            let written = write_value(&mut self.state, field, ValueSource::External, value, now);
+            anyhow::ensure!(written.is_ok(), "the field is open");
         }
-        self.books.report(now, rand::random);
-        let (mut changes, _) = self.books.take();
-        changes.heads =
-            SignedHead::of(&self.factory, changes.ledger.iter().map(|(entry, _)| entry), &self.key);
-        self.entries += changes.ledger.len() as u64;
-        Ok(changes)
+        let Self { state, pending, key, .. } = self;
+        let (writes, _) = transaction::refresh(state, std::mem::take(pending))
+            .take_back(state, DeliveryState::default(), key, now)
+            .report(state, now, rand::random)
+            .sign(state, key);
+        self.entries += writes.ledger.entries.len() as u64;
+        Ok(writes)
     }
 }
 

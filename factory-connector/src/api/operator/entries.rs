@@ -2,6 +2,9 @@
 
 use asi_model::{DateTime, FieldKey, OperationId, OperationNetworkId};
 use axum::{Json, extract::State};
+use connector_state::operator::{Action, EntryId, OperationKey, OperatorEntry};
+use connector_state::use_cases::enter::EntryOutcome;
+use connector_state::use_cases::enter::enter_all;
 use daemon::web::{ApiJson, ApiQuery, Problem};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
@@ -14,9 +17,7 @@ use crate::{
         roles::{Operator, Viewer},
         view::Page,
     },
-    books::EntryOutcome,
-    desk::now,
-    operator::{Action, EntryId, OperationKey, OperatorEntry},
+    coordinator::now,
 };
 
 /// Most entries delivered at once.
@@ -51,10 +52,10 @@ pub async fn list_operator_entries(
         operation_id: query.operation_id,
     };
     let items = api
-        .desk
-        .read(move |books| {
-            books.operation(&key)?;
-            let newest = books
+        .coordinator
+        .read(move |state| {
+            state.operation(&key)?;
+            let newest = state
                 .journal(&key)
                 .map(|journal| journal.newest().take(LISTED_MAX).cloned().collect());
             Some(newest.unwrap_or_default())
@@ -155,7 +156,8 @@ pub async fn deliver_operator_entries(
             Err(error) => results.push(unreadable(entry_id, &error)),
         }
     }
-    for (position, outcome) in positions.into_iter().zip(api.desk.enter(entries).await?) {
+    let outcomes = api.coordinator.execute(|state, now| enter_all(state, entries, now)).await?;
+    for (position, outcome) in positions.into_iter().zip(outcomes) {
         let entry_id = std::mem::take(&mut results[position].entry_id);
         results[position] = result(entry_id, outcome);
     }

@@ -1,5 +1,8 @@
 //! Operations of a day, as the operator's page lists them.
 
+use connector_state::operator::{Journal, OperationKey, OperationStatus};
+use connector_state::queries;
+use connector_state::{ConnectorState, Field};
 use std::time::Duration;
 
 use asi_model::{
@@ -14,9 +17,7 @@ use utoipa::{IntoParams, ToSchema};
 
 use crate::{
     api::{context::Api, problems::Problems, roles::Viewer, view::Page},
-    books::{Books, Field},
-    desk::now,
-    operator::{Journal, OperationKey, Standing},
+    coordinator::now,
     values::ShownValue,
 };
 
@@ -50,7 +51,7 @@ pub struct OperatorOperation {
     planned_quantity: Option<f64>,
     quantity_unit: Option<String>,
     /// Progress by the entries so far.
-    standing: Standing,
+    standing: OperationStatus,
     buttons: Buttons,
     /// The fields that take entered values.
     fields: Vec<OperatorField>,
@@ -108,14 +109,19 @@ pub async fn list_operator_operations(
     if until <= from {
         return Err(Problem::bad_request("INVALID_TIME", "`until` must be later than `from`."));
     }
-    let mut items = api.desk.read(move |books| operations_between(books, from, until)).await?;
+    let mut items =
+        api.coordinator.read(move |state| operations_between(state, from, until)).await?;
     items.sort_by(|a, b| (a.planned_start, &a.key).cmp(&(b.planned_start, &b.key)));
     Ok(Json(Page::whole(items)))
 }
 
-fn operations_between(books: &Books, from: DateTime, until: DateTime) -> Vec<OperatorOperation> {
+fn operations_between(
+    state: &ConnectorState,
+    from: DateTime,
+    until: DateTime,
+) -> Vec<OperatorOperation> {
     let mut items = Vec::new();
-    for (network_id, network) in &books.networks {
+    for (network_id, network) in state.networks().iter() {
         let Some(message) = &network.message else { continue };
         for operation in
             message.operation_network.operation_list.iter().filter(|operation| !operation.stub)
@@ -124,7 +130,7 @@ fn operations_between(books: &Books, from: DateTime, until: DateTime) -> Vec<Ope
                 operation_network_id: network_id.clone(),
                 operation_id: operation.operation_id.clone(),
             };
-            let standing = books.journal(&key).map(Journal::standing).unwrap_or_default();
+            let standing = state.journal(&key).map(Journal::status).unwrap_or_default();
             let is_open = matches!(
                 standing.state,
                 Some(OperationState::Running | OperationState::Interrupted)
@@ -135,7 +141,7 @@ fn operations_between(books: &Books, from: DateTime, until: DateTime) -> Vec<Ope
                 continue;
             }
             let item = operation_view(
-                books,
+                state,
                 key,
                 operation,
                 standing,
@@ -150,14 +156,13 @@ fn operations_between(books: &Books, from: DateTime, until: DateTime) -> Vec<Ope
 }
 
 fn operation_view(
-    books: &Books,
+    state: &ConnectorState,
     key: OperationKey,
     operation: &Operation,
-    standing: Standing,
+    standing: OperationStatus,
     network_name: Option<String>,
 ) -> OperatorOperation {
-    let fields: Vec<(FieldKey, &Field)> = books
-        .fields_of_operation(&key)
+    let fields: Vec<(FieldKey, &Field)> = queries::fields_of_operation(state, &key)
         .into_iter()
         .filter(|(_, field)| field.decision.is_open_for(ValueSource::Manual))
         .collect();
@@ -179,7 +184,7 @@ fn operation_view(
     };
     let fields = fields
         .into_iter()
-        .map(|(field, known)| field_view(books, &key, operation, field, known))
+        .map(|(field, known)| field_view(state, &key, operation, field, known))
         .collect();
     OperatorOperation {
         name: operation.name.clone(),
@@ -198,7 +203,7 @@ fn operation_view(
 }
 
 fn field_view(
-    books: &Books,
+    state: &ConnectorState,
     operation: &OperationKey,
     document: &Operation,
     key: FieldKey,
@@ -206,7 +211,7 @@ fn field_view(
 ) -> OperatorField {
     let definition = &field.definition;
     let semantic = definition.semantic.as_ref();
-    let answer = books
+    let answer = state
         .journal(operation)
         .and_then(|journal| journal.answer(&key, semantic, document.planned_quantity));
     OperatorField {

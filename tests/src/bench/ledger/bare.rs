@@ -6,7 +6,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use factory_connector::store::Changes;
+use connector_state::Writes;
 use rusqlite::{Connection, TransactionBehavior, params};
 
 /// The file of the connector's store.
@@ -27,7 +27,7 @@ impl BareStore {
     }
 
     /// Writes what reports bring with them; answers how long it took.
-    pub fn commit(&mut self, changes: &Changes) -> anyhow::Result<Duration> {
+    pub fn commit(&mut self, changes: &Writes) -> anyhow::Result<Duration> {
         let began = Instant::now();
         let transaction = self.0.transaction_with_behavior(TransactionBehavior::Immediate)?;
         write(&transaction, changes)?;
@@ -36,24 +36,24 @@ impl BareStore {
     }
 }
 
-fn write(transaction: &Connection, changes: &Changes) -> rusqlite::Result<()> {
+fn write(transaction: &Connection, changes: &Writes) -> rusqlite::Result<()> {
     let mut statement = transaction.prepare_cached(
         "INSERT INTO field_value (field_id, gate, transform) VALUES (?, ?, ?) \
              ON CONFLICT (field_id) DO UPDATE SET gate = excluded.gate, transform = excluded.transform",
     )?;
-    for (id, row) in &changes.field_values {
+    for (id, row) in &changes.fields.values {
         statement.execute(params![id, row.gate, row.transform])?;
     }
     let mut statement =
         transaction.prepare_cached("UPDATE writer SET next_sequence = ? WHERE id = ?")?;
-    for (id, row) in &changes.writers {
+    for (id, row) in &changes.writers.changed {
         statement.execute(params![row.next_sequence, id])?;
     }
     let mut statement = transaction.prepare_cached(
         "INSERT INTO report (id, message, writer_id, epoch, sequence, state, created_at, recipients, bytes, body, \
              salt) VALUES (?, ?, ?, ?, ?, 'WAITING', ?, ?, ?, ?, ?)",
     )?;
-    for row in &changes.reports {
+    for row in &changes.reports.queued {
         let created_at = row.created_at.unix_micros();
         let recipients = serde_json::to_string(&row.recipients).expect("names serialise");
         let (writer, bytes) = (row.data_set_writer_id, row.body.len() as i64);
@@ -74,7 +74,7 @@ fn write(transaction: &Connection, changes: &Changes) -> rusqlite::Result<()> {
         "INSERT INTO ledger_entry (recipient, number, recorded_at, report_id, content, hash) \
              VALUES (?, ?, ?, ?, ?, ?)",
     )?;
-    for (entry, report) in &changes.ledger {
+    for (entry, report) in &changes.ledger.entries {
         let (recipient, recorded_at) = (entry.recipient.as_str(), entry.recorded_at.unix_micros());
         let number = entry.number as i64;
         statement.execute(params![
@@ -89,7 +89,7 @@ fn write(transaction: &Connection, changes: &Changes) -> rusqlite::Result<()> {
     let mut statement = transaction.prepare_cached(
         "UPDATE ledger_head SET number = ?, hash = ?, signature = ? WHERE recipient = ?",
     )?;
-    for head in &changes.heads {
+    for head in &changes.ledger.heads {
         let number = head.number as i64;
         statement.execute(params![number, head.hash, head.signature, head.recipient.as_str()])?;
     }

@@ -12,10 +12,20 @@ use asi_model::{
     messages::{OperationNetworkMessage, ValueSource},
     pubsub::json::Encoding,
 };
-use disclosure::DisclosurePolicy;
+use connector_state::{
+    ConnectorState, IdSource, StateConfig,
+    transaction::{self, DeliveryState},
+    use_cases::{
+        configuration::put_source,
+        decide::{DecisionCommand, DecisionRequest, decide},
+        revise::receive_network,
+    },
+    writes::SourceRow,
+};
+use disclosure::{DecisionBasis, DisclosurePolicy};
 use factory_connector::{
-    books::{Books, BooksConfig, Verdict},
-    store::{Enrolment, SourceRow, Store},
+    ledger_key::LEDGER_KEY_FILE,
+    store::{Enrolment, Store},
 };
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -122,7 +132,7 @@ impl Connector {
         .await
     }
 
-    /// Candidates that were taken into the books since the start.
+    /// Candidates that were accepted since the start.
     pub async fn candidates(&self) -> anyhow::Result<f64> {
         let metrics = self.api.text("/metrics").await?;
         let line = metrics.lines().find_map(|line| line.strip_prefix("verbund_candidates_total "));
@@ -172,33 +182,37 @@ async fn fill(data: &std::path::Path, bank: &Bank, steps: &Value) -> anyhow::Res
     session.enrolments().put(&enrolment, now).await?;
     drop(session);
     let mut store = Store::open(data, &factory_id, now).await?;
-    let config = BooksConfig { factory_id, encoding: Encoding::Digicor };
-    let mut books = Books::new(config, store.load().await?, false, now)?;
+    let config = StateConfig { factory_id, encoding: Encoding::Digicor };
+    let (snapshot, ids) = (store.load().await?, IdSource::new(rand::random()));
+    let (mut state, mut pending) = ConnectorState::load(config, snapshot, ids, false, now)?;
     let message: OperationNetworkMessage = serde_json::from_value(network(bank.variables))?;
     let raw = serde_json::to_string(&message)?;
     let fields: Vec<_> = message.operation_network.fields().map(|(key, ..)| key).collect();
-    books.network_arrived(message, raw, now);
+    pending.merge(receive_network(&mut state, message, raw, now));
     for (index, key) in (0..).zip(fields).filter(|_| !steps.is_null()) {
         let mapping = json!({ "mappingId": format!("field-{}", index + 1), "target": key, "targetType": "Double",
             "inputs": [{ "name": "input", "sourceId": "bank", "nodeId": node(index), "valueType": "Int64",
                          "monitor": { "samplingIntervalMs": 0.0 } }],
             "steps": steps });
-        let verdict = Verdict::Map {
+        let command = DecisionCommand::Map {
             value_source: ValueSource::Mapping,
             mapping: Some(serde_json::from_value(mapping)?),
             policy: DisclosurePolicy::default(),
         };
-        books.decide(&key, verdict, None, "engineer", now)?;
+        let (decided_by, basis) = ("engineer".to_owned(), DecisionBasis::default());
+        let request = DecisionRequest { command, reason: None, decided_by, basis };
+        pending.merge(decide(&mut state, &key, request, now)?);
     }
-    let (mut changes, _) = books.take();
     let source = bank.source()?;
     let config = serde_json::to_string(&source)?;
-    changes.sources.push(SourceRow {
-        source_id: source.source_id.to_string(),
-        config,
-        password: None,
-    });
-    store.commit(changes).await?;
+    let source_id = source.source_id.to_string();
+    pending.merge(put_source(SourceRow { source_id, config, password: None }));
+    let key = factory_connector::ledger_key::open(&data.join(LEDGER_KEY_FILE))?;
+    let (writes, _) = transaction::refresh(&mut state, pending)
+        .take_back(&mut state, DeliveryState::default(), &key, now)
+        .report(&mut state, now, rand::random)
+        .sign(&state, &key);
+    store.commit(writes).await?;
     store.close().await;
     Ok(())
 }

@@ -8,10 +8,13 @@ use std::{
 
 use anyhow::Context as _;
 use asi_model::{FactoryId, pubsub::json::Encoding};
+use connector_state::{EngineCommand, StateConfig};
 use daemon::web::events::EventLog;
 use factory_connector::{
-    books::BooksConfig,
-    desk::{self, Desk, DeskConfig, DeskHandle, RetentionLimits, Rooms, SpoolLimits},
+    coordinator::{
+        self, Coordinator, CoordinatorConfig, CoordinatorHandle, Outputs, RetentionLimits,
+        SpoolLimits,
+    },
     store::Store,
 };
 use messaging::{Delivery, Envelope, Settlement};
@@ -34,7 +37,7 @@ pub(in crate::bench) async fn measure() -> anyhow::Result<Vec<Value>> {
     let connector = Connector::start(folder.path()).await?;
     for first in (0..NETWORKS).step_by(BATCH) {
         let batch = (first..first + BATCH).map(delivery).collect::<anyhow::Result<Vec<_>>>()?;
-        let settled = connector.desk.deliver(batch).await;
+        let settled = connector.coordinator.deliver(batch).await;
         let accepted =
             settled.iter().filter(|settlement| matches!(settlement, Settlement::Accept)).count();
         anyhow::ensure!(
@@ -58,12 +61,12 @@ pub(in crate::bench) async fn measure() -> anyhow::Result<Vec<Value>> {
 }
 
 struct Connector {
-    desk: DeskHandle,
+    coordinator: CoordinatorHandle,
     shown: usize,
     shutdown: CancellationToken,
     running: JoinHandle<anyhow::Result<()>>,
     /// Receivers that the coordinator would find gone otherwise.
-    _ends: (mpsc::Receiver<Vec<factory_connector::books::MappingWork>>, Box<dyn Send>),
+    _ends: (mpsc::Receiver<Vec<EngineCommand>>, Box<dyn Send>),
 }
 
 impl Connector {
@@ -71,23 +74,23 @@ impl Connector {
         let factory_id = FactoryId::new(FACTORY)?;
         let store = Store::open(folder, &factory_id, now()).await?;
         let (twin, handle) = new(folder)?;
-        let (desk, commands) = desk::channel();
+        let (coordinator, commands) = coordinator::channel();
         let (mappings, mapping_work) = mpsc::channel(8);
         let (candidates, batches) = mpsc::channel(8);
-        let it = Desk::new(
-            DeskConfig {
-                books: BooksConfig { factory_id, encoding: Encoding::default() },
+        let it = Coordinator::new(
+            CoordinatorConfig {
+                state: StateConfig { factory_id, encoding: Encoding::default() },
                 publishing_interval: Duration::from_millis(20),
                 spool: SpoolLimits::default(),
                 retention: RetentionLimits::default(),
             },
             store,
-            Rooms {
+            Outputs {
                 twin: handle.clone(),
                 mappings,
                 link: None,
-                ephemerals: Arc::default(),
-                departures: Arc::default(),
+                keep_alives: Arc::default(),
+                in_flight: Arc::default(),
                 events: EventLog::new(1000, 1),
             },
             factory_connector::ledger_key::open(&folder.join("ledger-key.pem"))?,
@@ -98,11 +101,11 @@ impl Connector {
         let shutdown = CancellationToken::new();
         let token = shutdown.clone();
         let running = tokio::spawn(async move { it.run(token).await.map_err(anyhow::Error::from) });
-        // The desk answers when it has shown what it read.
-        desk.read(|_| ()).await.context("asking the desk")?;
+        // The coordinator answers after it has published what it read.
+        coordinator.read(|_| ()).await.context("asking the coordinator")?;
         let shown = handle.interfaces();
         Ok(Self {
-            desk,
+            coordinator,
             shown,
             shutdown,
             running,

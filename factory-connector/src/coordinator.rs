@@ -1,0 +1,323 @@
+//! Coordinator: the one task that owns state and store, and so the one place where anything changes.
+//!
+//! Everything that arrives - messages of the platform, candidates of the mapping engine, writes of
+//! OPC UA clients, decisions of the engineer, outcomes of the link - runs as a use case on the
+//! state. One transaction commits what belongs together; then its effects are published.
+//! Transactions are grouped: what arrives while one is being written is part of the next. If one
+//! fails, nothing of it happened: the state is read from the store again.
+
+mod clock;
+mod commands;
+mod config;
+
+mod delivery_progress;
+mod handle;
+mod incoming;
+mod maintenance;
+mod outcomes;
+mod outputs;
+mod publish_effects;
+mod unit_of_work;
+
+use std::{collections::VecDeque, time::Duration};
+
+use asi_model::{DateTime, messages::ValueSource};
+use connector_state::{
+    ConnectorEvent, ConnectorState,
+    transaction::{self, DeliveryState},
+    use_cases::{seal, validity, values},
+};
+use ledger::LedgerKey;
+use mapping_engine::{Candidate, TargetKey};
+use tokio::{sync::mpsc, time::Instant};
+use tokio_util::sync::CancellationToken;
+
+pub use clock::{new_message_id, now};
+pub use config::{CoordinatorConfig, RetentionLimits, SpoolLimits};
+
+use handle::Reply;
+pub use handle::{Command, CoordinatorError, CoordinatorHandle, WriteOutcome};
+use maintenance::Schedule;
+pub use outputs::Outputs;
+use unit_of_work::UnitOfWork;
+
+use crate::store::{Store, StoreError};
+
+/// Most commands in one transaction.
+const GROUP_MAX: usize = 1024;
+/// Most batches of candidates in one transaction.
+const CANDIDATE_BATCHES_MAX: usize = 64;
+/// Time for which gate and transform states without a report may stay unwritten.
+const UNREPORTED_STATE_MAX: Duration = Duration::from_secs(1);
+/// Shortest time between two events about the ledger for open pages.
+const LEDGER_EVENT_INTERVAL: Duration = Duration::from_secs(2);
+/// Pause after a failed transaction.
+const PAUSE_AFTER_FAILURE: Duration = Duration::from_secs(1);
+
+/// The coordinator; [`run`](Self::run) it.
+pub struct Coordinator {
+    work: UnitOfWork,
+    commands: mpsc::Receiver<Command>,
+    candidates: mpsc::Receiver<Vec<Candidate>>,
+    /// Answers to give when the transaction has ended.
+    replies: Vec<Reply>,
+    schedule: Schedule,
+    timing: Timing,
+    /// The store was restored, moved or copied, and the new epochs of its writers are not
+    /// committed yet.
+    are_epochs_due: bool,
+}
+
+/// Times that decide when the coordinator wakes up and commits.
+struct Timing {
+    /// Earliest time of the next report.
+    next_publish: Instant,
+    /// Time of day when it was read last.
+    clock: DateTime,
+    /// Start of the oldest change that is not committed.
+    oldest_unwritten: Option<Instant>,
+    /// The ledger has entries that open pages have not heard of.
+    has_ledger_entries: bool,
+    ledger_event_at: Instant,
+}
+
+/// Opens the way to a coordinator that is yet to be made.
+#[must_use]
+pub fn channel() -> (CoordinatorHandle, mpsc::Receiver<Command>) {
+    let (commands, receiver) = mpsc::channel(GROUP_MAX);
+    (CoordinatorHandle::new(commands), receiver)
+}
+
+impl Coordinator {
+    /// Reads the state from the store.
+    ///
+    /// # Errors
+    /// [`StoreError`] where the store cannot be read.
+    pub async fn new(
+        config: CoordinatorConfig,
+        mut store: Store,
+        outputs: Outputs,
+        key: LedgerKey,
+        commands: mpsc::Receiver<Command>,
+        candidates: mpsc::Receiver<Vec<Candidate>>,
+    ) -> Result<Self, StoreError> {
+        let is_restored = store.identity().is_restored;
+        let snapshot = store.load().await?;
+        let (state, pending) = ConnectorState::load(
+            config.state.clone(),
+            snapshot,
+            clock::id_source(),
+            is_restored,
+            now(),
+        )?;
+        let instant = Instant::now();
+        Ok(Self {
+            work: UnitOfWork { config, store, state, pending, outputs, key },
+            commands,
+            candidates,
+            replies: Vec::new(),
+            schedule: Schedule::default(),
+            timing: Timing {
+                next_publish: instant,
+                clock: now(),
+                oldest_unwritten: None,
+                has_ledger_entries: false,
+                ledger_event_at: instant,
+            },
+            are_epochs_due: is_restored,
+        })
+    }
+
+    /// Runs until shutdown; everything accepted by then is committed.
+    ///
+    /// # Errors
+    /// [`StoreError`] where the store cannot be read back after a failed transaction.
+    pub async fn run(mut self, shutdown: CancellationToken) -> Result<(), StoreError> {
+        self.work.pending.merge(seal::sign_all_heads(&self.work.state, &self.work.key));
+        self.commit().await?;
+        while !shutdown.is_cancelled() {
+            let (commands, batches) = self.wait(&shutdown).await;
+            self.follow_clock();
+            self.receive_candidates(batches);
+            for command in commands {
+                let reply = commands::handle_command(&mut self.work, command).await?;
+                self.queue_reply(reply);
+            }
+            let now = now();
+            validity::begin_requests(&mut self.work.state, now);
+            self.work.pending.merge(validity::end_requests(&mut self.work.state, now));
+            values::release_due(&mut self.work.state, now);
+            maintenance::run_maintenance(&mut self.work, &mut self.schedule).await?;
+            if self.must_commit() {
+                self.commit().await?;
+            }
+            self.publish_ledger_event();
+        }
+        self.commit().await?;
+        self.work.store.close().await;
+        Ok(())
+    }
+
+    /// Queues an answer for the end of the transaction.
+    fn queue_reply(&mut self, reply: Option<Reply>) {
+        if let Some(reply) = reply {
+            self.timing.oldest_unwritten.get_or_insert_with(Instant::now);
+            self.replies.push(reply);
+        }
+    }
+
+    /// Waits for work, and takes what there is of it.
+    async fn wait(
+        &mut self,
+        shutdown: &CancellationToken,
+    ) -> (VecDeque<Command>, Vec<Vec<Candidate>>) {
+        let (mut commands, mut batches) = (VecDeque::new(), Vec::new());
+        let wake_at = self.wake_at();
+        tokio::select! {
+            () = shutdown.cancelled() => {}
+            command = self.commands.recv() => commands.extend(command),
+            batch = self.candidates.recv() => batches.extend(batch),
+            () = tokio::time::sleep_until(wake_at) => {}
+        }
+        while commands.len() < GROUP_MAX
+            && let Ok(command) = self.commands.try_recv()
+        {
+            commands.push_back(command);
+        }
+        while batches.len() < CANDIDATE_BATCHES_MAX
+            && let Ok(batch) = self.candidates.try_recv()
+        {
+            batches.push(batch);
+        }
+        (commands, batches)
+    }
+
+    /// Follows the machine's clock: deadlines are times of day, so they change when it is set back.
+    fn follow_clock(&mut self) {
+        let now = now();
+        if now < self.timing.clock {
+            let by = self.timing.clock.since(now);
+            let by_ms = u64::try_from(by.as_millis()).unwrap_or(u64::MAX);
+            tracing::warn!(by_ms, "The machine's clock was set back.");
+            values::set_clock_back(&mut self.work.state, now);
+        }
+        self.timing.clock = now;
+    }
+
+    fn receive_candidates(&mut self, batches: Vec<Vec<Candidate>>) {
+        let now = now();
+        let mut count = 0_u64;
+        for candidate in batches.into_iter().flatten() {
+            count += 1;
+            let Candidate { target: TargetKey(id), value, state } = candidate;
+            let source = ValueSource::Mapping;
+            values::receive_candidate(&mut self.work.state, id, source, value, state, now);
+        }
+        if count > 0 {
+            metrics::counter!("verbund_candidates_total").increment(count);
+            self.timing.oldest_unwritten.get_or_insert_with(Instant::now);
+        }
+    }
+
+    /// Returns the time at which there is work without a command or candidate.
+    fn wake_at(&self) -> Instant {
+        let mut at = self.schedule.next();
+        if self.work.state.writers().has_unreported() {
+            at = at.min(self.timing.next_publish);
+        }
+        if let Some(oldest) = self.timing.oldest_unwritten {
+            at = at.min(oldest + UNREPORTED_STATE_MAX);
+        }
+        if let Some(deadline) = self.work.state.fields().next_deadline() {
+            at = at.min(Instant::now() + deadline.since(now()));
+        }
+        at
+    }
+
+    fn must_commit(&self) -> bool {
+        // Values wait for the publishing interval, and so do answers to those who wrote them.
+        let has_work = self.work.state.writers().has_unreported() || !self.replies.is_empty();
+        let oldest = self.timing.oldest_unwritten;
+        (has_work && Instant::now() >= self.timing.next_publish)
+            || self.work.pending.is_urgent()
+            || oldest.is_some_and(|oldest| oldest.elapsed() >= UNREPORTED_STATE_MAX)
+    }
+
+    /// Commits one transaction with all pending changes, and publishes its effects.
+    async fn commit(&mut self) -> Result<(), StoreError> {
+        let now = now();
+        let refreshed =
+            transaction::refresh(&mut self.work.state, std::mem::take(&mut self.work.pending));
+        let delivery = delivery_progress::delivery_state(&mut self.work.store, &refreshed).await?;
+        self.recall(&delivery);
+        let (writes, effects) = refreshed
+            .take_back(&mut self.work.state, delivery, &self.work.key, now)
+            .report(&mut self.work.state, now, clock::salt)
+            .sign(&self.work.state, &self.work.key);
+        self.timing.next_publish = Instant::now() + self.work.config.publishing_interval;
+        self.timing.oldest_unwritten = None;
+        let report_count = writes.reports.queued.len();
+        let are_epochs_begun = writes.writers.are_epochs_begun;
+        let has_ledger_entries = !writes.ledger.entries.is_empty();
+        if !writes.is_empty()
+            && let Err(error) = self.work.store.commit(writes).await
+        {
+            return self.recover(&error).await;
+        }
+        self.work.outputs.in_flight.confirm_recalls();
+        self.are_epochs_due &= !are_epochs_begun;
+        metrics::counter!("verbund_reports_total").increment(report_count as u64);
+        for reply in self.replies.drain(..) {
+            reply(true);
+        }
+        publish_effects::publish_effects(&self.work.outputs, &self.work.state, effects).await;
+        self.timing.has_ledger_entries |= has_ledger_entries;
+        Ok(())
+    }
+
+    /// Recalls the waiting reports that this transaction takes back: from here on the link sends
+    /// none of them, whether it has fetched them already or not.
+    fn recall(&self, delivery: &DeliveryState) {
+        let purged = delivery.purged.values().flatten();
+        let waiting = purged.filter(|report| report.row.sent_at.is_none());
+        self.work.outputs.in_flight.recall(waiting.map(|report| report.row.id.0));
+    }
+
+    /// Tells open pages now and then that the ledger grew: values leave many times a second.
+    fn publish_ledger_event(&mut self) {
+        let Timing { has_ledger_entries, ledger_event_at, .. } = &mut self.timing;
+        if *has_ledger_entries && ledger_event_at.elapsed() >= LEDGER_EVENT_INTERVAL {
+            (*has_ledger_entries, *ledger_event_at) = (false, Instant::now());
+            self.work.outputs.events.publish([ConnectorEvent::Ledger]);
+        }
+    }
+
+    /// Loads the state again after a failed transaction, of which nothing happened.
+    async fn recover(&mut self, error: &StoreError) -> Result<(), StoreError> {
+        metrics::counter!("verbund_store_failures_total").increment(1);
+        tracing::error!(
+            error = error as &dyn std::error::Error,
+            "A transaction failed; nothing of it happened. Check the disk of the data directory."
+        );
+        for reply in self.replies.drain(..) {
+            reply(false);
+        }
+        self.work.outputs.in_flight.undo_recalls();
+        tokio::time::sleep(PAUSE_AFTER_FAILURE).await;
+        let mut snapshot = self.work.store.load().await?;
+        // Keep-alives and deleted messages may be under way: their numbers must not be given again.
+        snapshot.last_row = snapshot.last_row.max(self.work.state.last_row());
+        let config = self.work.config.state.clone();
+        (self.work.state, self.work.pending) = ConnectorState::load(
+            config,
+            snapshot,
+            clock::id_source(),
+            self.are_epochs_due,
+            self::now(),
+        )?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,32 @@
+//! Clock and random numbers of this machine, for the state, which has neither.
+
+use asi_model::{DateTime, MessageId};
+use connector_state::IdSource;
+use ledger::SALT_BYTES;
+use rand::RngCore as _;
+
+/// Returns a new message id, ordered by time.
+#[must_use]
+pub fn new_message_id() -> MessageId {
+    MessageId::from(uuid::Uuid::now_v7())
+}
+
+/// Reads the machine's clock.
+#[must_use]
+pub fn now() -> DateTime {
+    std::time::SystemTime::now().into()
+}
+
+/// Returns random bytes for the hashes of a report.
+pub(super) fn salt() -> [u8; SALT_BYTES] {
+    let mut salt = [0; SALT_BYTES];
+    rand::rng().fill_bytes(&mut salt);
+    salt
+}
+
+/// Returns a source of ids that never repeats those of another run.
+pub(super) fn id_source() -> IdSource {
+    let mut seed = [0; 32];
+    rand::rng().fill_bytes(&mut seed);
+    IdSource::new(seed)
+}

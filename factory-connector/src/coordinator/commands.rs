@@ -1,0 +1,51 @@
+//! Commands: each becomes part of the transaction that is being made.
+
+use connector_state::use_cases::values::write_value;
+use messaging::Settlement;
+
+use super::{
+    clock::now,
+    handle::{Command, CommandKind, Reply, WriteOutcome},
+    incoming, outcomes,
+    unit_of_work::UnitOfWork,
+};
+use crate::store::StoreError;
+
+/// Runs a command on the state. Returns the answer to give when the transaction ends; none where
+/// the caller has it already.
+pub(super) async fn handle_command(
+    work: &mut UnitOfWork,
+    Command(command): Command,
+) -> Result<Option<Reply>, StoreError> {
+    let now = now();
+    let reply: Reply = match command {
+        CommandKind::Deliver(deliveries, reply) => {
+            let count = deliveries.len();
+            incoming::deliver(work, deliveries, now).await?;
+            Box::new(move |is_written| {
+                // Messages of a failed transaction are delivered again.
+                let settlement = if is_written { Settlement::Accept } else { Settlement::Release };
+                drop(reply.send(vec![settlement; count]));
+            })
+        }
+        CommandKind::RecordOutcomes(outcomes, sent, reply) => {
+            outcomes::record(work, &outcomes, sent, now).await?;
+            Box::new(move |is_written| _ = reply.send(is_written))
+        }
+        CommandKind::WriteValue(field, source, value, reply) => {
+            let written = write_value(&mut work.state, &field, source, value, now);
+            let outcome = written.map_or_else(WriteOutcome::Rejected, WriteOutcome::Accepted);
+            Box::new(move |is_written| _ = reply.send(is_written.then_some(outcome)))
+        }
+        CommandKind::Read(query) => {
+            query(&work.state);
+            return Ok(None);
+        }
+        CommandKind::Execute(use_case) => {
+            let (changes, reply) = use_case(&mut work.state, now);
+            work.pending.merge(changes);
+            reply
+        }
+    };
+    Ok(Some(reply))
+}

@@ -1,0 +1,147 @@
+//! Handle: the way to the coordinator, the same for production and tests.
+
+use asi_model::{DataValue, DateTime, FieldKey, StatusCode, messages::ValueSource};
+use connector_state::{ChangeSet, ConnectorState, IntoChanges};
+use disclosure::GateOutcome;
+use messaging::{Delivery, RowOutcome, Settlement};
+use tokio::sync::{mpsc, oneshot};
+
+use crate::in_flight::SentMessage;
+
+/// Failure of the coordinator to do what was asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum CoordinatorError {
+    /// The transaction failed, so nothing was changed.
+    #[error("it could not be written to disk; nothing was changed")]
+    NotWritten,
+    /// The connector is stopping.
+    #[error("the connector is stopping")]
+    Stopped,
+}
+
+/// Outcome of writing a value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WriteOutcome {
+    /// The gate took it.
+    Accepted(GateOutcome),
+    /// The field does not accept it.
+    Rejected(StatusCode),
+}
+
+/// Reads the state.
+pub(super) type Query = Box<dyn FnOnce(&ConnectorState) + Send>;
+/// Answers the caller, once it is known whether the transaction was committed.
+pub(super) type Reply = Box<dyn FnOnce(bool) + Send>;
+/// Runs a use case.
+pub(super) type UseCase =
+    Box<dyn FnOnce(&mut ConnectorState, DateTime) -> (ChangeSet, Reply) + Send>;
+
+/// A request to the coordinator.
+pub struct Command(pub(super) CommandKind);
+
+/// Kinds of requests.
+pub(super) enum CommandKind {
+    /// Messages of the platform, in order.
+    Deliver(Vec<Delivery>, oneshot::Sender<Vec<Settlement>>),
+    /// Outcomes of sending, and the messages that were sent.
+    RecordOutcomes(Vec<RowOutcome>, Vec<SentMessage>, oneshot::Sender<bool>),
+    /// A value of a person or an OPC UA client.
+    WriteValue(FieldKey, ValueSource, DataValue, oneshot::Sender<Option<WriteOutcome>>),
+    /// A question about the state.
+    Read(Query),
+    /// A use case.
+    Execute(UseCase),
+}
+
+/// Handle of the coordinator.
+#[derive(Clone)]
+pub struct CoordinatorHandle {
+    commands: mpsc::Sender<Command>,
+}
+
+impl CoordinatorHandle {
+    pub(super) const fn new(commands: mpsc::Sender<Command>) -> Self {
+        Self { commands }
+    }
+
+    /// Delivers messages of the platform, in order. Returns when their effects are committed.
+    pub async fn deliver(&self, deliveries: Vec<Delivery>) -> Vec<Settlement> {
+        let count = deliveries.len();
+        let settlements = self.ask(|reply| CommandKind::Deliver(deliveries, reply)).await;
+        settlements.unwrap_or_else(|_| vec![Settlement::Release; count])
+    }
+
+    /// Records outcomes of sending, and the messages that were sent.
+    ///
+    /// # Errors
+    /// [`CoordinatorError`].
+    pub async fn record_outcomes(
+        &self,
+        outcomes: Vec<RowOutcome>,
+        sent: Vec<SentMessage>,
+    ) -> Result<(), CoordinatorError> {
+        let is_written =
+            self.ask(|reply| CommandKind::RecordOutcomes(outcomes, sent, reply)).await?;
+        if is_written { Ok(()) } else { Err(CoordinatorError::NotWritten) }
+    }
+
+    /// Writes a value of a person or an OPC UA client. Returns when it is committed.
+    ///
+    /// # Errors
+    /// [`CoordinatorError`].
+    pub async fn write_value(
+        &self,
+        field: FieldKey,
+        source: ValueSource,
+        value: DataValue,
+    ) -> Result<WriteOutcome, CoordinatorError> {
+        let outcome =
+            self.ask(|reply| CommandKind::WriteValue(field, source, value, reply)).await?;
+        outcome.ok_or(CoordinatorError::NotWritten)
+    }
+
+    /// Reads the state.
+    ///
+    /// # Errors
+    /// [`CoordinatorError::Stopped`].
+    pub async fn read<T: Send + 'static>(
+        &self,
+        query: impl FnOnce(&ConnectorState) -> T + Send + 'static,
+    ) -> Result<T, CoordinatorError> {
+        self.ask(|reply| CommandKind::Read(Box::new(move |state| drop(reply.send(query(state))))))
+            .await
+    }
+
+    /// Executes a use case. Returns its result when its changes are committed.
+    ///
+    /// # Errors
+    /// [`CoordinatorError`]; then nothing was changed.
+    pub async fn execute<R: IntoChanges>(
+        &self,
+        use_case: impl FnOnce(&mut ConnectorState, DateTime) -> R + Send + 'static,
+    ) -> Result<R::Value, CoordinatorError>
+    where
+        R::Value: Send + 'static,
+    {
+        let answer = self.ask(|reply| {
+            CommandKind::Execute(Box::new(move |state, now| {
+                let (value, changes) = use_case(state, now).into_changes();
+                // The caller may have dropped its receiver.
+                let reply: Reply =
+                    Box::new(move |is_written| drop(reply.send(is_written.then_some(value))));
+                (changes, reply)
+            }))
+        });
+        answer.await?.ok_or(CoordinatorError::NotWritten)
+    }
+
+    async fn ask<T>(
+        &self,
+        command: impl FnOnce(oneshot::Sender<T>) -> CommandKind,
+    ) -> Result<T, CoordinatorError> {
+        let (reply, answer) = oneshot::channel();
+        let command = Command(command(reply));
+        self.commands.send(command).await.map_err(|_| CoordinatorError::Stopped)?;
+        answer.await.map_err(|_| CoordinatorError::Stopped)
+    }
+}

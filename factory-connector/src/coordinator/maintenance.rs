@@ -1,0 +1,182 @@
+//! Periodic maintenance: keep-alives, the daily checkpoint, limits of the spool, retention.
+
+use std::{collections::HashSet, time::Duration};
+
+use asi_model::{DateTime, messages::GapCause};
+use connector_state::{
+    use_cases::{
+        deliver::{drop_reports, resend_reports},
+        keep_alive::keep_alives,
+        seal,
+    },
+    writes::WaitingRow,
+};
+use messaging::spool::{ReportRow, RowId, coalesce, expire, overdue};
+use tokio::time::Instant;
+
+use super::{clock::now, config::RetentionLimits, unit_of_work::UnitOfWork};
+use crate::store::StoreError;
+
+const INTERVAL: Duration = Duration::from_secs(1);
+/// Pause after everything too old was removed.
+const RETENTION_INTERVAL: Duration = Duration::from_secs(3600);
+const SPOOL_INTERVAL: Duration = Duration::from_secs(10);
+/// Rows of the spool that one round examines.
+const ROWS_MAX: u32 = 10_000;
+const DAY_MICROS: i64 = 86_400_000_000;
+
+/// Times of the next rounds.
+pub(super) struct Schedule {
+    next: Instant,
+    next_spool: Instant,
+    next_retention: Instant,
+    /// Number of the last report whose values were examined by retention.
+    emptied_through: i64,
+}
+
+impl Default for Schedule {
+    fn default() -> Self {
+        let now = Instant::now();
+        Self {
+            next: now + INTERVAL,
+            next_spool: now + SPOOL_INTERVAL,
+            next_retention: now + INTERVAL,
+            emptied_through: 0,
+        }
+    }
+}
+
+impl Schedule {
+    pub(super) const fn next(&self) -> Instant {
+        self.next
+    }
+}
+
+/// Runs the rounds that are due.
+pub(super) async fn run_maintenance(
+    work: &mut UnitOfWork,
+    schedule: &mut Schedule,
+) -> Result<(), StoreError> {
+    let instant = Instant::now();
+    if instant < schedule.next {
+        return Ok(());
+    }
+    schedule.next = instant + INTERVAL;
+    let now = now();
+    send_keep_alives(work, now);
+    let checkpoint = seal::checkpoint(&mut work.state, &work.key, now);
+    work.pending.merge(checkpoint);
+    if instant >= schedule.next_spool {
+        schedule.next_spool = instant + SPOOL_INTERVAL;
+        limit_spool(work, now).await?;
+    }
+    if instant >= schedule.next_retention {
+        schedule.next_retention = instant + RETENTION_INTERVAL;
+        if let Err(error) = retain(work, schedule, now).await {
+            tracing::error!(
+                error = &error as &dyn std::error::Error,
+                "Old values and entries could not be removed; it is tried again in an hour."
+            );
+        }
+    }
+    Ok(())
+}
+
+fn send_keep_alives(work: &mut UnitOfWork, now: DateTime) {
+    let Some(link) = work.outputs.link.as_ref().filter(|link| link.state().borrow().is_up()) else {
+        return;
+    };
+    let messages = keep_alives(&mut work.state, now);
+    if messages.is_empty() {
+        return;
+    }
+    for message in messages {
+        work.outputs.keep_alives.put(message);
+    }
+    link.wake();
+}
+
+/// Empties old values and removes old entries, a bounded number at a time.
+async fn retain(
+    work: &mut UnitOfWork,
+    schedule: &mut Schedule,
+    now: DateTime,
+) -> Result<(), StoreError> {
+    let UnitOfWork { store, config, key, .. } = work;
+    let before =
+        |days: u32| DateTime::from_unix_micros(now.unix_micros() - i64::from(days) * DAY_MICROS);
+    let RetentionLimits { value_days, entry_days } = config.retention;
+    let mut is_done = true;
+    if value_days > 0 {
+        let last = store.empty_values(before(value_days), schedule.emptied_through).await?;
+        is_done &= last.is_none();
+        if let Some(last) = last {
+            schedule.emptied_through = last;
+        }
+    }
+    if entry_days > 0 {
+        let factory_id = &config.state.factory_id;
+        let pruned = store.prune_ledger(before(entry_days), factory_id, key, now).await?;
+        is_done &= pruned == 0;
+    }
+    let pause = if is_done { RETENTION_INTERVAL } else { INTERVAL };
+    schedule.next_retention = Instant::now() + pause;
+    Ok(())
+}
+
+/// Drops reports that are too old or too many, and sends those again that nobody receipted.
+async fn limit_spool(work: &mut UnitOfWork, now: DateTime) -> Result<(), StoreError> {
+    let waiting = work.store.read().reports().oldest(ROWS_MAX).await?;
+    if waiting.is_empty() {
+        return Ok(());
+    }
+    let rows: Vec<ReportRow> = waiting.iter().map(|waiting| waiting.row).collect();
+    let age_max = Duration::from_secs(u64::from(work.config.spool.age_hours_max) * 3600);
+    let expired = expire(&rows, age_max, now.into());
+    drop_chosen(work, &chosen(&waiting, &expired.rows), GapCause::Expired, now);
+    let bytes = work.store.read().reports().spooled_bytes().await?;
+    let excess = bytes.checked_sub(work.config.spool.bytes_max);
+    if let Some(excess) = excess.filter(|excess| *excess > 0) {
+        let newest: HashSet<RowId> = work.store.read().reports().newest_of_writers().await?;
+        let removal = coalesce(&rows, &newest, excess);
+        metrics::counter!("verbund_reports_coalesced_total").increment(removal.rows.len() as u64);
+        tracing::warn!(
+            reports = removal.rows.len(),
+            "The spool is full; older reports were dropped for newer ones."
+        );
+        drop_chosen(work, &chosen(&waiting, &removal.rows), GapCause::Coalesced, now);
+    }
+    resend_overdue(work, &waiting, &rows, now);
+    Ok(())
+}
+
+fn drop_chosen(work: &mut UnitOfWork, rows: &[WaitingRow], cause: GapCause, now: DateTime) {
+    let changes = drop_reports(&mut work.state, rows, cause, now);
+    work.pending.merge(changes);
+}
+
+fn resend_overdue(
+    work: &mut UnitOfWork,
+    waiting: &[WaitingRow],
+    rows: &[ReportRow],
+    now: DateTime,
+) {
+    let Some(link) = &work.outputs.link else { return };
+    let link_state = link.state().borrow().clone();
+    if !link_state.is_up() {
+        return;
+    }
+    let hears_receipts = link_state.last_receipted_at.is_some_and(|at| at > link_state.since);
+    let policy = work.config.spool.overdue();
+    let late = overdue(rows, &policy, now.into(), hears_receipts);
+    let late = chosen(waiting, &late).into_iter().filter(|waiting| !waiting.is_revoked);
+    let late: Vec<i64> = late.map(|waiting| waiting.row.id.0).collect();
+    if !late.is_empty() {
+        work.pending.merge(resend_reports(late));
+    }
+}
+
+fn chosen(waiting: &[WaitingRow], ids: &[RowId]) -> Vec<WaitingRow> {
+    let ids: HashSet<RowId> = ids.iter().copied().collect();
+    waiting.iter().filter(|waiting| ids.contains(&waiting.row.id)).cloned().collect()
+}

@@ -1,0 +1,23 @@
+//! Receivers of effects.
+
+use std::sync::Arc;
+
+use connector_state::{ConnectorEvent, EngineCommand};
+use daemon::web::events::EventLog;
+use messaging::LinkHandle;
+use tokio::sync::mpsc;
+
+use crate::{in_flight::InFlight, keep_alive_queue::KeepAliveQueue};
+
+/// Receivers of the effects of committed transactions.
+pub struct Outputs {
+    pub twin: twin::TwinHandle,
+    /// Commands for the mapping engine, in the order of the decisions.
+    pub mappings: mpsc::Sender<Vec<EngineCommand>>,
+    /// Sends the messages of the spool; none before enrolment.
+    pub link: Option<LinkHandle>,
+    pub keep_alives: Arc<KeepAliveQueue>,
+    /// Messages that the link composed.
+    pub in_flight: Arc<InFlight>,
+    pub events: EventLog<ConnectorEvent>,
+}

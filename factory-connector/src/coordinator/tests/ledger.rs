@@ -1,0 +1,276 @@
+use sqlx::{
+    Column as _, Connection as _, Row as _, TypeInfo as _, ValueRef as _, sqlite::SqliteRow,
+};
+
+use super::*;
+use crate::store::Ledger;
+use ::ledger::Verification;
+
+/// Everything that the ledger rests on. What the spool alone works with (states, counters) is not
+/// part of it.
+const GUARDED: [(&str, &[&str]); 6] = [
+    ("ledger_entry", &["recipient", "number", "recorded_at", "report_id", "content", "hash"]),
+    ("ledger_head", &["recipient", "number", "hash", "signature", "public_key"]),
+    ("ledger_checkpoint", &["number", "recorded_at", "content", "signature", "public_key"]),
+    ("revocation", &["revocation_id", "revoked_at", "content", "signature", "public_key"]),
+    (
+        "report",
+        &["id", "writer_id", "epoch", "sequence", "created_at", "recipients", "body", "salt"],
+    ),
+    (
+        "consent",
+        &[
+            "field",
+            "version",
+            "mapping_state",
+            "value_source",
+            "policy",
+            "decided_by",
+            "decided_at",
+        ],
+    ),
+];
+
+/// A small ledger with an entry of each kind that the story yields, and a checkpoint.
+async fn small_ledger() -> TempDir {
+    let running = Running::with_two_open_fields().await;
+    running.enter_both(1).await;
+    let rows = running.fetch(Lane::Reports).await;
+    running.accept(&rows).await;
+    running.receipt(&reports(&rows[0])[0], 0).await;
+    running.revoke(None).await;
+    let until = Instant::now() + DEADLINE;
+    loop {
+        let count: i64 = sqlx::query_scalar("SELECT count(*) FROM ledger_checkpoint")
+            .fetch_one(running.session().await.connection())
+            .await
+            .expect("counted");
+        if count > 0 {
+            break;
+        }
+        assert!(Instant::now() < until, "the daily checkpoint is made");
+        tokio::time::sleep(PAUSE).await;
+    }
+    running.close().await
+}
+
+async fn verified(connection: &mut SqliteConnection) -> Verification {
+    Ledger(connection).verify(None).await.expect("the tables can be read")
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Cell {
+    Number(i64),
+    Text(Vec<u8>),
+    Blob(Vec<u8>),
+    Nothing,
+}
+
+fn cell(row: &SqliteRow, place: usize) -> Cell {
+    let raw = row.try_get_raw(place).expect("a column");
+    if raw.is_null() {
+        return Cell::Nothing;
+    }
+    match raw.type_info().name() {
+        "INTEGER" => Cell::Number(row.get(place)),
+        "TEXT" => Cell::Text(row.get_unchecked(place)),
+        _ => Cell::Blob(row.get(place)),
+    }
+}
+
+/// Each third bit of numbers, a bit of each byte of short cells and of each fourth byte of long
+/// ones: another in each. That no bit of entries and values is without guard is shown beside the
+/// verification itself.
+fn flips(cell: &Cell) -> Vec<Cell> {
+    let of = |bytes: &[u8]| -> Vec<Vec<u8>> {
+        let step = if bytes.len() > 16 { 4 } else { 1 };
+        let bits: Vec<usize> =
+            (0..bytes.len()).step_by(step).map(|byte| byte * 8 + byte / step % 8).collect();
+        let flip = |bit: &usize| {
+            let mut bytes = bytes.to_vec();
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            bytes
+        };
+        bits.iter().map(flip).collect()
+    };
+    match cell {
+        Cell::Number(number) => {
+            (0..63).step_by(3).map(|bit| Cell::Number(number ^ (1 << bit))).collect()
+        }
+        Cell::Text(bytes) => of(bytes).into_iter().map(Cell::Text).collect(),
+        Cell::Blob(bytes) => of(bytes).into_iter().map(Cell::Blob).collect(),
+        Cell::Nothing => vec![Cell::Number(1)],
+    }
+}
+
+async fn put(
+    connection: &mut SqliteConnection,
+    table: &str,
+    column: &str,
+    row: i64,
+    cell: &Cell,
+) -> bool {
+    let value = if matches!(cell, Cell::Text(_)) { "CAST(? AS TEXT)" } else { "?" };
+    // Tables without a row id are found by the place of the row in the order of the shadow table.
+    let sql = format!(
+        "UPDATE {table} SET {column} = {value} WHERE ({keys}) = (SELECT {keys} FROM shadow_{table} WHERE place = ?)",
+        keys = keys(table)
+    );
+    let query = sqlx::query(sqlx::AssertSqlSafe(sql));
+    let query = match cell {
+        Cell::Number(number) => query.bind(*number),
+        Cell::Text(bytes) | Cell::Blob(bytes) => query.bind(bytes.clone()),
+        Cell::Nothing => query.bind(None::<i64>),
+    };
+    query.bind(row).execute(connection).await.is_ok_and(|done| done.rows_affected() == 1)
+}
+
+fn keys(table: &str) -> &'static str {
+    match table {
+        "ledger_entry" => "recipient, number",
+        "ledger_head" => "recipient",
+        "ledger_checkpoint" => "number",
+        "revocation" => "revocation_id",
+        "report" => "id",
+        _ => "field, version",
+    }
+}
+
+/// Each change of a stored bit is found: the row is changed in a transaction that is rolled back
+/// afterwards.
+#[tokio::test]
+async fn every_bit_of_the_ledger_is_guarded() {
+    let folder = small_ledger().await;
+    let mut connection = connect(folder.path()).await;
+    let intact = verified(&mut connection).await;
+    assert!(intact.is_intact(), "{intact:?}");
+    assert!(
+        intact.entries > 10
+            && intact.values_compared > 2
+            && intact.checkpoints == 1
+            && intact.revocations == 1
+    );
+    run(&mut connection, "PRAGMA foreign_keys = OFF").await;
+    let mut changes = 0;
+    for (table, columns) in GUARDED {
+        let shadow = format!(
+            "CREATE TEMP TABLE shadow_{table} AS SELECT row_number() OVER (ORDER BY {keys}) AS place, * FROM {table}",
+            keys = keys(table)
+        );
+        run(&mut connection, &shadow).await;
+        for column in columns {
+            let sql = format!("SELECT place, {column} FROM shadow_{table}");
+            let rows = sqlx::query(sqlx::AssertSqlSafe(sql))
+                .fetch_all(&mut connection)
+                .await
+                .expect("read");
+            for row in rows {
+                assert_eq!(row.column(1).name(), *column);
+                let place: i64 = row.get(0);
+                for flipped in flips(&cell(&row, 1)) {
+                    let mut attempt = connection.begin().await.expect("a transaction");
+                    if put(&mut attempt, table, column, place, &flipped).await {
+                        changes += 1;
+                        let outcome = verified(&mut attempt).await;
+                        assert!(
+                            !outcome.is_intact(),
+                            "{table}.{column} of row {place}: {flipped:?}"
+                        );
+                    }
+                    attempt.rollback().await.expect("rolled back");
+                }
+            }
+        }
+    }
+    assert!(changes > 1500, "{changes} changes were tried");
+    assert!(verified(&mut connection).await.is_intact(), "nothing was left behind");
+}
+
+/// Each deletion of one or several rows is found, at the end of a chain too.
+#[tokio::test]
+async fn every_deletion_is_found() {
+    let folder = small_ledger().await;
+    let mut connection = connect(folder.path()).await;
+    run(&mut connection, "PRAGMA foreign_keys = OFF").await;
+    for (table, _) in GUARDED {
+        let sql = format!("SELECT count(*) FROM {table}");
+        let count: i64 = sqlx::query_scalar(sqlx::AssertSqlSafe(sql))
+            .fetch_one(&mut connection)
+            .await
+            .expect("counted");
+        for place in 0..count {
+            for condition in ["=", ">="] {
+                let mut attempt = connection.begin().await.expect("a transaction");
+                let sql = format!(
+                    "DELETE FROM {table} WHERE ({keys}) {condition} \
+                     (SELECT {keys} FROM {table} ORDER BY {keys} LIMIT 1 OFFSET {place})",
+                    keys = keys(table)
+                );
+                run(&mut attempt, &sql).await;
+                let outcome = verified(&mut attempt).await;
+                let is_last_checkpoint = table == "ledger_checkpoint";
+                assert!(!outcome.is_intact() || is_last_checkpoint, "{sql}");
+                attempt.rollback().await.expect("rolled back");
+            }
+        }
+    }
+}
+
+/// Whoever rewrites everything and signs it anew has not the key that was noted before.
+#[tokio::test]
+async fn another_key_is_found() {
+    let folder = small_ledger().await;
+    let mut connection = connect(folder.path()).await;
+    let other = crate::ledger_key::open(&folder.path().join("other.pem")).expect("a key");
+    let outcome = Ledger(&mut connection).verify(Some(other.public())).await.expect("read");
+    assert!(!outcome.is_intact());
+}
+
+/// What retention removes leaves a ledger that still proves the rest; what the spool works with
+/// stays.
+#[tokio::test]
+async fn retention_leaves_a_ledger_that_verifies() {
+    let folder = small_ledger().await;
+    let key = crate::ledger_key::open(&folder.path().join(LEDGER_KEY_FILE)).expect("the key");
+    let factory: asi_model::FactoryId = "F".parse().expect("an id");
+    let later = DateTime::from_unix_micros(now().unix_micros() + 1_000_000);
+    let mut connection = connect(folder.path()).await;
+    let before = verified(&mut connection).await;
+    run(&mut connection, "UPDATE report SET state = 'DONE'").await;
+    run(
+        &mut connection,
+        "UPDATE report SET state = 'SENT' WHERE id = (SELECT min(id) FROM report)",
+    )
+    .await;
+    let mut store = Store::open(folder.path(), &factory, now()).await.expect("a store");
+
+    let mut emptied = 0;
+    while let Some(last) = store.empty_values(later, emptied).await.expect("emptied") {
+        emptied = last;
+    }
+    let outcome = verified(&mut connection).await;
+    assert!(outcome.is_intact() && outcome.values_emptied > 0, "{outcome:?}");
+    assert_eq!(outcome.values_emptied + outcome.values_compared, before.values_compared);
+    assert!(outcome.values_compared > 0, "the report that was not receipted keeps its values");
+
+    let older = store.prune_ledger(later, &factory, &key, later).await.expect("pruned");
+    let outcome = verified(&mut connection).await;
+    assert!(
+        outcome.is_intact() && outcome.values_compared > 0,
+        "what was not receipted stays: {outcome:?}"
+    );
+    assert_eq!((outcome.entries, outcome.entries_pruned), (before.entries - older, older));
+    run(&mut connection, "UPDATE report SET state = 'DONE'").await;
+    let removed = store.prune_ledger(later, &factory, &key, later).await.expect("pruned");
+    let outcome = verified(&mut connection).await;
+    assert!(outcome.is_intact(), "{outcome:?}");
+    assert_eq!(
+        (outcome.entries, outcome.entries_pruned, removed),
+        (0, before.entries, before.entries - older)
+    );
+    store.close().await;
+}
+
+async fn run(connection: &mut SqliteConnection, sql: &str) {
+    sqlx::query(sqlx::AssertSqlSafe(sql.to_owned())).execute(connection).await.expect("it runs");
+}

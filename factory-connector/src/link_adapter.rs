@@ -1,0 +1,176 @@
+//! Adapters of the link: it sends messages of the spool, and delivers messages to the coordinator.
+
+use std::sync::Arc;
+
+use asi_model::{FactoryId, MessageId, pubsub::json::NetworkMessageHeader};
+use async_trait::async_trait;
+use messaging::{
+    Backlog, Delivery, Envelope, Inbox, LogicalAddress, RowId, RowOutcome, SendOutcome, Settlement,
+    SpoolRow, SpoolStore,
+    spool::{Fetch, Lane, StoreError},
+};
+use sha2::{Digest, Sha256};
+
+use crate::{
+    coordinator::CoordinatorHandle,
+    in_flight::InFlight,
+    keep_alive_queue::KeepAliveQueue,
+    lease::{LeaseAnswers, LeaseGate},
+    store::{ControlMessage, Message, Readers, ReportMessage},
+};
+
+/// The spool as the source of the link's messages.
+pub struct ConnectorSpool {
+    factory_id: FactoryId,
+    readers: Readers,
+    coordinator: CoordinatorHandle,
+    keep_alives: Arc<KeepAliveQueue>,
+    in_flight: Arc<InFlight>,
+    gate: Arc<LeaseGate>,
+}
+
+impl ConnectorSpool {
+    /// Reads the tables of the spool.
+    #[must_use]
+    pub const fn new(
+        factory_id: FactoryId,
+        readers: Readers,
+        coordinator: CoordinatorHandle,
+        keep_alives: Arc<KeepAliveQueue>,
+        in_flight: Arc<InFlight>,
+        gate: Arc<LeaseGate>,
+    ) -> Self {
+        Self { factory_id, readers, coordinator, keep_alives, in_flight, gate }
+    }
+
+    fn row(&self, message: Message) -> SpoolRow {
+        let address = LogicalAddress::FactoryIngress(self.factory_id.clone());
+        match message {
+            Message::Control(ControlMessage {
+                id,
+                message_id,
+                subject,
+                correlation_id,
+                body,
+                created_at,
+                ttl_ms,
+                attempts,
+            }) => {
+                let mut envelope = Envelope::new(message_id, subject, body);
+                envelope.correlation_id = correlation_id;
+                envelope.creation_time = Some(created_at.into());
+                envelope.ttl = ttl_ms.map(std::time::Duration::from_millis);
+                SpoolRow { id: RowId(id), address, envelope, attempts }
+            }
+            Message::Reports(ReportMessage { id, reports, created_at, attempts }) => {
+                let message_id = self.message_id(id, &reports);
+                self.in_flight
+                    .fetched(message_id.clone(), reports.iter().map(|(report, _)| *report));
+                let header = NetworkMessageHeader {
+                    message_id: Some(&message_id),
+                    publisher_id: Some(self.factory_id.as_str()),
+                    ..NetworkMessageHeader::default()
+                };
+                let body = header.wrap(reports.iter().map(|(_, report)| report));
+                let mut envelope = Envelope::new(message_id, "ua-data", body);
+                envelope.creation_time = Some(created_at.into());
+                SpoolRow { id: RowId(id), address, envelope, attempts }
+            }
+        }
+    }
+
+    /// Derives the id of a message of reports: the same reports in a message have the same id again,
+    /// so that the platform recognises a repetition.
+    fn message_id(&self, id: i64, reports: &[(i64, String)]) -> MessageId {
+        let mut hasher = Sha256::new();
+        hasher.update(self.factory_id.as_str());
+        hasher.update(id.to_be_bytes());
+        for (_, report) in reports {
+            hasher.update(report.as_bytes());
+        }
+        let mut bytes = [0_u8; 16];
+        bytes.copy_from_slice(&hasher.finalize()[..16]);
+        uuid::Builder::from_custom_bytes(bytes).into_uuid().into()
+    }
+}
+
+#[async_trait]
+impl SpoolStore for ConnectorSpool {
+    /// Nothing leaves on a new connection before the platform has confirmed that this connector is
+    /// the one to speak.
+    fn connected(&self) {
+        self.gate.close();
+    }
+
+    async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, StoreError> {
+        let Some(lease) = self.gate.number() else { return Ok(Vec::new()) };
+        let messages = self.readers.session().await?.spool().fetch(fetch).await?;
+        let mut rows: Vec<SpoolRow> =
+            messages.into_iter().map(|message| self.row(message)).collect();
+        if fetch.lane == Lane::Control {
+            rows.extend(self.keep_alives.fetch(fetch).into_iter().map(|message| SpoolRow {
+                id: RowId(message.row),
+                address: LogicalAddress::FactoryIngress(self.factory_id.clone()),
+                envelope: Envelope::new(message.message_id, "ua-data", message.body),
+                attempts: 0,
+            }));
+            rows.sort_by_key(|row| row.id);
+            rows.truncate(fetch.limit);
+        }
+        for row in &mut rows {
+            row.envelope.lease = Some(lease);
+        }
+        Ok(rows)
+    }
+
+    async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), StoreError> {
+        let mut sent = Vec::new();
+        for outcome in &outcomes {
+            match outcome.outcome {
+                SendOutcome::Accepted => sent.extend(self.in_flight.accepted(outcome.id.0)),
+                SendOutcome::Rejected(_) | SendOutcome::Parked(_) | SendOutcome::Expired => {
+                    self.in_flight.not_sent(outcome.id.0);
+                }
+            }
+        }
+        Ok(self.coordinator.record_outcomes(outcomes, sent).await?)
+    }
+
+    fn may_leave(&self, row: &SpoolRow) -> bool {
+        // A message without a lease asks for one.
+        let has_lease = row.envelope.lease.is_none() || row.envelope.lease == self.gate.number();
+        let message_id = row.envelope.message_id.as_ref();
+        has_lease
+            && message_id.is_none_or(|message_id| self.in_flight.may_leave(row.id.0, message_id))
+    }
+
+    async fn last_row(&self) -> Result<RowId, StoreError> {
+        Ok(self.readers.session().await?.spool().last_message().await?)
+    }
+
+    async fn backlog(&self) -> Result<Backlog, StoreError> {
+        Ok(self.readers.session().await?.spool().backlog().await?)
+    }
+}
+
+/// Receiver of the link's messages: those about the lease go to the lease client, all others to
+/// the coordinator.
+pub struct PlatformInbox {
+    pub coordinator: CoordinatorHandle,
+    pub lease: LeaseAnswers,
+}
+
+#[async_trait]
+impl Inbox for PlatformInbox {
+    async fn receive(
+        &self,
+        address: &LogicalAddress,
+        deliveries: Vec<Delivery>,
+    ) -> Vec<Settlement> {
+        if matches!(address, LogicalAddress::FactoryLeases(_)) {
+            self.lease.take(&deliveries);
+            return vec![Settlement::Accept; deliveries.len()];
+        }
+        self.coordinator.deliver(deliveries).await
+    }
+}

@@ -1,0 +1,153 @@
+//! Adapters of the twin: authentication of its users, writes and decisions of OPC UA clients, and the
+//! end of sessions whose users changed.
+
+mod user_watch;
+
+pub use user_watch::UserWatch;
+
+use std::sync::Arc;
+
+use asi_model::{
+    DataValue, DateTime, FieldKey, StatusCode,
+    messages::{MappingState, ValueSource},
+};
+use async_trait::async_trait;
+use connector_state::{
+    ConnectorState, Field,
+    use_cases::decide::{DecisionCommand, DecisionRequest, decide},
+};
+use daemon::{
+    Confidential,
+    web::session::{PasswordHash, verify_password},
+};
+use disclosure::{DecisionBasis, GateOutcome};
+use twin::{Authenticator, FieldDecision, FieldRecord, FieldWriter, TwinUser};
+
+use crate::{
+    coordinator::{CoordinatorError, CoordinatorHandle, WriteOutcome},
+    store::{Readers, Role, StoreError, User},
+};
+
+/// Writes and decisions of OPC UA clients, passed on to the coordinator.
+pub struct CoordinatorWriter(pub CoordinatorHandle);
+
+#[async_trait]
+impl FieldWriter for CoordinatorWriter {
+    async fn write(&self, field: &FieldKey, value: DataValue, user: &TwinUser) -> StatusCode {
+        tracing::info!(%field, user.name = %user.name, "An OPC UA client wrote a field.");
+        match self.0.write_value(field.clone(), ValueSource::External, value).await {
+            Ok(WriteOutcome::Accepted(outcome)) => status_of(outcome),
+            Ok(WriteOutcome::Rejected(status)) => status,
+            Err(error) => failure(error),
+        }
+    }
+
+    async fn decide(
+        &self,
+        field: &FieldKey,
+        decision: FieldDecision,
+        user: &TwinUser,
+    ) -> StatusCode {
+        let (key, by) = (field.clone(), user.name.to_string());
+        let decided = self.0.execute(move |state, now: DateTime| {
+            let request = decision_request(state, &key, decision, by);
+            decide(state, &key, request, now)
+        });
+        match decided.await {
+            Ok(Ok(())) => StatusCode::GOOD,
+            Ok(Err(_)) => StatusCode::BAD_INVALID_ARGUMENT,
+            Err(error) => failure(error),
+        }
+    }
+}
+
+/// Returns the decision that an OPC UA client asks for: it opens a field to OPC UA clients, and the
+/// policy stays as it was set on the page.
+fn decision_request(
+    state: &ConnectorState,
+    key: &FieldKey,
+    decision: FieldDecision,
+    decided_by: String,
+) -> DecisionRequest {
+    let present = state.field(key).map(|field| &field.decision);
+    let policy = present.map(|present| (*present.policy).clone()).unwrap_or_default();
+    let policy_id = present.and_then(|present| present.basis.policy_id.clone());
+    let command = match decision.mapping_state {
+        MappingState::Pending => DecisionCommand::LeavePending,
+        MappingState::Refused => DecisionCommand::Refuse,
+        MappingState::Mapped => {
+            let value_source = ValueSource::External;
+            DecisionCommand::Map { value_source, mapping: None, policy }
+        }
+    };
+    let basis = DecisionBasis { policy_id, ..DecisionBasis::default() };
+    DecisionRequest { command, reason: decision.reason, decided_by, basis }
+}
+
+/// Returns a field as the twin shows it.
+#[must_use]
+pub fn field_record(field: &Field) -> FieldRecord {
+    let decision = &field.decision;
+    FieldRecord {
+        mapping_state: decision.mapping_state,
+        value_source: decision.value_source,
+        value: field.gate.disclosed().cloned().unwrap_or_else(|| {
+            DataValue::status_only(StatusCode::BAD_WAITING_FOR_INITIAL_DATA, decision.decided_at)
+        }),
+        disclosure: field.statement().map(|statement| Arc::from(statement.description)),
+        reason: decision.reason.as_deref().map(Arc::from),
+        decided_by: decision.decided_by.as_deref().map(Arc::from),
+        decision_time: decision.decided_at,
+    }
+}
+
+const fn status_of(outcome: GateOutcome) -> StatusCode {
+    match outcome {
+        GateOutcome::Disclosed { is_coarsened: true }
+        | GateOutcome::Unchanged { is_coarsened: true } => StatusCode::GOOD_CLAMPED,
+        GateOutcome::Disclosed { .. } | GateOutcome::Unchanged { .. } => StatusCode::GOOD,
+        GateOutcome::Withheld { .. } => StatusCode::GOOD_COMPLETES_ASYNCHRONOUSLY,
+        // Accepted, but never disclosed: the policy withholds the present state.
+        GateOutcome::Suppressed => StatusCode::GOOD_CLAMPED,
+    }
+}
+
+const fn failure(error: CoordinatorError) -> StatusCode {
+    match error {
+        CoordinatorError::NotWritten => StatusCode::BAD_RESOURCE_UNAVAILABLE,
+        CoordinatorError::Stopped => StatusCode::BAD_SHUTDOWN,
+    }
+}
+
+/// Authenticates the users in the store.
+pub struct StoredUsers(pub Readers);
+
+impl StoredUsers {
+    async fn user(&self, user_name: &str) -> Result<Option<User>, StoreError> {
+        self.0.session().await?.users().lookup(user_name).await
+    }
+}
+
+#[async_trait]
+impl Authenticator for StoredUsers {
+    async fn authenticate(&self, user_name: &str, password: &str) -> Option<twin::Role> {
+        let user = match self.user(user_name).await {
+            Ok(user) => user,
+            Err(error) => {
+                tracing::error!(
+                    error = &error as &dyn std::error::Error,
+                    "A user could not be looked up."
+                );
+                return None;
+            }
+        };
+        let role = user.as_ref().map(|user| user.role);
+        let hash = user.map(|user| PasswordHash::from_stored(user.password_hash));
+        let is_right = verify_password(hash, Confidential::from(password.to_owned())).await;
+        is_right.then_some(role).flatten().map(|role| match role {
+            Role::Engineer => twin::Role::Engineer,
+            Role::Operator => twin::Role::Operator,
+            Role::Viewer => twin::Role::Viewer,
+        })
+    }
+}

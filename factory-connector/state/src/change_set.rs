@@ -1,0 +1,74 @@
+//! Changes of the transaction that is being made.
+
+mod ending;
+
+use std::collections::BTreeMap;
+
+use asi_model::{DateTime, messages::GapCause};
+
+use crate::{Effects, Field, FieldEvent, Writes, effects::TwinUpdate};
+pub(crate) use ending::{EndedConsents, EndedWriter, Ending};
+
+/// What a use case changed: rows to store, effects that follow their commit, and work that the
+/// transaction does once for all its use cases.
+#[derive(Debug, Default)]
+pub struct ChangeSet {
+    /// Rows to store.
+    pub writes: Writes,
+    /// Effects to publish after the commit.
+    pub effects: Effects,
+    /// Consents that ended, grouped by receipt.
+    pub(crate) ended: Vec<EndedConsents>,
+    /// Writers whose waiting reports are taken back, with the cause that the gap states.
+    pub(crate) purges: BTreeMap<u16, GapCause>,
+    /// Writers whose data set has to be described again, with the time of the decision.
+    pub(crate) to_refresh: BTreeMap<u16, DateTime>,
+}
+
+impl ChangeSet {
+    /// Returns true where something is to be committed without waiting for the publishing interval.
+    #[must_use]
+    pub fn is_urgent(&self) -> bool {
+        !self.purges.is_empty() || !self.to_refresh.is_empty() || !self.writes.is_empty()
+    }
+
+    /// Adds the changes of a later use case of the same transaction.
+    pub fn merge(&mut self, later: Self) {
+        let Self { writes, effects, ended, purges, to_refresh } = later;
+        self.writes.merge(writes);
+        self.effects.merge(effects);
+        for ended in ended {
+            ending::append(&mut self.ended, ended);
+        }
+        for (writer, cause) in purges {
+            self.purges.entry(writer).or_insert(cause);
+        }
+        self.to_refresh.extend(to_refresh);
+    }
+
+    /// Puts a field's decision among the rows to store, and its state among the events.
+    pub(crate) fn put_field(&mut self, field: &Field) {
+        self.writes.fields.decided.insert(field.id, field.row());
+        self.put_event(field);
+    }
+
+    /// Puts a field's state among the events for open pages.
+    pub(crate) fn put_event(&mut self, field: &Field) {
+        self.effects.fields.insert(
+            field.id,
+            FieldEvent {
+                key: field.key.clone(),
+                mapping_state: field.decision.mapping_state,
+                consent_version: field.decision.version,
+                is_withheld: field.decision.is_mapped() && field.gate.is_withheld(),
+                value: field.gate.disclosed().cloned(),
+            },
+        );
+    }
+
+    /// Counts a decision and shows it in the twin.
+    pub(crate) fn count_decision(&mut self, field: &Field) {
+        self.effects.twin.push(TwinUpdate::Decision(field.key.clone()));
+        self.effects.decisions.count += 1;
+    }
+}

@@ -1,0 +1,176 @@
+//! Consents: each decision is stored, entered in the ledger and sent to the partner.
+
+use std::sync::Arc;
+
+use asi_model::{
+    DateTime, FieldKey,
+    messages::{Decision, DecisionTarget, FactoryMessage, GapCause, ValueSource},
+};
+use disclosure::DecisionBasis;
+use ledger::Event;
+
+use crate::{
+    ChangeSet, ConnectorState,
+    change_set::{EndedConsents, EndedWriter, Ending},
+    dependencies,
+    effects::EngineCommand,
+    fields::{basis_json, policy_json},
+    queries::effective_policy,
+    writes::ConsentRow,
+};
+
+/// Records the decision about a field: in the store, in the ledger, for the partner, for the twin
+/// and for open pages.
+pub(crate) fn record(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    key: &FieldKey,
+    now: DateTime,
+) {
+    let Some(field) = state.fields.get(key) else { return };
+    let decision = &field.decision;
+    let (_, policies) =
+        effective_policy(state, field, &decision.policy, decision.basis.policy_id.as_ref());
+    let basis = DecisionBasis { policies, ..decision.basis.clone() };
+    let policy = field.gate.policy();
+    changes.writes.fields.consents.push(ConsentRow {
+        field: key.to_string(),
+        version: decision.version,
+        mapping_state: decision.mapping_state,
+        value_source: decision.value_source,
+        policy: policy_json(policy),
+        basis: basis_json(&basis),
+        reason: decision.reason.clone(),
+        decided_by: decision.decided_by.clone(),
+        decided_at: now,
+    });
+    let event = Event::Consent {
+        field: key.clone(),
+        version: decision.version,
+        mapping_state: decision.mapping_state,
+        value_source: decision.value_source,
+        policy: (**policy).clone(),
+        decided_by: decision.decided_by.clone(),
+        basis: Some(basis).filter(|basis| !basis.is_empty()),
+    };
+    let message = Decision {
+        message_id: state.ids.next_message_id(now),
+        factory_id: state.config.factory_id.clone(),
+        target: DecisionTarget::Field {
+            operation_network_id: key.request.operation_network_id.clone(),
+            operation_id: key.request.operation_id.clone(),
+            dynamic_data_request_id: key.request.dynamic_data_request_id.clone(),
+            field_name: key.field_name.clone(),
+        },
+        mapping_state: decision.mapping_state,
+        reason: decision.reason.clone(),
+        decided_at: now,
+        disclosure: field.statement().map(Box::new),
+    };
+    changes.put_field(field);
+    changes.count_decision(field);
+    state.send(changes, &FactoryMessage::Decision(message), None, now);
+    let recipients = state.networks.recipients(&key.request);
+    state.ledger.append(&mut changes.writes.ledger, recipients, now, None, &event);
+    if let Some(mut field) = state.fields.get_mut(key) {
+        field.mark_dirty();
+        field.note_deadlines();
+    }
+}
+
+/// States in a receipt that the consent to a mapped field ends. To be called while request and
+/// writer are still as they were.
+pub(crate) fn end(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    key: &FieldKey,
+    consent_version: u32,
+    ending: Ending<'_>,
+    now: DateTime,
+) {
+    let Some(id) = state.writers.id_of(&key.request) else { return };
+    let Some(writer) = state.writers.get(id) else { return };
+    // A writer that ends twice is stated as it was at the first end.
+    let known = changes.ended.iter().find_map(|ended| ended.writers.get(&id)).cloned();
+    let ended = known.unwrap_or_else(|| EndedWriter {
+        epoch: writer.epoch,
+        next_sequence: writer.next_sequence,
+        request: key.request.clone(),
+        recipients: state.networks.recipients(&key.request).to_vec(),
+    });
+    if !changes.ended.last().is_some_and(|last| last.continues(ending)) {
+        changes.ended.push(EndedConsents::new(state.ids.next(now), ending));
+    }
+    if let Some(last) = changes.ended.last_mut() {
+        last.push(key.clone(), consent_version, id, ended);
+    }
+}
+
+/// Takes a decision back that the partner's revision no longer allows: the field is undecided, its
+/// mapping is kept and suggested again.
+pub(crate) fn reopen(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    key: &FieldKey,
+    reason: &str,
+    now: DateTime,
+) {
+    let Some(field) = state.fields.get(key) else { return };
+    let (was_mapped, writer, version) =
+        (field.decision.is_mapped(), field.writer, field.decision.version);
+    if was_mapped {
+        let ending = Ending {
+            cause: GapCause::Revoked,
+            reason: Some(reason),
+            revoked_by: None,
+            is_joint: false,
+        };
+        end(state, changes, key, version, ending, now);
+        changes.purges.insert(writer, GapCause::Revoked);
+    }
+    close(state, changes, key, reason, now);
+}
+
+/// Closes a field's gate and makes the field undecided, for a reason that the partner reads.
+pub(crate) fn close(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    key: &FieldKey,
+    reason: &str,
+    now: DateTime,
+) {
+    let Some(mut field) = state.fields.get_mut(key) else { return };
+    if field.decision.is_open_for(ValueSource::Mapping) {
+        changes.effects.engine.push(EngineCommand::Remove(field.mapping_id()));
+    }
+    field.gate.close();
+    field.newest = None;
+    field.decision.reopen(reason, now);
+    dependencies::notify(state, key, now);
+    record(state, changes, key, now);
+}
+
+/// Stores the mapping in force as the field's next version, unless it is the newest already.
+pub(crate) fn record_version(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    key: &FieldKey,
+    (author, note): (Option<String>, Option<String>),
+    now: DateTime,
+) {
+    let Some(mut field) = state.fields.get_mut(key).filter(|field| !field.versions.is_recorded)
+    else {
+        return;
+    };
+    let Some(mapping) = field.decision.mapping.as_ref().map(Arc::clone) else { return };
+    field.versions.newest += 1;
+    field.versions.is_recorded = true;
+    changes.writes.mappings.versions.push(crate::writes::VersionRow {
+        field_id: field.id,
+        version: field.versions.newest,
+        mapping: crate::fields::mapping_json(&mapping),
+        author,
+        note,
+        published_at: now,
+    });
+}

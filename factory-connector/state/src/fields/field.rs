@@ -1,0 +1,226 @@
+//! One requested report field: its definition, the decision about it, and its gate.
+
+use std::sync::Arc;
+
+use asi_model::{
+    DataValue, DateTime, FieldKey,
+    messages::{DisclosureStatement, MappingState, ValueSource},
+    network::ReportField,
+};
+use disclosure::{
+    DecisionBasis, DisclosurePolicy, Gate, GateState, disclosure_statement, gate_to_json,
+};
+use mapping::{Mapping, MappingId, PublishRequest, TargetKey, TransformState};
+
+use super::{DisclosureRate, MappingVersions, Validity};
+use crate::{
+    effects::EngineCommand,
+    writes::{FieldRow, FieldValueRow},
+};
+
+/// A report field that a partner requested.
+#[derive(Debug, Clone)]
+pub struct Field {
+    pub key: FieldKey,
+    /// Number within this store; candidates, mappings and store rows refer to it.
+    pub id: i64,
+    /// The field as its request states it.
+    pub definition: ReportField,
+    /// The decision in force.
+    pub decision: FieldDecision,
+    /// Lets values out as the policy in force says.
+    pub gate: Gate,
+    /// Candidates and released values per hour.
+    pub rate: DisclosureRate,
+    /// The time span in which the request asks for values.
+    pub validity: Validity,
+    /// The newest candidate, before the gate; lost at a restart.
+    pub newest: Option<DataValue>,
+    /// State of the mapping's functions.
+    pub transform: Option<TransformState>,
+    /// Versions of the mapping, and its shadow mapping.
+    pub versions: MappingVersions,
+    /// DataSetWriterId of the field's request.
+    pub writer: u16,
+}
+
+/// The decision about a field.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FieldDecision {
+    /// Pending, mapped or refused.
+    pub mapping_state: MappingState,
+    /// Source of the values; present exactly while mapped.
+    pub value_source: Option<ValueSource>,
+    /// The reason as the partner reads it.
+    pub reason: Option<String>,
+    /// Name of the user, or of the standing rules.
+    pub decided_by: Option<String>,
+    /// Time of the decision.
+    pub decided_at: Option<DateTime>,
+    /// The mapping in force, or the one to suggest again.
+    pub mapping: Option<Arc<Mapping>>,
+    /// The coarsening that was consented to. The gate's policy may be stricter.
+    pub policy: Arc<DisclosurePolicy>,
+    /// Named policies and rules that the decision rests on.
+    pub basis: DecisionBasis,
+    /// Number of the consent, counted per field.
+    pub version: u32,
+}
+
+impl FieldDecision {
+    /// Returns true while values flow.
+    #[must_use]
+    pub fn is_mapped(&self) -> bool {
+        self.mapping_state == MappingState::Mapped
+    }
+
+    /// Returns true while values flow from this source.
+    #[must_use]
+    pub fn is_open_for(&self, source: ValueSource) -> bool {
+        self.is_mapped() && self.value_source == Some(source)
+    }
+
+    /// Takes the decision back: the field is pending again, with this reason, decided by nobody.
+    pub(crate) fn reopen(&mut self, reason: &str, now: DateTime) {
+        self.mapping_state = MappingState::Pending;
+        self.value_source = None;
+        self.basis = DecisionBasis::default();
+        self.reason = Some(reason.to_owned());
+        self.decided_by = None;
+        self.decided_at = Some(now);
+        self.version += 1;
+    }
+}
+
+impl Field {
+    /// Makes an undecided field of a request.
+    pub(crate) fn new(
+        (id, key): (i64, FieldKey),
+        definition: ReportField,
+        validity: Validity,
+        writer: u16,
+        now: DateTime,
+    ) -> Self {
+        let decision = FieldDecision::default();
+        let (policy, field_type) = (Arc::clone(&decision.policy), definition.field_type.0);
+        Self {
+            key,
+            id,
+            gate: Gate::new(policy, field_type, GateState::default(), now),
+            definition,
+            decision,
+            rate: DisclosureRate::new(now),
+            validity,
+            newest: None,
+            transform: None,
+            versions: MappingVersions::default(),
+            writer,
+        }
+    }
+
+    /// Returns the mapping's id in the engine.
+    #[must_use]
+    pub fn mapping_id(&self) -> MappingId {
+        MappingId::new(format!("field-{}", self.id)).expect("short and without control characters")
+    }
+
+    /// Returns the shadow mapping's id in the engine.
+    #[must_use]
+    pub fn shadow_id(&self) -> MappingId {
+        MappingId::new(format!("field-{}.shadow", self.id))
+            .expect("short and without control characters")
+    }
+
+    /// Returns true until a rule or an engineer decides, also after a revision reopened the field.
+    #[must_use]
+    pub fn is_undecided(&self) -> bool {
+        self.decision.mapping_state == MappingState::Pending && self.decision.decided_by.is_none()
+    }
+
+    /// Returns true for a field with array values.
+    #[must_use]
+    pub const fn is_array(&self) -> bool {
+        self.definition.value_rank >= 0
+    }
+
+    /// States the precision for the partner, while the field is mapped.
+    #[must_use]
+    pub fn statement(&self) -> Option<DisclosureStatement> {
+        let unit = self.definition.unit.as_deref();
+        self.decision.is_mapped().then(|| disclosure_statement(self.gate.policy(), unit))
+    }
+
+    /// Returns the state with which another mapping would continue.
+    #[must_use]
+    pub fn state_for(&self, mapping: &Mapping) -> Option<TransformState> {
+        let before = self.decision.mapping.as_ref()?;
+        Some(self.transform.as_ref()?.carried_over(&before.steps, &mapping.steps))
+    }
+
+    /// Returns the field with its decision as stored.
+    #[must_use]
+    pub fn row(&self) -> FieldRow {
+        let decision = &self.decision;
+        FieldRow {
+            id: self.id,
+            key: self.key.clone(),
+            mapping_state: decision.mapping_state,
+            value_source: decision.value_source,
+            reason: decision.reason.clone(),
+            decided_by: decision.decided_by.clone(),
+            decided_at: decision.decided_at,
+            mapping: decision.mapping.as_deref().map(mapping_json),
+            policy: policy_json(&decision.policy),
+            basis: basis_json(&decision.basis),
+            consent_version: decision.version,
+        }
+    }
+
+    /// Returns the states of gate and transform as stored.
+    #[must_use]
+    pub fn value_row(&self) -> FieldValueRow {
+        FieldValueRow {
+            gate: gate_to_json(&self.gate.state()),
+            transform: self.transform.as_ref().map(|state| {
+                serde_json::to_string(state)
+                    .expect("transform states have text keys and finite numbers")
+            }),
+        }
+    }
+
+    /// Publishes the mapping in force, with the state that its functions had.
+    pub(crate) fn publish_mapping(&self) -> Option<EngineCommand> {
+        let mapping = Arc::clone(self.decision.mapping.as_ref()?);
+        let request = PublishRequest::new(mapping, TargetKey(self.id));
+        Some(EngineCommand::Put(PublishRequest { state: self.transform.clone(), ..request }))
+    }
+
+    /// Publishes or removes the shadow mapping. It starts with the published mapping's state, so
+    /// that the results of both can be compared.
+    pub(crate) fn publish_shadow(&self) -> EngineCommand {
+        match &self.versions.shadow {
+            Some(shadow) => EngineCommand::Put(PublishRequest {
+                state: self.state_for(&shadow.mapping),
+                is_shadow: true,
+                ..PublishRequest::new(shadow.mapping.clone(), TargetKey(self.id))
+            }),
+            None => EngineCommand::Remove(self.shadow_id()),
+        }
+    }
+}
+
+/// Serialises a mapping.
+pub(crate) fn mapping_json(mapping: &Mapping) -> String {
+    serde_json::to_string(mapping).expect("mappings have text keys and finite numbers")
+}
+
+/// Serialises a policy.
+pub(crate) fn policy_json(policy: &DisclosurePolicy) -> String {
+    serde_json::to_string(policy).expect("policies have text keys and finite numbers")
+}
+
+/// Serialises a decision's basis; `None` where it is empty.
+pub(crate) fn basis_json(basis: &DecisionBasis) -> Option<String> {
+    (!basis.is_empty())
+        .then(|| serde_json::to_string(basis).expect("bases have text keys and whole numbers"))
+}

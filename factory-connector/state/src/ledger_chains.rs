@@ -1,0 +1,98 @@
+//! Chains of the ledger as far as they are needed to append to them.
+
+use asi_model::{DateTime, OrganisationId};
+use ledger::{Event, Heads, SequenceRange};
+
+use crate::writes::{LedgerWrites, WaitingRow};
+
+/// Owner of the heads of all chains and of the last checkpoint.
+#[derive(Debug)]
+pub struct LedgerChains {
+    heads: Heads,
+    /// Number and time of the last checkpoint.
+    checkpoint: Option<(u64, DateTime)>,
+}
+
+impl LedgerChains {
+    pub(crate) const fn new(heads: Heads, checkpoint: Option<(u64, DateTime)>) -> Self {
+        Self { heads, checkpoint }
+    }
+
+    /// Returns the heads of all chains.
+    #[must_use]
+    pub const fn heads(&self) -> &Heads {
+        &self.heads
+    }
+
+    /// Returns number and time of the last checkpoint.
+    #[must_use]
+    pub const fn last_checkpoint(&self) -> Option<(u64, DateTime)> {
+        self.checkpoint
+    }
+
+    pub(crate) const fn set_checkpoint(&mut self, number: u64, at: DateTime) {
+        self.checkpoint = Some((number, at));
+    }
+
+    /// Appends an event to the chains of all recipients; `report` is the number of the report that
+    /// the event is about.
+    pub(crate) fn append(
+        &mut self,
+        writes: &mut LedgerWrites,
+        recipients: &[OrganisationId],
+        now: DateTime,
+        report: Option<i64>,
+        event: &Event,
+    ) {
+        for recipient in recipients {
+            let entry = self.heads.append(recipient, now, event.clone());
+            writes.entries.push((entry, report));
+        }
+    }
+
+    /// Appends the outcome of reports to the chains of their recipients: one entry for neighbouring
+    /// sequence numbers.
+    pub(crate) fn append_outcome(
+        &mut self,
+        writes: &mut LedgerWrites,
+        rows: &[WaitingRow],
+        now: DateTime,
+        outcome: impl Fn(SequenceRange) -> Event,
+    ) {
+        for (range, recipients) in ranges_of(rows) {
+            self.append(writes, recipients, now, None, &outcome(range));
+        }
+    }
+}
+
+/// Groups reports with the same recipients and neighbouring sequence numbers.
+fn ranges_of(rows: &[WaitingRow]) -> Vec<(SequenceRange, &[OrganisationId])> {
+    let mut sorted: Vec<&WaitingRow> = rows.iter().collect();
+    sorted.sort_by_key(|waiting| {
+        (waiting.row.data_set_writer_id, waiting.row.epoch, waiting.row.sequence)
+    });
+    let mut ranges: Vec<(SequenceRange, &[OrganisationId])> = Vec::new();
+    for waiting in sorted {
+        let row = &waiting.row;
+        match ranges.last_mut() {
+            Some((range, recipients))
+                if range.data_set_writer_id == row.data_set_writer_id
+                    && range.epoch == row.epoch
+                    && range.last_sequence.checked_add(1) == Some(row.sequence)
+                    && *recipients == &waiting.recipients[..] =>
+            {
+                range.last_sequence = row.sequence;
+            }
+            _ => ranges.push((
+                single(row.data_set_writer_id, row.epoch, row.sequence),
+                &waiting.recipients,
+            )),
+        }
+    }
+    ranges
+}
+
+/// Returns the range of a single sequence number.
+pub(crate) const fn single(data_set_writer_id: u16, epoch: u32, sequence: u32) -> SequenceRange {
+    SequenceRange { data_set_writer_id, epoch, first_sequence: sequence, last_sequence: sequence }
+}

@@ -1,0 +1,54 @@
+//! State of a factory connector: networks, requested fields with their gates, data set writers,
+//! policies, journals of operators, and the ends of the ledger's chains.
+//!
+//! Pure: no I/O, no clock, no task, no database. Each registry owns its data behind private fields;
+//! [`ConnectorState`] only composes them. A use case ([`use_cases`]) is a function of state, input
+//! and time. It changes the state and returns a [`ChangeSet`]: [`Writes`] for the store, and
+//! [`Effects`] that follow once these are committed. [`transaction`] turns the change sets of one
+//! transaction into what is committed; its types fix the order of the steps.
+
+mod change_set;
+mod consents;
+mod dependencies;
+mod effects;
+mod fields;
+mod gates;
+mod ids;
+mod into_changes;
+mod keep_alive_schedule;
+mod ledger_chains;
+mod load;
+mod networks;
+pub mod operator;
+mod policies;
+pub mod queries;
+mod recipient_policy;
+#[cfg(any(test, feature = "scene"))]
+pub mod scene;
+mod snapshot;
+mod state;
+#[cfg(test)]
+mod tests;
+pub mod transaction;
+pub mod use_cases;
+mod writers;
+pub mod writes;
+
+pub use change_set::ChangeSet;
+pub use effects::{
+    ConnectorEvent, DecisionCounts, Effects, EngineCommand, FieldEvent, LinkSignals, TwinUpdate,
+};
+pub use fields::{
+    DisclosureRate, Field, FieldDecision, FieldRegistry, MappingVersions, ShadowMapping, Validity,
+};
+pub use ids::IdSource;
+pub use into_changes::IntoChanges;
+pub use ledger_chains::LedgerChains;
+pub use load::UnreadableState;
+pub use networks::{Network, NetworkRegistry};
+pub use policies::{DocumentError, PolicyRegistry};
+pub use recipient_policy::RecipientPolicy;
+pub use snapshot::{Snapshot, StoredMappings, StoredNetwork, StoredPolicies};
+pub use state::{ConnectorState, StateConfig};
+pub use writers::{Writer, WriterRegistry};
+pub use writes::Writes;

@@ -1,0 +1,203 @@
+//! Loading: the state as it was stored.
+
+use std::{collections::HashMap, sync::Arc};
+
+use asi_model::{DateTime, messages::ValueSource};
+use disclosure::{DecisionBasis, DisclosurePolicy, Gate, GateState, gate_from_json};
+use mapping::{Mapping, TransformState};
+
+use crate::{
+    ChangeSet, ConnectorState, Field, FieldDecision, FieldRegistry, IdSource, LedgerChains,
+    MappingVersions, Network, NetworkRegistry, ShadowMapping, Snapshot, StateConfig,
+    WriterRegistry, dependencies,
+    effects::TwinUpdate,
+    keep_alive_schedule::schedule_keep_alive,
+    queries::effective_policy,
+    snapshot::StoredMappings,
+    transaction::begin_epoch,
+    writes::{FieldRow, FieldValueRow, ShadowRow},
+};
+
+/// A stored document that cannot be understood.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("the stored {what} cannot be read: {reason}")]
+pub struct UnreadableState {
+    /// Kind of the document.
+    pub what: &'static str,
+    pub reason: String,
+}
+
+impl UnreadableState {
+    fn because<E: ToString>(what: &'static str) -> impl Fn(E) -> Self {
+        move |error| Self { what, reason: error.to_string() }
+    }
+}
+
+impl ConnectorState {
+    /// Loads the state, and returns with it what the twin and the engine have to show and run. A
+    /// restored, moved or copied store begins new epochs: an older copy may have continued.
+    ///
+    /// # Errors
+    /// [`UnreadableState`].
+    pub fn load(
+        config: StateConfig,
+        snapshot: Snapshot,
+        ids: IdSource,
+        is_restored: bool,
+        now: DateTime,
+    ) -> Result<(Self, ChangeSet), UnreadableState> {
+        let mut state = Self {
+            config,
+            networks: NetworkRegistry::default(),
+            fields: FieldRegistry::default(),
+            writers: WriterRegistry::default(),
+            policies: snapshot.policies.into(),
+            journals: HashMap::new(),
+            ledger: LedgerChains::new(snapshot.heads, snapshot.last_checkpoint),
+            ids,
+            last_row: snapshot.last_row,
+        };
+        for stored in snapshot.networks {
+            let message = stored.message.map(Arc::new);
+            let network = Network::new(stored.revision, message, stored.received_at);
+            state.networks.put(stored.operation_network_id, network);
+        }
+        for entry in snapshot.operator_entries {
+            state.journals.entry(entry.operation.clone()).or_default().insert(entry);
+        }
+        for (id, row) in snapshot.writers {
+            state.writers.load(id, row);
+        }
+        let mut mappings = snapshot.mappings;
+        for (row, value) in snapshot.fields {
+            let field = load_field(&mut state, row, value, &mut mappings, now)?;
+            state.fields.insert(field);
+        }
+        dependencies::restore(&mut state, now);
+        for id in state.writers.active().collect::<Vec<_>>() {
+            schedule_keep_alive(&mut state, id);
+        }
+        let mut changes = ChangeSet::default();
+        if is_restored {
+            tracing::warn!(
+                "The store was restored, moved or copied; every data set writer begins a new epoch."
+            );
+            changes.writes.writers.are_epochs_begun = true;
+            for id in state.writers.active().collect::<Vec<_>>() {
+                begin_epoch(&mut state, &mut changes, id, now);
+            }
+        }
+        publish_everything(&state, &mut changes);
+        Ok((state, changes))
+    }
+}
+
+fn publish_everything(state: &ConnectorState, changes: &mut ChangeSet) {
+    let effects = &mut changes.effects;
+    for message in state.networks.active() {
+        let id = message.operation_network.operation_network_id.clone();
+        effects.twin.push(TwinUpdate::Apply(id));
+    }
+    let open = state.fields.iter().filter(|f| f.decision.is_open_for(ValueSource::Mapping));
+    effects.engine.extend(open.filter_map(Field::publish_mapping));
+    let with_shadow = state.fields.iter().filter(|field| field.versions.shadow.is_some());
+    effects.engine.extend(with_shadow.map(Field::publish_shadow));
+}
+
+fn load_field(
+    state: &mut ConnectorState,
+    row: FieldRow,
+    value: Option<FieldValueRow>,
+    mappings: &mut StoredMappings,
+    now: DateTime,
+) -> Result<Field, UnreadableState> {
+    let known = state.networks.request(&row.key.request).map(|(_, request)| request);
+    let definition = state.networks.definition(&row.key);
+    let (Some(request), Some(definition), Some((request_key, writer))) =
+        (known, definition, state.writers.key_of(&row.key.request))
+    else {
+        // A field without its request cannot be: both are written in one transaction.
+        return Err(UnreadableState {
+            what: "field",
+            reason: format!("{} has no request", row.key),
+        });
+    };
+    let id_and_key = (row.id, request_key.field(definition.name.clone()));
+    let mut field = Field::new(id_and_key, definition.clone(), request.into(), writer, now);
+    let policy =
+        state.fields.parse_policy(row.policy).map_err(UnreadableState::because("policy"))?;
+    let mapping = row.mapping.as_deref().map(parse_mapping).transpose()?.map(|mut mapping| {
+        state.fields.share_mapping(&mut mapping, &field.key);
+        Arc::new(mapping)
+    });
+    let basis: Option<DecisionBasis> = row
+        .basis
+        .as_deref()
+        .map(serde_json::from_str)
+        .transpose()
+        .map_err(UnreadableState::because("basis of a decision"))?;
+    field.versions = load_versions(
+        mappings.newest_versions.remove(&row.id),
+        mapping.as_deref(),
+        mappings.shadows.remove(&row.id),
+    )?;
+    field.decision = FieldDecision {
+        mapping_state: row.mapping_state,
+        value_source: row.value_source,
+        reason: row.reason,
+        decided_by: row.decided_by,
+        decided_at: row.decided_at,
+        mapping,
+        policy,
+        basis: basis.unwrap_or_default(),
+        version: row.consent_version,
+    };
+    let (gate, transform) = load_value(value)?;
+    field.transform = transform;
+    let in_force = policy_in_force(state, &field);
+    field.gate = Gate::new(in_force, field.definition.field_type.0, gate, now);
+    Ok(field)
+}
+
+fn policy_in_force(state: &mut ConnectorState, field: &Field) -> Arc<DisclosurePolicy> {
+    let decision = &field.decision;
+    let policy_id = decision.basis.policy_id.as_ref();
+    let (policy, _) = effective_policy(state, field, &decision.policy, policy_id);
+    state.fields.share_policy(policy, &decision.policy)
+}
+
+fn load_value(
+    value: Option<FieldValueRow>,
+) -> Result<(GateState, Option<TransformState>), UnreadableState> {
+    let Some(FieldValueRow { gate, transform }) = value else {
+        return Ok((GateState::default(), None));
+    };
+    let gate = gate_from_json(&gate).map_err(UnreadableState::because("value"))?;
+    let transform = transform.as_deref().map(serde_json::from_str).transpose();
+    Ok((gate, transform.map_err(UnreadableState::because("transform's state"))?))
+}
+
+fn load_versions(
+    newest: Option<(u32, Option<String>)>,
+    mapping: Option<&Mapping>,
+    shadow: Option<ShadowRow>,
+) -> Result<MappingVersions, UnreadableState> {
+    let is_recorded = match (&newest, mapping) {
+        (Some((_, Some(recorded))), Some(mapping)) => parse_mapping(recorded)? == *mapping,
+        (newest, mapping) => newest.is_some() && mapping.is_some(),
+    };
+    let shadow = shadow.map(|row| {
+        let mapping = parse_mapping(&row.mapping)?;
+        let shadow = ShadowMapping { mapping, author: row.author, started_at: row.started_at };
+        Ok::<_, UnreadableState>(Box::new(shadow))
+    });
+    Ok(MappingVersions {
+        newest: newest.map(|(version, _)| version).unwrap_or_default(),
+        is_recorded,
+        shadow: shadow.transpose()?,
+    })
+}
+
+fn parse_mapping(json: &str) -> Result<Mapping, UnreadableState> {
+    serde_json::from_str(json).map_err(UnreadableState::because("mapping"))
+}

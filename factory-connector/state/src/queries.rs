@@ -1,0 +1,21 @@
+//! Questions to the state that concern more than one registry. None of them changes anything.
+
+mod disclosed;
+mod mapping_import;
+mod open_fields;
+mod operation_fields;
+mod policies;
+mod report_frame;
+mod rule_offers;
+mod suggestion_context;
+
+pub(crate) use disclosed::fields_named_by;
+pub use disclosed::{draft_gate, withholding_faults, write_refusal};
+pub use mapping_import::{FieldMismatch, ImportOutcome, import_outcome, validate_for_field};
+pub use open_fields::{Supposition, open_fields};
+pub use operation_fields::fields_of_operation;
+pub use policies::{PolicyChange, effective_policy, policy_changes};
+pub(crate) use report_frame::fields_of;
+pub use report_frame::{empty_frame, key_frame};
+pub use rule_offers::{RuleOffer, rule_offer, rule_preview};
+pub use suggestion_context::{all_mappings, past_decisions, wanted_field};

@@ -1,0 +1,66 @@
+//! Stored state, as the store reads it back at a start and after a failed transaction.
+
+use std::collections::HashMap;
+
+use asi_model::{DateTime, OperationNetworkId, OrganisationId, messages::OperationNetworkMessage};
+use disclosure::{NamedPolicy, Rule, Versioned};
+use ledger::Heads;
+
+use crate::{
+    operator::OperatorEntry,
+    recipient_policy::RecipientPolicy,
+    writes::{FieldRow, FieldValueRow, ShadowRow, WriterRow},
+};
+
+/// A stored network.
+#[derive(Debug, Clone)]
+pub struct StoredNetwork {
+    pub operation_network_id: OperationNetworkId,
+    /// Revision of the network, or of its withdrawal.
+    pub revision: u64,
+    /// The message as received; `None` once withdrawn.
+    pub message: Option<OperationNetworkMessage>,
+    pub received_at: DateTime,
+}
+
+/// Stored versions of mappings, by field number.
+#[derive(Debug, Default)]
+pub struct StoredMappings {
+    /// Number of the newest version, with its mapping as JSON; without JSON where it equals the
+    /// mapping of the field's decision.
+    pub newest_versions: HashMap<i64, (u32, Option<String>)>,
+    pub shadows: HashMap<i64, ShadowRow>,
+}
+
+/// Stored policies.
+#[derive(Debug, Default)]
+pub struct StoredPolicies {
+    /// Named policies in their newest version.
+    pub named: Vec<Versioned<NamedPolicy>>,
+    /// Standing rules in their newest version.
+    pub rules: Vec<Versioned<Rule>>,
+    /// Policies that are set for recipients.
+    pub recipients: Vec<(OrganisationId, RecipientPolicy)>,
+    /// The greatest number ever given to a decision of rules.
+    pub last_rule_decision: i64,
+}
+
+/// Everything that [`ConnectorState`](crate::ConnectorState) is loaded from.
+#[derive(Debug, Default)]
+pub struct Snapshot {
+    /// All networks, withdrawn ones included.
+    pub networks: Vec<StoredNetwork>,
+    /// All fields, each with the state of its gate and transform.
+    pub fields: Vec<(FieldRow, Option<FieldValueRow>)>,
+    /// All data set writers, by DataSetWriterId.
+    pub writers: Vec<(u16, WriterRow)>,
+    /// Heads of the ledger's chains.
+    pub heads: Heads,
+    /// Number and time of the last checkpoint.
+    pub last_checkpoint: Option<(u64, DateTime)>,
+    /// The greatest number ever given in the spool.
+    pub last_row: i64,
+    pub operator_entries: Vec<OperatorEntry>,
+    pub mappings: StoredMappings,
+    pub policies: StoredPolicies,
+}

@@ -1,0 +1,10 @@
+//! Use cases and transactions on a small plant.
+
+mod decisions;
+mod entries;
+mod mappings;
+mod policies;
+mod reports;
+mod revisions;
+mod rules;
+mod transactions;

@@ -1,0 +1,38 @@
+//! Decisions open and close fields.
+
+use asi_model::{DataValue, messages::ValueSource};
+
+use crate::{
+    scene::{Scene, at, decision, field},
+    use_cases::{
+        decide::{DecisionCommand, DecisionRequest},
+        values::write_value,
+    },
+};
+
+const SOURCES: [ValueSource; 3] =
+    [ValueSource::Mapping, ValueSource::Manual, ValueSource::External];
+
+/// All values go through one function, and it opens for the decided source only.
+#[test]
+fn only_the_decided_source_gets_a_value_through() {
+    for open in SOURCES {
+        for offered in SOURCES {
+            let mut scene = Scene::default();
+            assert_eq!(scene.candidate("made", offered, 1_u64, 1), None, "undecided");
+            scene.map("made", open, "{}");
+            let outcome = scene.candidate("made", offered, 1_u64, 1);
+            assert_eq!(outcome.is_some(), open == offered, "{open:?} decided, {offered:?} offered");
+            assert_eq!(scene.state.writers().has_unreported(), open == offered);
+            let reason = Some("no".to_owned());
+            let refusal = DecisionRequest { reason, ..decision(DecisionCommand::Refuse) };
+            scene.decide("made", refusal, 2).expect("refused");
+            assert_eq!(scene.candidate("made", offered, 1_u64, 3), None, "refused");
+        }
+    }
+    let mut scene = Scene::default();
+    let value = DataValue::good(1_u64, at(1));
+    let unknown =
+        write_value(&mut scene.state, &field("unknown"), ValueSource::Manual, value, at(1));
+    assert_eq!(unknown, Err(asi_model::StatusCode::BAD_NODE_ID_UNKNOWN));
+}

@@ -1,0 +1,114 @@
+//! Named policies and policies of recipients.
+
+use asi_model::{OrganisationId, messages::ValueSource};
+use disclosure::{DecisionBasis, DisclosurePolicy, DocumentId, GateOutcome, NamedPolicy};
+use serde_json::json;
+
+use crate::{
+    DocumentError,
+    queries::policy_changes,
+    scene::{Scene, at, decision, field},
+    use_cases::{
+        decide::{DecisionCommand, DecisionError, DecisionRequest},
+        policies::{put_policy, set_recipient_policy},
+    },
+};
+
+fn id(text: &str) -> DocumentId {
+    text.parse().expect("an id")
+}
+
+fn acme() -> OrganisationId {
+    "acme".parse().expect("an id")
+}
+
+/// Stores a named policy, where its version is the expected one.
+fn put(
+    scene: &mut Scene,
+    name: &str,
+    disclosure: serde_json::Value,
+    expected: Option<u32>,
+) -> Result<u32, DocumentError> {
+    let policy = json!({ "name": "n", "disclosure": disclosure });
+    let policy: NamedPolicy = serde_json::from_value(policy).expect("a policy");
+    let stored =
+        scene.attempt(|state| put_policy(state, &id(name), policy, expected, "eve", at(0)));
+    stored.map(|version| version.version)
+}
+
+#[test]
+fn the_strictest_of_field_and_recipients_holds() {
+    let mut scene = Scene::default();
+    scene.map("made", ValueSource::Manual, r#"{"roundingStep":10}"#);
+    put(&mut scene, "coarse", json!({ "roundingStep": 100 }), None).expect("stored");
+    assert_eq!(scene.offer("made", 149_u64, 1)[0]["Payload"]["made"]["Body"], "150");
+    let coarse = Some(id("coarse"));
+    scene
+        .attempt(|state| set_recipient_policy(state, &acme(), coarse, None, "eve", at(2)))
+        .expect("set");
+    let (writes, _) = scene.commit(2);
+    let [consent] = &writes.fields.consents[..] else { panic!("{:?}", writes.fields.consents) };
+    assert!(consent.policy.contains("100") && consent.basis.is_some());
+    let tells_partner =
+        |text: &str| writes.controls.queued.iter().any(|control| control.body.contains(text));
+    assert!(tells_partner("multiples of 100"), "the partner is told");
+    assert_eq!(scene.offer("made", 249_u64, 3)[0]["Payload"]["made"]["Body"], "200");
+    let decision = &scene.state.field(&field("made")).expect("a field").decision;
+    let consented = decision.policy.rounding_step.map(|step| step.to_string());
+    assert_eq!(consented.as_deref(), Some("10"), "what was consented to stays");
+
+    // A looser policy for the recipient never loosens the field's own.
+    put(&mut scene, "coarse", json!({ "roundingStep": 2 }), Some(1)).expect("stored");
+    assert_eq!(scene.offer("made", 333_u64, 5)[0]["Payload"]["made"]["Body"], "330");
+    let stale = put(&mut scene, "coarse", json!({}), Some(1));
+    assert_eq!(stale, Err(DocumentError::Changed(2)));
+}
+
+#[test]
+fn a_named_policy_takes_its_fields_along() {
+    let mut scene = Scene::default();
+    put(&mut scene, "p", json!({ "roundingStep": 100 }), None).expect("stored");
+    let command = DecisionCommand::Map {
+        value_source: ValueSource::Manual,
+        mapping: None,
+        policy: DisclosurePolicy::default(),
+    };
+    let with_policy = |name: &str| DecisionRequest {
+        basis: DecisionBasis { policy_id: Some(id(name)), ..DecisionBasis::default() },
+        ..decision(command.clone())
+    };
+    scene.decide("made", with_policy("p"), 0).expect("decided");
+    assert_eq!(scene.offer("made", 149_u64, 1)[0]["Payload"]["made"]["Body"], "100");
+    let draft = serde_json::from_value(json!({ "roundingStep": 1000 })).expect("a policy");
+    assert_eq!(policy_changes(&scene.state, &id("p"), &draft).len(), 1);
+    let refused = scene.decide("made", with_policy("q"), 0);
+    assert_eq!(refused, Err(DecisionError::UnknownPolicy(id("q"))));
+}
+
+#[test]
+fn a_state_of_one_field_withholds_another() {
+    let mut scene = Scene::default();
+    scene.map("note", ValueSource::Manual, "{}");
+    let policy = r#"{"withholdWhile":[{"field":"note","states":["SETUP"]}]}"#;
+    scene.map("made", ValueSource::Manual, policy);
+    assert_eq!(scene.offer("made", 1_u64, 1).len(), 0, "the state is unknown");
+    assert_eq!(scene.offer("note", "RUN", 2).len(), 1);
+    assert_eq!(scene.offer("made", 2_u64, 3)[0]["Payload"]["made"]["Body"], "2");
+    scene.offer("note", "SETUP", 4);
+    let outcome = scene.candidate("made", ValueSource::Manual, 3_u64, 5);
+    assert_eq!(outcome, Some(GateOutcome::Suppressed));
+    let reports = scene.offer("note", "RUN", 6);
+    assert_eq!(reports[0]["Payload"]["made"]["Body"], "2", "a withheld value is never released");
+    let reason = Some("no".to_owned());
+    let refusal = DecisionRequest { reason, ..decision(DecisionCommand::Refuse) };
+    scene.decide("note", refusal, 7).expect("decided");
+    let reports = scene.offer("made", 4_u64, 8);
+    assert_eq!(reports[0]["Payload"]["made"]["Body"], "2", "the state is unknown again");
+    let policy = r#"{"withholdWhile":[{"field":"nothing","states":[1]}]}"#;
+    let policy = serde_json::from_str(policy).expect("a policy");
+    let command = DecisionCommand::Map { value_source: ValueSource::Manual, mapping: None, policy };
+    let refused = scene.decide("made", decision(command), 9);
+    assert!(
+        matches!(refused, Err(DecisionError::Policy(faults)) if faults[0].member == "withholdWhile")
+    );
+}

@@ -1,0 +1,134 @@
+//! Reports: one key frame per data set with released values.
+
+use std::collections::BTreeMap;
+
+use asi_model::{
+    DateTime, FieldName, RequestKey,
+    pubsub::{DataSetMessage, json::encode_data_set_message},
+};
+use ledger::{Event, SALT_BYTES, values_root};
+
+use crate::{
+    ChangeSet, ConnectorState, Writer,
+    ledger_chains::single,
+    queries::key_frame,
+    writes::{CarriedFieldRow, NewReport},
+};
+
+/// Largest NetworkMessage in which several reports are sent together, in bytes.
+const SHARED_BYTES_MAX: usize = 64 * 1024;
+
+/// Makes the reports of all data sets with released values, with everything that is stored with
+/// them, and collects the fields whose gates or transforms changed.
+pub(super) fn report(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    now: DateTime,
+    mut salt: impl FnMut() -> [u8; SALT_BYTES],
+) {
+    let mut message = SharedMessage::default();
+    for id in state.writers.take_unreported() {
+        let Some((frame, consents)) = key_frame(state, id, now) else { continue };
+        if let Some(report) = queue(state, changes, (id, &frame, consents), now, salt()) {
+            message.push(changes, report);
+        }
+    }
+    message.close(changes);
+    collect_fields(state, changes);
+}
+
+/// Queues a key frame as the writer's next report, and commits to its values in the ledger.
+fn queue(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    (id, frame, consents): (u16, &DataSetMessage, BTreeMap<FieldName, u32>),
+    now: DateTime,
+    salt: [u8; SALT_BYTES],
+) -> Option<NewReport> {
+    let body = encode_data_set_message(frame, state.config.encoding);
+    let row = state.next_row();
+    let writer = state.writers.get_mut(id)?;
+    let (epoch, sequence) = (writer.epoch, writer.next_sequence);
+    writer.next_sequence = writer.next_sequence.wrapping_add(1);
+    writer.last_sent_at = now;
+    let request = writer.request.clone();
+    carry(changes, (id, writer), consents.keys(), sequence, &request);
+    changes.writes.writers.changed.insert(id, writer.row());
+    let root = values_root(&body, &salt).expect("our own encoder writes a JSON object");
+    let range = single(id, epoch, sequence);
+    let event = Event::Queued { range, values: hex::encode(root), consents };
+    let recipients = state.networks.recipients(&request).to_vec();
+    state.ledger.append(&mut changes.writes.ledger, &recipients, now, Some(row), &event);
+    Some(NewReport {
+        id: row,
+        message: 0,
+        data_set_writer_id: id,
+        epoch,
+        sequence,
+        created_at: now,
+        recipients,
+        body,
+        salt,
+        is_purged: false,
+    })
+}
+
+/// Notes the fields that this report carries for the first time in its epoch.
+fn carry<'n>(
+    changes: &mut ChangeSet,
+    (id, writer): (u16, &mut Writer),
+    names: impl Iterator<Item = &'n FieldName>,
+    first_sequence: u32,
+    request: &RequestKey,
+) {
+    for name in names {
+        if writer.carried.contains(name) {
+            continue;
+        }
+        writer.carried.insert(name.clone());
+        changes.writes.writers.carried_fields.push(CarriedFieldRow {
+            field: request.field(name.clone()),
+            data_set_writer_id: id,
+            epoch: writer.epoch,
+            first_sequence,
+        });
+    }
+}
+
+/// Reports that are sent in one NetworkMessage.
+#[derive(Default)]
+struct SharedMessage {
+    reports: Vec<NewReport>,
+    bytes: usize,
+}
+
+impl SharedMessage {
+    fn push(&mut self, changes: &mut ChangeSet, report: NewReport) {
+        if !self.reports.is_empty() && self.bytes + report.body.len() > SHARED_BYTES_MAX {
+            self.close(changes);
+        }
+        self.bytes += report.body.len();
+        self.reports.push(report);
+    }
+
+    /// Numbers the message after its last report.
+    fn close(&mut self, changes: &mut ChangeSet) {
+        let Some(message) = self.reports.last().map(|report| report.id) else { return };
+        let reports = self.reports.drain(..).map(|report| NewReport { message, ..report });
+        changes.writes.reports.queued.extend(reports);
+        changes.effects.link.is_spool_filled = true;
+        self.bytes = 0;
+    }
+}
+
+/// Collects the fields whose gate or transform changed. Nodes and pages show the newest value that
+/// was released, as partners get it, not each of them.
+fn collect_fields(state: &mut ConnectorState, changes: &mut ChangeSet) {
+    state.fields.take_dirty(|field, has_released| {
+        if let Some(value) = field.gate.disclosed().filter(|_| has_released) {
+            changes.effects.values.push((field.key.clone(), value.clone()));
+            changes.put_event(field);
+        }
+        changes.writes.fields.values.insert(field.id, field.value_row());
+    });
+}

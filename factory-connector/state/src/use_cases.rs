@@ -1,0 +1,21 @@
+//! Use cases: functions of state, input and time that return what they changed.
+//!
+//! A use case that fails changes nothing. Candidates ([`values`]) are the exception to returning a
+//! [`ChangeSet`](crate::ChangeSet): there are many per second, so the registries note which fields
+//! have values to report, and the transaction collects them once.
+
+pub mod comments;
+pub mod configuration;
+pub mod decide;
+pub mod deliver;
+pub mod enter;
+pub mod import_mappings;
+pub mod keep_alive;
+pub mod policies;
+pub mod receive;
+pub mod revise;
+pub mod revoke;
+pub mod rules;
+pub mod seal;
+pub mod validity;
+pub mod values;

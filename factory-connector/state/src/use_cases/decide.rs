@@ -1,0 +1,254 @@
+//! Decisions about fields: map, leave pending, refuse.
+
+use std::sync::Arc;
+
+use asi_model::{
+    DateTime, FieldKey,
+    messages::{GapCause, MappingState, ValueSource},
+};
+use disclosure::{DecisionBasis, DisclosurePolicy, DocumentId, PolicyFault};
+use mapping::Mapping;
+
+use crate::{
+    ChangeSet, ConnectorState, DisclosureRate, Field,
+    change_set::Ending,
+    consents, dependencies,
+    effects::EngineCommand,
+    queries::{effective_policy, withholding_faults},
+};
+
+/// A decision about a field.
+#[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "one at a time, moved once")]
+pub enum DecisionCommand {
+    /// Values flow from a source, coarsened.
+    Map {
+        /// The source; [`ValueSource::Mapping`] needs a mapping.
+        value_source: ValueSource,
+        /// From local variables to the field.
+        mapping: Option<Box<Mapping>>,
+        policy: DisclosurePolicy,
+    },
+    /// The field waits for a later decision.
+    LeavePending,
+    /// The partner gets no values, and a reason.
+    Refuse,
+}
+
+/// A decision with its reason, its author and its basis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DecisionRequest {
+    pub command: DecisionCommand,
+    /// Reason for the partner; a refusal needs one.
+    pub reason: Option<String>,
+    /// Name of the user, or of the standing rules.
+    pub decided_by: String,
+    /// Named policy and rules that the decision rests on.
+    pub basis: DecisionBasis,
+}
+
+/// Reason for which a decision is not taken.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum DecisionError {
+    /// No request has this field.
+    #[error("there is no such field")]
+    UnknownField,
+    /// A mapped field needs a mapping.
+    #[error("a field with the source MAPPING needs a mapping")]
+    NoMapping,
+    /// The partner reads the reason of a refusal.
+    #[error("a refusal needs a reason for the partner")]
+    NoReason,
+    /// The request does not ask for values any more.
+    #[error("the request's validity has ended; the partner must ask again")]
+    Ended,
+    /// No such policy exists, or it is retired.
+    #[error("there is no policy {0} that could be applied")]
+    UnknownPolicy(DocumentId),
+    /// Another decision was taken since.
+    #[error("something else was decided about the field since; look at it before you change it")]
+    DecidedSince,
+    /// No field is mapped.
+    #[error("none of these fields is mapped, so there is no consent to end")]
+    NothingToRevoke,
+    /// The policy does not fit the field.
+    #[error("the disclosure policy does not fit the field")]
+    Policy(Vec<PolicyFault>),
+}
+
+/// Decides about a field: lets values flow or stop, and tells the partner.
+///
+/// # Errors
+/// [`DecisionError`].
+pub fn decide(
+    state: &mut ConnectorState,
+    key: &FieldKey,
+    request: DecisionRequest,
+    now: DateTime,
+) -> Result<ChangeSet, DecisionError> {
+    let mut changes = ChangeSet::default();
+    decide_in(state, &mut changes, key, request, false, now)?;
+    Ok(changes)
+}
+
+/// Decides within a larger use case; joint decisions that end consents share one receipt.
+pub(super) fn decide_in(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    key: &FieldKey,
+    mut request: DecisionRequest,
+    is_joint: bool,
+    now: DateTime,
+) -> Result<(), DecisionError> {
+    request.reason = request.reason.filter(|reason| !reason.trim().is_empty());
+    check(state, key, &request, now)?;
+    let Some(field) = state.field(key) else { return Err(DecisionError::UnknownField) };
+    let (was_mapped, writer, version) =
+        (field.decision.is_mapped(), field.writer, field.decision.version);
+    let DecisionRequest { command, reason, decided_by, basis } = request;
+    let policy_id = basis.policy_id.clone();
+    match command {
+        DecisionCommand::Map { value_source, mapping, policy } => {
+            let opening = Opening { value_source, mapping, policy, policy_id };
+            open(state, changes, key, opening, now);
+        }
+        DecisionCommand::LeavePending => close(state, changes, key, MappingState::Pending),
+        DecisionCommand::Refuse => close(state, changes, key, MappingState::Refused),
+    }
+    let Some(mut field) = state.fields.get_mut(key) else { return Ok(()) };
+    let decision = &mut field.decision;
+    decision.reason = reason.clone();
+    decision.basis = basis;
+    decision.decided_by = Some(decided_by.clone());
+    decision.decided_at = Some(now);
+    decision.version += 1;
+    let (is_mapped, has_mapping) =
+        (decision.is_mapped(), decision.is_open_for(ValueSource::Mapping));
+    if was_mapped && !is_mapped {
+        let ending = Ending {
+            cause: GapCause::Revoked,
+            reason: reason.as_deref(),
+            revoked_by: Some(&decided_by),
+            is_joint,
+        };
+        consents::end(state, changes, key, version, ending, now);
+        changes.purges.insert(writer, GapCause::Revoked);
+    }
+    if has_mapping {
+        consents::record_version(state, changes, key, (Some(decided_by), None), now);
+    }
+    dependencies::update(state, key, now);
+    dependencies::notify(state, key, now);
+    consents::record(state, changes, key, now);
+    if was_mapped || is_mapped {
+        changes.to_refresh.insert(writer, now);
+    }
+    Ok(())
+}
+
+/// Checks everything that keeps a decision from being taken, before anything is changed.
+fn check(
+    state: &ConnectorState,
+    key: &FieldKey,
+    request: &DecisionRequest,
+    now: DateTime,
+) -> Result<(), DecisionError> {
+    let named = request.basis.policy_id.as_ref();
+    if let Some(id) = named.filter(|id| state.policies.applicable(id).is_none()) {
+        return Err(DecisionError::UnknownPolicy(id.clone()));
+    }
+    let field = state.field(key).ok_or(DecisionError::UnknownField)?;
+    match &request.command {
+        DecisionCommand::Map { value_source, mapping, policy } => {
+            let faults = withholding_faults(state, key, policy);
+            if !faults.is_empty() {
+                return Err(DecisionError::Policy(faults));
+            }
+            if field.validity.has_ended(now) {
+                return Err(DecisionError::Ended);
+            }
+            if *value_source == ValueSource::Mapping && mapping.is_none() {
+                return Err(DecisionError::NoMapping);
+            }
+            let faults = policy.faults(field.definition.field_type.0, field.is_array());
+            if faults.is_empty() { Ok(()) } else { Err(DecisionError::Policy(faults)) }
+        }
+        DecisionCommand::Refuse if request.reason.is_none() => Err(DecisionError::NoReason),
+        DecisionCommand::Refuse | DecisionCommand::LeavePending => Ok(()),
+    }
+}
+
+/// A decision to let values flow.
+struct Opening {
+    value_source: ValueSource,
+    mapping: Option<Box<Mapping>>,
+    policy: DisclosurePolicy,
+    policy_id: Option<DocumentId>,
+}
+
+fn open(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    key: &FieldKey,
+    opening: Opening,
+    now: DateTime,
+) {
+    let Opening { value_source, mapping, policy, policy_id } = opening;
+    let Some(field) = state.fields.get(key) else { return };
+    let (effective, _) = effective_policy(state, field, &policy, policy_id.as_ref());
+    let policy_before = Arc::clone(field.gate.policy());
+    let policy = state.fields.share_policy(Arc::new(policy), &policy_before);
+    let effective = state.fields.share_policy(effective, &policy);
+    let mapping = mapping.map(|mut mapping| {
+        state.fields.share_mapping(&mut mapping, key);
+        Arc::new(*mapping)
+    });
+    let Some(mut field) = state.fields.get_mut(key) else { return };
+    let was_mapped = field.decision.is_mapped();
+    let had_mapping_source = field.decision.value_source == Some(ValueSource::Mapping);
+    let is_other_source = field.decision.value_source != Some(value_source)
+        || field.decision.mapping.as_deref() != mapping.as_deref();
+    if is_other_source {
+        field.transform = transform_after(&field, mapping.as_deref());
+        field.newest = None;
+    }
+    field.versions.is_recorded &=
+        mapping.is_none() || field.decision.mapping.as_deref() == mapping.as_deref();
+    field.decision.mapping_state = MappingState::Mapped;
+    field.decision.value_source = Some(value_source);
+    field.decision.mapping = mapping.or_else(|| field.decision.mapping.take());
+    field.decision.policy = policy;
+    if !was_mapped {
+        field.gate.close();
+        field.rate = DisclosureRate::new(now);
+    }
+    field.gate.change_policy(effective, now);
+    if value_source == ValueSource::Mapping {
+        let is_new = is_other_source || !was_mapped;
+        changes.effects.engine.extend(field.publish_mapping().filter(|_| is_new));
+    } else if had_mapping_source {
+        changes.effects.engine.push(EngineCommand::Remove(field.mapping_id()));
+    }
+}
+
+/// Returns the state with which another mapping continues: a counter goes on through a correction,
+/// but does not reveal what was counted while nothing was open.
+fn transform_after(field: &Field, mapping: Option<&Mapping>) -> Option<mapping::TransformState> {
+    mapping.filter(|_| field.decision.is_mapped()).and_then(|mapping| field.state_for(mapping))
+}
+
+fn close(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    key: &FieldKey,
+    mapping_state: MappingState,
+) {
+    let Some(mut field) = state.fields.get_mut(key) else { return };
+    if field.decision.is_open_for(ValueSource::Mapping) {
+        changes.effects.engine.push(EngineCommand::Remove(field.mapping_id()));
+    }
+    field.decision.mapping_state = mapping_state;
+    field.decision.value_source = None;
+    field.newest = None;
+    field.gate.close();
+}

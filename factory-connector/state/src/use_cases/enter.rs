@@ -1,0 +1,117 @@
+//! Entries of operators: into the operation's journal, and from there through the gates of its
+//! fields.
+
+use std::time::Duration;
+
+use asi_model::{DataValue, DateTime, FieldKey, StatusCode, messages::ValueSource};
+use disclosure::GateOutcome;
+
+use super::values::receive_candidate;
+use crate::{
+    ChangeSet, ConnectorState,
+    effects::ConnectorEvent,
+    operator::{Action, EntryFault, OperationKey, OperatorEntry, typed_value},
+    queries::fields_of_operation,
+};
+
+/// Age at which an entry that waited on a page is not accepted any more.
+const AGE_MAX: Duration = Duration::from_secs(31 * 86_400);
+
+/// Outcome of an entry.
+#[derive(Debug, Clone, PartialEq)]
+pub enum EntryOutcome {
+    /// It is stored; these fields got a value from it.
+    Taken(Vec<(FieldKey, GateOutcome)>),
+    /// It was stored before.
+    Repeated,
+    /// It is not stored, and never will be.
+    Refused(EntryFault),
+}
+
+/// Stores an entry, and offers what the journal now says to the gates of the fields that are
+/// decided Manual.
+pub fn enter(
+    state: &mut ConnectorState,
+    entry: OperatorEntry,
+    now: DateTime,
+) -> (EntryOutcome, ChangeSet) {
+    let mut changes = ChangeSet::default();
+    if let Err(fault) = check(state, &entry, now) {
+        return (EntryOutcome::Refused(fault), changes);
+    }
+    let operation = entry.operation.clone();
+    let journal = state.journals.entry(operation.clone()).or_default();
+    if journal.has(&entry.entry_id) {
+        return (EntryOutcome::Repeated, changes);
+    }
+    if journal.is_full() {
+        return (EntryOutcome::Refused(EntryFault::TooMany), changes);
+    }
+    journal.insert(entry.clone());
+    changes.writes.operator_entries.push(entry);
+    changes.effects.events.push(ConnectorEvent::Operator(operation.clone()));
+    let mut taken = Vec::new();
+    for (id, key, value) in answers(state, &operation) {
+        if let Some(outcome) = receive_candidate(state, id, ValueSource::Manual, value, None, now) {
+            taken.push((key, outcome));
+        }
+    }
+    (EntryOutcome::Taken(taken), changes)
+}
+
+/// Stores entries in any order, and returns their outcomes in the same order.
+pub fn enter_all(
+    state: &mut ConnectorState,
+    entries: Vec<OperatorEntry>,
+    now: DateTime,
+) -> (Vec<EntryOutcome>, ChangeSet) {
+    let mut changes = ChangeSet::default();
+    let enter_one = |entry| {
+        let (outcome, of_entry) = enter(state, entry, now);
+        changes.merge(of_entry);
+        outcome
+    };
+    let outcomes = entries.into_iter().map(enter_one).collect();
+    (outcomes, changes)
+}
+
+fn check(state: &ConnectorState, entry: &OperatorEntry, now: DateTime) -> Result<(), EntryFault> {
+    state.operation(&entry.operation).ok_or(EntryFault::UnknownOperation)?;
+    entry.action.check()?;
+    if now.since(entry.made_at) > AGE_MAX {
+        return Err(EntryFault::TooOld);
+    }
+    if let Action::Value { value, .. } = &entry.action {
+        let key = entry.action.field(&entry.operation);
+        let field = key
+            .and_then(|key| state.fields.get(&key))
+            .filter(|field| field.decision.is_open_for(ValueSource::Manual))
+            .ok_or(EntryFault::NotManual)?;
+        typed_value(value, field.definition.field_type.0, entry.made_at)
+            .map_err(EntryFault::WrongType)?;
+    }
+    Ok(())
+}
+
+/// Returns what an operation's journal says about those of its fields that are decided Manual.
+fn answers(state: &ConnectorState, operation: &OperationKey) -> Vec<(i64, FieldKey, DataValue)> {
+    let Some((document, journal)) = state.operation(operation).zip(state.journal(operation)) else {
+        return Vec::new();
+    };
+    let manual = fields_of_operation(state, operation)
+        .into_iter()
+        .filter(|(_, field)| field.decision.is_open_for(ValueSource::Manual));
+    let answer = |(key, field): (FieldKey, &crate::Field)| {
+        let (semantic, field_type) =
+            (field.definition.semantic.as_ref(), field.definition.field_type.0);
+        let (answer, at) = journal.answer(&key, semantic, document.planned_quantity)?;
+        let value = match answer.json(field_type) {
+            None => DataValue::status_only(StatusCode::BAD_NO_DATA, Some(at)),
+            // A meaning that does not fit the field's type says nothing; a typed value was checked
+            // when it came.
+            Some(json) => typed_value(&json, field_type, at).ok()?,
+        };
+        Some((field.id, key, value))
+    };
+    manual.filter_map(answer).collect()
+}

@@ -1,0 +1,97 @@
+//! Mappings of fields: imported without a new consent, and run as shadow mappings.
+//!
+//! A mapping says where values come from; the consent says how much of them is disclosed. So a
+//! corrected mapping of a mapped field is a new version under the same consent, and the gate stays
+//! as it is.
+
+use std::sync::Arc;
+
+use asi_model::{DateTime, FieldKey};
+use mapping::Mapping;
+
+use super::decide::DecisionError;
+use crate::{
+    ChangeSet, ConnectorState, ShadowMapping, consents,
+    fields::mapping_json,
+    queries::{ImportOutcome, import_outcome},
+    writes::ShadowRow,
+};
+
+/// A mapping to import.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MappingImport {
+    /// The mapping, as [`validate_for_field`](crate::queries::validate_for_field) returned it.
+    pub mapping: Mapping,
+    /// Name of the user.
+    pub author: String,
+    /// Origin of the mapping.
+    pub note: Option<String>,
+}
+
+/// Imports mappings: as the next version where the field is mapped, as a proposal elsewhere. No
+/// consent changes. Fields that do not exist any more are skipped.
+pub fn import_mappings(
+    state: &mut ConnectorState,
+    imports: Vec<MappingImport>,
+    now: DateTime,
+) -> ChangeSet {
+    let mut changes = ChangeSet::default();
+    for import in imports {
+        import_one(state, &mut changes, import, now);
+    }
+    changes
+}
+
+fn import_one(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    import: MappingImport,
+    now: DateTime,
+) {
+    let MappingImport { mut mapping, author, note } = import;
+    let Some(key) = state.field(&mapping.target).map(|field| field.key.clone()) else { return };
+    state.fields.share_mapping(&mut mapping, &key);
+    let is_published = match import_outcome(state, &mapping) {
+        None | Some(ImportOutcome::Unchanged) => return,
+        Some(outcome) => outcome == ImportOutcome::Published,
+    };
+    let Some(mut field) = state.fields.get_mut(&key) else { return };
+    field.transform = field.state_for(&mapping).filter(|_| is_published);
+    field.decision.mapping = Some(Arc::new(mapping));
+    field.versions.is_recorded = false;
+    field.mark_dirty();
+    changes.put_field(&field);
+    if is_published {
+        changes.effects.engine.extend(field.publish_mapping());
+        consents::record_version(state, changes, &key, (Some(author), note), now);
+    }
+}
+
+/// Runs a mapping beside the published one; `None` ends it.
+///
+/// # Errors
+/// [`DecisionError::UnknownField`].
+pub fn set_shadow(
+    state: &mut ConnectorState,
+    key: &FieldKey,
+    mapping: Option<Mapping>,
+    author: &str,
+    now: DateTime,
+) -> Result<ChangeSet, DecisionError> {
+    let mut field = state.fields.get_mut(key).ok_or(DecisionError::UnknownField)?;
+    let shadow = mapping.map(|mapping| {
+        let mapping = Mapping { mapping_id: field.shadow_id(), ..mapping };
+        Box::new(ShadowMapping { mapping, author: author.to_owned(), started_at: now })
+    });
+    let row = shadow.as_ref().map(|shadow| ShadowRow {
+        mapping: mapping_json(&shadow.mapping),
+        author: shadow.author.clone(),
+        started_at: now,
+    });
+    field.versions.shadow = shadow;
+    let mut changes = ChangeSet::default();
+    changes.writes.mappings.shadows.push((field.id, row));
+    changes.effects.engine.push(field.publish_shadow());
+    changes.put_event(&field);
+    Ok(changes)
+}

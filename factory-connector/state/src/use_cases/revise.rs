@@ -1,0 +1,217 @@
+//! Revisions of operation networks: what a new revision or a withdrawal does to requests, fields
+//! and writers.
+
+mod fields;
+
+use std::{collections::BTreeSet, sync::Arc};
+
+use asi_model::{
+    DateTime, OperationNetworkId, RequestKey,
+    difference::{FieldChange, difference},
+    messages::{AcknowledgementResult, GapCause, OperationNetworkMessage, Withdraw},
+    network::OperationNetwork,
+};
+
+use super::{
+    receive::{Answer, acknowledge},
+    rules::apply_rules_in,
+};
+use crate::{
+    ChangeSet, ConnectorState, Network, Writer,
+    effects::{ConnectorEvent, TwinUpdate},
+    keep_alive_schedule::schedule_keep_alive,
+    writes::NetworkRow,
+};
+use fields::{add_field, change_field, end_withdrawn_consent, remove_field};
+
+/// Takes a network in a new revision, or a revision that is known already. `json` is the message as
+/// it is stored.
+pub fn receive_network(
+    state: &mut ConnectorState,
+    message: OperationNetworkMessage,
+    json: String,
+    now: DateTime,
+) -> ChangeSet {
+    let mut changes = ChangeSet::default();
+    let id = message.operation_network.operation_network_id.clone();
+    let (revision, correlation_id) = (message.revision, message.message_id.clone());
+    let is_new = is_newer(state, &id, revision);
+    if is_new {
+        let former = state.networks.get(&id).and_then(|known| known.message.clone());
+        let former = former.as_deref().map(|former| &former.operation_network);
+        apply(state, &mut changes, former, &Arc::new(message), now);
+        let row = NetworkRow {
+            operation_network_id: id.clone(),
+            revision,
+            message: Some(json),
+            received_at: now,
+        };
+        changes.writes.networks.push(row);
+        changes.effects.twin.push(TwinUpdate::Apply(id.clone()));
+        changes.effects.events.push(ConnectorEvent::Inbox(id.clone()));
+        tracing::info!(operation.network = %id, revision, "An operation network is in effect.");
+    }
+    let network = Some((id.clone(), revision));
+    let answer = Answer { correlation_id, network, result: result_of(is_new), faults: Vec::new() };
+    acknowledge(state, &mut changes, answer, now);
+    if is_new {
+        let count = apply_rules_in(state, &mut changes, Some(&id), now);
+        if count > 0 {
+            tracing::info!(operation.network = %id, fields = count, "Standing rules decided about new fields.");
+        }
+    }
+    changes
+}
+
+/// Withdraws a network; its revision stays as a tombstone, so that an older revision that arrives
+/// late has no effect.
+pub fn receive_withdrawal(
+    state: &mut ConnectorState,
+    message: Withdraw,
+    now: DateTime,
+) -> ChangeSet {
+    let mut changes = ChangeSet::default();
+    let (id, revision) = (message.operation_network_id, message.revision);
+    let is_new = is_newer(state, &id, revision);
+    if is_new {
+        if let Some(former) = state.networks.get(&id).and_then(|known| known.message.clone()) {
+            withdraw(state, &mut changes, &former.operation_network, now);
+        }
+        state.networks.put(id.clone(), Network::new(revision, None, now));
+        changes.writes.networks.push(NetworkRow {
+            operation_network_id: id.clone(),
+            revision,
+            message: None,
+            received_at: now,
+        });
+        changes.effects.events.push(ConnectorEvent::Inbox(id.clone()));
+        tracing::info!(operation.network = %id, revision, "An operation network was withdrawn.");
+    }
+    let answer = Answer {
+        correlation_id: message.message_id,
+        network: Some((id, revision)),
+        result: result_of(is_new),
+        faults: Vec::new(),
+    };
+    acknowledge(state, &mut changes, answer, now);
+    changes
+}
+
+fn is_newer(state: &ConnectorState, id: &OperationNetworkId, revision: u64) -> bool {
+    state.networks.get(id).is_none_or(|known| revision > known.revision)
+}
+
+const fn result_of(is_new: bool) -> AcknowledgementResult {
+    if is_new { AcknowledgementResult::Accepted } else { AcknowledgementResult::Unchanged }
+}
+
+fn withdraw(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    network: &OperationNetwork,
+    now: DateTime,
+) {
+    let id = &network.operation_network_id;
+    for (key, ..) in network.fields() {
+        end_withdrawn_consent(state, changes, &key, now);
+    }
+    for (key, ..) in network.fields() {
+        remove_field(state, changes, &key, now);
+    }
+    state.journals.retain(|operation, _| operation.operation_network_id != *id);
+    for (request, ..) in network.requests() {
+        retire_writer(state, changes, &request, now);
+    }
+    changes.effects.twin.push(TwinUpdate::Remove(id.clone()));
+}
+
+/// Brings fields and writers from the former revision to the new one.
+fn apply(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    former: Option<&OperationNetwork>,
+    message: &Arc<OperationNetworkMessage>,
+    now: DateTime,
+) {
+    let new = &message.operation_network;
+    let empty = OperationNetwork {
+        operation_network_id: new.operation_network_id.clone(),
+        name: None,
+        description: None,
+        operation_list: Vec::new(),
+        operation_relation_list: Vec::new(),
+    };
+    let difference = difference(former.unwrap_or(&empty), new);
+    let is_removed = |change: FieldChange| change == FieldChange::Removed;
+    for field in difference.fields.iter().filter(|field| is_removed(field.change)) {
+        end_withdrawn_consent(state, changes, &field.key, now);
+    }
+    for request in &difference.requests.removed {
+        retire_writer(state, changes, request, now);
+    }
+    let network = Network::new(message.revision, Some(Arc::clone(message)), now);
+    state.networks.put(new.operation_network_id.clone(), network);
+    for (request, ..) in new.requests() {
+        assign_writer(state, changes, &request, now);
+    }
+    let mut to_refresh: BTreeSet<RequestKey> = BTreeSet::new();
+    for field in difference.fields {
+        let is_data_set_changed = match field.change {
+            FieldChange::Added => {
+                add_field(state, changes, &field.key, now);
+                false
+            }
+            FieldChange::Changed => change_field(state, changes, &field, now),
+            FieldChange::Removed => {
+                let was_mapped = remove_field(state, changes, &field.key, now);
+                if let Some(writer) = state.writers.id_of(&field.key.request).filter(|_| was_mapped)
+                {
+                    // Waiting reports still carry the field's value.
+                    changes.purges.entry(writer).or_insert(GapCause::Withdrawn);
+                }
+                was_mapped
+            }
+        };
+        if is_data_set_changed {
+            to_refresh.insert(field.key.request);
+        }
+    }
+    let writers = to_refresh.iter().filter_map(|request| state.writers.id_of(request));
+    changes.to_refresh.extend(writers.map(|writer| (writer, now)));
+    for (request, ..) in new.requests() {
+        if let Some(writer) = state.writers.id_of(&request) {
+            schedule_keep_alive(state, writer);
+        }
+    }
+}
+
+fn assign_writer(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    request: &RequestKey,
+    now: DateTime,
+) {
+    match state.writers.assign(request, now) {
+        Ok(Some(id)) => {
+            let row = state.writers.get(id).map(Writer::row);
+            changes.writes.writers.changed.extend(row.map(|row| (id, row)));
+        }
+        Ok(None) => {}
+        Err(_) => {
+            tracing::error!(%request, "A request has no data set writer: all 65 535 are taken.");
+        }
+    }
+}
+
+/// Retires a request's writer and takes its waiting reports back.
+fn retire_writer(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    request: &RequestKey,
+    now: DateTime,
+) {
+    let Some(id) = state.writers.retire(request, now) else { return };
+    changes.purges.insert(id, GapCause::Withdrawn);
+    let row = state.writers.get(id).map(Writer::row);
+    changes.writes.writers.changed.extend(row.map(|row| (id, row)));
+}

@@ -1,0 +1,46 @@
+//! Seals of the ledger: the daily checkpoint, and signed heads at the start.
+
+use std::time::Duration;
+
+use asi_model::DateTime;
+use ledger::{Checkpoint, LedgerKey, SignedHead};
+
+use crate::{ChangeSet, ConnectorState, writes::CheckpointRow};
+
+/// Period of checkpoints.
+const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(86_400);
+
+/// Signs a checkpoint over the heads of all chains, where the last one is a day old.
+pub fn checkpoint(state: &mut ConnectorState, key: &LedgerKey, now: DateTime) -> ChangeSet {
+    let mut changes = ChangeSet::default();
+    let (number, is_due) = match state.ledger.last_checkpoint() {
+        None => (1, state.ledger.heads().iter().next().is_some()),
+        Some((number, at)) => (number + 1, now.since(at) >= CHECKPOINT_INTERVAL),
+    };
+    if !is_due {
+        return changes;
+    }
+    let factory_id = state.config.factory_id.clone();
+    let content = Checkpoint::new(factory_id, number, now, state.ledger.heads()).canonical();
+    changes.writes.ledger.checkpoint = Some(CheckpointRow {
+        number,
+        recorded_at: now,
+        signature: key.sign(&content),
+        public_key: key.public(),
+        content,
+    });
+    state.ledger.set_checkpoint(number, now);
+    changes
+}
+
+/// Signs the heads of all chains, as they were loaded.
+#[must_use]
+pub fn sign_all_heads(state: &ConnectorState, key: &LedgerKey) -> ChangeSet {
+    let mut changes = ChangeSet::default();
+    let factory_id = &state.config.factory_id;
+    let signed = state.ledger.heads().iter().map(|(recipient, head)| {
+        SignedHead::new(factory_id, recipient.clone(), head.number, head.hash, key)
+    });
+    changes.writes.ledger.heads.extend(signed);
+    changes
+}

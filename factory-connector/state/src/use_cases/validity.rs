@@ -1,0 +1,35 @@
+//! Validity of requests: values flow while a request asks for them.
+
+use std::collections::BTreeSet;
+
+use asi_model::DateTime;
+
+use super::values::receive_candidate;
+use crate::{ChangeSet, ConnectorState, consents};
+
+/// Reason that a partner reads when its request has ended.
+const ENDED: &str = "The request's validity has ended.";
+
+/// Releases the newest values of fields whose requests ask for them from now on.
+pub fn begin_requests(state: &mut ConnectorState, now: DateTime) {
+    while let Some(id) = state.fields.pop_beginning(now) {
+        let Some(mut field) = state.fields.by_id_mut(id) else { continue };
+        if let Some((value, source)) = field.newest.take().zip(field.decision.value_source) {
+            receive_candidate(state, id, source, value, None, now);
+        }
+    }
+}
+
+/// Ends the consents to fields whose requests have ended: they are undecided again. Values that
+/// were disclosed in time are still delivered.
+pub fn end_requests(state: &mut ConnectorState, now: DateTime) -> ChangeSet {
+    let mut changes = ChangeSet::default();
+    let mut writers = BTreeSet::new();
+    for key in state.fields.ended(now) {
+        consents::close(state, &mut changes, &key, ENDED, now);
+        writers.extend(state.field(&key).map(|field| field.writer));
+        tracing::info!(field = %key, "The request's validity has ended; nothing of the field is disclosed any more.");
+    }
+    changes.to_refresh.extend(writers.into_iter().map(|writer| (writer, now)));
+    changes
+}

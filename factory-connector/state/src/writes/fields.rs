@@ -1,0 +1,91 @@
+//! Rows about requested fields: decisions, consents, states of gates and transforms.
+
+use std::collections::BTreeMap;
+
+use asi_model::{
+    DateTime, FieldKey,
+    messages::{MappingState, ValueSource},
+};
+
+/// Rows about fields, by field number.
+#[derive(Debug, Default, PartialEq)]
+pub struct FieldWrites {
+    /// Fields that are new or decided again.
+    pub decided: BTreeMap<i64, FieldRow>,
+    /// Numbers of fields that no request has any more.
+    pub removed: Vec<i64>,
+    /// Fields whose gate or transform state changed.
+    pub values: BTreeMap<i64, FieldValueRow>,
+    /// Decisions, each with the precision it consents to.
+    pub consents: Vec<ConsentRow>,
+}
+
+impl FieldWrites {
+    pub(super) fn merge(&mut self, later: Self) {
+        let Self { decided, removed, values, consents } = later;
+        super::merge::extend(&mut self.decided, decided);
+        super::merge::extend(&mut self.values, values);
+        self.consents.extend(consents);
+        for id in removed {
+            self.remove(id);
+        }
+    }
+
+    pub(super) fn remove(&mut self, id: i64) {
+        self.decided.remove(&id);
+        self.values.remove(&id);
+        self.removed.push(id);
+    }
+}
+
+/// A field with its decision.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FieldRow {
+    /// Number of the field.
+    pub id: i64,
+    pub key: FieldKey,
+    pub mapping_state: MappingState,
+    /// Source of the values, while mapped.
+    pub value_source: Option<ValueSource>,
+    /// Reason as the partner reads it.
+    pub reason: Option<String>,
+    pub decided_by: Option<String>,
+    pub decided_at: Option<DateTime>,
+    /// The mapping as JSON.
+    pub mapping: Option<String>,
+    /// The disclosure policy as JSON.
+    pub policy: String,
+    /// Basis of the decision, as JSON.
+    pub basis: Option<String>,
+    /// Number of the consent, from 1; 0 before the first.
+    pub consent_version: u32,
+}
+
+/// State of a field's gate and transform.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FieldValueRow {
+    /// The gate's state as JSON.
+    pub gate: String,
+    /// The transform's state as JSON.
+    pub transform: Option<String>,
+}
+
+/// A consent. Never changed, never deleted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ConsentRow {
+    /// The field's key as text.
+    pub field: String,
+    /// Number of the consent within its field.
+    pub version: u32,
+    pub mapping_state: MappingState,
+    /// Source of the values, while mapped.
+    pub value_source: Option<ValueSource>,
+    /// The disclosure policy in force, as JSON.
+    pub policy: String,
+    /// Basis of the decision, as JSON.
+    pub basis: Option<String>,
+    /// Reason as the partner reads it.
+    pub reason: Option<String>,
+    pub decided_by: Option<String>,
+    pub decided_at: DateTime,
+}

@@ -1,0 +1,28 @@
+//! Rows about sources of values.
+
+/// Rows about sources of values.
+#[derive(Debug, Default, PartialEq)]
+pub struct SourceWrites {
+    /// Sources that are new or changed.
+    pub put: Vec<SourceRow>,
+    /// Ids of sources that are removed.
+    pub removed: Vec<String>,
+}
+
+impl SourceWrites {
+    pub(super) fn merge(&mut self, later: Self) {
+        let Self { put, removed } = later;
+        self.put.extend(put);
+        self.removed.extend(removed);
+    }
+}
+
+/// A source of values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SourceRow {
+    pub source_id: String,
+    /// The configuration as JSON, without the password.
+    pub config: String,
+    /// The password in plain text; the file of the store is readable by its owner only.
+    pub password: Option<String>,
+}
