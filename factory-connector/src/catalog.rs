@@ -1,9 +1,8 @@
-//! Which variables the local servers have: listed when somebody asks, and kept while the session
-//! lasts.
+//! Catalog of the variables of local servers: listed on request, cached for the session with a
+//! server and at most 15 minutes.
 //!
-//! Suggestions and search look through names of whole servers. Walking through an address space
-//! takes a server's time, so it is done once per session and quarter of an hour, whoever asks
-//! meanwhile, and never without being asked.
+//! Suggestions and search look through the names of whole servers. Browsing an address space costs
+//! a server time, so all requests of that period share one browse, and none is made unasked.
 
 use std::{
     collections::HashMap,
@@ -24,107 +23,104 @@ use crate::coordinator::now;
 
 /// Most nodes visited per server.
 pub const NODES_MAX: usize = 200_000;
-/// Longest walk through one server.
-const WALK_MAX: Duration = Duration::from_secs(120);
-/// A list is made anew after so long.
+/// Longest time to browse one server.
+const BROWSE_TIMEOUT: Duration = Duration::from_secs(120);
+/// Age beyond which a list is made again.
 const AGE_MAX: Duration = Duration::from_secs(15 * 60);
-/// A walk that failed is tried again after so long.
+/// Time after the start of a failed browse before another is tried.
 const RETRY_AFTER: Duration = Duration::from_secs(5);
-/// Questions that wait for the service.
-const QUESTIONS_MAX: usize = 64;
+/// Requests that wait for the service.
+const REQUESTS_MAX: usize = 64;
 
-/// What became of a walk through a server.
+/// Result of browsing one server.
 #[derive(Debug, Clone)]
 pub struct Listing {
-    /// Its variables; empty where it failed.
+    /// The server's variables; empty where browsing failed.
     pub list: Arc<VariableList>,
-    /// When it ended.
     pub listed_at: DateTime,
-    /// Why there is no list, in words.
+    /// Reason, as a sentence, for which there is no list.
     pub problem: Option<String>,
 }
 
-/// The service; [`run`](Self::run) it.
+/// Service that browses servers and caches their lists. It answers while [`run`](Self::run) is
+/// polled.
 pub struct Catalog {
     shop_floor: ShopFloorHandle,
-    questions: mpsc::Receiver<Question>,
-    shelves: HashMap<SourceId, Shelf>,
+    requests: mpsc::Receiver<ListRequest>,
+    lists: HashMap<SourceId, CachedList>,
 }
 
-/// Asks the [`Catalog`].
+/// Requests lists of the [`Catalog`].
 #[derive(Clone)]
 pub struct CatalogHandle {
-    questions: mpsc::Sender<Question>,
+    requests: mpsc::Sender<ListRequest>,
 }
 
 type Answer = watch::Receiver<Option<Listing>>;
 
-struct Question {
+struct ListRequest {
     source: SourceId,
     reply: tokio::sync::oneshot::Sender<Answer>,
 }
 
-/// One server's list, or the walk that makes it.
-struct Shelf {
+/// One server's list, or the browse that makes it.
+struct CachedList {
     answer: Answer,
     begun: Instant,
-    /// The session it was made in.
+    /// Number of the session with the server in which it was made.
     sessions: u64,
 }
 
 impl Catalog {
-    /// A catalog of these servers, and its handle.
+    /// Makes a catalog of these servers, and its handle.
     #[must_use]
     pub fn new(shop_floor: ShopFloorHandle) -> (Self, CatalogHandle) {
-        let (sender, questions) = mpsc::channel(QUESTIONS_MAX);
-        (
-            Self { shop_floor, questions, shelves: HashMap::new() },
-            CatalogHandle { questions: sender },
-        )
+        let (sender, requests) = mpsc::channel(REQUESTS_MAX);
+        (Self { shop_floor, requests, lists: HashMap::new() }, CatalogHandle { requests: sender })
     }
 
-    /// Answers until shutdown.
+    /// Answers requests until shutdown.
     pub async fn run(mut self, shutdown: CancellationToken) {
-        let mut walks = JoinSet::new();
+        let mut browses = JoinSet::new();
         loop {
             tokio::select! {
                 () = shutdown.cancelled() => break,
-                Some(ended) = walks.join_next() => if let Err(error) = ended {
-                    tracing::error!(error = &error as &dyn std::error::Error, "A walk through a server failed.");
+                Some(ended) = browses.join_next() => if let Err(error) = ended {
+                    tracing::error!(error = &error as &dyn std::error::Error, "Browsing a server failed.");
                 },
-                question = self.questions.recv() => match question {
-                    // Who asked may have gone; the walk goes on for the next one.
-                    Some(Question { source, reply }) => drop(reply.send(self.answer(source, &mut walks))),
+                request = self.requests.recv() => match request {
+                    // The caller may have gone; the browse goes on for the next one.
+                    Some(ListRequest { source, reply }) => drop(reply.send(self.answer(source, &mut browses))),
                     None => break,
                 },
             }
         }
-        walks.shutdown().await;
+        browses.shutdown().await;
     }
 
-    fn answer(&mut self, source: SourceId, walks: &mut JoinSet<()>) -> Answer {
+    fn answer(&mut self, source: SourceId, browses: &mut JoinSet<()>) -> Answer {
         let states = self.shop_floor.states();
-        self.shelves.retain(|id, _| states.iter().any(|status| status.source_id == *id));
+        self.lists.retain(|id, _| states.iter().any(|status| status.source_id == *id));
         let sessions = states
             .iter()
             .find(|status| status.source_id == source)
             .map_or(0, |status| status.sessions);
-        if let Some(shelf) = self.shelves.get(&source).filter(|shelf| shelf.is_fresh(sessions)) {
-            return shelf.answer.clone();
+        if let Some(cached) = self.lists.get(&source).filter(|cached| cached.is_fresh(sessions)) {
+            return cached.answer.clone();
         }
         let (sender, answer) = watch::channel(None);
-        walks.spawn(walk(self.shop_floor.clone(), source.clone(), sender));
-        self.shelves
-            .insert(source, Shelf { answer: answer.clone(), begun: Instant::now(), sessions });
+        browses.spawn(browse(self.shop_floor.clone(), source.clone(), sender));
+        self.lists
+            .insert(source, CachedList { answer: answer.clone(), begun: Instant::now(), sessions });
         answer
     }
 }
 
-impl Shelf {
+impl CachedList {
     fn is_fresh(&self, sessions: u64) -> bool {
         let listing = self.answer.borrow();
         match &*listing {
-            // A walk that died with its task leaves nobody who could answer.
+            // A browse whose task panicked will never answer.
             None => self.answer.has_changed().is_ok(),
             Some(Listing { problem: Some(_), .. }) => self.begun.elapsed() < RETRY_AFTER,
             Some(_) => self.sessions == sessions && self.begun.elapsed() < AGE_MAX,
@@ -132,13 +128,13 @@ impl Shelf {
     }
 }
 
-async fn walk(
+async fn browse(
     shop_floor: ShopFloorHandle,
     source: SourceId,
     sender: watch::Sender<Option<Listing>>,
 ) {
-    let walked = timeout(WALK_MAX, shop_floor.variables(&source, NODES_MAX)).await;
-    let (list, problem) = match walked {
+    let browsed = timeout(BROWSE_TIMEOUT, shop_floor.variables(&source, NODES_MAX)).await;
+    let (list, problem) = match browsed {
         Ok(Ok(list)) => (Arc::new(list), None),
         Ok(Err(error @ (ShopFloorError::UnknownSource(_) | ShopFloorError::NotConnected(_)))) => {
             (Arc::default(), Some(error.to_string()))
@@ -149,17 +145,17 @@ async fn walk(
         }
         Err(_) => (
             Arc::default(),
-            Some(format!("the server was not through within {} s", WALK_MAX.as_secs())),
+            Some(format!("the server was not through within {} s", BROWSE_TIMEOUT.as_secs())),
         ),
     };
     sender.send_replace(Some(Listing { list, listed_at: now(), problem }));
 }
 
 impl CatalogHandle {
-    /// The list of a server, waited for no longer than `patience`; `None` while it is being made.
+    /// Returns a server's list, waited for at most `patience`; `None` while it is being made.
     pub async fn list(&self, source: &SourceId, patience: Duration) -> Option<Listing> {
         let (reply, answer) = tokio::sync::oneshot::channel();
-        self.questions.send(Question { source: source.clone(), reply }).await.ok()?;
+        self.requests.send(ListRequest { source: source.clone(), reply }).await.ok()?;
         let mut listing = answer.await.ok()?;
         timeout(patience, listing.wait_for(Option::is_some)).await.ok()?.ok()?.clone()
     }

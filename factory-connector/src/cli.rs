@@ -1,4 +1,4 @@
-//! The command line.
+//! Commands of the binary: run the connector, or work on its data directory.
 
 mod certificate;
 mod ledger;
@@ -32,7 +32,7 @@ use output::print;
 /// Time for all tasks together to finish after the first signal.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(15);
 
-/// What variables that override the file begin with.
+/// Prefix of the environment variables that override the file.
 const ENVIRONMENT: &str = "VERBUND";
 
 /// The connector of one factory.
@@ -67,7 +67,7 @@ enum Command {
     /// The ledger of everything that left.
     #[command(subcommand)]
     Ledger(ledger::LedgerCommand),
-    /// What waits to leave.
+    /// The messages that wait to leave.
     #[command(subcommand)]
     Spool(spool::SpoolCommand),
     /// People who may sign in.
@@ -85,7 +85,7 @@ enum ConfigCommand {
 
 #[derive(Debug, Subcommand)]
 enum UsersCommand {
-    /// List everybody.
+    /// List all users with their roles.
     List,
     /// Add or change a user; the password is read from standard input.
     Set {
@@ -97,7 +97,7 @@ enum UsersCommand {
     },
     /// Remove a user.
     Remove {
-        /// The name.
+        /// The name that the user signs in with.
         user: String,
     },
 }

@@ -1,5 +1,5 @@
-//! The connector's configuration. `factory-connector.example.toml` shows every key with its
-//! default; a test keeps the two alike.
+//! Configuration of the connector. `factory-connector.example.toml` shows every key with its
+//! default; a test compares the two.
 
 mod broker;
 
@@ -22,31 +22,30 @@ use crate::coordinator::{RetentionLimits, SpoolLimits};
 /// The commented example, also printed by `factory-connector config example`.
 pub const EXAMPLE: &str = include_str!("../factory-connector.example.toml");
 
-/// Everything the connector needs to know.
+/// All sections of the configuration file, with defaults for absent keys.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ConnectorConfig {
-    /// Where the durable file, keys and certificates live. On a local disk.
+    /// Folder of the database, keys and certificates; on a local disk.
     pub data_directory: PathBuf,
-    /// Pages and API.
+    /// Listener of pages and API.
     pub web: WebConfig,
-    /// The OPC UA server.
+    /// Endpoint, security and limits of the OPC UA server.
     pub twin: TwinSection,
-    /// The way to the platform's broker.
+    /// Route to the platform's broker.
     pub broker: BrokerSection,
-    /// What leaves.
+    /// Encoding and pace of reports.
     pub reports: ReportConfig,
-    /// Bounds of what waits to leave.
+    /// Bounds of the messages that wait to leave.
     pub spool: SpoolLimits,
-    /// How long what left is kept.
+    /// Retention of what left.
     pub ledger: RetentionLimits,
-    /// Mappings and scripts.
+    /// Bounds of mappings and scripts.
     pub mapping: MappingEngineConfig,
-    /// The first user.
+    /// The user that the first start makes.
     pub admin: AdminConfig,
-    /// Logging.
     pub log: LogConfig,
-    /// All of this to read, as the page shows it.
+    /// Every key with its value and source, as the page shows it; secrets are blanked.
     #[serde(skip)]
     pub settings: Vec<Setting>,
 }
@@ -69,11 +68,11 @@ impl Default for ConnectorConfig {
     }
 }
 
-/// Pages and API.
+/// Listener of pages and API.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct WebConfig {
-    /// Where to listen.
+    /// Address of the listener; loopback unless TLS is configured.
     pub listen: SocketAddr,
     /// Certificate and key; plain HTTP without them.
     pub tls: Option<TlsFiles>,
@@ -85,19 +84,19 @@ impl Default for WebConfig {
     }
 }
 
-/// The OPC UA server.
+/// Endpoint, security and limits of the OPC UA server.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TwinSection {
-    /// Where to listen.
+    /// Address of the endpoint (`opc.tcp`).
     pub listen: SocketAddr,
     /// Names for the certificate and the endpoint URLs.
     pub host_names: Vec<String>,
-    /// Who may connect, and how.
+    /// Security modes, user tokens and trust of clients.
     pub security: SecurityConfig,
-    /// Bounds on what clients may take.
+    /// Bounds on sessions, subscriptions and messages of clients.
     pub limits: TwinLimits,
-    /// How clients find the server.
+    /// Registration at discovery servers.
     pub discovery: DiscoveryConfig,
 }
 
@@ -109,11 +108,11 @@ impl Default for TwinSection {
     }
 }
 
-/// What leaves.
+/// Encoding and pace of reports.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ReportConfig {
-    /// How values are written.
+    /// JSON form of report messages.
     pub encoding: Encoding,
     /// The shortest time between two reports of one data set, in milliseconds.
     pub publishing_interval_ms: u64,
@@ -129,9 +128,9 @@ impl Default for ReportConfig {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct AdminConfig {
-    /// The name to sign in with.
+    /// Name to sign in with.
     pub user_name: String,
-    /// The password; one is made up without it.
+    /// Password; a random one is written to a file where absent.
     pub password: Option<Confidential<String>>,
 }
 
@@ -142,7 +141,7 @@ impl Default for AdminConfig {
 }
 
 impl ConnectorConfig {
-    /// What no single key shows to be wrong: sentences that name the key and the remedy.
+    /// Returns the faults that no single key shows: sentences that name the key and the remedy.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let mut faults = Vec::new();
@@ -164,13 +163,13 @@ impl ConnectorConfig {
         faults
     }
 
-    /// The shortest time between two reports of one data set.
+    /// Returns the shortest time between two reports of one data set.
     #[must_use]
     pub fn publishing_interval(&self) -> Duration {
         Duration::from_millis(self.reports.publishing_interval_ms)
     }
 
-    /// The twin's part of it.
+    /// Returns the configuration of the twin, whose keys are in the data directory.
     #[must_use]
     pub fn twin_config(&self) -> TwinConfig {
         TwinConfig {

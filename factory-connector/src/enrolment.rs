@@ -12,7 +12,7 @@ use crate::{
     store::{Enrolment, Store},
 };
 
-/// What the platform answers.
+/// The platform's answer: address of the broker, and the credential there.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct Answer {
@@ -24,7 +24,7 @@ struct Answer {
     root_certificate_pem: Option<String>,
 }
 
-/// Spends a token at the platform and keeps the credential in the data directory.
+/// Spends a token at the platform and stores the credential in the data directory.
 ///
 /// # Errors
 /// A sentence that says what to do: the platform is not reachable, or refuses the token.
@@ -62,7 +62,7 @@ pub async fn enrol(
     Ok(answer.factory_id)
 }
 
-/// A token carries the address of the platform that made it.
+/// Returns the address of the platform, which a token carries before its dot.
 fn address_in(token: &str) -> anyhow::Result<String> {
     use base64::{Engine as _, engine::general_purpose::URL_SAFE_NO_PAD};
     let address = token
@@ -79,7 +79,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_token_tells_where_to_spend_it() {
+    fn a_token_carries_the_address_of_its_platform() {
         assert_eq!(
             address_in("aHR0cHM6Ly92ZXJidW5kLmV4YW1wbGU.secret").ok().as_deref(),
             Some("https://verbund.example")

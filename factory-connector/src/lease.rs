@@ -1,12 +1,12 @@
-//! The lease on the factory's identity: of all running connectors with its credential only the one
-//! that the platform has granted the lease may speak.
+//! Lease on the factory's identity: of all running connectors with its credential only the one to
+//! which the platform has granted the lease may send.
 //!
-//! [`Lease`] decides and does nothing else; [`LeaseKeeper`] carries its decisions out; the
-//! [`LeaseGate`] lets what waits in the spool leave, or not. Values go on being mapped, disclosed,
-//! numbered and spooled whatever the gate does.
+//! [`Lease`] is a state machine without I/O; [`LeaseClient`] runs its actions; the [`LeaseGate`]
+//! permits or forbids the spool's messages to leave. Values are mapped, disclosed, numbered and
+//! spooled in either state of the gate.
 
+mod client;
 mod gate;
-mod keeper;
 
 use std::{
     collections::VecDeque,
@@ -19,49 +19,45 @@ use asi_model::{
 };
 use serde::Serialize;
 
+pub use client::{LeaseAnswers, LeaseClient, channel};
 pub use gate::LeaseGate;
-pub use keeper::{LeaseAnswers, LeaseKeeper, channel};
 
-/// How long the first answer of a connection is waited for before it is asked for again; doubles
-/// with each time.
+/// Time to wait for the first answer of a connection before the next request; doubles with each
+/// request.
 const PATIENCE_MIN: Duration = Duration::from_secs(2);
 const PATIENCE_MAX: Duration = Duration::from_secs(60);
-/// How long to wait before asking again after an answer to another connector came here.
+/// Time before the next request after an answer to another connector came here.
 const OVERHEARD_PAUSE: Duration = Duration::from_secs(1);
-/// Bounds of what the platform says about when to ask again.
+/// Bounds of the time that the platform sets for the next request.
 const ASK_AGAIN_MIN: Duration = Duration::from_millis(50);
 const ASK_AGAIN_MAX: Duration = Duration::from_secs(600);
-/// Requests whose answers are still taken.
+/// Most requests whose answers are accepted.
 const ASKED_MAX: usize = 16;
 
-/// This running connector, as the platform tells it from others.
+/// Identity of this running connector, which the platform distinguishes from others.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Instance {
-    /// Whose connector it is.
     pub factory_id: FactoryId,
-    /// Drawn at this start.
+    /// Random, drawn at each start.
     pub instance_id: InstanceId,
-    /// Where its store is in use.
+    /// Identifies the machine and folder of the store.
     pub place: PlaceId,
-    /// Machine and folder, for people.
+    /// Machine and folder as text for people.
     pub host: String,
-    /// When it started.
     pub started_at: DateTime,
 }
 
-/// How the lease stands, for people.
+/// State of the lease, as pages show it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct LeaseStatus {
-    /// The state.
     pub state: LeaseState,
-    /// Since when.
     pub since: DateTime,
     /// This connector's machine and folder, as the platform knows it.
     pub host: String,
-    /// The number of the lease that it holds.
+    /// Number of the lease that it has; `None` unless granted.
     pub lease_number: Option<u64>,
-    /// The connector that holds the lease in its stead.
+    /// The connector that has the lease instead of this one.
     pub holder: Option<LeaseParty>,
     /// A second connector with this one's credential, which was refused or has the lease.
     pub contender: Option<LeaseParty>,
@@ -71,43 +67,43 @@ pub struct LeaseStatus {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum LeaseState {
-    /// The platform has not answered yet.
+    /// The platform has not answered since the start.
     Asking,
-    /// This is the factory's connector.
+    /// The platform granted the lease to this connector.
     Held,
-    /// Another one is; nothing leaves here.
+    /// Another connector has the lease; nothing leaves here.
     Refused,
 }
 
-/// What happens.
+/// Event that may change the lease.
 #[derive(Debug)]
 pub enum Input {
     /// The link is up, after it was not.
     Connected,
     /// The link is down.
     Disconnected,
-    /// The platform answered somebody.
+    /// The platform answered this connector or another one.
     Answered(Box<LeaseAnswer>),
-    /// Time passed.
+    /// The time of [`Lease::wake_at`] has come.
     Tick,
 }
 
-/// What is to be done.
+/// Step that the [`LeaseClient`] takes.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Action {
-    /// Ask the platform.
+    /// Send a request to the platform.
     Ask(LeaseRequest),
-    /// What waits may leave under this lease.
+    /// Permit messages to leave, under the lease with this number.
     Open(u64),
-    /// Nothing may leave.
+    /// Forbid messages to leave.
     Close,
-    /// Receive requests, or leave them to the other connector.
+    /// Receive the factory's requests (true), or leave them to the other connector (false).
     Receive(bool),
-    /// Leave the broker to the other connector for a while.
-    Rest(Duration),
+    /// Disconnect from the broker for this long, for the other connector's sake.
+    BackOff(Duration),
 }
 
-/// Decides what follows from the platform's answers.
+/// State machine of the lease.
 #[derive(Debug)]
 pub struct Lease {
     instance: Instance,
@@ -121,7 +117,7 @@ pub struct Lease {
 }
 
 impl Lease {
-    /// Nothing is known yet.
+    /// Begins in [`LeaseState::Asking`], without a connection.
     #[must_use]
     pub fn new(instance: Instance, now: DateTime) -> Self {
         let status = LeaseStatus {
@@ -143,19 +139,20 @@ impl Lease {
         }
     }
 
-    /// How it stands.
+    /// Returns the state to show.
     #[must_use]
     pub const fn status(&self) -> &LeaseStatus {
         &self.status
     }
 
-    /// When [`Input::Tick`] is due.
+    /// Returns the time at which [`Input::Tick`] is due.
     #[must_use]
     pub const fn wake_at(&self) -> Option<Instant> {
         self.ask_at
     }
 
-    /// Decides. `id` names a request, should there be one.
+    /// Returns the actions that follow from an event, in order. `id` becomes the message id of a
+    /// request among them.
     pub fn on(
         &mut self,
         input: Input,
@@ -173,8 +170,8 @@ impl Lease {
             Input::Disconnected => {
                 (self.is_connected, self.is_confirmed) = (false, false);
                 self.ask_at = None;
-                // Not sooner: a receiver that leaves an address while it is connected may take the
-                // place of both away.
+                // Not before the link is down: a receiver that leaves an address while it is
+                // connected may end the subscription of both connectors.
                 if self.status.state == LeaseState::Refused {
                     vec![Action::Receive(false)]
                 } else {
@@ -206,8 +203,8 @@ impl Lease {
         Action::Ask(LeaseRequest { message_id, factory_id, instance_id, place, host, started_at })
     }
 
-    /// An answer to this connector. One to a request of an earlier connection says nothing about
-    /// this one.
+    /// Handles an answer to this connector. An answer to a request of an earlier connection says
+    /// nothing about this one.
     fn answered(&mut self, answer: LeaseAnswer, instant: Instant, now: DateTime) -> Vec<Action> {
         if !self.is_connected || !self.asked.contains(&answer.correlation_id) {
             return Vec::new();
@@ -233,19 +230,19 @@ impl Lease {
             LeaseResult::Refused => {
                 self.ask_at = None;
                 self.is_confirmed = false;
-                // It may come twice, and is to be followed once.
+                // A refusal may be delivered twice, and is handled once.
                 self.asked.clear();
                 self.enter(LeaseState::Refused, now);
                 self.status.lease_number = None;
                 self.status.contender = None;
                 self.status.holder = answer.holder;
-                vec![Action::Close, Action::Rest(pause)]
+                vec![Action::Close, Action::BackOff(pause)]
             }
         }
     }
 
-    /// An answer to somebody else. From this place it was to a predecessor of this connector, which
-    /// is gone; from elsewhere it shows that there are two.
+    /// Handles an answer to another connector. One with the same place went to a predecessor of
+    /// this connector, which is gone; one with another place shows that two connectors run.
     fn overheard(&mut self, answer: LeaseAnswer, instant: Instant, now: DateTime) {
         if answer.place == self.instance.place {
             return;
@@ -257,8 +254,8 @@ impl Lease {
             last_heard_at: now,
         };
         self.status.contender = Some(other);
-        // Its answer came here, so ours may have gone there: the platform is there and takes its
-        // time for nobody. Not at once, lest both chase each other's answers.
+        // Its answer came here, so ours may have gone there: ask again soon, though not at once,
+        // lest the two connectors receive each other's answers over and over.
         self.patience = PATIENCE_MIN;
         self.ask_at = self.ask_at.map(|at| at.min(instant + OVERHEARD_PAUSE));
     }

@@ -1,8 +1,8 @@
-//! The whole connector: opens everything that can fail, then starts its tasks.
+//! Composition of the connector: opens every part that can fail, then spawns the tasks.
 
 mod link;
 mod mappings;
-mod status_news;
+mod status_events;
 
 use std::{net::SocketAddr, sync::Arc};
 
@@ -34,32 +34,31 @@ use crate::{
     coordinator::{self, Coordinator, CoordinatorConfig, Outputs, now},
     in_flight::InFlight,
     keep_alive_queue::KeepAliveQueue,
-    lease::{self, Instance, LeaseGate, LeaseKeeper},
+    lease::{self, Instance, LeaseClient, LeaseGate},
     link_adapter::{ConnectorSpool, PlatformInbox},
     store::{Readers, Role, Session, Store, User},
     twin_adapter::{CoordinatorWriter, StoredUsers, UserWatch},
 };
 
-/// Events kept for pages that catch up.
+/// Most events that are retained for pages that catch up.
 const EVENTS_KEPT_MAX: usize = 4096;
-/// Batches of mappings on their way to the engine.
+/// Most batches of mappings that wait for the engine.
 const MAPPING_BATCHES_MAX: usize = 1024;
 
-/// How a started connector is reached.
+/// Addresses of a started connector.
 #[derive(Debug, Clone)]
 pub struct ConnectorHandle {
-    /// Whose it is.
     pub factory_id: FactoryId,
-    /// Where pages and API listen.
+    /// Bound address of pages and API.
     pub web_address: SocketAddr,
-    /// The twin's endpoint.
+    /// URL of the twin's endpoint (`opc.tcp`).
     pub twin_url: Arc<str>,
 }
 
 /// Opens and starts a connector; it runs until the lifecycle ends.
 ///
 /// # Errors
-/// What keeps it from starting, with the remedy.
+/// Sentences with the remedy, about the part that cannot be opened.
 pub async fn start(
     config: ConnectorConfig,
     lifecycle: &Lifecycle,
@@ -122,7 +121,7 @@ pub async fn start(
     );
     let (lease_answers, answers) = lease::channel(factory_id.clone());
     let mut link_config = link::link_config(&enrolled, &config.broker, &factory_id)?;
-    link_config.consumed = LeaseKeeper::received_at_start(&factory_id, identity.was_lease_held);
+    link_config.consumed = LeaseClient::received_at_start(&factory_id, identity.was_lease_held);
     let (link, link_handle) = Link::new(
         link_config,
         Arc::new(spool),
@@ -130,7 +129,7 @@ pub async fn start(
     )?;
     let events =
         EventLog::new(EVENTS_KEPT_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
-    let (keeper, lease_status) = LeaseKeeper::new(
+    let (lease_client, lease_status) = LeaseClient::new(
         instance,
         identity.was_lease_held,
         gate,
@@ -175,10 +174,10 @@ pub async fn start(
     let web_address = web_listener.local_addr()?;
     let tls = config.web.tls.as_ref().map(daemon::web::server::TlsFiles::load).transpose()?;
     let token = shutdown.clone();
-    let (news, link_state, source_states) =
+    let (pages, link_state, source_states) =
         (events.clone(), link_handle.state(), floor_handle.watch());
-    lifecycle.spawn("status news", Importance::Essential, async move {
-        status_news::tell(news, link_state, source_states, token).await;
+    lifecycle.spawn("status events", Importance::Essential, async move {
+        status_events::publish(pages, link_state, source_states, token).await;
         anyhow::Ok(())
     });
     let router = api::router(
@@ -245,7 +244,7 @@ pub async fn start(
     });
     let token = shutdown.clone();
     lifecycle.spawn("lease", Importance::Essential, async move {
-        keeper.run(token).await;
+        lease_client.run(token).await;
         anyhow::Ok(())
     });
     let token = shutdown.clone();
@@ -261,7 +260,7 @@ pub async fn start(
     Ok(ConnectorHandle { factory_id, web_address, twin_url })
 }
 
-/// The sources as configured, passwords included.
+/// Returns the configured sources, passwords included.
 async fn stored_sources(readers: &Readers) -> anyhow::Result<Vec<SourceConfig>> {
     let mut configs = Vec::new();
     for row in readers.session().await?.sources().all().await? {
@@ -278,8 +277,8 @@ async fn stored_sources(readers: &Readers) -> anyhow::Result<Vec<SourceConfig>> 
     Ok(configs)
 }
 
-/// The first start makes an engineer; a made-up password goes into a file that only the owner can
-/// read.
+/// Stores a first user, an engineer, where there is none. A made-up password goes into a file that
+/// only its owner can read.
 async fn ensure_first_user(session: &mut Session, config: &ConnectorConfig) -> anyhow::Result<()> {
     if session.users().count().await? > 0 {
         return Ok(());

@@ -14,7 +14,7 @@ pub struct ShownValue {
     pub value: serde_json::Value,
     /// The status, by its name where it has one.
     pub status: String,
-    /// When the source measured it.
+    /// Time of the measurement, by the source's clock.
     pub source_timestamp: Option<DateTime>,
 }
 

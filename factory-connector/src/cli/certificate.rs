@@ -10,7 +10,7 @@ use twin::{ApplicationCertificate, InstalledCertificate, RequestedSubject, TwinE
 
 use super::output::print;
 
-/// Who changes something, as the log says it.
+/// Author of a change, in the log.
 const COMMAND_LINE: &str = "command line";
 
 #[derive(Debug, Subcommand)]

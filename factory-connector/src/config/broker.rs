@@ -1,4 +1,4 @@
-//! The plant's own way to the broker.
+//! Route from the plant to the broker: another address, own authorities, an HTTP proxy.
 
 use std::path::PathBuf;
 
@@ -6,32 +6,32 @@ use daemon::Confidential;
 use messaging::{BrokerUrl, HttpProxy, InvalidBrokerUrl, Login};
 use serde::Deserialize;
 
-/// The way to the broker, where it is another than the platform told at enrolment.
+/// Deviations from the route that the platform named at enrolment.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct BrokerSection {
-    /// The broker's address; it must lead to the same broker, in the same protocol.
+    /// Address that leads to the same broker, in the same protocol.
     pub url: Option<BrokerUrl>,
-    /// PEM file with the authorities that may vouch for it; the one told at enrolment where absent.
+    /// PEM file with the authorities of the broker's certificate; those of the enrolment where
+    /// absent.
     pub root_certificates: Option<PathBuf>,
-    /// The HTTP proxy on the way.
+    /// HTTP proxy to connect through.
     pub proxy: Option<ProxySection>,
 }
 
-/// An HTTP proxy that connects through.
+/// HTTP proxy that accepts CONNECT.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProxySection {
-    /// Its address, `http://host[:port]`.
+    /// Address as `http://host[:port]`; without user name and password.
     pub url: String,
-    /// Who we are to it, where it asks.
+    /// User name of the connector at the proxy, where it demands one.
     pub user_name: Option<String>,
-    /// The password.
     pub password: Option<Confidential<String>>,
 }
 
 impl BrokerSection {
-    /// What is wrong, in sentences that name key and remedy.
+    /// Returns the faults of the section: sentences that name key and remedy.
     pub(super) fn faults(&self) -> Vec<String> {
         let mut faults = Vec::new();
         if self.url.as_ref().is_some_and(|url| !url.is_encrypted() && !url.is_loopback()) {
@@ -55,7 +55,7 @@ impl BrokerSection {
 }
 
 impl ProxySection {
-    /// The proxy as the link wants it.
+    /// Returns the proxy in the form that the link takes.
     ///
     /// # Errors
     /// [`InvalidBrokerUrl`] when the address is none of a proxy.
@@ -98,12 +98,12 @@ mod tests {
                 "both user_name and password",
             ),
         ] {
-            let told = faults(text);
+            let faults = faults(text);
             assert!(
-                told.len() == 1 && told[0].starts_with("broker.") && told[0].contains(words),
-                "{text}: {told:?}"
+                faults.len() == 1 && faults[0].starts_with("broker.") && faults[0].contains(words),
+                "{text}: {faults:?}"
             );
-            assert!(!told[0].contains("canary"), "{told:?}");
+            assert!(!faults[0].contains("canary"), "{faults:?}");
         }
     }
 }

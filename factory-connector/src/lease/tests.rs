@@ -1,4 +1,4 @@
-//! What follows from the platform's answers, without a platform.
+//! Properties of the state machine of the lease, without a platform.
 
 use super::*;
 
@@ -130,7 +130,7 @@ fn a_refusal_leaves_everything_to_the_other_until_it_is_granted() {
     bench.on(answered(answer(&first, LeaseResult::Granted)), 0);
     let renewal = Bench::asked(&bench.on(Input::Tick, 10));
     let refused = bench.on(answered(answer(&renewal, LeaseResult::Refused)), 10);
-    assert_eq!(refused, [Action::Close, Action::Rest(Duration::from_secs(10))]);
+    assert_eq!(refused, [Action::Close, Action::BackOff(Duration::from_secs(10))]);
     assert_eq!(
         bench.on(answered(answer(&renewal, LeaseResult::Refused)), 10),
         [],
@@ -139,7 +139,7 @@ fn a_refusal_leaves_everything_to_the_other_until_it_is_granted() {
     let status = bench.lease.status();
     assert_eq!((status.state, status.lease_number), (LeaseState::Refused, None));
     assert_eq!(status.holder.as_ref().map(|holder| &*holder.host), Some("their machine"));
-    assert_eq!(bench.on(Input::Tick, 100), [], "it rests");
+    assert_eq!(bench.on(Input::Tick, 100), [], "it backs off");
     assert_eq!(bench.on(Input::Disconnected, 10), [Action::Receive(false)]);
 
     let later = Bench::asked(&bench.on(Input::Connected, 20));

@@ -1,4 +1,5 @@
-//! How the link reaches the broker: as enrolment told, unless the plant goes its own way.
+//! Configuration of the link: the route that the enrolment names, with the deviations that the
+//! plant configures.
 
 use std::str::FromStr as _;
 
@@ -8,23 +9,24 @@ use messaging::{BrokerUrl, LinkConfig, Login, Roots};
 
 use crate::{config::BrokerSection, store::Enrolment};
 
-/// The link's configuration; what it receives follows from the lease.
+/// Returns the link's configuration, but for the addresses that it receives, which follow from the
+/// lease.
 pub(super) fn link_config(
     enrolled: &Enrolment,
     section: &BrokerSection,
     factory_id: &FactoryId,
 ) -> anyhow::Result<LinkConfig> {
-    let told = BrokerUrl::from_str(&enrolled.broker_url)
+    let enrolled_url = BrokerUrl::from_str(&enrolled.broker_url)
         .context("reading the broker's address of the enrolment")?;
-    let broker = section.url.clone().unwrap_or_else(|| told.clone());
-    if broker.is_mqtt() != told.is_mqtt() {
+    let broker = section.url.clone().unwrap_or_else(|| enrolled_url.clone());
+    if broker.is_mqtt() != enrolled_url.is_mqtt() {
         anyhow::bail!(
-            "broker.url is {broker}, but the platform's broker is {told}: the way may differ, not the protocol; write \
-             the same protocol, or remove the key"
+            "broker.url is {broker}, but the platform's broker is {enrolled_url}: the way may differ, not the \
+             protocol; write the same protocol, or remove the key"
         );
     }
     let login = Login::new(&enrolled.user_name, &enrolled.password);
-    // Unique per running instance, so that a broker tells two instances apart.
+    // Unique per running instance, so that a broker distinguishes two instances.
     let mut link = LinkConfig::new(broker, login, format!("{factory_id}.{}", uuid::Uuid::new_v4()));
     link.profile = serde_json::from_str(&enrolled.profile)
         .context("reading the broker's profile of the enrolment")?;
@@ -52,7 +54,7 @@ mod tests {
             profile: "\"embedded\"".to_owned(),
             user_name: "factory.FOR_MUC".to_owned(),
             password: "secret".to_owned(),
-            root_certificate_pem: Some("told".to_owned()),
+            root_certificate_pem: Some("enrolled".to_owned()),
         }
     }
 
@@ -61,15 +63,15 @@ mod tests {
     }
 
     #[test]
-    fn without_a_word_of_the_plant_the_enrolment_holds() {
+    fn without_a_section_the_enrolment_is_used() {
         let link = configured(&BrokerSection::default()).expect("a configuration");
         assert_eq!(link.brokers, ["amqps://verbund.example".parse().expect("an address")]);
         assert!(link.proxy.is_none());
-        assert!(matches!(link.tls.roots, Roots::Pem(pem) if pem == "told"));
+        assert!(matches!(link.tls.roots, Roots::Pem(pem) if pem == "enrolled"));
     }
 
     #[test]
-    fn the_plant_goes_its_own_way_to_the_same_broker() {
+    fn the_section_replaces_address_authorities_and_proxy() {
         let folder = tempfile::tempdir().expect("a folder");
         let pem = folder.path().join("roots.pem");
         std::fs::write(&pem, "own").expect("written");
@@ -89,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn another_protocol_is_another_broker() {
+    fn another_protocol_than_that_of_the_enrolment_is_refused() {
         let url = Some("mqtt+wss://verbund.example".parse().expect("an address"));
         let fault = configured(&BrokerSection { url, ..BrokerSection::default() })
             .expect_err("refused")

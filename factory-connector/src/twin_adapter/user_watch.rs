@@ -9,13 +9,13 @@ use twin::TwinHandle;
 
 use crate::store::{Readers, StoreError, User};
 
-/// How often the store is looked at without being told to: the command line changes people, too.
-const LOOK: Duration = Duration::from_secs(5);
+/// Time between two reads of the store without a notification: the command line changes users, too.
+const READ_INTERVAL: Duration = Duration::from_secs(5);
 
 /// Role and password hash by name.
 type People = HashMap<String, (String, String)>;
 
-/// Watches people.
+/// Task that compares the stored users with those it read before.
 pub struct UserWatch {
     readers: Readers,
     twin: TwinHandle,
@@ -24,7 +24,7 @@ pub struct UserWatch {
 }
 
 impl UserWatch {
-    /// Watches from now on; `changed` says that looking is worth while.
+    /// Reads the users of now; `changed` notifies of later changes by this process.
     ///
     /// # Errors
     /// [`StoreError`] where the users cannot be read.
@@ -37,11 +37,11 @@ impl UserWatch {
         Ok(Self { readers, twin, changed, known })
     }
 
-    /// Goes on until `shutdown`.
+    /// Compares users until shutdown.
     pub async fn run(mut self, shutdown: CancellationToken) {
         loop {
             tokio::select! {
-                () = tokio::time::sleep(LOOK) => {}
+                () = tokio::time::sleep(READ_INTERVAL) => {}
                 () = self.changed.notified() => {}
                 () = shutdown.cancelled() => return,
             }
@@ -76,7 +76,7 @@ async fn people(readers: &Readers) -> Result<People, StoreError> {
     Ok(users.into_iter().map(entry).collect())
 }
 
-/// Those known before who are others now, or gone.
+/// Returns the names of users who were changed or removed.
 fn changed<'p>(before: &'p People, now: &People) -> impl Iterator<Item = &'p str> {
     before.iter().filter(|(name, user)| now.get(*name) != Some(user)).map(|(name, _)| name.as_str())
 }
@@ -86,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_those_who_changed_have_to_go() {
+    fn changed_and_removed_users_are_found() {
         let people = |people: &[(&str, &str, &str)]| -> People {
             people
                 .iter()

@@ -9,7 +9,7 @@ use asi_model::{DateTime, messages::GapCause};
 use crate::{Effects, Field, FieldEvent, Writes, effects::TwinUpdate};
 pub(crate) use ending::{EndedConsents, EndedWriter, Ending};
 
-/// What a use case changed: rows to store, effects that follow their commit, and work that the
+/// Changes of one use case: rows to store, effects that follow their commit, and work that the
 /// transaction does once for all its use cases.
 #[derive(Debug, Default)]
 pub struct ChangeSet {

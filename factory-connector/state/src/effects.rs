@@ -16,7 +16,7 @@ pub struct Effects {
     pub values: Vec<(FieldKey, DataValue)>,
     /// Commands for the mapping engine.
     pub engine: Vec<EngineCommand>,
-    /// News for the link.
+    /// Signals for the link.
     pub link: LinkSignals,
     /// The newest state of each field that changed, by field number, for open pages.
     pub fields: BTreeMap<i64, FieldEvent>,
@@ -58,7 +58,7 @@ impl Effects {
     }
 }
 
-/// News for the link.
+/// Signals for the link: reasons to read the spool again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct LinkSignals {
     /// The spool has new messages.
@@ -73,7 +73,7 @@ pub struct LinkSignals {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct DecisionCounts {
-    /// All decisions.
+    /// All decisions, those of standing rules included.
     pub count: usize,
     /// Decisions of standing rules among them.
     pub rule_count: usize,
@@ -106,7 +106,7 @@ pub enum ConnectorEvent {
     Field(Box<FieldEvent>),
     /// A network is new, revised or withdrawn.
     Inbox(OperationNetworkId),
-    /// Somebody commented on a network.
+    /// A user commented on a network.
     Comment(OperationNetworkId),
     /// An operator entered something about an operation.
     Operator(OperationKey),

@@ -1,4 +1,4 @@
-//! Who may do what, and what partners may see: users, policies, rules, revocations, the ledger.
+//! Rights of users and disclosure to partners: policies, rules, revocations, the ledger.
 
 use opcua_stack::opcua::crypto::PrivateKey;
 use reqwest::{Method, StatusCode};
@@ -79,31 +79,46 @@ async fn policies_and_rules_decide_and_are_undone() {
     let fields = json!([{ "name": "power", "type": 11, "unit": "WTT" }, { "name": "count", "type": 9, "unit": "PIECE" },
         { "name": "recipe", "type": 12 }]);
     let plant = Plant::start(fields).await;
+    check_consent_offer_and_revision(&plant).await;
+    check_versions_of_policies(&plant).await;
+    check_decisions_of_rules(&plant).await;
+    check_tightened_policy(&plant).await;
+}
+
+async fn check_consent_offer_and_revision(plant: &SignedIn) {
     let offer = plant.get(&format!("{}/consent-offer", field("power"))).await;
     assert_eq!(offer["disclosure"]["minimumIntervalMs"], 1000, "{offer:#}");
     assert_eq!(offer["valuesPerHour"], 3600.0);
-    let news = plant.get("/operation-networks/frame/news").await;
+    let revision = plant.get("/operation-networks/frame/news").await;
     assert_eq!(
-        (&news["revision"], &news["previousRevision"]),
+        (&revision["revision"], &revision["previousRevision"]),
         (&json!(1), &Value::Null),
-        "{news:#}"
+        "{revision:#}"
     );
+}
 
-    // A named policy: by version, never finer than its fields and never overwritten unseen.
-    let coarse = |step: f64| json!({ "name": "Coarse", "disclosure": { "roundingStep": step } });
+/// A named policy that rounds to `step`.
+fn coarse(step: f64) -> Value {
+    json!({ "name": "Coarse", "disclosure": { "roundingStep": step } })
+}
+
+/// A named policy has versions; a change of an older one than the newest is refused.
+async fn check_versions_of_policies(plant: &SignedIn) {
     let created = plant.call_if_match(Method::PUT, "/policies/coarse", "\"0\"", coarse(10.0)).await;
     assert_eq!(created.0, 200, "{}", created.1);
     let stale = plant.call_if_match(Method::PUT, "/policies/coarse", "\"0\"", coarse(1.0)).await;
     assert!(stale.0 == 409 && stale.1.contains("CHANGED"), "{}", stale.1);
     let wrong = json!({ "name": "", "disclosure": {} });
-    let (status, problem) = refused(&plant, Method::PUT, "/policies/wrong", wrong).await;
+    let (status, problem) = refused(plant, Method::PUT, "/policies/wrong", wrong).await;
     assert_eq!(
         (status.as_u16(), &problem["faults"][0]["pointer"]),
         (422, &json!("/name")),
         "{problem:#}"
     );
+}
 
-    // A rule accepts what it means, refuses what it means, and is looked at before.
+/// Rules accept and refuse the fields that they cover, after a preview; a decision can be undone.
+async fn check_decisions_of_rules(plant: &SignedIn) {
     let accept = json!({ "name": "Power of acme", "isEnabled": true, "action": "ACCEPT", "valueSource": "EXTERNAL",
         "when": { "partners": ["acme"], "units": ["WTT"] }, "policyId": "coarse" });
     let looked = plant.post("/rules/preview", accept.clone()).await;
@@ -140,8 +155,10 @@ async fn policies_and_rules_decide_and_are_undone() {
         0,
         "what was undone is the engineer's"
     );
+}
 
-    // What the policy and the recipient's policy change is told beforehand, and holds at once.
+/// A tightened policy shows its effect in a preview, and applies at once.
+async fn check_tightened_policy(plant: &SignedIn) {
     let changed = plant.post("/policies/coarse/preview", coarse(100.0)).await;
     assert_eq!(changed["items"].as_array().map(Vec::len), Some(1), "{changed:#}");
     assert_ne!(changed["items"][0]["statement"], changed["items"][0]["statementThen"]);
@@ -218,9 +235,9 @@ async fn what_left_is_shown_summed_up_exported_and_ended() {
         (&short["fields"], &short["conclusions"][0]),
         (&Value::Null, &acme["warnings"][0]["conclusion"])
     );
-    let told = json!([{ "code": "UNCHANGED" }]);
-    assert_eq!(acme["fields"][0]["statementParts"], told, "{acme:#}");
-    assert_eq!(plant.get(&field("count")).await["disclosureParts"], told);
+    let unchanged = json!([{ "code": "UNCHANGED" }]);
+    assert_eq!(acme["fields"][0]["statementParts"], unchanged, "{acme:#}");
+    assert_eq!(plant.get(&field("count")).await["disclosureParts"], unchanged);
 
     let nothing = refused(&plant, Method::POST, "/revocations", json!({})).await;
     assert_eq!(nothing.1["code"], "NOTHING_NAMED");

@@ -1,4 +1,4 @@
-//! What open pages hear, so that they need not ask.
+//! Events that open pages receive, so that they need not poll.
 
 use std::time::Duration;
 

@@ -93,12 +93,12 @@ async fn a_mapping_is_corrected_tried_and_taken_back() {
     let (status, text) =
         plant.call(reqwest::Method::POST, &of("trial"), Some(body.to_string())).await;
     assert!(status.is_success(), "{text}");
-    let trial: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let dry_run: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     assert!(
-        trial["values"].as_u64() > Some(1) && trial["runsTotal"] == trial["values"],
-        "{trial:#}"
+        dry_run["values"].as_u64() > Some(1) && dry_run["runsTotal"] == dry_run["values"],
+        "{dry_run:#}"
     );
-    assert_eq!(trial["runs"][0]["steps"][0]["function"], "scale");
+    assert_eq!(dry_run["runs"][0]["steps"][0]["function"], "scale");
 
     let view = plant.post(&of("versions/1/rollback"), json!({})).await;
     assert_eq!(view["mappingVersion"], 3);
@@ -192,12 +192,12 @@ async fn a_script_is_checked_published_and_corrected_without_losing_its_count() 
         .until("the corrected one runs", &path, |status| count(status, "second").is_some())
         .await;
     assert!(count(&after, "second") >= Some(counted), "{before:#} {after:#}");
-    let trial = json!({ "mapping": counting("third") });
-    let trial = plant.post(&format!("{}/trial", field("label")), trial).await;
-    let tried = trial["runs"][0]["candidate"]["value"]
+    let body = json!({ "mapping": counting("third") });
+    let dry_run = plant.post(&format!("{}/trial", field("label")), body).await;
+    let tried = dry_run["runs"][0]["candidate"]["value"]
         .as_str()
         .and_then(|text| text.strip_prefix("third "));
-    assert!(tried.and_then(|count| count.parse::<u64>().ok()) > Some(counted), "{trial:#}");
+    assert!(tried.and_then(|count| count.parse::<u64>().ok()) > Some(counted), "{dry_run:#}");
 
     plant.map("label", script("(v) => { throw new Error('out of order') }")).await;
     let fails = |survey: &serde_json::Value| survey["counts"]["failing"] == 1;

@@ -131,7 +131,7 @@ impl Plant {
         plant
     }
 
-    /// Where the connector keeps everything.
+    /// Returns the connector's data directory.
     pub fn data_directory(&self) -> PathBuf {
         self.directory.path().join("data")
     }
@@ -158,7 +158,7 @@ impl SignedIn {
         Ok(session)
     }
 
-    /// Somebody else's session; why not, where there is none.
+    /// Signs another user in; the error is the body of the refusal.
     pub async fn signed_in(&self, user_name: &str, password: &str) -> Result<Self, String> {
         Self::new(self.base.clone(), user_name, password).await
     }

@@ -1,5 +1,4 @@
-//! Who may come in at the OPC UA server: the pages' people, with certificates that an engineer
-//! trusts.
+//! Clients of the OPC UA server: users of the pages, with certificates that an engineer trusts.
 
 use std::{
     path::{Path, PathBuf},
@@ -102,7 +101,7 @@ async fn people_sign_in_at_the_twin_until_their_password_changes() {
     let hash = password_hash(&plant, "otto").await;
     assert!(hash.starts_with("$argon2id$v=19$") && !hash.contains("otto at machine 7"), "{hash}");
 
-    // Whoever knocks waits for an approval, and can be told apart.
+    // A rejected client waits for an approval, and is identified by name and address.
     let refused = sign_in(&url, pki(), "otto", "otto at machine 7").await.err();
     assert_eq!(refused, Some(StatusCode::BadSecurityChecksFailed));
     let waiting = plant.get("/client-certificates").await["items"][0].clone();

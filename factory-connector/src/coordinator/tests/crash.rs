@@ -7,9 +7,10 @@ use rand::{Rng as _, SeedableRng as _};
 
 use super::{failures::consistent, *};
 
-/// Tells the test's second process where to work; without it that test has nothing to do.
+/// Variable that names the store's folder to the test's second process; without it that test does
+/// nothing.
 const FOLDER: &str = "VERBUND_TEST_CRASH_FOLDER";
-/// How often the process is killed.
+/// Number of times that the process is killed.
 const KILLS: usize = 12;
 const SEED: u64 = 20_261_122;
 

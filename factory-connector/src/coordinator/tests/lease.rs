@@ -39,7 +39,7 @@ async fn nothing_leaves_without_the_lease_and_nothing_is_lost_meanwhile() {
     running.close().await;
 }
 
-/// The gate is closed until somebody opens it.
+/// A new gate is closed.
 #[test]
 fn a_gate_is_closed_at_first() {
     assert_eq!(LeaseGate::default().number(), None);
@@ -51,8 +51,8 @@ fn epochs(rows: &[SpoolRow]) -> Vec<u64> {
     epochs
 }
 
-/// A copy numbers its reports apart from the original, so that neither's can be taken for repeats
-/// of the other's; and that is not forgotten where it ends before anything was written.
+/// A copy numbers its reports in epochs of its own, so that neither's reports are mistaken for
+/// repeats of the other's, even where the copy first ends before it wrote anything.
 #[tokio::test]
 async fn a_copied_store_begins_new_epochs_and_the_original_goes_on() {
     let running = Running::with_two_open_fields().await;
@@ -90,8 +90,8 @@ async fn a_copied_store_begins_new_epochs_and_the_original_goes_on() {
     }
 }
 
-/// Whether requests are this connector's is known from the start only where it was granted the
-/// lease last.
+/// Requests are known to be this connector's from the start only where the last answer granted it
+/// the lease.
 #[tokio::test]
 async fn the_lease_is_remembered_where_it_was_granted() {
     let mut running = Running::open().await;

@@ -216,7 +216,7 @@ async fn every_deletion_is_found() {
     }
 }
 
-/// Whoever rewrites everything and signs it anew has not the key that was noted before.
+/// An attacker who rewrites and re-signs everything does not have the key that was noted before.
 #[tokio::test]
 async fn another_key_is_found() {
     let folder = small_ledger().await;
@@ -226,8 +226,8 @@ async fn another_key_is_found() {
     assert!(!outcome.is_intact());
 }
 
-/// What retention removes leaves a ledger that still proves the rest; what the spool works with
-/// stays.
+/// Retention removes old entries, and the ledger still proves the others; rows that the spool
+/// needs stay.
 #[tokio::test]
 async fn retention_leaves_a_ledger_that_verifies() {
     let folder = small_ledger().await;

@@ -1,13 +1,9 @@
 use super::*;
 use crate::store::Ledger;
 
-/// Stopped at once, what waits taken back, the partner told, and a receipt that names the last
-/// number delivered.
-#[tokio::test]
-async fn a_revocation_stops_takes_back_tells_and_states_what_had_left() {
-    let running = Running::with_two_open_fields().await;
-    // The first report is delivered, the second only sent, the third fetched by the link, the
-    // fourth waits.
+/// Brings four reports of each data set: the first delivered, the second sent, the third fetched by
+/// the link (returned), the fourth waiting. Returns the first report of the field "made" as well.
+async fn reports_on_their_way(running: &Running) -> (Report, Vec<SpoolRow>) {
     running.enter_both(1).await;
     let first = running.fetch(Lane::Reports).await;
     assert_eq!(running.accept(&first).await, 1);
@@ -20,6 +16,15 @@ async fn a_revocation_stops_takes_back_tells_and_states_what_had_left() {
     let third = running.fetch(Lane::Reports).await;
     assert_eq!(reports(&third[0]).len(), 2, "both data sets share the message");
     running.enter_both(4).await;
+    (made, third)
+}
+
+/// A revocation stops the field at once, takes back waiting reports, notifies the partner, and
+/// leaves a receipt that names the last number delivered.
+#[tokio::test]
+async fn a_revocation_stops_takes_back_notifies_and_states_what_had_left() {
+    let running = Running::with_two_open_fields().await;
+    let (made, third) = reports_on_their_way(&running).await;
 
     let id = running.revoke(Some("Enough.")).await;
 
@@ -31,7 +36,35 @@ async fn a_revocation_stops_takes_back_tells_and_states_what_had_left() {
     let refused = running.enter(vec![entry("made", json!(5))]).await.expect("answered");
     assert!(matches!(refused[0], EntryOutcome::Refused(_)), "{refused:?}");
 
+    assert_receipt(&running, &id, &made).await;
+    assert_partner_is_notified(&running).await;
+
+    // A report in flight arrives all the same, and the receipt's page shows it.
+    running.receipt(&made, 1).await;
     let found = running.session().await.revocations().lookup(&id).await.expect("read");
+    let found = found.expect("a receipt");
+    assert_eq!((found.arrived_since, found.open), (1, 0));
+
+    for recipient in ["acme", "hull"] {
+        let entries = running.entries(recipient).await;
+        let revoked = entries.iter().find(|entry| entry["event"] == "REVOKED").expect("an entry");
+        assert_eq!(
+            (&revoked["revocationId"], &revoked["lastDeliveredSequence"]),
+            (&json!(id), &json!(0))
+        );
+        assert!(
+            entries.iter().any(|entry| entry["event"] == "SENT" && entry["messageId"].is_string())
+        );
+    }
+    let folder = running.close().await;
+    let outcome = Ledger(&mut connect(folder.path()).await).verify(None).await.expect("read");
+    assert!(outcome.is_intact(), "{outcome:?}");
+    assert_eq!(outcome.revocations, 1);
+}
+
+/// The receipt names author, reason, fields, and the last number of each delivery state.
+async fn assert_receipt(running: &Running, id: &str, made: &Report) {
+    let found = running.session().await.revocations().lookup(id).await.expect("read");
     let found = found.expect("a receipt");
     let receipt = &found.receipt;
     assert_eq!(
@@ -55,50 +88,30 @@ async fn a_revocation_stops_takes_back_tells_and_states_what_had_left() {
     assert_eq!(writer.in_flight, [range(1, 1)]);
     assert_eq!(writer.taken_back, [range(2, 3)]);
     assert_eq!((found.arrived_since, found.open), (0, 1));
+}
 
-    // The partner is told of the decision and of what will never come.
-    let told: Vec<Value> = running
+/// The partner learns the decision, and the gap of the reports that will never come.
+async fn assert_partner_is_notified(running: &Running) {
+    let messages: Vec<Value> = running
         .fetch(Lane::Control)
         .await
         .iter()
         .map(|row| serde_json::from_slice(&row.envelope.body).expect("JSON"))
         .collect();
-    assert!(told.iter().any(
+    assert!(messages.iter().any(
         |message| message["messageType"] == "decision" && message["mappingState"] == "PENDING"
     ));
-    let gap = told.iter().find(|message| message["messageType"] == "gap").expect("a gap");
+    let gap = messages.iter().find(|message| message["messageType"] == "gap").expect("a gap");
     assert_eq!(
         (&gap["firstSequence"], &gap["lastSequence"], &gap["cause"]),
         (&json!(2), &json!(3), &json!("REVOKED"))
     );
-
-    // What was on its way arrives all the same, and the receipt's page knows.
-    running.receipt(&made, 1).await;
-    let found = running.session().await.revocations().lookup(&id).await.expect("read");
-    let found = found.expect("a receipt");
-    assert_eq!((found.arrived_since, found.open), (1, 0));
-
-    for recipient in ["acme", "hull"] {
-        let entries = running.entries(recipient).await;
-        let revoked = entries.iter().find(|entry| entry["event"] == "REVOKED").expect("an entry");
-        assert_eq!(
-            (&revoked["revocationId"], &revoked["lastDeliveredSequence"]),
-            (&json!(id), &json!(0))
-        );
-        assert!(
-            entries.iter().any(|entry| entry["event"] == "SENT" && entry["messageId"].is_string())
-        );
-    }
-    let folder = running.close().await;
-    let outcome = Ledger(&mut connect(folder.path()).await).verify(None).await.expect("read");
-    assert!(outcome.is_intact(), "{outcome:?}");
-    assert_eq!(outcome.revocations, 1);
 }
 
-/// The broker takes a message at the very moment in which a report in it is taken back: it has
-/// left, and is accounted for.
+/// A report that the broker accepts at the moment of its revocation has left, and the ledger
+/// records both.
 #[tokio::test]
-async fn what_leaves_while_it_is_taken_back_is_accounted_for() {
+async fn a_report_that_leaves_while_it_is_taken_back_is_recorded() {
     let running = Running::with_two_open_fields().await;
     running.enter_both(1).await;
     let rows = running.fetch(Lane::Reports).await;

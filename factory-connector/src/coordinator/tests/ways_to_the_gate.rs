@@ -14,8 +14,7 @@ use connector_state::{
     use_cases::revise::receive_network,
 };
 
-/// Who could bring a value. A new way must be listed here: the sources below are looked through for
-/// others.
+/// Origins of values. A new one must be listed here: a test searches the sources for others.
 #[derive(Debug, Clone, Copy)]
 enum Way {
     /// A mapping's functions or script, alike: what the mapping engine yields is a candidate.
@@ -164,7 +163,7 @@ impl Gateway {
         }
     }
 
-    /// What the node shows.
+    /// Returns the value that the twin's node shows.
     async fn shown(&self) -> Option<DataValue> {
         self.handle
             .read(|state| state.field(&field("made")).and_then(|f| f.gate.disclosed().cloned()))
@@ -172,7 +171,7 @@ impl Gateway {
             .expect("read")
     }
 
-    /// Every value of the field that ever left, as the ledger keeps it.
+    /// Returns every value of the field that ever left, from the ledger.
     async fn left(&self) -> Vec<serde_json::Value> {
         let statement = "SELECT r.body FROM ledger_entry e JOIN report r ON r.id = e.report_id \
              WHERE e.recipient = 'acme' ORDER BY e.number";
@@ -323,7 +322,7 @@ fn there_is_no_way_around_the_gate() {
         ("disclosed =", vec!["disclosure/src/gate.rs 3", "src/api/preview.rs 1"]),
         // Read from the store.
         ("GateState {", vec!["disclosure/src/gate.rs 2", "disclosure/src/gate/document.rs 1"]),
-        // Loaded, or made anew and empty.
+        // Loaded, or created empty.
         (".gate =", vec!["state/src/load.rs 1", "state/src/use_cases/revise/fields.rs 1"]),
         (
             "through_gate(",

@@ -6,7 +6,7 @@ use asi_model::{FieldKey, OrganisationId, RequestKey, messages::GapCause};
 use ledger::RevokedField;
 use uuid::Uuid;
 
-/// Why and by whom consents end.
+/// Cause and author of the end of consents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Ending<'e> {
     pub(crate) cause: GapCause,

@@ -34,7 +34,7 @@ fn refresh_writer(state: &mut ConnectorState, changes: &mut ChangeSet, id: u16, 
         .filter(|(_, field)| field.decision.is_mapped())
         .map(|(key, _)| key.field_name)
         .collect();
-    // A consent that ended and was given anew within one transaction ended nevertheless.
+    // A consent that ended and was given again within one transaction ended nevertheless.
     let is_ended = changes.purges.contains_key(&id);
     let Some(writer) = state.writers.get_mut(id) else { return };
     let is_appended = !is_ended && fields.starts_with(&writer.fields);

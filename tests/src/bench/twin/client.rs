@@ -105,7 +105,7 @@ impl Client {
     ) -> anyhow::Result<mpsc::UnboundedReceiver<(usize, DataValue)>> {
         let (sender, receiver) = mpsc::unbounded_channel();
         let callback = DataChangeCallback::new(move |value, item| {
-            // Handles count from 1. Whoever measured may have enough.
+            // Handles count from 1. The receiver may be gone once the measurement ended.
             sender.send((item.client_handle() as usize - 1, value)).ok();
         });
         let subscription =

@@ -1,4 +1,4 @@
-//! Keeps the lease: asks, renews, opens and closes the gate, and says how it stands.
+//! Client of the platform's lease: sends requests, opens and closes the gate, publishes the state.
 
 use std::{sync::Arc, time::Instant};
 
@@ -12,19 +12,19 @@ use tokio_util::sync::CancellationToken;
 use super::{Action, Input, Instance, Lease, LeaseGate, LeaseState, LeaseStatus};
 use crate::coordinator::{CoordinatorHandle, new_message_id, now};
 
-/// Answers on their way to the keeper; more than a platform gives in a minute. What is beyond is
-/// asked for again.
+/// Most answers that wait for the client; more than a platform gives in a minute. Further ones are
+/// dropped, and the client asks again.
 const ANSWERS_MAX: usize = 64;
 
-/// Where the link puts what it receives about the lease.
+/// Receiver of the link's messages about the lease.
 #[derive(Clone)]
 pub struct LeaseAnswers {
     factory_id: asi_model::FactoryId,
-    keeper: mpsc::Sender<LeaseAnswer>,
+    answers: mpsc::Sender<LeaseAnswer>,
 }
 
-/// The keeper; [`run`](Self::run) it.
-pub struct LeaseKeeper {
+/// Requests and renews the lease while [`run`](Self::run) is polled.
+pub struct LeaseClient {
     lease: Lease,
     gate: Arc<LeaseGate>,
     link: LinkHandle,
@@ -34,15 +34,15 @@ pub struct LeaseKeeper {
     events: EventLog<ConnectorEvent>,
     addresses: [LogicalAddress; 2],
     ingress: LogicalAddress,
-    /// Whether the store says that this connector has the lease.
+    /// The store says that this connector has the lease.
     is_stored: bool,
 }
 
-/// Opens the way to a keeper that is yet to be made.
+/// Makes the channel of answers from the link to a [`LeaseClient`].
 #[must_use]
 pub fn channel(factory_id: asi_model::FactoryId) -> (LeaseAnswers, mpsc::Receiver<LeaseAnswer>) {
-    let (keeper, answers) = mpsc::channel(ANSWERS_MAX);
-    (LeaseAnswers { factory_id, keeper }, answers)
+    let (sender, answers) = mpsc::channel(ANSWERS_MAX);
+    (LeaseAnswers { factory_id, answers: sender }, answers)
 }
 
 impl LeaseAnswers {
@@ -56,25 +56,26 @@ impl LeaseAnswers {
         }
     }
 
-    /// Takes what was received; what is of no use is gone, for it is asked for again.
+    /// Passes received answers on to the client. Unreadable ones are dropped, for the client asks
+    /// again.
     pub fn take(&self, deliveries: &[Delivery]) {
         for delivery in deliveries {
             match self.read(delivery) {
-                Ok(answer) => drop(self.keeper.try_send(answer)),
+                Ok(answer) => drop(self.answers.try_send(answer)),
                 Err(reason) => tracing::warn!(
                     message.id = delivery.envelope.message_id.as_ref().map(tracing::field::display),
                     reason,
-                    "What came where answers about the lease come cannot be read; it is asked again. If it goes on, compare \
-                     the versions of the connector and the platform."
+                    "A message at the address of lease answers cannot be read; the connector asks again. If it goes on, \
+                     compare the versions of the connector and the platform."
                 ),
             }
         }
     }
 }
 
-impl LeaseKeeper {
-    /// A keeper for this running connector. `was_held`: the store says that it was granted the
-    /// lease here before.
+impl LeaseClient {
+    /// Makes the client of this running connector, and a watch of its state. `was_held`: the store
+    /// says that the lease was granted here before.
     #[must_use]
     pub fn new(
         instance: Instance,
@@ -93,7 +94,7 @@ impl LeaseKeeper {
             LogicalAddress::FactoryRequests(factory_id.clone()),
         ];
         let ingress = LogicalAddress::FactoryIngress(factory_id);
-        let keeper = Self {
+        let client = Self {
             lease,
             gate,
             link,
@@ -105,11 +106,11 @@ impl LeaseKeeper {
             ingress,
             is_stored: was_held,
         };
-        (keeper, watched)
+        (client, watched)
     }
 
-    /// What a link receives from the start: requests only where this connector had the lease
-    /// before, for else they may be another one's.
+    /// Returns the addresses that a link receives from the start: that of requests only where this
+    /// connector had the lease before, for else they may be another one's.
     #[must_use]
     pub fn received_at_start(
         factory_id: &asi_model::FactoryId,
@@ -120,14 +121,14 @@ impl LeaseKeeper {
         std::iter::once(leases).chain(requests).collect()
     }
 
-    /// Runs until shutdown.
+    /// Requests and renews the lease until shutdown.
     pub async fn run(mut self, shutdown: CancellationToken) {
         let mut states = self.link.state();
         let mut connects = None;
         while !shutdown.is_cancelled() {
             let found = connection(&states.borrow_and_update());
             if found != connects {
-                // One that ended and was replaced between two looks counts as both.
+                // A connection that was replaced since the last turn counts as ended and begun.
                 if connects.is_some() {
                     self.on(Input::Disconnected).await;
                 }
@@ -154,7 +155,7 @@ impl LeaseKeeper {
         }
         let after = self.lease.status();
         if *after != before {
-            tell(&before, after);
+            log_change(&before, after);
             self.status.send_replace(after.clone());
             self.events.publish([ConnectorEvent::Status]);
         }
@@ -185,7 +186,7 @@ impl LeaseKeeper {
                 let count = if is_receiving { self.addresses.len() } else { 1 };
                 self.link.set_consumed(self.addresses[..count].to_vec());
             }
-            Action::Rest(pause) => {
+            Action::BackOff(pause) => {
                 let holder = self.lease.status().holder.as_ref();
                 let holder = holder.map_or("another machine", |holder| &holder.host);
                 let reason = format!(
@@ -197,25 +198,25 @@ impl LeaseKeeper {
         }
     }
 
-    /// Remembers over a restart whether requests are this connector's.
+    /// Stores, for the next start, that requests are this connector's or another one's.
     async fn store(&mut self, is_held: bool) {
         if self.is_stored == is_held {
             return;
         }
-        // A disk that is full now is no reason to stop: it is written with the next change.
+        // A full disk is no reason to stop: the next change of the lease tries again.
         if self.coordinator.execute(move |_, _| set_lease_held(is_held)).await.is_ok() {
             self.is_stored = is_held;
         }
     }
 }
 
-/// Which connection it is; none where there is none.
+/// Returns the number of the connection in use; `None` while the link is down.
 fn connection(state: &LinkState) -> Option<u64> {
     state.is_up().then_some(state.connects)
 }
 
-/// Says once what people have to know.
-fn tell(before: &LeaseStatus, after: &LeaseStatus) {
+/// Logs changes that people have to know, once each.
+fn log_change(before: &LeaseStatus, after: &LeaseStatus) {
     let host = |party: &Option<asi_model::messages::LeaseParty>| {
         party.as_ref().map_or_else(String::new, |party| party.host.clone())
     };

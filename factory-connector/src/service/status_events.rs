@@ -1,4 +1,4 @@
-//! Tells open pages when the link or a local server changes its state.
+//! Events for open pages about the states of the link and of local servers.
 
 use std::time::Duration;
 
@@ -9,25 +9,25 @@ use tokio_util::sync::CancellationToken;
 
 use connector_state::ConnectorEvent;
 
-/// However fast things change, pages are told so often at most.
+/// Shortest time between two events.
 const PAUSE: Duration = Duration::from_millis(500);
 
-/// Runs until shutdown. What only counts - messages, ages, the spool - is not told: pages ask for
-/// it.
-pub(super) async fn tell(
+/// Publishes an event for each change of a state, until shutdown. Counters - messages, ages, the
+/// spool - cause none: pages poll them.
+pub(super) async fn publish(
     events: EventLog<ConnectorEvent>,
     mut link: watch::Receiver<LinkState>,
     mut sources: watch::Receiver<u64>,
     shutdown: CancellationToken,
 ) {
-    let standing = |state: &LinkState| (state.phase, state.reason.clone());
-    let mut told = standing(&link.borrow_and_update());
+    let phase = |state: &LinkState| (state.phase, state.reason.clone());
+    let mut published = phase(&link.borrow_and_update());
     loop {
         tokio::select! {
             () = shutdown.cancelled() => return,
             Ok(()) = link.changed() => {
-                let now = standing(&link.borrow_and_update());
-                if std::mem::replace(&mut told, now.clone()) == now {
+                let now = phase(&link.borrow_and_update());
+                if std::mem::replace(&mut published, now.clone()) == now {
                     continue;
                 }
             }
