@@ -3,12 +3,13 @@
 mod link;
 mod mappings;
 mod status_events;
+mod tasks;
 
-use std::{net::SocketAddr, sync::Arc};
+use std::{net::SocketAddr, path::Path, sync::Arc};
 
 use anyhow::Context as _;
-use asi_model::FactoryId;
-use connector_state::StateConfig;
+use asi_model::{DateTime, FactoryId};
+use connector_state::{ConnectorEvent, StateConfig};
 use daemon::{
     Confidential,
     lifecycle::{Importance, Lifecycle},
@@ -20,25 +21,24 @@ use daemon::{
         session::{PasswordHash, PasswordPolicy, random_token},
     },
 };
-use mapping_engine::MappingEngine;
-use messaging::Link;
-use shop_floor::{ShopFloor, SourceConfig};
-use tokio::sync::mpsc;
-use twin::Twin;
+use mapping_engine::{MappingEngine, MappingEngineHandle};
+use messaging::LinkHandle;
+use shop_floor::{ShopFloor, ShopFloorHandle, SourceConfig};
+use tokio::sync::{Notify, mpsc, watch};
+use twin::{Twin, TwinError, TwinHandle};
 
 use crate::ledger_key::{self, LEDGER_KEY_FILE};
 use crate::{
     api::{self, Api},
-    catalog::Catalog,
+    catalog::{Catalog, CatalogHandle},
     config::ConnectorConfig,
-    coordinator::{self, Coordinator, CoordinatorConfig, Outputs, now},
-    in_flight::InFlight,
-    keep_alive_queue::KeepAliveQueue,
-    lease::{self, Instance, LeaseClient, LeaseGate},
-    link_adapter::{ConnectorSpool, PlatformInbox},
-    store::{Readers, Role, Session, Store, User},
+    coordinator::{self, Coordinator, CoordinatorConfig, CoordinatorHandle, Outputs, now},
+    lease::LeaseStatus,
+    store::{Enrolment, Readers, Role, Session, Store, User},
     twin_adapter::{CoordinatorWriter, StoredUsers, UserWatch},
 };
+use link::OpenedLink;
+use tasks::Tasks;
 
 /// Most events that are retained for pages that catch up.
 const EVENTS_KEPT_MAX: usize = 4096;
@@ -65,108 +65,23 @@ pub async fn start(
 ) -> anyhow::Result<ConnectorHandle> {
     let started_at = now();
     let directory = config.data_directory.clone();
-    std::fs::create_dir_all(&directory)
-        .with_context(|| format!("making the data directory {}", directory.display()))?;
-    let mut session = Store::connect(&directory).await?;
-    let enrolled = session.enrolments().current().await?.context(
-        "this connector is not enrolled yet: ask an administrator of the platform for a token and run \
-         `factory-connector enrol <token>` with the same --config",
-    )?;
-    ensure_first_user(&mut session, &config).await?;
-    drop(session);
+    let enrolled = prepare(&config).await?;
     let factory_id = FactoryId::new(&enrolled.factory_id)?;
-    let store = Store::open(&directory, &factory_id, started_at).await?;
-    let key = ledger_key::open(&directory.join(LEDGER_KEY_FILE))?;
-    let metrics = Metrics::install()?;
-    let identity = store.identity().clone();
-    let instance = Instance {
-        factory_id: factory_id.clone(),
-        instance_id: identity.instance_id,
-        place: identity.place,
-        host: identity.host,
-        started_at,
-    };
-    let readers = store.readers();
     let shutdown = lifecycle.shutdown();
-
-    let (coordinator_handle, commands) = coordinator::channel();
-    let (twin, twin_handle) = Twin::new(
-        factory_id.clone(),
-        config.twin_config(),
-        Arc::new(CoordinatorWriter(coordinator_handle.clone())),
-        Arc::new(StoredUsers(readers.clone())),
-    )?;
-    let users_changed = Arc::new(tokio::sync::Notify::new());
-    let user_watch =
-        UserWatch::new(readers.clone(), twin_handle.clone(), Arc::clone(&users_changed)).await?;
-    let floor_config = shop_floor::Config::new(
-        directory.join("source-pki"),
-        "Verbund factory connector",
-        &format!("urn:verbund:connector:{factory_id}"),
-    );
-    let (floor, floor_handle, changes) = ShopFloor::new(floor_config);
-    let (engine, engine_handle, candidates) =
-        MappingEngine::new(config.mapping.clone(), floor_handle.clone(), changes);
-    let keep_alives = Arc::new(KeepAliveQueue::default());
-    let in_flight = Arc::new(InFlight::default());
-    let gate = Arc::new(LeaseGate::default());
-    let (catalog, catalog_handle) = Catalog::new(floor_handle.clone());
-    let spool = ConnectorSpool::new(
-        factory_id.clone(),
-        readers.clone(),
-        coordinator_handle.clone(),
-        Arc::clone(&keep_alives),
-        Arc::clone(&in_flight),
-        Arc::clone(&gate),
-    );
-    let (lease_answers, answers) = lease::channel(factory_id.clone());
-    let mut link_config = link::link_config(&enrolled, &config.broker, &factory_id)?;
-    link_config.consumed = LeaseClient::received_at_start(&factory_id, identity.was_lease_held);
-    let (link, link_handle) = Link::new(
-        link_config,
-        Arc::new(spool),
-        Arc::new(PlatformInbox { coordinator: coordinator_handle.clone(), lease: lease_answers }),
-    )?;
-    let events =
-        EventLog::new(EVENTS_KEPT_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
-    let (lease_client, lease_status) = LeaseClient::new(
-        instance,
-        identity.was_lease_held,
-        gate,
-        link_handle.clone(),
-        coordinator_handle.clone(),
-        answers,
-        events.clone(),
-    );
-    let (mappings, mapping_work) = mpsc::channel(MAPPING_BATCHES_MAX);
-    let sources = stored_sources(&readers).await?;
-    let coordinator = Coordinator::new(
-        CoordinatorConfig {
-            state: StateConfig {
-                factory_id: factory_id.clone(),
-                encoding: config.reports.encoding,
-            },
-            publishing_interval: config.publishing_interval(),
-            spool: config.spool,
-            retention: config.ledger,
-        },
-        store,
-        Outputs {
-            twin: twin_handle.clone(),
-            mappings,
-            link: Some(link_handle.clone()),
-            keep_alives,
-            in_flight,
-            events: events.clone(),
-        },
-        key,
-        commands,
-        candidates,
-    )
-    .await?;
-    for source in sources {
-        floor_handle.put_source(source)?;
-    }
+    let Opened {
+        tasks,
+        metrics,
+        readers,
+        events,
+        users_changed,
+        coordinator_handle,
+        twin_handle,
+        floor_handle,
+        engine_handle,
+        catalog_handle,
+        link_handle,
+        lease_status,
+    } = open(&config, &enrolled, &factory_id, started_at).await?;
 
     let readiness = Readiness::new();
     readiness.waiting("twin", "the twin is starting");
@@ -209,55 +124,154 @@ pub async fn start(
         tls.is_some(),
     );
 
-    let token = shutdown.clone();
-    lifecycle.spawn("coordinator", Importance::Essential, async move {
-        coordinator.run(token).await.map_err(anyhow::Error::from)
-    });
-    let token = shutdown.clone();
-    lifecycle.spawn("twin", Importance::Essential, async move {
-        twin.run(token).await.map_err(anyhow::Error::from)
-    });
-    let token = shutdown.clone();
-    lifecycle.spawn("user watch", Importance::Essential, async move {
-        user_watch.run(token).await;
-        anyhow::Ok(())
-    });
-    let token = shutdown.clone();
-    lifecycle.spawn("shop floor", Importance::Essential, async move {
-        floor.run(token).await;
-        anyhow::Ok(())
-    });
-    let token = shutdown.clone();
-    lifecycle.spawn("catalog", Importance::Essential, async move {
-        catalog.run(token).await;
-        anyhow::Ok(())
-    });
-    let token = shutdown.clone();
-    lifecycle.spawn("mapping engine", Importance::Essential, async move {
-        engine.run(token).await;
-        anyhow::Ok(())
-    });
-    let token = shutdown.clone();
-    lifecycle.spawn("mappings", Importance::Essential, async move {
-        mappings::publish(mapping_work, engine_handle, token).await;
-        anyhow::Ok(())
-    });
-    let token = shutdown.clone();
-    lifecycle.spawn("lease", Importance::Essential, async move {
-        lease_client.run(token).await;
-        anyhow::Ok(())
-    });
-    let token = shutdown.clone();
-    lifecycle.spawn("link", Importance::Essential, async move {
-        link.run(token).await;
-        anyhow::Ok(())
-    });
+    tasks.spawn(lifecycle);
     lifecycle.spawn("web", Importance::Essential, async move {
         serve(web_listener, tls, router, shutdown).await.map_err(anyhow::Error::from)
     });
     let twin_url = twin_handle.ready().await?;
     readiness.ready("twin");
     Ok(ConnectorHandle { factory_id, web_address, twin_url })
+}
+
+/// Makes the data directory and its first user where they are not there yet, and returns the
+/// enrolment, without which a connector cannot start.
+async fn prepare(config: &ConnectorConfig) -> anyhow::Result<Enrolment> {
+    let directory = &config.data_directory;
+    std::fs::create_dir_all(directory)
+        .with_context(|| format!("making the data directory {}", directory.display()))?;
+    let mut session = Store::connect(directory).await?;
+    let enrolled = session.enrolments().current().await?.context(
+        "this connector is not enrolled yet: ask an administrator of the platform for a token and run \
+         `factory-connector enrol <token>` with the same --config",
+    )?;
+    ensure_first_user(&mut session, config).await?;
+    Ok(enrolled)
+}
+
+/// Parts of an opened connector: its tasks, and the handles that pages and API use.
+struct Opened {
+    tasks: Tasks,
+    metrics: Metrics,
+    readers: Readers,
+    events: EventLog<ConnectorEvent>,
+    /// Notified after a user was changed through the API.
+    users_changed: Arc<Notify>,
+    coordinator_handle: CoordinatorHandle,
+    twin_handle: TwinHandle,
+    floor_handle: ShopFloorHandle,
+    engine_handle: MappingEngineHandle,
+    catalog_handle: CatalogHandle,
+    link_handle: LinkHandle,
+    lease_status: watch::Receiver<LeaseStatus>,
+}
+
+/// Opens store, twin, sources, mapping engine, link and coordinator.
+async fn open(
+    config: &ConnectorConfig,
+    enrolled: &Enrolment,
+    factory_id: &FactoryId,
+    started_at: DateTime,
+) -> anyhow::Result<Opened> {
+    let directory = &config.data_directory;
+    let store = Store::open(directory, factory_id, started_at).await?;
+    let key = ledger_key::open(&directory.join(LEDGER_KEY_FILE))?;
+    let metrics = Metrics::install()?;
+    let identity = store.identity().clone();
+    let readers = store.readers();
+
+    let (coordinator_handle, commands) = coordinator::channel();
+    let (twin, twin_handle) = open_twin(config, factory_id, &coordinator_handle, &readers)?;
+    let users_changed = Arc::new(Notify::new());
+    let user_watch =
+        UserWatch::new(readers.clone(), twin_handle.clone(), Arc::clone(&users_changed)).await?;
+    let (floor, floor_handle, changes) = ShopFloor::new(floor_config(directory, factory_id));
+    let (engine, engine_handle, candidates) =
+        MappingEngine::new(config.mapping.clone(), floor_handle.clone(), changes);
+    let (catalog, catalog_handle) = Catalog::new(floor_handle.clone());
+    let events =
+        EventLog::new(EVENTS_KEPT_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
+    let link_config = link::link_config(enrolled, &config.broker, factory_id)?;
+    let OpenedLink {
+        link,
+        handle: link_handle,
+        lease_client,
+        lease_status,
+        keep_alives,
+        in_flight,
+    } = link::open(link_config, identity, started_at, &readers, &coordinator_handle, &events)?;
+
+    let (mappings, mapping_work) = mpsc::channel(MAPPING_BATCHES_MAX);
+    let outputs = Outputs {
+        twin: twin_handle.clone(),
+        mappings,
+        link: Some(link_handle.clone()),
+        keep_alives,
+        in_flight,
+        events: events.clone(),
+    };
+    let coordinator_config = coordinator_config(config, factory_id);
+    let coordinator =
+        Coordinator::new(coordinator_config, store, outputs, key, commands, candidates).await?;
+    for source in stored_sources(&readers).await? {
+        floor_handle.put_source(source)?;
+    }
+    let tasks = Tasks {
+        coordinator,
+        twin,
+        user_watch,
+        floor,
+        catalog,
+        engine,
+        engine_handle: engine_handle.clone(),
+        mapping_work,
+        lease_client,
+        link,
+    };
+    Ok(Opened {
+        tasks,
+        metrics,
+        readers,
+        events,
+        users_changed,
+        coordinator_handle,
+        twin_handle,
+        floor_handle,
+        engine_handle,
+        catalog_handle,
+        link_handle,
+        lease_status,
+    })
+}
+
+fn open_twin(
+    config: &ConnectorConfig,
+    factory_id: &FactoryId,
+    coordinator: &CoordinatorHandle,
+    readers: &Readers,
+) -> Result<(Twin, TwinHandle), TwinError> {
+    Twin::new(
+        factory_id.clone(),
+        config.twin_config(),
+        Arc::new(CoordinatorWriter(coordinator.clone())),
+        Arc::new(StoredUsers(readers.clone())),
+    )
+}
+
+fn floor_config(directory: &Path, factory_id: &FactoryId) -> shop_floor::Config {
+    shop_floor::Config::new(
+        directory.join("source-pki"),
+        "Verbund factory connector",
+        &format!("urn:verbund:connector:{factory_id}"),
+    )
+}
+
+fn coordinator_config(config: &ConnectorConfig, factory_id: &FactoryId) -> CoordinatorConfig {
+    CoordinatorConfig {
+        state: StateConfig { factory_id: factory_id.clone(), encoding: config.reports.encoding },
+        publishing_interval: config.publishing_interval(),
+        spool: config.spool,
+        retention: config.ledger,
+    }
 }
 
 /// Returns the configured sources, passwords included.

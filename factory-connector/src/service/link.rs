@@ -1,13 +1,77 @@
 //! Configuration of the link: the route that the enrolment names, with the deviations that the
 //! plant configures.
 
-use std::str::FromStr as _;
+use std::{str::FromStr as _, sync::Arc};
 
 use anyhow::Context as _;
-use asi_model::FactoryId;
-use messaging::{BrokerUrl, LinkConfig, Login, Roots};
+use asi_model::{DateTime, FactoryId};
+use connector_state::ConnectorEvent;
+use daemon::web::events::EventLog;
+use messaging::{BrokerUrl, Link, LinkConfig, LinkError, LinkHandle, Login, Roots};
+use tokio::sync::watch;
 
-use crate::{config::BrokerSection, store::Enrolment};
+use crate::{
+    config::BrokerSection,
+    coordinator::CoordinatorHandle,
+    in_flight::InFlight,
+    keep_alive_queue::KeepAliveQueue,
+    lease::{self, Instance, LeaseClient, LeaseGate, LeaseStatus},
+    link_adapter::{ConnectorSpool, PlatformInbox},
+    store::{Enrolment, Identity, Readers},
+};
+
+/// The link with the client of its lease, and the queues that the coordinator fills.
+pub(super) struct OpenedLink {
+    pub(super) link: Link,
+    pub(super) handle: LinkHandle,
+    pub(super) lease_client: LeaseClient,
+    pub(super) lease_status: watch::Receiver<LeaseStatus>,
+    pub(super) keep_alives: Arc<KeepAliveQueue>,
+    pub(super) in_flight: Arc<InFlight>,
+}
+
+/// Opens the link between spool and broker.
+///
+/// # Errors
+/// [`LinkError`] when the configuration can never work.
+pub(super) fn open(
+    mut config: LinkConfig,
+    identity: Identity,
+    started_at: DateTime,
+    readers: &Readers,
+    coordinator: &CoordinatorHandle,
+    events: &EventLog<ConnectorEvent>,
+) -> Result<OpenedLink, LinkError> {
+    let Identity { factory_id, instance_id, place, host, was_lease_held, .. } = identity;
+    let keep_alives = Arc::new(KeepAliveQueue::default());
+    let in_flight = Arc::new(InFlight::default());
+    let gate = Arc::new(LeaseGate::default());
+    let spool = ConnectorSpool::new(
+        factory_id.clone(),
+        readers.clone(),
+        coordinator.clone(),
+        Arc::clone(&keep_alives),
+        Arc::clone(&in_flight),
+        Arc::clone(&gate),
+    );
+    let (lease_answers, answers) = lease::channel(factory_id.clone());
+    config.consumed = LeaseClient::received_at_start(&factory_id, was_lease_held);
+    let (link, handle) = Link::new(
+        config,
+        Arc::new(spool),
+        Arc::new(PlatformInbox { coordinator: coordinator.clone(), lease: lease_answers }),
+    )?;
+    let (lease_client, lease_status) = LeaseClient::new(
+        Instance { factory_id, instance_id, place, host, started_at },
+        was_lease_held,
+        gate,
+        handle.clone(),
+        coordinator.clone(),
+        answers,
+        events.clone(),
+    );
+    Ok(OpenedLink { link, handle, lease_client, lease_status, keep_alives, in_flight })
+}
 
 /// Returns the link's configuration, but for the addresses that it receives, which follow from the
 /// lease.
