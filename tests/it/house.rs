@@ -28,10 +28,12 @@ const ENFORCED: &[&str] = &[
     "messaging/spool",
     "messaging/websocket",
     "opcua-stack",
+    "platform",
     "platform/broker",
     "shop-floor",
     "shop-floor/model",
     "simulator",
+    "tests",
     "tests/free-ports",
     "tests/house-rules",
 ];

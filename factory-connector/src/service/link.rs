@@ -1,5 +1,5 @@
-//! Configuration of the link: the route that the enrolment names, with the deviations that the
-//! plant configures.
+//! The link to the platform: opened with the client of its lease, over the route that the enrolment
+//! names and the plant may change.
 
 use std::{str::FromStr as _, sync::Arc};
 
