@@ -29,7 +29,7 @@ pub enum CertificateError {
     },
 }
 
-/// The authority: a root kept in a folder of the data directory.
+/// Certificate authority whose root is stored in a folder of the data directory.
 pub struct CertificateAuthority {
     root_pem: String,
     issuer: Issuer<'static, KeyPair>,

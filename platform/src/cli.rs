@@ -35,7 +35,7 @@ enum Command {
     Serve,
     /// Run the embedded broker alone, with the same users and queues.
     Broker,
-    /// Print what another broker must be told: users, rights, queues, limits. Contains secrets.
+    /// Print the definitions for another broker: users, rights, queues, limits. Contains secrets.
     Definitions {
         /// The kind of broker.
         kind: definitions::BrokerKind,

@@ -1,5 +1,5 @@
-//! The platform's configuration. `platform.example.toml` shows every key with its default; a test
-//! keeps the two alike.
+//! Configuration of the platform. `platform.example.toml` shows every key with its default; a test
+//! compares the two.
 
 use std::{
     net::{Ipv4Addr, SocketAddr},
@@ -183,7 +183,7 @@ impl Default for AdminConfig {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ReceiptConfig {
-    /// Time between two receipts to a factory while there is notifications, in milliseconds.
+    /// Time between two receipts to a factory while there are new reports, in milliseconds.
     pub interval_ms: u64,
 }
 
@@ -227,7 +227,7 @@ impl Default for LeaseConfig {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RetentionConfig {
-    /// Messages as they came, in days. Reports themselves are kept.
+    /// Retention of messages as they came, in days. Reports themselves are retained.
     pub inbox_days: u32,
     /// Lifetime of an enrolment token, in hours.
     pub enrolment_token_hours: u32,

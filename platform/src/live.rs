@@ -11,7 +11,7 @@ use crate::{progress::OperationProgress, store::PartState};
 /// The log behind `GET /live`.
 pub type LiveLog = EventLog<Notification>;
 
-/// Events kept for pages that catch up.
+/// Most events that are retained for pages that catch up.
 pub const EVENTS_KEPT_MAX: usize = 20_000;
 
 /// An event and who may know of it.

@@ -1,8 +1,8 @@
 //! Operation networks: changing them, and sending each factory the part that concerns it.
 //!
 //! Every change makes a new revision of the whole network and works inside the caller's unit of
-//! work: revision, parts and outgoing messages commit together. What is to be told to pages comes
-//! back and is told after the commit.
+//! work: revision, parts and outgoing messages commit together. Notifications of pages are
+//! returned, and published after the commit.
 
 mod author;
 mod change;

@@ -18,20 +18,21 @@ use crate::{
     store::{Scope, Store, StoreError},
 };
 
-/// Between two looks at what has changed.
+/// Time between two reads of changed networks.
 const INTERVAL: Duration = Duration::from_millis(200);
-/// Most operations remembered to tell what is notifications; beyond, all is told once more.
+/// Most operations whose published progress is remembered; beyond, all are forgotten and published
+/// once more.
 const REMEMBERED_MAX: usize = 50_000;
 
-/// The service; [`run`](Self::run) it.
+/// Service that publishes progress while [`run`](Self::run) is polled.
 pub struct ProgressNotifier {
     store: Store,
     live: LiveLog,
     changed: Arc<Changed>,
-    told: HashMap<(OrganisationId, OperationNetworkId, OperationId), OperationProgress>,
+    published: HashMap<(OrganisationId, OperationNetworkId, OperationId), OperationProgress>,
 }
 
-/// Says what may have changed.
+/// Announces networks that may have changed.
 #[derive(Clone)]
 pub struct ProgressNotifierHandle(Arc<Changed>);
 
@@ -57,7 +58,7 @@ impl ProgressNotifier {
     pub fn new(store: Store, live: LiveLog) -> (Self, ProgressNotifierHandle) {
         let changed = Arc::new(Changed::default());
         let handle = ProgressNotifierHandle(Arc::clone(&changed));
-        (Self { store, live, changed, told: HashMap::new() }, handle)
+        (Self { store, live, changed, published: HashMap::new() }, handle)
     }
 
     /// Runs until shutdown.
@@ -84,8 +85,8 @@ impl ProgressNotifier {
         let Some(row) = work.networks().lookup(&Scope::Platform, id).await? else { return Ok(()) };
         let recipients: BTreeSet<&OrganisationId> =
             row.network.requests().flat_map(|(_, _, request)| &request.recipient_list).collect();
-        if self.told.len() > REMEMBERED_MAX {
-            self.told.clear();
+        if self.published.len() > REMEMBERED_MAX {
+            self.published.clear();
         }
         for recipient in recipients {
             let fields = work.fields().list(&Scope::Organisation(recipient.clone()), id).await?;
@@ -94,7 +95,7 @@ impl ProgressNotifier {
                     continue;
                 }
                 let key = (recipient.clone(), id.clone(), operation.operation_id.clone());
-                if self.told.insert(key, operation.clone()).as_ref() != Some(&operation) {
+                if self.published.insert(key, operation.clone()).as_ref() != Some(&operation) {
                     let event = LiveEvent::Progress { operation_network_id: id.clone(), operation };
                     self.live.publish([event.to(vec![recipient.clone()])]);
                 }

@@ -1,5 +1,5 @@
-//! Receipts: telling connectors what is held, so that they may let go of it - at most once per
-//! interval and factory, while there is notifications.
+//! Receipts: they name the reports that are stored, so that connectors may drop them. At most one
+//! per interval and factory, while there are new reports.
 
 use std::{collections::BTreeMap, time::Duration};
 
@@ -16,7 +16,7 @@ use crate::{
     store::{Store, StoreError, WriterRow},
 };
 
-/// The service; [`run`](Self::run) it.
+/// Service that sends receipts while [`run`](Self::run) is polled.
 #[derive(Debug)]
 pub struct Receipter {
     store: Store,
@@ -25,14 +25,14 @@ pub struct Receipter {
     interval: Duration,
 }
 
-/// Writers told in one receipt; each takes at most some 12 KB, so that a receipt stays under the
+/// Most writers in one receipt; each takes at most some 12 KB, so that a receipt stays under the
 /// limit of a message.
 const WRITERS_PER_RECEIPT_MAX: usize = 50;
-/// Writers taken in one round; the rest follows in the next.
+/// Most writers of one round; the others follow in the next.
 const WRITERS_PER_ROUND_MAX: u32 = 5_000;
 
 impl Receipter {
-    /// A receipter over the store.
+    /// Makes a receipter over the store.
     #[must_use]
     pub const fn new(
         store: Store,

@@ -124,7 +124,7 @@ async fn retain(
     Ok(())
 }
 
-/// Drops reports that are too old or too many, and sends those again that nobody receipted.
+/// Drops reports that are too old or too many, and sends those again that were not receipted.
 async fn limit_spool(work: &mut UnitOfWork, now: DateTime) -> Result<(), StoreError> {
     let waiting = work.store.read().reports().oldest(ROWS_MAX).await?;
     if waiting.is_empty() {

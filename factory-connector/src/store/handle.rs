@@ -133,7 +133,7 @@ impl Store {
         &mut self.session
     }
 
-    /// Reads everything that the connector keeps in memory.
+    /// Reads everything that the connector has in memory.
     ///
     /// # Errors
     /// [`StoreError`] where a table or a document cannot be read.

@@ -1,9 +1,8 @@
-//! Reading everything back: first start, restart and recovery from a failed transaction take this
-//! one way.
+//! Snapshot of the store, read at a start and after a failed transaction.
 
 use super::{Snapshot, StoredMappings, StoredPolicies, error::StoreError, session::Session};
 
-/// Reads everything that the connector keeps in memory.
+/// Reads everything that the connector has in memory.
 pub(super) async fn load(session: &mut Session) -> Result<Snapshot, StoreError> {
     Ok(Snapshot {
         networks: session.networks().all().await?,

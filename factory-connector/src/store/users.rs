@@ -79,7 +79,7 @@ impl Users<'_> {
         optional(self.0, query, "look a user up", user).await
     }
 
-    /// Reads everybody by name.
+    /// Reads all users, by name.
     ///
     /// # Errors
     /// [`StoreError`].

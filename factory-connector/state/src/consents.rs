@@ -107,7 +107,7 @@ pub(crate) fn end(
 }
 
 /// Takes a decision back that the partner's revision no longer allows: the field is undecided, its
-/// mapping is kept and suggested again.
+/// mapping is retained and suggested again.
 pub(crate) fn reopen(
     state: &mut ConnectorState,
     changes: &mut ChangeSet,

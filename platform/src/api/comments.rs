@@ -28,9 +28,9 @@ use crate::{
 pub struct AddComment {
     /// The factory to talk to; one that has a part in the network.
     factory_id: FactoryId,
-    /// The request talked about.
+    /// The request that the comment is about.
     dynamic_data_request_id: Option<DynamicDataRequestId>,
-    /// The field talked about.
+    /// The field that the comment is about.
     field_name: Option<FieldName>,
     /// Text, 1 to 10000 characters.
     text: String,

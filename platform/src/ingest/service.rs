@@ -50,7 +50,7 @@ pub struct Ingest {
     meta_data: Arc<RwLock<Arc<MetaDataTable>>>,
     batches: mpsc::Receiver<Batch>,
     /// Time of the last `factory` event, per factory.
-    told_heard: Mutex<HashMap<FactoryId, std::time::Instant>>,
+    heard_published: Mutex<HashMap<FactoryId, std::time::Instant>>,
 }
 
 /// Brings messages to a running [`Ingest`].
@@ -93,7 +93,7 @@ impl Ingest {
         let meta_data = Arc::new(RwLock::new(Arc::new(table)));
         let (sender, batches) = mpsc::channel(BATCHES_WAITING_MAX);
         let handle = IngestHandle { meta_data: Arc::clone(&meta_data), batches: sender };
-        let (told_heard, heartbeats) = (Mutex::default(), Heartbeats::new(silence));
+        let (heard_published, heartbeats) = (Mutex::default(), Heartbeats::new(silence));
         Ok((
             Self {
                 store,
@@ -105,7 +105,7 @@ impl Ingest {
                 heartbeats,
                 meta_data,
                 batches,
-                told_heard,
+                heard_published,
             },
             handle,
         ))
@@ -114,7 +114,7 @@ impl Ingest {
     /// Runs until shutdown; what was taken by then is written.
     ///
     /// # Errors
-    /// Never; a failing store is told to the senders, who bring the messages again.
+    /// Never; the deliveries of a failing store are released, and the senders bring them again.
     pub async fn run(mut self, shutdown: CancellationToken) -> Result<(), StoreError> {
         let mut waiting = Vec::with_capacity(BATCHES_PER_WORK_MAX);
         while let Some(count) = shutdown
@@ -205,7 +205,7 @@ impl Ingest {
         self.progress.changed(effects.networks);
         for (factory, heard) in effects.heard {
             if let Err(error) = self.tell_heard(factory, heard).await {
-                tracing::warn!(%error, "Pages could not be told that a factory was heard.");
+                tracing::warn!(%error, "Pages could not be notified that a factory was heard.");
             }
         }
         metrics::counter!("verbund_reports_stored_total").increment(effects.reports);
@@ -222,11 +222,12 @@ impl Ingest {
         let Some(last_seen_at) = heard.at else { return Ok(()) };
         let now = std::time::Instant::now();
         let is_due = {
-            let mut told = self.told_heard.lock();
-            let is_due =
-                told.get(&factory_id).is_none_or(|at| now.duration_since(*at) >= HEARD_INTERVAL);
+            let mut published = self.heard_published.lock();
+            let is_due = published
+                .get(&factory_id)
+                .is_none_or(|at| now.duration_since(*at) >= HEARD_INTERVAL);
             if is_due {
-                told.insert(factory_id.clone(), now);
+                published.insert(factory_id.clone(), now);
             }
             is_due
         };

@@ -10,7 +10,7 @@ pub struct Author {
     /// The user or tool, as shown.
     pub name: String,
     pub organisation_id: Option<OrganisationId>,
-    /// Administrators change for everybody.
+    /// An administrator, who changes networks of all organisations.
     pub is_administrator: bool,
     /// May change networks at all.
     pub may_plan: bool,

@@ -33,7 +33,7 @@ pub struct Outcome {
     pub is_changed: bool,
     /// The factories that were sent something.
     pub sent_to: Vec<FactoryId>,
-    /// To tell after the commit.
+    /// Notifications to publish after the commit.
     pub notifications: Vec<Notification>,
 }
 

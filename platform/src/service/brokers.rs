@@ -56,7 +56,7 @@ pub(super) async fn open(
     store: &Store,
     now: DateTime,
 ) -> Result<Opened, StartError> {
-    // Unique per running instance, so that a broker's log tells them apart.
+    // Unique per running instance, so that a broker's log distinguishes them.
     let container = format!("platform-{}", &random_token()[..8]);
     match &config.broker.external {
         Some(external) => open_external(&config.broker, external, container),

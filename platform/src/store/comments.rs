@@ -16,13 +16,13 @@ use super::{
 pub struct NewComment {
     /// The network talked about.
     pub operation_network_id: OperationNetworkId,
-    /// The factory that takes part in the talk.
+    /// The factory with whose people the comments are exchanged.
     pub factory_id: FactoryId,
-    /// The request talked about.
+    /// The request that the comment is about.
     pub dynamic_data_request_id: Option<DynamicDataRequestId>,
-    /// The field talked about.
+    /// The field that the comment is about.
     pub field_name: Option<FieldName>,
-    /// Author, as its connector or user name tells.
+    /// User name of the author, as the sending side states it.
     pub author_id: String,
     /// True if it came from the factory's connector.
     pub is_from_factory: bool,
@@ -37,13 +37,13 @@ pub struct NewComment {
 pub struct CommentEntry {
     /// Its number, counting up.
     pub comment_id: u64,
-    /// The factory that takes part in the talk.
+    /// The factory with whose people the comments are exchanged.
     pub factory_id: FactoryId,
-    /// The request talked about.
+    /// The request that the comment is about.
     pub dynamic_data_request_id: Option<DynamicDataRequestId>,
-    /// The field talked about.
+    /// The field that the comment is about.
     pub field_name: Option<FieldName>,
-    /// Author, as its connector or user name tells.
+    /// User name of the author, as the sending side states it.
     pub author_id: String,
     /// True if it came from the factory's connector.
     pub is_from_factory: bool,

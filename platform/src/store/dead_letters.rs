@@ -54,7 +54,7 @@ pub struct DeadLetter {
 /// Repository of dead letters.
 pub struct DeadLetters<'w>(pub(super) &'w mut Connection);
 
-/// Most dead letters kept; the oldest go first.
+/// Most dead letters retained; the oldest are removed first.
 const KEPT_MAX: i64 = 10_000;
 
 impl DeadLetters<'_> {

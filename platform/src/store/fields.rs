@@ -68,7 +68,7 @@ pub struct Fields<'w>(pub(super) &'w mut Connection);
 const ROWS_PER_STATEMENT: usize = 200;
 
 impl Fields<'_> {
-    /// Makes these the fields that the network asks for. Decisions about fields that stay are kept;
+    /// Makes these the fields that the network asks for. Decisions about fields that stay are retained;
     /// those about fields that are gone go, with their current values.
     ///
     /// # Errors

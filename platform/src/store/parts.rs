@@ -56,7 +56,7 @@ pub struct Part {
     pub revision: u64,
     /// True where the part ends the network at the factory.
     pub is_withdrawal: bool,
-    /// The part's network as JSON, to tell whether it changed.
+    /// The part's network as JSON, compared to detect changes.
     pub document: String,
     /// The message it travelled in last.
     pub message_id: MessageId,

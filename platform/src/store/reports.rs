@@ -1,4 +1,4 @@
-//! Reports: the history of what partners were told.
+//! Reports: the history of values that factories disclosed.
 
 use asi_model::{DateTime, DynamicDataRequestId, FactoryId, OperationNetworkId, RequestKey};
 use serde::Serialize;

@@ -27,7 +27,7 @@ pub enum Role {
 impl Role {
     const ALL: [Self; 3] = [Self::Administrator, Self::Planner, Self::Viewer];
 
-    /// As stored and as the API says it.
+    /// Returns the name in the store and in the API.
     #[must_use]
     pub const fn as_str(self) -> &'static str {
         match self {

@@ -152,11 +152,11 @@ impl Writers<'_> {
             .bind(i64::from(limit))
             .fetch_all(&mut *self.0)
             .await
-            .map_err(StoreError::during("list writers with news"))?;
+            .map_err(StoreError::during("list writers that need receipts"))?;
         rows.iter().map(read).collect()
     }
 
-    /// Notes that a receipt tells what is held of this writer now.
+    /// Notes that a receipt was sent about everything stored of this writer.
     ///
     /// # Errors
     /// [`StoreError::Statement`].

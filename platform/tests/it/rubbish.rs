@@ -114,7 +114,7 @@ async fn a_network_with_faults_is_refused_with_all_of_them() {
     let viewer = world.sign_in("acme-aero-viewer", crate::harness::PASSWORD).await;
     viewer.put(&story::network_path(), body.clone()).await.expect_problem(403, "FORBIDDEN");
 
-    // Two planners at once: the second is told.
+    // Two planners at once: the second gets a conflict.
     story::put_network(&admin, story::network()).await;
     let answer = admin
         .client

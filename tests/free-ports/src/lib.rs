@@ -1,9 +1,9 @@
-//! Ports for the programs that tests start: nobody listens there, and no other test draws them.
+//! Ports for the programs that tests start: free, and drawn by no other test.
 //!
-//! A program is told its port before it binds it, and one that was killed binds it again later. In
-//! between the port must stay its own: a lock of the file system, held until this process ends,
-//! keeps it from other tests, and a range from which the operating system takes nothing keeps it
-//! from outgoing connections.
+//! A program gets its port as an argument before it binds it, and one that was killed binds it
+//! again later. In between the port must stay its own: a lock of the file system, held until this
+//! process ends, excludes other tests, and a range from which the operating system takes nothing
+//! excludes outgoing connections.
 
 use std::{
     env,

@@ -52,7 +52,7 @@ pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
 
 /// Sending and receiving, bare and through the link.
 async fn rates(broker: &BrokerUnderTest) -> anyhow::Result<Vec<Value>> {
-    // MQTT keeps messages only for who has subscribed before.
+    // MQTT stores messages only for clients that have subscribed before.
     link_receive(broker, 0).await?;
     let (mut bare, mut link) = ((0.0_f64, 0.0_f64), (0.0_f64, 0.0_f64));
     for _ in 0..ROUNDS {

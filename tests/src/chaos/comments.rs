@@ -18,11 +18,11 @@ use crate::{
     world::{ADMIN, ENGINEER, PASSWORD, Places},
 };
 
-/// Between two comments of one speaker: often enough that many are being received whenever something
+/// Time between two comments of one author: often enough that many are being received whenever something
 /// is killed.
 const PAUSE: Duration = Duration::from_millis(40);
 
-/// Talks until told to stop.
+/// Authors who comment until they are stopped.
 pub(super) struct CommentTraffic {
     stop: CancellationToken,
     speakers: Vec<tokio::task::JoinHandle<Vec<Comment>>>,
@@ -36,7 +36,7 @@ struct Speaker {
 }
 
 impl CommentTraffic {
-    /// Each factory talks to the platform, and the platform to each factory.
+    /// Starts an author at each factory, and one at the platform for each factory.
     pub fn begin(places: &Places) -> anyhow::Result<Self> {
         let stop = CancellationToken::new();
         let mut speakers = Vec::new();

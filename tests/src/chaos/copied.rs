@@ -28,7 +28,7 @@ pub async fn copied() -> anyhow::Result<()> {
     let mut copy = None;
     let outcome = async {
         steps.run("every writer is kept busy", load::put_on(&cast)).await?;
-        // What it is to do sooner than in real life it is told at a start.
+        // Shortened intervals are configured, and read at a start.
         stage.strike(Fault::KillAll).await?;
         flows(&mut stage).await?;
         beside(&mut stage, &mut steps, &mut copy).await

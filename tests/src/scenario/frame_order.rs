@@ -43,7 +43,7 @@ fn request(id: &str, purpose: &str, per_minute: u32, report_name: &str, fields: 
     })
 }
 
-/// The whole network as the platform keeps it: every operation with the factory that owns it.
+/// The whole network as the platform stores it: every operation with the factory that owns it.
 /// `start` is the planned start of the first operation.
 #[must_use]
 pub fn operation_network(start: time::OffsetDateTime) -> Value {

@@ -7,8 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::scenario::frame_order::{HAMBURG, MUNICH};
 
-/// The folder and the ports of one world; kept in the folder, so that a second start finds
-/// everything again.
+/// Folder and ports of one world, stored in the folder for further starts.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Places {
     /// Configuration, data and logs.

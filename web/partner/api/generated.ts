@@ -1307,7 +1307,7 @@ export interface components {
         CollaborationId: string;
         /** @description A comment as members of the collaboration see it. */
         CommentEntry: {
-            /** @description Author, as its connector or user name tells. */
+            /** @description User name of the author, as the sending side states it. */
             authorId: string;
             /**
              * Format: int64
@@ -1317,7 +1317,7 @@ export interface components {
             /** @description Time of arrival at the platform. */
             createdAt: components["schemas"]["DateTime"];
             dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"] | null;
-            /** @description The factory that takes part in the talk. */
+            /** @description The factory with whose people the comments are exchanged. */
             factoryId: components["schemas"]["FactoryId"];
             fieldName?: components["schemas"]["FieldName"] | null;
             /** @description True if it came from the factory's connector. */

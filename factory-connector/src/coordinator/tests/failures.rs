@@ -1,8 +1,8 @@
 use super::*;
 use crate::store::Ledger;
 
-/// The disk fails at any statement of the transaction: who asked is told, nothing of it happened,
-/// and the next attempt goes on without a hole.
+/// The disk fails at any statement of the transaction: the caller gets the error, nothing of the
+/// transaction is stored, and the next attempt continues the numbers without a gap.
 #[tokio::test]
 async fn a_failure_of_any_statement_leaves_chain_and_spool_consistent() {
     let running = Running::with_two_open_fields().await;

@@ -1,4 +1,4 @@
-//! Deadlines of fields, so that nobody has to look at all fields to find those that are due.
+//! Deadlines of fields, in order: those that are due are found without a scan of all fields.
 
 use std::collections::BTreeSet;
 

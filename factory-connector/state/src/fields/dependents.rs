@@ -11,7 +11,7 @@ use super::Field;
 /// Fields by the states that their gates look at, in both directions.
 #[derive(Debug, Default)]
 pub(super) struct Dependents {
-    /// By the field that is looked at.
+    /// By the field on whose state the others depend.
     of: HashMap<FieldKey, BTreeSet<FieldKey>>,
     /// By the field whose gate looks, so that replacing its conditions costs what it has and not
     /// what all have.

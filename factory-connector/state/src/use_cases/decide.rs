@@ -76,7 +76,7 @@ pub enum DecisionError {
     Policy(Vec<PolicyFault>),
 }
 
-/// Decides about a field: lets values flow or stop, and tells the partner.
+/// Decides about a field: lets values flow or stop, and notifies the partner.
 ///
 /// # Errors
 /// [`DecisionError`].
@@ -146,7 +146,7 @@ pub(super) fn decide_in(
     Ok(())
 }
 
-/// Checks everything that keeps a decision from being taken, before anything is changed.
+/// Checks everything that can forbid a decision, before anything is changed.
 fn check(
     state: &ConnectorState,
     key: &FieldKey,

@@ -1,4 +1,4 @@
-//! A bare MQTT 5 client. It uses the session of the link's user, whose subscription keeps the
+//! A bare MQTT 5 client. It uses the session of the link's user, whose subscription stores the
 //! messages.
 
 use std::time::{Duration, Instant};

@@ -31,7 +31,7 @@ const SPAN: Duration = Duration::from_secs(10);
 const WARM: Duration = Duration::from_secs(3);
 /// Time that a server may take to start.
 const START_TIMEOUT: Duration = Duration::from_secs(60);
-/// Of every so many notifications the latency is kept.
+/// Number of notifications of which one latency is recorded.
 const LATENCY_EVERY: usize = 50;
 
 /// Resources that one server took.

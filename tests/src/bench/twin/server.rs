@@ -133,7 +133,7 @@ pub(super) fn now() -> DateTime {
     std::time::SystemTime::now().into()
 }
 
-/// The server that is compared: tells where it is, then changes all its variables again and again.
+/// Runs the server that is compared: prints its endpoint, then changes all variables repeatedly.
 pub(in crate::bench) async fn serve() -> anyhow::Result<()> {
     let folder = tempfile::tempdir()?;
     let twin = Running::start(folder.path()).await?;

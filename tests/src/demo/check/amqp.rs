@@ -62,7 +62,8 @@ async fn send(world: &World, files: &[PathBuf]) -> anyhow::Result<(Vec<Value>, b
     python("amqp/exchange.py", &arguments, Duration::from_secs(40)).await
 }
 
-/// Sends all of it; each is answered and kept as a dead letter, and the network stays as it was.
+/// Sends invalid messages: each is answered and stored as a dead letter, and the network does not
+/// change.
 pub(super) async fn rubbish(world: &World, cast: &Cast) -> anyhow::Result<String> {
     let path = format!("/api/v1/operation-networks/{NETWORK}");
     let before: Value = cast.munich.get(&path).await?;
