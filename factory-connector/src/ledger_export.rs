@@ -145,7 +145,7 @@ fn json_line(entry: &LedgerRow) -> String {
     format!("{line}\n")
 }
 
-/// One row per value of a report, one for any other entry.
+/// Returns one row per value of a report, one for any other entry.
 fn rows(
     exported: &LedgerRow,
     language: Language,

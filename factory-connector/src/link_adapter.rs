@@ -96,8 +96,8 @@ impl ConnectorSpool {
 
 #[async_trait]
 impl SpoolStore for ConnectorSpool {
-    /// Nothing leaves on a new connection before the platform has confirmed that this connector is
-    /// the one to speak.
+    /// Closes the gate: nothing leaves on a new connection before the platform has confirmed this
+    /// connector's lease.
     fn connected(&self) {
         self.gate.close();
     }

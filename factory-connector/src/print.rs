@@ -10,7 +10,7 @@ const STYLE: &str = "body{font:10pt/1.4 sans-serif;color:#000;background:#fff;ma
     thead{display:table-header-group}tr{break-inside:avoid}code{font-size:8pt;word-break:break-all}\
     @page{size:A4 landscape;margin:1.5cm}@media print{body{margin:0;max-width:none}}";
 
-/// The beginning of a page.
+/// Returns the beginning of a page.
 #[must_use]
 pub fn begin(language: Language, title: &str) -> String {
     let title = escaped(title);
@@ -24,7 +24,7 @@ pub fn begin(language: Language, title: &str) -> String {
 /// The end of a page.
 pub const END: &str = "</body></html>\n";
 
-/// A table's beginning, with the headings of its columns.
+/// Returns the beginning of a table with these headings.
 #[must_use]
 pub fn table(headings: &[&str]) -> String {
     let mut html = "<table><thead><tr>".to_owned();
@@ -37,7 +37,7 @@ pub fn table(headings: &[&str]) -> String {
     html
 }
 
-/// A row of a table.
+/// Returns a row of a table.
 #[must_use]
 pub fn row<S: AsRef<str>>(cells: impl IntoIterator<Item = S>) -> String {
     let mut html = "<tr>".to_owned();

@@ -36,7 +36,7 @@ pub struct Parts {
     pub live: LiveLog,
     /// Users, queues and the link.
     pub broker_access: BrokerAccess,
-    /// To try dead letters again.
+    /// Handle to process dead letters again.
     pub ingest: IngestHandle,
     /// The signed-in user and the token of its session.
     pub sessions: Sessions<StoredAccounts>,

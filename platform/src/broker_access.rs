@@ -20,7 +20,7 @@ use crate::{
     store::{BrokerCredential, Holder, Scope, Store, StoreError},
 };
 
-/// Between two attempts at the start.
+/// Time between two attempts at the start.
 const RETRY_INTERVAL: Duration = Duration::from_secs(1);
 
 /// The platform's own user on the embedded broker.
@@ -62,7 +62,7 @@ impl std::fmt::Debug for BrokerAccess {
 }
 
 impl BrokerAccess {
-    /// Nothing is connected yet.
+    /// Makes the access with these configured users, before broker and link run.
     #[must_use]
     pub fn new(configured: Vec<BrokerUserConfig>) -> Self {
         Self(Arc::new(Inner {
@@ -73,35 +73,35 @@ impl BrokerAccess {
         }))
     }
 
-    /// The users, for the embedded broker.
+    /// Returns the table of users for the embedded broker.
     #[must_use]
     pub fn users(&self) -> Arc<CredentialTable> {
         Arc::clone(&self.0.users)
     }
 
-    /// The platform's own secret on the embedded broker.
+    /// Returns the platform's own password at the embedded broker.
     #[must_use]
     pub fn secret(&self) -> &str {
         &self.0.secret
     }
 
-    /// The embedded broker runs.
+    /// Sets the handle of the embedded broker, once it runs.
     pub fn set_broker(&self, broker: BrokerHandle) {
         self.0.parts.lock().broker = Some(broker);
     }
 
-    /// The link runs.
+    /// Sets the handle of the link, once it runs.
     pub fn set_link(&self, link: LinkHandle) {
         self.0.parts.lock().link = Some(link);
     }
 
-    /// The embedded broker, if there is one.
+    /// Returns the embedded broker, if there is one.
     #[must_use]
     pub fn broker(&self) -> Option<BrokerHandle> {
         self.0.parts.lock().broker.clone()
     }
 
-    /// The link, once it runs.
+    /// Returns the link, once it runs.
     #[must_use]
     pub fn link(&self) -> Option<LinkHandle> {
         self.0.parts.lock().link.clone()

@@ -80,7 +80,7 @@ impl CertificateAuthority {
         Ok(Self { root_pem: read(&root_path)?, issuer: Issuer::new(root_params(now), key) })
     }
 
-    /// The root certificate, as PEM.
+    /// Returns the root certificate as PEM.
     #[must_use]
     pub fn root_pem(&self) -> &str {
         &self.root_pem

@@ -9,13 +9,13 @@ use asi_model::DateTime;
 pub struct Clock(Arc<dyn Fn() -> DateTime + Send + Sync>);
 
 impl Clock {
-    /// The machine's clock.
+    /// Returns the machine's clock.
     #[must_use]
     pub fn system() -> Self {
         Self(Arc::new(|| SystemTime::now().into()))
     }
 
-    /// A clock that a test sets.
+    /// Makes a clock that a test sets.
     #[must_use]
     pub fn from_fn(now: impl Fn() -> DateTime + Send + Sync + 'static) -> Self {
         Self(Arc::new(now))
@@ -34,7 +34,7 @@ impl fmt::Debug for Clock {
     }
 }
 
-/// A new message id: a UUIDv7, so that ids sort by time.
+/// Makes a new message id: a UUIDv7, so that ids sort by time.
 #[must_use]
 pub fn new_message_id() -> asi_model::MessageId {
     uuid::Uuid::now_v7().into()

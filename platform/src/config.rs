@@ -300,7 +300,7 @@ impl PlatformConfig {
         faults
     }
 
-    /// The password that the administration of another broker gave a holder of credentials.
+    /// Returns the password that the administration of another broker gave a holder of credentials.
     #[must_use]
     pub fn external_password(&self, user_name: &str) -> Option<&Confidential<String>> {
         let accounts = &self.broker.external.as_ref()?.accounts;
@@ -322,19 +322,19 @@ impl PlatformConfig {
         Duration::from_millis(self.leases.silence_ms)
     }
 
-    /// The database file.
+    /// Returns the path of the database.
     #[must_use]
     pub fn database_path(&self) -> PathBuf {
         self.data_directory.join("platform.sqlite")
     }
 
-    /// The embedded broker's file.
+    /// Returns the path of the embedded broker's database.
     #[must_use]
     pub fn broker_database_path(&self) -> PathBuf {
         self.data_directory.join("broker.sqlite")
     }
 
-    /// The certificate authority's folder.
+    /// Returns the certificate authority's folder.
     #[must_use]
     pub fn authority_directory(&self) -> PathBuf {
         self.data_directory.join("certificates")

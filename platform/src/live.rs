@@ -103,7 +103,7 @@ pub struct FieldUpdate {
 }
 
 impl LiveEvent {
-    /// The event's name on the stream.
+    /// Returns the event's name on the stream.
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {
@@ -117,7 +117,7 @@ impl LiveEvent {
         }
     }
 
-    /// The event for an audience.
+    /// Addresses the event to an audience.
     #[must_use]
     pub const fn to(self, audience: Vec<OrganisationId>) -> Notification {
         let is_structure = matches!(

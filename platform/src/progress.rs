@@ -110,7 +110,7 @@ impl Newest<'_> {
             .filter_map(|row| Some((row, row.current.as_ref()?)))
     }
 
-    /// Of several requests that ask for the same meaning, the newest answer counts.
+    /// Returns the newest value with this meaning, of all requests that ask for it.
     fn find(&self, semantic: &Semantic) -> Option<(&CurrentValue, Option<&str>)> {
         let mut best: Option<(&CurrentValue, Option<&str>)> = None;
         for (row, current) in self.rows() {
@@ -138,7 +138,7 @@ impl Newest<'_> {
         as_number(&self.find(semantic)?.0.value)
     }
 
-    /// A quantity in the operation's unit; as it is where either unit is not known.
+    /// Returns a quantity in the operation's unit; unconverted where either unit is unknown.
     fn quantity(&self, semantic: &Semantic) -> Option<f64> {
         let (current, unit) = self.find(semantic)?;
         let number = as_number(&current.value)?;

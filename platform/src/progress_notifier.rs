@@ -53,7 +53,7 @@ impl ProgressNotifierHandle {
 }
 
 impl ProgressNotifier {
-    /// A board that knows of nothing yet.
+    /// Makes the service, which has published nothing yet, and its handle.
     #[must_use]
     pub fn new(store: Store, live: LiveLog) -> (Self, ProgressNotifierHandle) {
         let changed = Arc::new(Changed::default());

@@ -10,7 +10,7 @@ use crate::store::Store;
 pub struct StoredSpool(Store);
 
 impl StoredSpool {
-    /// Over this store.
+    /// Makes the link's view of this store.
     #[must_use]
     pub const fn new(store: Store) -> Self {
         Self(store)

@@ -10,7 +10,7 @@ use asi_model::{
 };
 use serde_json::{Value, json};
 
-/// A value without its type.
+/// Converts a value to plain JSON, without its type.
 #[must_use]
 pub fn value_json(variant: &Variant) -> Value {
     match variant {
@@ -62,7 +62,7 @@ fn opcua_form(value: &Scalar) -> Value {
     serde_json::from_slice(&out).unwrap_or(Value::Null)
 }
 
-/// A value with its quality and source time: `{value, status, sourceTimestamp}`.
+/// Converts a value with its quality and source time to `{value, status, sourceTimestamp}`.
 #[must_use]
 pub fn data_value_json(value: &DataValue) -> Value {
     let mut object =
@@ -73,7 +73,7 @@ pub fn data_value_json(value: &DataValue) -> Value {
     object
 }
 
-/// The number in a plain value, if it is one.
+/// Returns the number in a plain value, if it is one.
 #[must_use]
 pub fn as_number(value: &Value) -> Option<f64> {
     match value {

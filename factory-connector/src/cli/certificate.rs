@@ -86,7 +86,7 @@ pub(super) async fn run(
     }
 }
 
-/// All files as one in PEM; a single one as it is.
+/// Joins several files as PEM; a single one is returned as it is.
 fn together(files: &[PathBuf]) -> anyhow::Result<Vec<u8>> {
     let mut contents = Vec::new();
     for path in files {

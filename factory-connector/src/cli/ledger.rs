@@ -34,7 +34,7 @@ pub(super) enum LedgerCommand {
         /// Form of the file.
         #[arg(long, value_enum, default_value = "jsonl")]
         format: Format,
-        /// Of this recipient's chain only.
+        /// Restrict to this recipient's chain.
         #[arg(long)]
         recipient: Option<OrganisationId>,
         /// Recorded at this time or later (RFC 3339).

@@ -40,7 +40,7 @@ impl Bench {
         )
     }
 
-    /// The id of the request that is the only action.
+    /// Returns the id of the request that is the only action.
     fn asked(actions: &[Action]) -> MessageId {
         match actions {
             [Action::Ask(request)] => request.message_id.clone(),

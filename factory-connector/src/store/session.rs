@@ -78,7 +78,7 @@ impl Session {
         DeadLetters(self.connection())
     }
 
-    /// The enrolment at the platform.
+    /// Returns the repository of the enrolment.
     pub fn enrolments(&mut self) -> Enrolments<'_> {
         Enrolments(self.connection())
     }
@@ -153,7 +153,7 @@ impl Session {
         Sources(self.connection())
     }
 
-    /// The spool: reports and control messages on their way out.
+    /// Returns the reader of the spool: reports and control messages that wait or were sent.
     pub fn spool(&mut self) -> Spool<'_> {
         Spool(self.connection())
     }

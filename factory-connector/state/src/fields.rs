@@ -35,7 +35,7 @@ pub use validity::Validity;
 /// and what the next transaction writes.
 #[derive(Default)]
 pub struct FieldRegistry {
-    /// By number, so that a candidate's field is found without hashing a text.
+    /// Fields by number, so that a candidate's field is found without hashing a text.
     entries: HashMap<i64, Box<Entry>, foldhash::fast::RandomState>,
     /// The numbers, by key. Partners choose the keys, so this hasher must withstand chosen ones.
     numbers: HashTable<i64>,

@@ -60,7 +60,7 @@ pub fn network(revision: u64, change: impl FnOnce(&mut Value)) -> OperationNetwo
     .expect("a network")
 }
 
-/// A decision without a reason and a basis, by `eve`.
+/// Makes a decision without a reason and a basis, by `eve`.
 #[must_use]
 pub fn decision(command: DecisionCommand) -> DecisionRequest {
     let basis = DecisionBasis::default();

@@ -129,7 +129,7 @@ pub fn decode(
     }
 }
 
-/// The dead letter of a delivery.
+/// Makes the dead letter of a delivery.
 pub(super) fn dead_letter(
     address: &LogicalAddress,
     delivery: &Delivery,

@@ -30,7 +30,7 @@ use crate::{
 const DECODED_INLINE_BYTES_MAX: usize = 64 * 1024;
 /// Batches that wait for the writer.
 const BATCHES_WAITING_MAX: usize = 64;
-/// Between two events that say a factory lives.
+/// Time between two events that a factory was heard.
 const HEARD_INTERVAL: Duration = Duration::from_secs(1);
 /// Batches written in one transaction.
 const BATCHES_PER_WORK_MAX: usize = 32;
@@ -191,7 +191,7 @@ impl Ingest {
         Ok(())
     }
 
-    /// After the commit: pages, link, decoding and metrics.
+    /// Publishes the effects of a committed batch: to pages, link, decoder and metrics.
     async fn tell(&self, effects: Effects) {
         if effects.has_outgoing {
             self.broker_access.wake_link();

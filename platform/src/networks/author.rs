@@ -12,7 +12,7 @@ pub struct Author {
     pub organisation_id: Option<OrganisationId>,
     /// An administrator, who changes networks of all organisations.
     pub is_administrator: bool,
-    /// May change networks at all.
+    /// True for roles that may change networks.
     pub may_plan: bool,
     pub now: DateTime,
     /// The networks the author may know of.
@@ -20,7 +20,7 @@ pub struct Author {
 }
 
 impl Author {
-    /// A user.
+    /// Makes the author of a signed-in user's change.
     #[must_use]
     pub fn user(principal: &Principal, now: DateTime) -> Self {
         Self {
@@ -33,7 +33,7 @@ impl Author {
         }
     }
 
-    /// A tool of an organisation.
+    /// Makes the author of a change by an organisation's tool.
     #[must_use]
     pub fn tool(tool: &ToolId, organisation: OrganisationId, now: DateTime) -> Self {
         Self {

@@ -20,7 +20,7 @@ pub struct PutNetwork {
     pub collaboration_id: CollaborationId,
     /// The network, each operation with its owner.
     pub network: OperationNetwork,
-    /// Only replace this revision (`If-Match`); 0 where there must be none.
+    /// The only revision to replace (`If-Match`); 0 where there must be none.
     pub expected_revision: Option<u64>,
 }
 
@@ -147,7 +147,7 @@ pub async fn withdraw(
     take_effect(work, row, &collaboration, author, resend_after).await
 }
 
-/// A network that the author may change, with its collaboration.
+/// Returns a network that the author may change, with its collaboration.
 pub(super) async fn lookup(
     work: &mut Work,
     id: &OperationNetworkId,

@@ -62,7 +62,7 @@ pub(super) fn faults(
     faults
 }
 
-/// A request asks in the author's own name, and only members hear the answers.
+/// Finds faults of a request: it asks in the author's own name, and only members get the answers.
 fn request_faults(
     request: &DynamicDataRequest,
     at: &str,

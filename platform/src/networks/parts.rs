@@ -22,7 +22,7 @@ pub(super) struct PlannedPart {
 }
 
 impl PlannedPart {
-    /// The fault of a part that no broker would carry.
+    /// Returns the fault of a part that is too large for a broker.
     pub(super) fn oversize(&self) -> Option<Fault> {
         let bytes = self.message.body.len();
         (bytes > REQUEST_BYTES_MAX).then(|| Fault {
@@ -113,7 +113,7 @@ fn planned_part(
     PlannedPart { message: outgoing(factory, message, now), part }
 }
 
-/// A message to a factory as a row to send.
+/// Makes the row of a message to a factory.
 pub(crate) fn outgoing(
     factory: &FactoryId,
     message: &PlatformMessage,

@@ -26,7 +26,7 @@ const PARTS_PER_ROUND_MAX: u32 = 100;
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
 impl Resender {
-    /// A reconciler over the store.
+    /// Makes a reconciler over the store.
     #[must_use]
     pub const fn new(
         store: Store,

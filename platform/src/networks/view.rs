@@ -99,7 +99,7 @@ pub struct FieldView {
     pub sequence: Option<u32>,
 }
 
-/// A network as the viewer sees it; `None` where it is none of the viewer's.
+/// Returns a network as the viewer sees it; `None` where it is none of the viewer's.
 ///
 /// # Errors
 /// [`StoreError`].

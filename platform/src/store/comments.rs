@@ -79,7 +79,7 @@ impl Comments<'_> {
         row.unsigned("comment_id")
     }
 
-    /// The comments on a network of the viewer's collaborations, oldest first.
+    /// Returns the comments on a network of the viewer's collaborations, oldest first.
     ///
     /// # Errors
     /// [`StoreError`].

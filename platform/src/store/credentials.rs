@@ -15,7 +15,7 @@ pub enum Holder {
 }
 
 impl Holder {
-    /// The name to sign in to the broker with.
+    /// Returns the name to sign in to the broker with.
     #[must_use]
     pub fn user_name(&self) -> String {
         match self {
@@ -164,7 +164,7 @@ impl Credentials<'_> {
         Ok(result.rows_affected())
     }
 
-    /// All that are alive.
+    /// Returns all credentials that are not revoked.
     ///
     /// # Errors
     /// [`StoreError`].

@@ -86,7 +86,7 @@ impl DeadLetters<'_> {
         Ok(())
     }
 
-    /// A page, newest first: those with a smaller number than `before`.
+    /// Returns a page, newest first, of those with a smaller number than `before`.
     ///
     /// # Errors
     /// [`StoreError`].

@@ -28,7 +28,7 @@ pub enum StoreError {
 }
 
 impl StoreError {
-    /// For `map_err`: the statement that did `action` failed.
+    /// Returns a function for `map_err` that names the failed `action`.
     pub(super) fn during(action: &'static str) -> impl Fn(sqlx::Error) -> Self {
         move |source| Self::Statement { action, source }
     }

@@ -147,7 +147,7 @@ impl Fields<'_> {
         Ok(result.rows_affected() == 1)
     }
 
-    /// The factory that a request asks, the operation it is about, and its fields.
+    /// Returns the factory that a request asks, the operation it is about, and its fields.
     ///
     /// # Errors
     /// [`StoreError`].

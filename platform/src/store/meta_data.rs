@@ -37,7 +37,7 @@ impl MetaData<'_> {
         Ok(())
     }
 
-    /// The metadata messages of all writers, as they came.
+    /// Returns the metadata messages of all writers, as they came.
     ///
     /// # Errors
     /// [`StoreError`].

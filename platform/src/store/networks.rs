@@ -115,7 +115,7 @@ impl Networks<'_> {
         row.as_ref().map(read).transpose()
     }
 
-    /// A page of those that belong to the viewer's collaborations; by id, after `after`.
+    /// Returns a page of the networks of the viewer's collaborations, by id, after `after`.
     ///
     /// # Errors
     /// [`StoreError`].

@@ -149,7 +149,7 @@ impl Parts<'_> {
         rows.iter().map(read).collect()
     }
 
-    /// The part of a factory that a message carried, or that belongs to a network.
+    /// Returns the part of a factory that a message carried, or that belongs to a network.
     ///
     /// # Errors
     /// [`StoreError`].

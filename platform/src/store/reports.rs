@@ -68,13 +68,13 @@ pub struct Report {
 /// Filter and page of the history.
 #[derive(Debug, Clone, Default)]
 pub struct ReportQuery {
-    /// Only of this network.
+    /// Restricts to this network.
     pub network: Option<OperationNetworkId>,
-    /// Only of this request.
+    /// Restricts to this request.
     pub request: Option<DynamicDataRequestId>,
-    /// Only with a greater number.
+    /// Restricts to greater numbers.
     pub after: u64,
-    /// At most so many.
+    /// Most reports to return.
     pub limit: u32,
     /// The newest ones instead of the oldest; listed in the order of arrival all the same.
     pub is_newest: bool,

@@ -12,19 +12,19 @@ pub(super) type DatabaseRow = <Database as sqlx::Database>::Row;
 
 /// Columns as our types. All columns are written by this crate, so a mismatch is a corrupt store.
 pub(super) trait Columns {
-    /// A column as a native type.
+    /// Reads a column as a native type.
     fn column<'r, T: Decode<'r, Database> + Type<Database>>(
         &'r self,
         name: &'static str,
     ) -> Result<T, StoreError>;
 
-    /// A text column as an identifier or another type with a text form.
+    /// Reads a text column as an identifier or another type with a text form.
     fn parsed<T: FromStr<Err: Display>>(&self, name: &'static str) -> Result<T, StoreError> {
         let text: String = self.column(name)?;
         text.parse().map_err(|error: T::Err| corrupt(name, &error))
     }
 
-    /// A text column that may be null.
+    /// Reads a text column that may be null.
     fn parsed_option<T: FromStr<Err: Display>>(
         &self,
         name: &'static str,
@@ -33,24 +33,24 @@ pub(super) trait Columns {
         text.map(|text| text.parse().map_err(|error: T::Err| corrupt(name, &error))).transpose()
     }
 
-    /// A time column.
+    /// Reads a time column.
     fn time(&self, name: &'static str) -> Result<DateTime, StoreError> {
         Ok(DateTime::from_ticks(self.column(name)?))
     }
 
-    /// A time column that may be null.
+    /// Reads a time column that may be null.
     fn time_option(&self, name: &'static str) -> Result<Option<DateTime>, StoreError> {
         let ticks: Option<i64> = self.column(name)?;
         Ok(ticks.map(DateTime::from_ticks))
     }
 
-    /// A number column that is never negative.
+    /// Reads a number column that is never negative.
     fn unsigned<T: TryFrom<i64>>(&self, name: &'static str) -> Result<T, StoreError> {
         let number: i64 = self.column(name)?;
         T::try_from(number).map_err(|_| corrupt(name, &number))
     }
 
-    /// A document column.
+    /// Reads a column that contains a JSON document.
     fn json<T: DeserializeOwned>(&self, name: &'static str) -> Result<T, StoreError> {
         let text: String = self.column(name)?;
         serde_json::from_str(&text).map_err(|error| corrupt(name, &error))

@@ -109,7 +109,7 @@ impl Tools<'_> {
         Ok(())
     }
 
-    /// The tools that receive a request's reports: the one it names, where it is known and its
+    /// Returns the tools that receive a request's reports: the one it names, where it is known and its
     /// organisation a recipient.
     ///
     /// # Errors

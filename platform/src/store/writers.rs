@@ -46,7 +46,7 @@ pub struct WriterRow {
 }
 
 impl WriterRow {
-    /// A writer of which nothing is held.
+    /// Makes a writer of which no report is stored.
     #[must_use]
     pub const fn new(key: WriterKey) -> Self {
         Self {
@@ -127,7 +127,7 @@ impl Writers<'_> {
         Ok(())
     }
 
-    /// All writers of a factory, by writer and epoch.
+    /// Returns all writers of a factory, by writer and epoch.
     ///
     /// # Errors
     /// [`StoreError`].

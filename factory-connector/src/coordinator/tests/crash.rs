@@ -33,7 +33,7 @@ async fn kills_at_any_point_leave_chain_and_spool_consistent() {
     }
 }
 
-/// The process: works until it is killed.
+/// Body of the killed process: discloses and sends without end.
 #[tokio::test]
 async fn work_until_killed() {
     let Some(folder) = std::env::var_os(FOLDER) else { return };

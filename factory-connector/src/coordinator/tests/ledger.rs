@@ -31,7 +31,7 @@ const GUARDED: [(&str, &[&str]); 6] = [
     ),
 ];
 
-/// A small ledger with an entry of each kind that the story yields, and a checkpoint.
+/// Makes a small ledger with an entry of each kind, and a checkpoint.
 async fn small_ledger() -> TempDir {
     let running = Running::with_two_open_fields().await;
     running.enter_both(1).await;

@@ -27,7 +27,7 @@ async fn long_ledger() -> Running {
     running
 }
 
-/// The fields that an entry is about, by all entries.
+/// Returns the fields that an entry is about, derived from all entries.
 fn fields_of(entry: &Value, all: &[Value]) -> BTreeSet<String> {
     if let Some(name) = entry["field"]["fieldName"].as_str() {
         return [name.to_owned()].into();

@@ -9,13 +9,13 @@ use sqlx::{QueryBuilder, Sqlite};
 /// Conditions that entries meet; all entries by default.
 #[derive(Debug, Clone, Default)]
 pub struct LedgerFilter {
-    /// Of this chain only.
+    /// Restricts to this recipient's chain.
     pub recipient: Option<OrganisationId>,
     /// Recorded at this time or later.
     pub from: Option<DateTime>,
     /// Recorded before this time.
     pub until: Option<DateTime>,
-    /// Of this kind only.
+    /// Restricts to this kind of entry.
     pub kind: Option<EventKind>,
     /// About this only.
     pub subject: Option<LedgerSubject>,

@@ -11,10 +11,10 @@ use super::Field;
 /// Fields by the states that their gates look at, in both directions.
 #[derive(Debug, Default)]
 pub(super) struct Dependents {
-    /// By the field on whose state the others depend.
+    /// Dependent fields, by the field on whose state they depend.
     of: HashMap<FieldKey, BTreeSet<FieldKey>>,
-    /// By the field whose gate looks, so that replacing its conditions costs what it has and not
-    /// what all have.
+    /// Fields that are depended on, by the dependent field: its conditions are replaced without a
+    /// scan of all others.
     on: HashMap<FieldKey, Vec<FieldKey>>,
 }
 

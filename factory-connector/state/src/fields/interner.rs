@@ -16,7 +16,7 @@ use shop_floor_model::SourceId;
 pub(super) struct Interner {
     sources: HashSet<SourceId>,
     namespaces: HashSet<Arc<str>>,
-    /// By their JSON text; most fields have the default policy.
+    /// Policies by their JSON text; most fields have the default one.
     policies: HashMap<String, Arc<DisclosurePolicy>>,
 }
 

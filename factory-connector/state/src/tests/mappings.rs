@@ -16,7 +16,7 @@ use crate::{
     },
 };
 
-/// A mapping of `made` with these functions, as the field takes it.
+/// Makes a mapping of `made` with these functions, as the field takes it.
 fn mapping(scene: &Scene, steps: &Value) -> Mapping {
     let json = json!({ "mappingId": "x", "target": field("made"), "targetType": "UInt64",
         "targetUnit": "PIECE", "inputs": [{ "name": "a", "sourceId": "s",

@@ -20,7 +20,7 @@ fn revocation(names: &[&str]) -> Revocation {
     }
 }
 
-/// The receipts of a transaction as JSON.
+/// Returns the receipts of a transaction as JSON.
 fn receipts(scene: &mut Scene) -> Vec<serde_json::Value> {
     let (writes, _) = scene.commit(9);
     let rows = writes.ledger.revocations.iter();

@@ -25,7 +25,7 @@ pub enum DecisionCommand {
     Map {
         /// The source; [`ValueSource::Mapping`] needs a mapping.
         value_source: ValueSource,
-        /// From local variables to the field.
+        /// Mapping from local variables to the field.
         mapping: Option<Box<Mapping>>,
         policy: DisclosurePolicy,
     },

@@ -20,11 +20,11 @@ const AGE_MAX: Duration = Duration::from_secs(31 * 86_400);
 /// Outcome of an entry.
 #[derive(Debug, Clone, PartialEq)]
 pub enum EntryOutcome {
-    /// It is stored; these fields got a value from it.
+    /// Stored; these fields got a value from the entry.
     Taken(Vec<(FieldKey, GateOutcome)>),
-    /// It was stored before.
+    /// Stored before under the same id.
     Repeated,
-    /// It is not stored, and never will be.
+    /// Not stored, and never accepted later.
     Refused(EntryFault),
 }
 

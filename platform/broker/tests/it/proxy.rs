@@ -90,7 +90,7 @@ async fn pass(
     }
 }
 
-/// An HTTP proxy that asks for the user `plant` with the password `gate`.
+/// Starts an HTTP proxy that asks for the user `plant` with the password `gate`.
 pub async fn http_proxy() -> SocketAddr {
     let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
     let address = listener.local_addr().expect("an address");

@@ -104,7 +104,7 @@ impl TestBroker {
         self.handle.local_addresses()[0].port()
     }
 
-    /// The port of the listener that [`with_websockets`] adds.
+    /// Returns the port of the listener that [`with_websockets`] adds.
     pub fn websocket_port(&self) -> u16 {
         self.handle.local_addresses()[1].port()
     }
@@ -202,7 +202,7 @@ pub fn with_websockets(config: &mut BrokerConfig) {
     });
 }
 
-/// A certificate for localhost and its authority, as PEM.
+/// Makes a certificate for localhost and its authority, as PEM.
 pub fn certificate() -> (TlsIdentity, bytes::Bytes) {
     let certified =
         rcgen::generate_simple_self_signed(["localhost".to_owned()]).expect("a certificate");
