@@ -188,7 +188,8 @@ async fn drain(stage: &mut Stage) -> anyhow::Result<String> {
     Ok(String::new())
 }
 
-/// The clients notice lost machines one after the other, and each then says so: empty must last.
+/// Waits until the spool stays empty: clients notice lost machines one after the other, and each
+/// then reports it.
 async fn nothing_waits(connector: &Api) -> anyhow::Result<()> {
     let deadline = Deadline::after(RECOVERY);
     let mut quiet_since = Instant::now();
@@ -233,7 +234,7 @@ async fn judge(stage: &Stage, said: &[Comment]) -> anyhow::Result<String> {
     ))
 }
 
-/// The command that an auditor runs.
+/// Verifies a connector's ledger with the command that an auditor runs.
 async fn ledger_holds(stage: &Stage, factory: &str) -> anyhow::Result<()> {
     let folder = &stage.world.places.folder;
     let config = folder.join(format!("connector-{factory}.toml")).display().to_string();

@@ -74,7 +74,7 @@ impl World {
         Ok(Self { platform, factories: [start_factory(MUNICH)?, start_factory(HAMBURG)?], places })
     }
 
-    /// The platform's API, signed in as administrator, once it answers.
+    /// Returns the platform's API, signed in as administrator, once it answers.
     ///
     /// # Errors
     /// When it does not become ready.
@@ -129,7 +129,7 @@ impl World {
         Ok(())
     }
 
-    /// A factory connector's API, signed in as engineer, once it answers.
+    /// Returns a connector's API, signed in as engineer, once it answers.
     ///
     /// # Errors
     /// When it does not become ready.
@@ -143,7 +143,7 @@ impl World {
         Ok(api)
     }
 
-    /// The simulator's control interface of a factory (it needs no sign-in).
+    /// Returns the control interface of a factory's simulator, which needs no sign-in.
     ///
     /// # Errors
     /// When the factory is not part of this world.
@@ -161,7 +161,7 @@ impl World {
         daemon("broker", "platform", &["broker", "--config", &config], &self.places.folder)
     }
 
-    /// One of the two factories.
+    /// Returns one of the two factories.
     ///
     /// # Errors
     /// When there is no such factory.
@@ -172,7 +172,7 @@ impl World {
             .with_context(|| format!("there is no factory {factory_id}"))
     }
 
-    /// Every running program, the connectors first: the order in which to stop them.
+    /// Returns every running program, the connectors first: the order in which to stop them.
     pub fn daemons(&mut self) -> impl Iterator<Item = &mut Daemon> {
         let (mut connectors, mut machines) = (Vec::new(), Vec::new());
         for factory in &mut self.factories {

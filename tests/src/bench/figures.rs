@@ -26,12 +26,12 @@ pub(super) fn distribution(name: &str, mut latencies: Vec<Duration>) -> Vec<Valu
         .collect()
 }
 
-/// One figure, for the program that asked.
+/// Makes one figure for the calling program.
 pub(super) fn figure(name: &str, value: f64, unit: &str) -> Value {
     json!({ "name": name, "value": value, "unit": unit })
 }
 
-/// A sorted distribution at these shares in percent.
+/// Makes figures of a distribution at these shares in percent.
 pub(super) fn figures(name: &str, mut latencies: Vec<Duration>) -> Vec<Value> {
     latencies.sort_unstable();
     let at = |share: usize| latencies[(latencies.len() - 1) * share / 100].as_secs_f64() * 1000.0;

@@ -96,8 +96,8 @@ struct Plant {
     entries: u64,
 }
 
-/// The connector's transaction beside the same one by bare SQLite, a few of each in turn, for what
-/// disturbs one is to disturb the other.
+/// Compares the connector's transaction with the same one by bare SQLite, a few of each in turn, so
+/// that disturbances meet both.
 async fn against_bare() -> anyhow::Result<Vec<Value>> {
     let (own_folder, bare_folder) = (tempfile::tempdir()?, tempfile::tempdir()?);
     let mut plant = Plant::open(own_folder.path()).await?;
@@ -150,8 +150,8 @@ impl Plant {
         Ok(plant)
     }
 
-    /// The next fields get new values; everything that follows is in one transaction. Answers how
-    /// long that took.
+    /// Gives the next fields new values in one transaction, with everything that follows. Returns its
+    /// duration.
     async fn disclose(&mut self, values: usize) -> anyhow::Result<Duration> {
         let changes = self.changes(values, now())?;
         let began = Instant::now();

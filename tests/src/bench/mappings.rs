@@ -124,7 +124,7 @@ fn rates(name: &str, measured: &Measured) -> [Value; 2] {
     ]
 }
 
-/// The subscription alone, in this process.
+/// Measures the subscription alone, in this process.
 async fn bare(bank: &Bank) -> anyhow::Result<Measured> {
     let folder = tempfile::tempdir()?;
     let config =
@@ -175,8 +175,8 @@ async fn empty_bytes(bank: &Bank) -> anyhow::Result<u64> {
     Ok(resident)
 }
 
-/// A connector with one such mapping per variable of the bank: the values through it, and the
-/// memory it takes then.
+/// Measures a connector with one such mapping per variable of the bank: the rate of values, and the
+/// memory in bytes.
 async fn rate(bank: &Bank, steps: &Value) -> anyhow::Result<(Measured, u64)> {
     let mut connector = Connector::start(Filled::with(bank, steps).await?).await?;
     connector.until_live(bank.variables, PATIENCE).await?;

@@ -44,7 +44,7 @@ impl Part {
         }
     }
 
-    /// This program, to run the part.
+    /// Makes the command that runs the part with this program.
     pub(super) fn command(self) -> anyhow::Result<Command> {
         let mut command = Command::new(std::env::current_exe().context("finding this program")?);
         command

@@ -13,7 +13,7 @@ pub(super) struct Usage {
 }
 
 impl Usage {
-    /// Of a process and those it started.
+    /// Reads the usage of a process and those it started.
     pub fn of(process: u32) -> anyhow::Result<Self> {
         let own = Self::of_one(process)?;
         let mut sum = own;
@@ -30,7 +30,7 @@ impl Usage {
         Ok(sum)
     }
 
-    /// Of a process alone.
+    /// Reads the usage of a process alone.
     pub fn of_one(process: u32) -> anyhow::Result<Self> {
         let stat = fs::read_to_string(format!("/proc/{process}/stat"))
             .context("reading the times of a process")?;

@@ -25,10 +25,10 @@ const PAUSE: Duration = Duration::from_millis(40);
 /// Authors who comment until they are stopped.
 pub(super) struct CommentTraffic {
     stop: CancellationToken,
-    speakers: Vec<tokio::task::JoinHandle<Vec<Comment>>>,
+    authors: Vec<tokio::task::JoinHandle<Vec<Comment>>>,
 }
 
-struct Speaker {
+struct Author {
     api: Api,
     user: &'static str,
     factory: &'static str,
@@ -39,7 +39,7 @@ impl CommentTraffic {
     /// Starts an author at each factory, and one at the platform for each factory.
     pub fn begin(places: &Places) -> anyhow::Result<Self> {
         let stop = CancellationToken::new();
-        let mut speakers = Vec::new();
+        let mut authors = Vec::new();
         for factory in [MUNICH, HAMBURG] {
             let ports = [
                 (places.platform_web, ADMIN, false),
@@ -47,48 +47,48 @@ impl CommentTraffic {
             ];
             for (port, user, is_from_factory) in ports {
                 let api = Api::new(format!("http://127.0.0.1:{port}"))?;
-                let speaker = Speaker { api, user, factory, is_from_factory };
-                speakers.push(tokio::spawn(speaker.talk(stop.clone())));
+                let author = Author { api, user, factory, is_from_factory };
+                authors.push(tokio::spawn(author.write_until(stop.clone())));
             }
         }
-        Ok(Self { stop, speakers })
+        Ok(Self { stop, authors })
     }
 
-    /// Everything that was said and taken.
+    /// Stops the authors, and returns every comment that was accepted.
     pub async fn end(self) -> anyhow::Result<Vec<Comment>> {
         self.stop.cancel();
-        let mut said = Vec::new();
-        for speaker in self.speakers {
-            said.extend(speaker.await?);
+        let mut accepted = Vec::new();
+        for author in self.authors {
+            accepted.extend(author.await?);
         }
-        Ok(said)
+        Ok(accepted)
     }
 }
 
-impl Speaker {
-    async fn talk(mut self, stop: CancellationToken) -> Vec<Comment> {
-        let mut said = Vec::new();
+impl Author {
+    async fn write_until(mut self, stop: CancellationToken) -> Vec<Comment> {
+        let mut accepted = Vec::new();
         let mut is_signed_in = false;
         for number in 0_u64.. {
             // A program that starts again has forgotten its sessions.
             is_signed_in = is_signed_in || self.api.sign_in(self.user, PASSWORD).await.is_ok();
             if is_signed_in {
                 let text = format!("comment {number}");
-                is_signed_in = self.say(&text).await.is_ok();
+                is_signed_in = self.post(&text).await.is_ok();
                 if is_signed_in {
                     let (factory, is_from_factory) =
                         (self.factory.to_owned(), self.is_from_factory);
-                    said.push(Comment { factory, is_from_factory, text });
+                    accepted.push(Comment { factory, is_from_factory, text });
                 }
             }
             if stop.run_until_cancelled(tokio::time::sleep(PAUSE)).await.is_none() {
                 break;
             }
         }
-        said
+        accepted
     }
 
-    async fn say(&self, text: &str) -> anyhow::Result<()> {
+    async fn post(&self, text: &str) -> anyhow::Result<()> {
         let path = format!("/api/v1/operation-networks/{NETWORK}/comments");
         let body = match self.is_from_factory {
             true => json!({ "text": text }),
@@ -98,8 +98,8 @@ impl Speaker {
     }
 }
 
-/// Comments that nobody but the broker has yet: one side has not got what the other has said, and it
-/// waits in a queue.
+/// Returns the comments that wait in a queue of the broker: the sender's store has them, and the
+/// receiver's has not.
 pub(super) async fn on_the_way(folder: &Path) -> anyhow::Result<BTreeSet<Comment>> {
     let queued = stores::queued(folder).await?;
     let mut found = BTreeSet::new();
@@ -122,17 +122,18 @@ impl Comment {
             self.factory,
             if self.is_from_factory { "ingress" } else { "requests" }
         );
-        let said = format!("\"text\":{}", Value::from(self.text.as_str()));
-        let says = |body: &[u8]| body.windows(said.len()).any(|window| window == said.as_bytes());
-        messages.iter().any(|(name, body)| *name == queue && says(body))
+        let text = format!("\"text\":{}", Value::from(self.text.as_str()));
+        let has_text =
+            |body: &[u8]| body.windows(text.len()).any(|window| window == text.as_bytes());
+        messages.iter().any(|(name, body)| *name == queue && has_text(body))
     }
 }
 
-/// Breaches of the promise that each comment is on both sides once, but for those that the broker lost with
-/// its store.
+/// Returns breaches of the promise that each comment is on both sides once, but for those that the
+/// broker lost with its store.
 pub(super) async fn faults(
     folder: &Path,
-    said: &[Comment],
+    accepted: &[Comment],
     lost: &BTreeSet<Comment>,
 ) -> anyhow::Result<Vec<String>> {
     let mut faults = Vec::new();
@@ -140,7 +141,7 @@ pub(super) async fn faults(
         let (here, there) = stores::comments(folder, factory).await?;
         let (here, there) = (counted(here), counted(there));
         for comment in
-            said.iter().filter(|comment| comment.factory == factory && !lost.contains(comment))
+            accepted.iter().filter(|comment| comment.factory == factory && !lost.contains(comment))
         {
             if !here.contains_key(comment) || !there.contains_key(comment) {
                 faults.push(format!("a comment is lost: {comment:?}"));

@@ -7,7 +7,7 @@ use std::{
 
 use anyhow::Context as _;
 
-/// As large as a run may need; memory is only taken for what is written.
+/// Size of the file system; memory is only taken for what is written.
 const SIZE: &str = "2g";
 
 /// A mounted file system in memory; unmounted when dropped. Mounting needs root.

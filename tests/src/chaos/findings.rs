@@ -12,7 +12,7 @@ use super::stores::{self, ReportKey};
 pub(super) struct Findings {
     /// Reports that left the factories.
     pub left: usize,
-    /// Of these, how many the platform holds.
+    /// Number of these that the platform stored.
     pub arrived: usize,
     /// Number of reports that came with the backlog after an outage.
     pub replayed: usize,

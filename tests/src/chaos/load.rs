@@ -51,7 +51,8 @@ async fn ask(platform: &Api, factory: &str, operation: &str, number: usize) -> a
     platform.post::<Value>(&path, &body).await.map(drop)
 }
 
-/// A measured value, a number that a script counts up with each change, and a text.
+/// Maps three fields: a measured value, a number that a script increments with each change, and a
+/// text.
 async fn decide(
     connector: &Api,
     factory: &str,

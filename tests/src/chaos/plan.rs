@@ -69,7 +69,7 @@ impl Fault {
         }
     }
 
-    /// A word for the summary.
+    /// Returns the name for the summary.
     #[must_use]
     pub const fn kind(self) -> &'static str {
         match self {
@@ -119,7 +119,7 @@ impl fmt::Display for Fault {
 /// A fault and how long after the last one it strikes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Strike {
-    /// After the last one.
+    /// Pause after the fault before.
     pub pause: Duration,
     pub fault: Fault,
 }
@@ -128,13 +128,13 @@ pub struct Strike {
 pub struct Plan(ChaCha8Rng);
 
 impl Plan {
-    /// The plan of a seed.
+    /// Makes the plan of a seed.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
 
-    /// The faults of the next round; after each round everything must work again.
+    /// Returns the faults of the next round; after each round everything must work again.
     pub fn round(&mut self) -> Vec<Strike> {
         let count = self.0.random_range(6..=14);
         (0..count)

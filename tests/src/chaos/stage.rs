@@ -80,7 +80,7 @@ impl Stage {
         Ok((stage, cast))
     }
 
-    /// From their next start on programs follow clocks that can jump, and lose patience sooner.
+    /// Configures the programs' next start: clocks that can jump, and shorter timeouts.
     fn prepare(&mut self) -> anyhow::Result<()> {
         let folder = self.world.places.folder.clone();
         if let Some(clock) = Clock::of(&mut self.world.platform, &folder)? {

@@ -64,8 +64,8 @@ fn platform_store(folder: &Path) -> PathBuf {
     folder.join("platform/platform.sqlite")
 }
 
-/// The reports that the platform has not receipted. Of those that still wait some may have been
-/// taken by the broker as well: its answer is written down a moment later.
+/// Returns the reports that the platform has not receipted. The broker may have accepted some of
+/// those that still wait: its answer is stored a moment later.
 pub(super) async fn unreceipted_reports(
     folder: &Path,
     factory: &str,
@@ -87,7 +87,7 @@ pub(super) async fn unreceipted_reports(
         .collect())
 }
 
-/// The broker forgets everything.
+/// Removes the broker's store.
 pub(super) fn remove_broker_store(folder: &Path) -> anyhow::Result<()> {
     for file in BROKER_FILES {
         let file = folder.join("platform").join(file);
@@ -98,8 +98,8 @@ pub(super) fn remove_broker_store(folder: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The broker's store of now is put aside, and the one that was put aside the last time comes back.
-/// The first time it stays, and a copy is put aside.
+/// Exchanges the broker's store for the one that was put aside the last time. The first time a copy
+/// is put aside, and the store stays.
 pub(super) fn exchange_broker_store(folder: &Path) -> anyhow::Result<()> {
     let (here, aside) = (folder.join("platform"), folder.join("broker-aside"));
     let old = folder.join("broker-old");
@@ -121,7 +121,7 @@ pub(super) fn exchange_broker_store(folder: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Every message that waits at the broker, with the name of its queue.
+/// Returns every message that waits at the broker, with the name of its queue.
 pub(super) async fn queued(folder: &Path) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
     let file = folder.join("platform/broker.sqlite");
     if !file.exists() {
@@ -141,7 +141,7 @@ pub(super) async fn queued(folder: &Path) -> anyhow::Result<Vec<(String, Vec<u8>
     Ok(rows.iter().map(|row| (row.get(0), row.get(1))).collect())
 }
 
-/// Every message that waits at the broker waits twice.
+/// Doubles every message that waits at the broker.
 pub(super) async fn double_queued(folder: &Path) -> anyhow::Result<()> {
     let file = folder.join("platform/broker.sqlite");
     if !file.exists() {
@@ -163,7 +163,7 @@ pub(super) async fn double_queued(folder: &Path) -> anyhow::Result<()> {
     Ok(store.close().await?)
 }
 
-/// Everything that ever left a connector.
+/// Returns everything that ever left a connector.
 pub(super) async fn left(
     folder: &Path,
     factory: &str,
@@ -195,7 +195,7 @@ pub(super) async fn left(
         .collect()
 }
 
-/// The number of reports in all chains of a connector's ledger.
+/// Returns the number of reports in all chains of a connector's ledger.
 pub(super) async fn ledger_entries(folder: &Path, factory: &str) -> anyhow::Result<usize> {
     let mut store = open(&connector_store(folder, factory)).await?;
     let row = sqlx::query("SELECT count(*) FROM ledger_entry WHERE report_id IS NOT NULL")
@@ -204,7 +204,7 @@ pub(super) async fn ledger_entries(folder: &Path, factory: &str) -> anyhow::Resu
     Ok(usize::try_from(row.get::<i64, _>(0))?)
 }
 
-/// Every gap that a factory has announced: the keys of the reports it gave up.
+/// Returns every gap that a factory has announced: the keys of the reports it gave up.
 pub(super) async fn gaps(folder: &Path, factory: &str) -> anyhow::Result<Vec<ReportKey>> {
     let mut store = open(&platform_store(folder)).await?;
     let rows = sqlx::query(
@@ -229,7 +229,7 @@ pub(super) async fn gaps(folder: &Path, factory: &str) -> anyhow::Result<Vec<Rep
         .collect())
 }
 
-/// Everything the platform holds of a factory, in the order of arrival.
+/// Returns the reports of a factory that the platform stored, in the order of arrival.
 pub(super) async fn arrived(
     folder: &Path,
     factory: &str,
@@ -259,7 +259,8 @@ pub(super) async fn arrived(
         .collect()
 }
 
-/// The comments from and to a factory: those its connector holds, and those the platform holds.
+/// Returns the comments from and to a factory: those in its connector's store, and those in the
+/// platform's.
 pub(super) async fn comments(
     folder: &Path,
     factory: &str,
@@ -289,8 +290,8 @@ pub(super) async fn repeats_and_dead_letters(folder: &Path) -> anyhow::Result<(u
     Ok((u64::try_from(repeats.get::<i64, _>(0))?, u64::try_from(letters.get::<i64, _>(0))?))
 }
 
-/// The fields of a payload in the reversible encoding: a variant, or a data value in one. A bare
-/// status is no value.
+/// Decodes the fields of a payload in the reversible encoding: a variant, or a data value in one. A
+/// bare status is no value.
 fn payload_values(payload: &Value) -> BTreeMap<String, Value> {
     let all = payload.as_object().into_iter().flatten();
     all.map(|(name, field)| {
@@ -306,7 +307,7 @@ fn payload_values(payload: &Value) -> BTreeMap<String, Value> {
 const STATUS_CODE: u8 = 19;
 const DATA_VALUE: u8 = 23;
 
-/// The fields of a report as the platform's API shows them.
+/// Converts the fields of a report to the form of the platform's API.
 fn shown_values(fields: &Value) -> BTreeMap<String, Value> {
     let all = fields.as_object().into_iter().flatten();
     all.map(|(name, field)| (name.clone(), field["value"].clone())).collect()

@@ -67,7 +67,8 @@ async fn everything(
     steps.run("20 000 fields and 100 000 nodes leave the pages quick", scale).await
 }
 
-/// A milling cell that wants to be trusted, and a bank of counters too large for a page.
+/// Starts a milling cell whose certificate is not trusted yet, and a bank of counters too large for
+/// a page.
 fn plant(folder: &Path, machine: u16, bank: u16, control: u16) -> anyhow::Result<Daemon> {
     let config = folder.join("machines-newcomer.toml");
     let text = format!(

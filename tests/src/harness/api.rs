@@ -29,7 +29,7 @@ pub struct ApiError {
 }
 
 impl Api {
-    /// A client that is not signed in yet; `base` as `http://127.0.0.1:8080`.
+    /// Makes a client that is not signed in yet; `base` as `http://127.0.0.1:8080`.
     ///
     /// # Errors
     /// When the client cannot be made.
@@ -43,7 +43,7 @@ impl Api {
         Ok(Self { base: base.into(), http, csrf: None })
     }
 
-    /// The address of the daemon.
+    /// Returns the address of the daemon.
     #[must_use]
     pub fn base(&self) -> &str {
         &self.base
@@ -115,7 +115,7 @@ impl Api {
         self.call(Method::DELETE, path, None::<&()>).await
     }
 
-    /// The open answer of a server-sent event stream; no overall timeout.
+    /// Opens a stream of server-sent events, without an overall timeout.
     ///
     /// # Errors
     /// When the daemon refuses or does not answer.

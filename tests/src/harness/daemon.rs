@@ -70,13 +70,13 @@ impl Daemon {
         &self.command.log
     }
 
-    /// Its process id.
+    /// Returns the process id.
     #[must_use]
     pub fn pid(&self) -> u32 {
         self.child.id()
     }
 
-    /// The exit status, if it has ended by itself.
+    /// Returns the exit status, if it has ended by itself.
     ///
     /// # Errors
     /// When the operating system does not say.
@@ -146,7 +146,7 @@ impl Daemon {
         anyhow::bail!("{} did not stop within {limit:?} and was killed", self.command.name)
     }
 
-    /// The last lines of its log, for error messages.
+    /// Returns the last lines of its log, for error messages.
     #[must_use]
     pub fn log_tail(&self, lines: usize) -> String {
         let text = std::fs::read_to_string(&self.command.log).unwrap_or_default();

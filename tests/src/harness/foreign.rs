@@ -6,7 +6,7 @@ use anyhow::Context as _;
 use serde_json::Value;
 use tokio::process::Command;
 
-/// The root of the repository.
+/// Returns the root of the repository.
 ///
 /// # Errors
 /// When it is not where this program was built.

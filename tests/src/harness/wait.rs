@@ -6,12 +6,12 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Until when a condition must hold, and what is said if it does not.
+/// Time by which a condition must hold.
 #[derive(Debug, Clone, Copy)]
 pub struct Deadline(Instant);
 
 impl Deadline {
-    /// So long from now.
+    /// Returns the deadline that passes this long from now.
     #[must_use]
     pub fn after(duration: Duration) -> Self {
         Self(Instant::now() + duration)

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::frame_order::{HAMBURG, MUNICH};
 
-/// The local servers of a factory, by name and kind.
+/// Returns the local servers of a factory, by name and kind.
 #[must_use]
 pub fn machines(factory_id: &str) -> [&'static str; 3] {
     if factory_id == MUNICH {
@@ -14,7 +14,7 @@ pub fn machines(factory_id: &str) -> [&'static str; 3] {
     }
 }
 
-/// The node of a machine's variable, by its key.
+/// Returns the node of a machine's variable, by its key.
 #[must_use]
 pub fn node(machine: &str, key: &str) -> String {
     format!("nsu=urn:verbund:simulator:{machine};s={key}")

@@ -17,7 +17,7 @@ pub const COLLABORATION: &str = "frame-order-4711";
 /// The network of operations.
 pub const NETWORK: &str = "frame-4711";
 
-/// A report field that the buyer asks for.
+/// Makes a report field that the buyer asks for.
 fn field(
     name: &str,
     built_in_type: u8,

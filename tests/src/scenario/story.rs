@@ -167,7 +167,7 @@ pub async fn send_network(platform: &Api) -> anyhow::Result<String> {
     .await
 }
 
-/// The path of a field in a connector's API.
+/// Returns the path of a field in a connector's API.
 #[must_use]
 pub fn field_path(operation: &str, request: &str, field: &str) -> String {
     format!("/api/v1/fields/{NETWORK}/{operation}/{request}/{field}")
@@ -195,7 +195,7 @@ pub async fn decide(connector: &Api, factory_id: &str) -> anyhow::Result<String>
     Ok(format!("{mapped} fields mapped, {refused} refused"))
 }
 
-/// The state of a field somewhere in a JSON document of the connector.
+/// Finds the state of a field anywhere in a JSON document of the connector.
 fn field_state(document: &Value, name: &str) -> Option<String> {
     match document {
         Value::Array(items) => items.iter().find_map(|item| field_state(item, name)),
@@ -212,7 +212,7 @@ fn field_state(document: &Value, name: &str) -> Option<String> {
     }
 }
 
-/// The platform's view of a field: mapping state, value, status and sequence.
+/// Returns the platform's view of a field: mapping state, value, status and sequence.
 ///
 /// # Errors
 /// When the platform does not answer or does not know the field.

@@ -102,7 +102,7 @@ impl Places {
         }
     }
 
-    /// The ports of a factory.
+    /// Returns the ports of a factory.
     ///
     /// # Errors
     /// When there is no such factory.

@@ -16,7 +16,7 @@ const DATABASE_FILE: &str = "connector.sqlite";
 pub(super) struct BareStore(Connection);
 
 impl BareStore {
-    /// With the connector's settings.
+    /// Opens a database with the connector's settings.
     pub fn open(folder: &Path) -> anyhow::Result<Self> {
         let connection = Connection::open(folder.join(DATABASE_FILE))?;
         connection.pragma_update(None, "synchronous", "FULL")?;

@@ -61,7 +61,7 @@ enum Process {
 }
 
 impl BrokerUnderTest {
-    /// The platform's own broker with full synchronisation, in this process.
+    /// Starts the platform's own broker with full synchronisation, in this process.
     pub(super) async fn embedded() -> anyhow::Result<Self> {
         let folder = tempfile::tempdir()?;
         let listener =

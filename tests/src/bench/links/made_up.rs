@@ -45,7 +45,7 @@ impl MadeUpSpool {
         }
     }
 
-    /// At most so many ahead of what was received.
+    /// Limits the sender to so many messages ahead of those received.
     pub(super) fn ahead_of(self, inbox: Arc<Counting>, messages: u64) -> Self {
         Self { pace: Some((inbox, messages)), ..self }
     }

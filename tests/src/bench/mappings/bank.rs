@@ -16,7 +16,7 @@ pub(super) struct Bank {
     _folder: TempDir,
 }
 
-/// The name of a counter's node.
+/// Returns the name of a counter's node.
 pub(super) fn node(index: u32) -> String {
     format!("nsu={NAMESPACE};s=Counter{index}")
 }

@@ -53,8 +53,8 @@ pub(super) struct Filled {
 }
 
 impl Filled {
-    /// A store with one field per counter, mapped through these steps; undecided where they are
-    /// null.
+    /// Fills a store with one field per counter, mapped through these steps; undecided where they
+    /// are null.
     pub async fn with(bank: &Bank, steps: &Value) -> anyhow::Result<Self> {
         let folder = tempfile::Builder::new().prefix("verbund-connector-").tempdir()?;
         fill(&folder.path().join("data"), bank, steps).await?;
@@ -144,7 +144,7 @@ impl Connector {
         Usage::of(self.daemon.pid())
     }
 
-    /// Its memory once the start is over: when it changes by less than a hundredth within a second.
+    /// Returns the resident memory once it changes by less than a hundredth within a second.
     pub async fn settled_bytes(&self) -> anyhow::Result<u64> {
         let before = AtomicU64::new(0);
         eventually("the memory settles", SETTLING_MAX, || async {

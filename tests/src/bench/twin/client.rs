@@ -73,7 +73,7 @@ impl Client {
         values.pop().context("one value for one node")
     }
 
-    /// The number of forward references of a node.
+    /// Returns the number of forward references of a node.
     pub async fn browse(&self, identifier: &str) -> anyhow::Result<usize> {
         let wanted = BrowseDescription {
             node_id: instance(identifier),

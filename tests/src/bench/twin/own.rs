@@ -63,7 +63,8 @@ pub(in crate::bench) fn fields_and_restore() -> anyhow::Result<Vec<Value>> {
     ])
 }
 
-/// A reader while 100 000 fields are added, and browsing one interface among 10 and among 10 000.
+/// Measures a reader while 100 000 fields are added, and browsing one interface among 10 and among
+/// 10 000.
 pub(in crate::bench) async fn readers() -> anyhow::Result<Vec<Value>> {
     let folder = tempfile::tempdir()?;
     let twin = Running::start(folder.path()).await?;
@@ -123,7 +124,7 @@ async fn browse(client: &Client) -> anyhow::Result<f64> {
     Ok(times[times.len() / 2].as_secs_f64() * 1000.0)
 }
 
-/// From a change to its notification with a publishing interval of 10 ms.
+/// Measures the time from a change to its notification, with a publishing interval of 10 ms.
 pub(in crate::bench) async fn latency() -> anyhow::Result<Vec<Value>> {
     let folder = tempfile::tempdir()?;
     let twin = Running::start(folder.path()).await?;

@@ -69,7 +69,7 @@ impl Running {
     }
 }
 
-/// A twin that everybody may look at, as no figure is about signing in.
+/// Makes a twin that accepts anonymous readers, as no figure is about signing in.
 pub(super) fn new(folder: &Path) -> anyhow::Result<(Twin, TwinHandle)> {
     let mut config = TwinConfig {
         listen: "127.0.0.1:0".parse()?,
@@ -80,7 +80,7 @@ pub(super) fn new(folder: &Path) -> anyhow::Result<(Twin, TwinHandle)> {
     Ok(Twin::new(FactoryId::new(FACTORY)?, config, Arc::new(Taker), Arc::new(Taker))?)
 }
 
-/// A network of one operation with one request, as the platform sends it.
+/// Makes a network of one operation with one request, as the platform sends it.
 pub(super) fn text(network: usize, fields: usize) -> String {
     let fields: Vec<_> = (0..fields)
         .map(|n| json!({ "name": format!("field{n}"), "type": 9, "unit": "ONE", "semantic": "PRODUCED_QUANTITY" }))
@@ -97,7 +97,7 @@ pub(super) fn text(network: usize, fields: usize) -> String {
     .to_string()
 }
 
-/// The document that a connector makes of such a message, with every field mapped.
+/// Makes the document of such a message like a connector, with every field mapped.
 pub(super) fn document(text: &str) -> anyhow::Result<AsiDocument> {
     let PlatformMessage::OperationNetwork(message) = serde_json::from_str(text)? else {
         anyhow::bail!("the message is an operation network")
@@ -120,7 +120,7 @@ pub(super) fn document(text: &str) -> anyhow::Result<AsiDocument> {
     Ok(AsiDocument { message: Arc::new(message), received_at: now(), writers, fields })
 }
 
-/// The fields of a document, and their nodes.
+/// Returns the keys of a document's fields.
 pub(super) fn fields(document: &AsiDocument) -> Vec<FieldKey> {
     document.message.operation_network.fields().map(|(key, _, _)| key).collect()
 }

@@ -33,7 +33,7 @@ pub async fn run(world: &World, script: &str, arguments: &[&str]) -> anyhow::Res
     run_with(world, script, arguments, &[]).await
 }
 
-/// As [`run`], with further variables.
+/// Runs like [`run`], with further variables.
 ///
 /// # Errors
 /// What the browser found.

@@ -61,7 +61,8 @@ pub(super) async fn every_program_in_turn(
     Ok(Cast { platform, munich, hamburg })
 }
 
-/// The power of the spindle changes all the time; a newer report of it proves the whole way.
+/// Waits for a newer report of the spindle's power, which changes all the time: it proves the whole
+/// way.
 async fn goes_on(platform: &crate::harness::Api) -> anyhow::Result<String> {
     let before = story::platform_field(platform, "spindlePower").await?;
     eventually("newer values arrive", Duration::from_secs(40), || async {
@@ -73,7 +74,7 @@ async fn goes_on(platform: &crate::harness::Api) -> anyhow::Result<String> {
     .await
 }
 
-/// Every writer's sequence numbers have arrived without a hole that was not announced.
+/// Checks that every writer's sequence numbers have arrived, but for announced gaps.
 pub(super) async fn nothing_lost(cast: &Cast) -> anyhow::Result<String> {
     let mut received = 0;
     for factory_id in [MUNICH, HAMBURG] {

@@ -17,7 +17,7 @@ pub(super) async fn of_values(world: &World, platform: &Api, times: u32) -> anyh
     Ok(format!("median {} ms, 90 % within {} ms, {} changes", at(50), at(90), latencies.len()))
 }
 
-/// The latency of each change, from the machine to the buyer's live stream.
+/// Measures the latency of each change, from the machine to the buyer's live stream.
 ///
 /// # Errors
 /// When a change stays away for ten seconds.

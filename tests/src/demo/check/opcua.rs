@@ -28,7 +28,7 @@ async fn asyncua(world: &World, command: &[&str]) -> anyhow::Result<Value> {
     lines.into_iter().next().context("asyncua printed no line")
 }
 
-/// The nodes below an operation of the network.
+/// Browses the nodes below an operation of the network.
 pub(super) async fn browse(world: &World) -> anyhow::Result<String> {
     let node = format!("nsu=urn:verbund:cpt:{MUNICH};s={NETWORK}/op/MakeFrame1");
     let answer = asyncua(world, &["browse", &node]).await?;
@@ -39,7 +39,7 @@ pub(super) async fn browse(world: &World) -> anyhow::Result<String> {
     Ok("Basic256Sha256, SignAndEncrypt, named user".into())
 }
 
-/// An accepted write, which the platform then shows.
+/// Writes a value that is accepted, and that the platform then shows.
 pub(super) async fn write_external(world: &World, platform: &Api) -> anyhow::Result<String> {
     let note = "Tool changed, going on";
     let answer =
@@ -52,7 +52,7 @@ pub(super) async fn write_external(world: &World, platform: &Api) -> anyhow::Res
     .await
 }
 
-/// A refused one.
+/// Writes a value to a mapped field, which is refused.
 pub(super) async fn write_mapped(world: &World) -> anyhow::Result<String> {
     let answer = asyncua(world, &["write", &field_node("progressStatus"), "UInt64", "7"]).await?;
     anyhow::ensure!(answer["status"] == "BadNotWritable", "{answer}");
