@@ -350,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn the_example_says_the_defaults() {
+    fn the_example_shows_the_defaults() {
         assert_eq!(format!("{:#?}", parse(EXAMPLE)), format!("{:#?}", PlatformConfig::default()));
     }
 

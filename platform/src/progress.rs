@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn names_mean_nothing() {
+    fn names_of_fields_have_no_effect() {
         let operation = operation(json!([{ "name": "progressStatus", "type": 9 }]));
         let progress = of_operation(&operation, &[row("progressStatus", json!("3"), 7)]);
         assert_eq!((progress.quantity, progress.state), (None, None));
@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn bad_values_tell_nothing() {
+    fn bad_values_yield_no_progress() {
         let operation =
             operation(json!([{ "name": "made", "type": 9, "semantic": "PRODUCED_QUANTITY" }]));
         let mut bad = row("made", json!("3"), 1);

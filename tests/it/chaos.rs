@@ -16,7 +16,7 @@ async fn nothing_is_lost_or_doubled_whatever_is_killed() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_copied_connector_is_refused_and_everybody_says_so() {
+async fn a_copied_connector_is_refused_and_reported_on_both_sides() {
     rustls::crypto::ring::default_provider().install_default().ok();
     chaos::copied().await.unwrap();
 }

@@ -108,7 +108,7 @@ fn nothing_leaves_before_the_grant_of_each_connection() {
 }
 
 #[test]
-fn a_lost_answer_is_asked_for_again_and_the_lease_is_kept_meanwhile() {
+fn a_lost_answer_is_requested_again_and_the_lease_stays() {
     let mut bench = Bench::new();
     let first = Bench::asked(&bench.on(Input::Connected, 0));
     bench.on(answered(answer(&first, LeaseResult::Granted)), 0);
@@ -124,7 +124,7 @@ fn a_lost_answer_is_asked_for_again_and_the_lease_is_kept_meanwhile() {
 }
 
 #[test]
-fn a_refusal_leaves_everything_to_the_other_until_it_is_granted() {
+fn a_refused_connector_stays_silent_until_it_is_granted() {
     let mut bench = Bench::new();
     let first = Bench::asked(&bench.on(Input::Connected, 0));
     bench.on(answered(answer(&first, LeaseResult::Granted)), 0);

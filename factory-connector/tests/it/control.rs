@@ -14,7 +14,7 @@ async fn refused(plant: &SignedIn, method: Method, path: &str, body: Value) -> (
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn people_come_and_go_but_for_the_last_engineer() {
+async fn users_are_added_and_removed_but_the_last_engineer_stays() {
     let plant = Plant::start(json!([{ "name": "progressStatus", "type": 9 }])).await;
     let short = json!({ "role": "OPERATOR", "password": "short" });
     let (status, problem) = refused(&plant, Method::PUT, "/users/otto", short).await;
@@ -178,7 +178,7 @@ async fn check_tightened_policy(plant: &SignedIn) {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn what_left_is_shown_summed_up_exported_and_ended() {
+async fn disclosed_values_are_listed_summed_up_exported_and_revoked() {
     let plant =
         Plant::start(json!([{ "name": "count", "type": 9 }, { "name": "state", "type": 12 }]))
             .await;
@@ -258,7 +258,7 @@ async fn what_left_is_shown_summed_up_exported_and_ended() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn certificates_of_clients_are_approved_and_turned_away() {
+async fn certificates_of_clients_are_approved_and_rejected() {
     let plant = Plant::start(json!([{ "name": "count", "type": 9 }])).await;
     assert_eq!(plant.get("/client-certificates").await["items"], json!([]));
     // No security policy of ours takes its key.
@@ -297,7 +297,7 @@ async fn certificates_of_clients_are_approved_and_turned_away() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn one_request_is_read_by_itself_and_pages_go_on_behind_it() {
+async fn a_request_is_read_alone_and_pages_continue_after_it() {
     let plant = Plant::start(json!([{ "name": "count", "type": 9 }])).await;
     let inbox = plant.get("/inbox").await;
     let request = plant.get("/requests/frame/MakeFrame/Req").await;

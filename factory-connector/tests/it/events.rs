@@ -23,7 +23,7 @@ async fn next(events: &mut mpsc::UnboundedReceiver<(String, Value)>, name: &str)
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn pages_hear_of_decisions_of_rules_of_the_ledger_and_of_lost_machines() {
+async fn pages_receive_events_of_rule_decisions_the_ledger_and_lost_machines() {
     let fields = json!([{ "name": "power", "type": 11, "unit": "WTT" }, { "name": "energy", "type": 11, "unit": "WTT" },
         { "name": "count", "type": 9 }]);
     let plant = Plant::start(fields).await;

@@ -81,7 +81,7 @@ async fn entries_are_found_by_kind_request_and_field() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn checkpoints_can_be_taken_along_and_proven() {
+async fn checkpoints_are_exported_and_proven() {
     let plant = Plant::start(json!([{ "name": "count", "type": 9 }])).await;
     open(&plant, "count", json!(17)).await;
     let page = plant

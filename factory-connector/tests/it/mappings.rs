@@ -126,7 +126,7 @@ fn field_versions() -> String {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn mappings_go_out_and_come_back_and_series_are_filled() {
+async fn mappings_are_exported_and_imported_and_series_are_filled() {
     let fields =
         (1..=3).map(|n| json!({ "name": format!("axis{n}"), "type": 11 })).collect::<Vec<_>>();
     let plant = Plant::start(fields.into()).await;

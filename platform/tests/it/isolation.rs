@@ -101,7 +101,7 @@ async fn world() -> World {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn nobody_gets_in_without_a_session() {
+async fn every_operation_demands_a_session() {
     let world = World::start().await;
     let anonymous = world.anonymous();
     for (method, path) in operations() {
@@ -137,7 +137,7 @@ async fn a_stranger_learns_nothing_and_changes_nothing() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_stranger_hears_nothing_live() {
+async fn a_stranger_receives_no_live_events() {
     let world = world().await;
     let buyer = story::planner(&world, "acme-aero").await;
     let stranger = story::planner(&world, "stranger").await;

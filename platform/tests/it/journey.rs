@@ -129,7 +129,7 @@ async fn after_an_outage_the_newest_value_stays_in_front_of_the_backlog() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_restart_keeps_everything_and_the_page_is_told_to_load_afresh() {
+async fn a_restart_loses_nothing_and_pages_are_asked_to_reload() {
     let mut world = World::start().await;
     let (_, buyer, munich, _hamburg) = story::accepted(&world).await;
     munich.send("decision", &story::decision("MAPPED", None));
@@ -241,7 +241,7 @@ async fn comments_go_both_ways() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn pages_hear_that_a_factory_lives_and_catch_up_from_the_beginning() {
+async fn pages_receive_heartbeats_and_catch_up_from_the_beginning() {
     let world = World::start().await;
     let (_, buyer, _munich, _hamburg) = story::accepted(&world).await;
     let newest = buyer.get(&network_path()).await.expect_ok()["lastEventId"]

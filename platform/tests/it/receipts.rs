@@ -9,7 +9,7 @@ fn entry(receipt: &Value) -> &Value {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn receipts_tell_what_is_missing_until_it_comes_or_is_announced() {
+async fn receipts_name_missing_reports_until_they_come_or_are_announced() {
     let world = World::start().await;
     let (_, buyer, munich, _hamburg) = story::accepted(&world).await;
     munich.send("ua-data", &story::report("m0", 0, 1));

@@ -43,7 +43,7 @@ async fn a_forged_publisher_is_rejected_and_counted() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn rubbish_holds_nobody_up() {
+async fn invalid_messages_delay_no_others() {
     let world = World::start().await;
     let (admin, buyer, munich, _hamburg) = story::accepted(&world).await;
     munich.send_bytes("ua-data", None, b"not JSON");

@@ -91,7 +91,7 @@ async fn reach(folder: &Path, wanted: i64, process: &mut Child) -> i64 {
 }
 
 #[tokio::test]
-async fn nothing_is_the_newest_behind_what_has_left() {
+async fn the_newest_lane_has_no_report_older_than_a_sent_one() {
     let running = Running::with_two_open_fields().await;
     running.enter_both(1).await;
     running.enter_both(2).await;

@@ -5,7 +5,7 @@ use connector_state::use_cases::configuration::set_lease_held;
 /// Without the lease nothing leaves, control messages included; everything else goes on, and leaves
 /// with the lease.
 #[tokio::test]
-async fn nothing_leaves_without_the_lease_and_nothing_is_lost_meanwhile() {
+async fn without_the_lease_nothing_leaves_and_nothing_is_lost() {
     let running = Running::with_two_open_fields().await;
     running.enter_both(1).await;
     let fetched = running.fetch(Lane::Reports).await;

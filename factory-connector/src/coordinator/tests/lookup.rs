@@ -45,7 +45,7 @@ fn fields_of(entry: &Value, all: &[Value]) -> BTreeSet<String> {
 }
 
 #[tokio::test]
-async fn what_is_looked_up_is_what_is_there() {
+async fn lookups_find_the_entries_that_a_full_read_finds() {
     let running = long_ledger().await;
     let all = running.entries("hull").await;
     for kind in ["CONSENT", "QUEUED", "SENT", "RECEIPTED", "REVOKED"] {

@@ -207,7 +207,7 @@ mod tests {
     use crate::store::Store;
 
     #[tokio::test]
-    async fn no_chain_is_read_through() {
+    async fn selections_use_indexes() {
         let folder = tempfile::tempdir().expect("a folder");
         let mut session = Store::connect(folder.path()).await.expect("a store");
         let subject = LedgerSubject {

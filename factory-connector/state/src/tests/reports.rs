@@ -140,7 +140,7 @@ fn a_field_is_carried_once_in_an_epoch() {
 }
 
 #[test]
-fn a_minimum_interval_is_kept_and_its_end_is_a_deadline() {
+fn a_minimum_interval_is_respected_and_its_end_is_a_deadline() {
     let mut scene = Scene::default();
     scene.map("made", ValueSource::Manual, r#"{"minimumIntervalMs":1000}"#);
     assert_eq!(scene.offer("made", 1_u64, 0).len(), 1);

@@ -123,7 +123,7 @@ async fn cuts_and_stalls_of_a_websocket_are_noticed_and_lose_nothing() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_wrong_port_is_told_with_the_remedy() {
+async fn a_wrong_port_is_reported_with_the_remedy() {
     let folder = tempfile::tempdir().expect("a folder");
     let broker = plain_broker(folder.path()).await;
     let permanent = |link: &TestLink| {

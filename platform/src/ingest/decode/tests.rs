@@ -77,7 +77,7 @@ fn the_sender_is_known_by_the_address() {
 }
 
 #[test]
-fn rubbish_is_told_with_its_reason() {
+fn invalid_messages_are_rejected_with_a_reason() {
     for (body, expected) in [
         (Vec::from("not JSON"), "INVALID_MESSAGE"),
         (vec![0xff, 0xfe], "NOT_UTF8"),
