@@ -1,4 +1,4 @@
-//! The ledger's key in its file, apart from what it vouches for.
+//! The ledger's signing key, in a file apart from the database that it signs.
 
 use std::{io, path::Path};
 

@@ -1,4 +1,4 @@
-//! A short run of everything that can go wrong; `make chaos` plays long ones.
+//! Short runs of random faults between factory and cloud; `make chaos` makes long ones.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! Questions to the state that concern more than one registry. None of them changes anything.
+//! Queries that concern more than one registry of the state. None changes it.
 
 mod disclosed;
 mod mapping_import;

@@ -1,5 +1,5 @@
-//! Sending again what no factory has answered: a reconciler that compares what was sent with what
-//! was acknowledged.
+//! Resends parts that no factory has answered: a reconciler that compares sent parts with
+//! acknowledgements.
 
 use std::time::Duration;
 

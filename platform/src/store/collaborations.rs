@@ -1,4 +1,4 @@
-//! Collaborations: under whose agreement networks are exchanged.
+//! Collaborations: agreements under which networks are exchanged.
 
 use std::{collections::HashMap, fmt::Display, str::FromStr};
 

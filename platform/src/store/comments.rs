@@ -1,4 +1,4 @@
-//! Comments: people talking about a network, a request or a field.
+//! Comments of people about a network, a request or a field.
 
 use asi_model::{DateTime, DynamicDataRequestId, FactoryId, FieldName, OperationNetworkId};
 use serde::Serialize;

@@ -1,6 +1,5 @@
-//! Over *every* operation of the description: nobody gets in without a session, and a stranger
-//! learns nothing of a collaboration it has no part in. A new operation that no case covers fails
-//! the test.
+//! Access to *every* operation of the description: each demands a session, and shows a stranger
+//! nothing of a collaboration of others. A new operation that no case covers fails the test.
 
 use serde_json::{Value, json};
 

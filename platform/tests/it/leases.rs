@@ -1,5 +1,5 @@
-//! Of several connectors with one credential one speaks for its factory; a copy beside it is
-//! refused by name.
+//! Leases: of several connectors with one credential one sends for its factory, and a copy beside
+//! it is refused by name.
 
 use messaging::LogicalAddress;
 use serde_json::{Value, json};

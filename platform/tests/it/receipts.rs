@@ -1,4 +1,4 @@
-//! Receipts say what is held, what is missing, and never too much.
+//! Receipts name stored and missing reports, and never a report that is not stored.
 
 use serde_json::{Value, json};
 

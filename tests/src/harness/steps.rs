@@ -1,4 +1,4 @@
-//! One line a step, with its time, so that the person who waits sees progress.
+//! Progress on the terminal: one line for each step, with its duration.
 
 use std::{
     fmt::Display,

@@ -1,5 +1,4 @@
-//! Waiting means polling a condition until a deadline; nothing here sleeps for a fixed time and
-//! hopes.
+//! Polling of conditions until a deadline, in place of sleeps of a fixed time.
 
 use std::{
     future::Future,

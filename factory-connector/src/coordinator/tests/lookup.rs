@@ -1,5 +1,4 @@
-//! Entries are looked up by what they are about, and found to be those that reading everything
-//! finds.
+//! Selections of entries by subject, compared with a read of all entries.
 
 use std::collections::BTreeSet;
 

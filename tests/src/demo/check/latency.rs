@@ -1,4 +1,4 @@
-//! From the machine to the buyer's page, in time.
+//! Latency of a change from the machine to the buyer's page.
 
 use std::time::{Duration, Instant};
 
