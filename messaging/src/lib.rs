@@ -15,6 +15,7 @@
 //! transaction of their effect.
 
 pub mod address;
+mod clock;
 mod config;
 pub mod definitions;
 pub mod envelope;

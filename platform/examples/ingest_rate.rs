@@ -1,6 +1,8 @@
 //! Measures the reports per second that ingest stores, from bytes to the commit. `cargo run --release -p
 //! platform --example ingest_rate [reports per message] [messages per batch] [batches]`.
 
+#![allow(clippy::disallowed_methods, reason = "measured by the machine's clock")]
+
 use std::{io::Write, sync::Arc, time::Instant};
 
 use anyhow::Context;

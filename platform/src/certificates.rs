@@ -143,6 +143,10 @@ pub(crate) fn write(path: &Path, content: &[u8], mode: u32) -> Result<(), Certif
 }
 
 #[cfg(test)]
+#[allow(
+    clippy::disallowed_methods,
+    reason = "the verifier of rustls reads the machine's clock, too"
+)]
 mod tests {
     use std::sync::Arc;
 

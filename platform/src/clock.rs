@@ -10,6 +10,7 @@ pub struct Clock(Arc<dyn Fn() -> DateTime + Send + Sync>);
 
 impl Clock {
     /// Returns the machine's clock.
+    #[expect(clippy::disallowed_methods, reason = "the clock of the platform")]
     #[must_use]
     pub fn system() -> Self {
         Self(Arc::new(|| SystemTime::now().into()))

@@ -3,6 +3,8 @@
 //! `cargo run --release -p shop-floor --example subscription_rate -- [inputs] [changes per second]
 //! [seconds]`
 
+#![allow(clippy::disallowed_methods, reason = "measured by the machine's clock")]
+
 use std::{
     io::Write as _,
     time::{Duration, Instant},

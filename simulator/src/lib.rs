@@ -10,6 +10,7 @@
 //! [`MachineHandle::endpoint_url`].
 
 pub mod blueprint;
+mod clock;
 mod config;
 pub mod control;
 mod error;

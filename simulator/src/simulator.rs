@@ -4,7 +4,7 @@ use indexmap::IndexMap;
 use tokio::{net::TcpListener, task::JoinSet};
 use tokio_util::sync::CancellationToken;
 
-use crate::{Config, SimulatorError, SimulatorHandle, control, host::Host};
+use crate::{Config, SimulatorError, SimulatorHandle, clock, control, host::Host};
 
 /// Simulation whose servers already listen.
 pub struct Simulator {
@@ -21,8 +21,7 @@ impl Simulator {
     /// be made.
     pub async fn new(config: Config) -> Result<(Self, SimulatorHandle), SimulatorError> {
         config.check().map_err(|error| SimulatorError::Config(error.to_string()))?;
-        let epoch =
-            config.epoch().ok().flatten().unwrap_or_else(|| std::time::SystemTime::now().into());
+        let epoch = config.epoch().ok().flatten().unwrap_or_else(clock::now);
         let control =
             match config.control {
                 Some(address) => Some(TcpListener::bind(address).await.map_err(|error| {

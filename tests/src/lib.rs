@@ -11,6 +11,8 @@
 //! - [`scenario`]: the frame order that two factories share; the demo, its check and the tests all
 //!   play it.
 
+#![allow(clippy::disallowed_methods, reason = "tests run by the machine's clock")]
+
 pub mod bench;
 pub mod chaos;
 pub mod demo;

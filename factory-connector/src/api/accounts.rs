@@ -89,6 +89,7 @@ impl Accounts for StoredAccounts {
         let owner = self.user(&session.user_name).await.map_err(AccountsError::new)?;
         let valid_for = owner.into_iter().map(|user| user.password_hash).collect();
         let mut sessions = self.sessions.lock();
+        #[expect(clippy::disallowed_methods, reason = "sessions end by the machine's clock")]
         let now = SystemTime::now();
         sessions.retain(|_, active| active.session.expires_at > now);
         if sessions.len() >= SESSIONS_MAX

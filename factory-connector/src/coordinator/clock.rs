@@ -12,6 +12,7 @@ pub fn new_message_id() -> MessageId {
 }
 
 /// Reads the machine's clock.
+#[expect(clippy::disallowed_methods, reason = "the clock of the connector")]
 #[must_use]
 pub fn now() -> DateTime {
     std::time::SystemTime::now().into()

@@ -5,10 +5,9 @@ use std::time::{Duration, Instant};
 
 use asi_model::OperationNetworkId;
 use connector_state::{ConnectorState, Effects, TwinUpdate};
-use time::OffsetDateTime;
 use twin::AsiDocument;
 
-use super::outputs::Outputs;
+use super::{clock::now, outputs::Outputs};
 use crate::twin_adapter::field_record;
 
 /// Time for which the twin is brought up to date before other tasks get a turn.
@@ -40,7 +39,7 @@ pub(super) async fn publish_effects(
     }
     if let Some(link) = &outputs.link {
         if effects.link.is_receipted {
-            link.receipted(OffsetDateTime::now_utc());
+            link.receipted(now().into());
         }
         if effects.link.is_spool_rewound {
             link.rewind();

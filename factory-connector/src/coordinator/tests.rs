@@ -1,6 +1,8 @@
 //! The coordinator with a real store, spool and twin. Tests take the parts of people, platform and
 //! link.
 
+#![allow(clippy::disallowed_methods, reason = "tests run by the machine's clock")]
+
 mod crash;
 mod failures;
 mod lease;

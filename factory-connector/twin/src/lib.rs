@@ -13,6 +13,7 @@
 
 mod access;
 mod asi;
+mod clock;
 mod config;
 mod discovery;
 mod document;

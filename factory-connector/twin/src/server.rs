@@ -6,7 +6,7 @@ use std::{
     time::Duration,
 };
 
-use asi_model::{DateTime, FactoryId};
+use asi_model::FactoryId;
 use futures::future::maybe_done;
 use opcua_stack::{
     NamespaceTable, limits,
@@ -30,6 +30,7 @@ use tokio_util::sync::CancellationToken;
 use crate::{
     access::{Authenticator, FieldWriter},
     asi::{AsiProvider, AsiSurroundings, TypeProvider, model},
+    clock,
     config::TwinConfig,
     discovery::Discovery,
     error::TwinError,
@@ -81,11 +82,7 @@ impl Twin {
             return Err(TwinError::Faults { faults });
         }
         let application_uri = application_uri(&factory_id);
-        certificate::ensure(
-            &config,
-            &application_uri,
-            DateTime::from(std::time::SystemTime::now()),
-        )?;
+        certificate::ensure(&config, &application_uri, clock::now())?;
         let (listener, address) = listen(&config)?;
         let port = address.port();
         let host_name = host_names(&config).swap_remove(0);

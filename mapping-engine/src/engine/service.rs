@@ -157,6 +157,7 @@ fn handle_command(core: &mut Core, command: Command) {
     }
 }
 
+#[expect(clippy::disallowed_methods, reason = "the clock of the engine")]
 fn now() -> DateTime {
     SystemTime::now().into()
 }

@@ -7,7 +7,6 @@ mod recorder;
 
 use std::{collections::HashSet, sync::Arc, time::Duration};
 
-use time::OffsetDateTime;
 use tokio::{
     sync::mpsc,
     task::JoinHandle,
@@ -19,6 +18,7 @@ use tracing::{debug, error, warn};
 use super::{cursor::Cursor, shared::Shared};
 use crate::{
     address::LogicalAddress,
+    clock,
     config::LinkLimits,
     profile::BrokerProfile,
     spool::{
@@ -214,7 +214,7 @@ impl Sender {
     }
 
     fn send(&mut self, row: SpoolRow) {
-        let now = OffsetDateTime::now_utc();
+        let now = clock::now();
         let id = row.id;
         let is_volatile = is_volatile(id);
         if !is_volatile && row.envelope.is_expired(now) {
@@ -249,7 +249,7 @@ impl Sender {
         match outcome {
             Outcome::Accepted => {
                 count_sent("accepted");
-                let at = OffsetDateTime::now_utc();
+                let at = clock::now();
                 self.record(id, SendOutcome::Accepted);
                 self.shared.accepted(at);
                 self.on_address_works(&address);
@@ -293,7 +293,7 @@ impl Sender {
 
     fn record(&self, id: RowId, outcome: SendOutcome) {
         if !is_volatile(id) {
-            let _ = self.outcomes.send(RowOutcome { id, outcome, at: OffsetDateTime::now_utc() });
+            let _ = self.outcomes.send(RowOutcome { id, outcome, at: clock::now() });
         }
     }
 

@@ -11,7 +11,7 @@ use time::OffsetDateTime;
 use tokio::sync::{Notify, watch};
 
 use super::state::{LinkPhase, LinkState};
-use crate::{address::LogicalAddress, envelope::Envelope, spool::Backlog};
+use crate::{address::LogicalAddress, clock, envelope::Envelope, spool::Backlog};
 
 /// Most volatile messages that wait; beyond, the oldest are dropped.
 pub(crate) const VOLATILE_MAX: usize = 4;
@@ -43,7 +43,7 @@ pub(crate) struct Shared {
 impl Shared {
     pub(crate) fn new(broker: String, consumed: Vec<LogicalAddress>) -> Self {
         Self {
-            state: watch::Sender::new(LinkState::initial(broker, OffsetDateTime::now_utc())),
+            state: watch::Sender::new(LinkState::initial(broker, clock::now())),
             consumed: watch::Sender::new(consumed),
             wake: Notify::new(),
             rewind: Notify::new(),
@@ -81,7 +81,7 @@ impl Shared {
                 state.connects += 1;
             }
             broker.clone_into(&mut state.broker);
-            state.enter(phase, reason, OffsetDateTime::now_utc());
+            state.enter(phase, reason, clock::now());
         });
     }
 

@@ -2,7 +2,6 @@
 
 use std::{sync::Arc, time::Duration};
 
-use time::OffsetDateTime;
 use tokio_util::sync::CancellationToken;
 use tracing::{info, warn};
 
@@ -10,6 +9,7 @@ use super::{
     backoff::Backoff, consumers::Consumers, sender::Sender, shared::Shared, state::LinkPhase,
 };
 use crate::{
+    clock,
     config::LinkConfig,
     inbox::Inbox,
     spool::SpoolStore,
@@ -94,10 +94,8 @@ impl Supervisor {
         );
         metrics::counter!("link_failures_total", "kind" => if fault.is_permanent { "permanent" } else { "passing" })
             .increment(1);
-        let phase = LinkPhase::Down {
-            retry_at: OffsetDateTime::now_utc() + pause,
-            is_permanent: fault.is_permanent,
-        };
+        let phase =
+            LinkPhase::Down { retry_at: clock::now() + pause, is_permanent: fault.is_permanent };
         self.shared.enter(phase, broker, Some(fault.reason));
         if let Ok(backlog) = self.store.backlog().await {
             self.shared.set_backlog(backlog);

@@ -11,7 +11,7 @@ use super::{
     Backlog, Fetch, Lane, Rejection, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore,
     StoreError,
 };
-use crate::{address::LogicalAddress, envelope::Envelope};
+use crate::{address::LogicalAddress, clock, envelope::Envelope};
 
 /// Treatment of an accepted report by a [`MemorySpool`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -105,10 +105,7 @@ impl MemorySpool {
         rows.0 += 1;
         let id = RowId(rows.0);
         let row = SpoolRow { id, address, envelope, attempts: 0 };
-        rows.1.insert(
-            id,
-            Row { row, writer, state: State::Waiting, created_at: OffsetDateTime::now_utc() },
-        );
+        rows.1.insert(id, Row { row, writer, state: State::Waiting, created_at: clock::now() });
         id
     }
 }

@@ -11,13 +11,13 @@ use std::{
 
 use parking_lot::Mutex;
 use sqlx::sqlite::SqlitePool;
-use time::OffsetDateTime;
 use tokio_util::sync::CancellationToken;
 use tracing::warn;
 
 use crate::{
     address::QueueName,
     cache::BodyCache,
+    clock,
     config::{BrokerConfig, QueueOptions},
     credentials::Credentials,
     dead_letter::TOO_MANY_DELIVERIES,
@@ -282,11 +282,8 @@ impl Core {
             return None;
         }
         let id = self.next_connection.fetch_add(1, Ordering::Relaxed);
-        let status = ConnectionStatus {
-            user_name: user_name.to_owned(),
-            peer,
-            since: OffsetDateTime::now_utc(),
-        };
+        let status =
+            ConnectionStatus { user_name: user_name.to_owned(), peer, since: clock::now() };
         connections.insert(id, RegisteredConnection { status, cut: cut.clone() });
         Some(Registration { core: Arc::clone(self), id, cut })
     }

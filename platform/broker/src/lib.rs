@@ -15,6 +15,7 @@
 pub mod address;
 mod amqp_error;
 mod cache;
+mod clock;
 pub mod config;
 mod connection;
 mod core;

@@ -16,11 +16,11 @@ use tokio_util::sync::CancellationToken;
 use tracing::{info, warn};
 
 use crate::{
+    clock,
     config::{Carrier, Listener, TlsIdentity},
     connection::{self, Accepted},
     core::Core,
     error::BrokerError,
-    message,
 };
 
 /// Interval of the search for expired messages.
@@ -94,7 +94,7 @@ pub(crate) async fn serve(
     loop {
         tokio::select! {
             () = shutdown.cancelled() => break,
-            _ = sweep.tick() => core.sweep(message::now_ms()).await,
+            _ = sweep.tick() => core.sweep(clock::now_ms()).await,
         }
     }
     let closing = async { while accepting.join_next().await.is_some() {} };

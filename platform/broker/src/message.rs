@@ -13,7 +13,6 @@ use fe2o3_amqp_types::{
     },
     primitives::{Symbol, Value},
 };
-use time::OffsetDateTime;
 
 /// Message annotation with the name of the signed-in sender.
 pub(crate) const PRINCIPAL: &str = "x-opt-principal";
@@ -123,11 +122,6 @@ pub(crate) fn body_bytes(message: AnyMessage) -> Vec<u8> {
         },
         Body::Sequence(_) | Body::Empty => Vec::new(),
     }
-}
-
-/// Returns the present time in Unix milliseconds.
-pub(crate) fn now_ms() -> i64 {
-    i64::try_from(OffsetDateTime::now_utc().unix_timestamp_nanos() / 1_000_000).unwrap_or(i64::MAX)
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! The shop floor against real OPC UA servers in this process.
 
+#![allow(clippy::disallowed_methods, reason = "tests run by the machine's clock")]
+
 mod browse;
 mod foreign;
 mod monitor;

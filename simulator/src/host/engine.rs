@@ -7,6 +7,7 @@ use asi_model::{DataValue, DateTime, StatusCode, Variant};
 use crate::{
     MachineConfig,
     blueprint::{Blueprint, Class, Source},
+    clock::now,
     server::MachineServer,
     signals::Moment,
 };
@@ -203,8 +204,4 @@ fn data_value(value: Variant, status: StatusCode, at: DateTime) -> DataValue {
         server_timestamp: Some(at),
         ..DataValue::default()
     }
-}
-
-fn now() -> DateTime {
-    std::time::SystemTime::now().into()
 }

@@ -1,5 +1,7 @@
 //! The simulation through its library handle and its control interface.
 
+#![allow(clippy::disallowed_methods, reason = "tests run by the machine's clock")]
+
 use std::time::{Duration, Instant};
 
 use asi_model::{DataValue, Scalar, StatusCode, Variant, values::BuiltInType};

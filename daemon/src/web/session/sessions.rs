@@ -175,7 +175,7 @@ impl<A: Accounts> Sessions<A> {
             id: id.clone(),
             user_name: user_name.to_owned(),
             csrf_token: random_token(),
-            expires_at: SystemTime::now() + self.inner.config.lifetime,
+            expires_at: now() + self.inner.config.lifetime,
         };
         self.inner.accounts.put_session(&session).await.map_err(internal)?;
         let signed_in = SignedIn { session: id, principal, csrf_token: session.csrf_token };
@@ -198,7 +198,7 @@ impl<A: Accounts> Sessions<A> {
     ) -> Result<Option<SignedIn<A::Principal>>, AccountsError> {
         let id = SessionId::of(token);
         let Some(session) = self.inner.accounts.session(&id).await? else { return Ok(None) };
-        if session.expires_at <= SystemTime::now() {
+        if session.expires_at <= now() {
             self.inner.accounts.delete_session(&id).await?;
             return Ok(None);
         }
@@ -232,6 +232,12 @@ impl<A: Accounts> Sessions<A> {
 
 pub(super) fn internal(error: AccountsError) -> Problem {
     Problem::internal(error.0.as_ref())
+}
+
+/// Returns the time by which sessions end.
+#[expect(clippy::disallowed_methods, reason = "the clock of sessions")]
+fn now() -> SystemTime {
+    SystemTime::now()
 }
 
 /// 256 random bits as text that fits cookies, headers and command lines.

@@ -5,9 +5,10 @@ use std::{
     sync::Arc,
 };
 
-use asi_model::{DateTime, OperationNetworkId};
+use asi_model::OperationNetworkId;
 
 use super::interface::Interface;
+use crate::clock;
 
 /// All interfaces. Locked only for moments: expensive work happens outside of the lock.
 #[derive(Default)]
@@ -66,6 +67,5 @@ impl Interfaces {
 
 /// Returns a version that is greater than the last one, also after a restart.
 fn next_version(version: u64) -> u64 {
-    let now = DateTime::from(std::time::SystemTime::now());
-    (version + 1).max(u64::from(now.version_time()))
+    (version + 1).max(u64::from(clock::now().version_time()))
 }

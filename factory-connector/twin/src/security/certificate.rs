@@ -17,7 +17,7 @@ use super::{
     application_certificate::names_host, rejected_clients,
     trust::faults::application_uri as application_uri_of,
 };
-use crate::{config::TwinConfig, error::TwinError, host_names::certified_names};
+use crate::{clock, config::TwinConfig, error::TwinError, host_names::certified_names};
 
 /// Size of a new key; all offered policies accept 2048 to 4096 bits.
 pub(crate) const KEY_BITS: u32 = 2048;
@@ -75,7 +75,7 @@ pub(crate) fn create_if_missing(
     if exists {
         return prepare_folders(&config.pki_directory);
     }
-    ensure(config, application_uri, DateTime::from(std::time::SystemTime::now())).map(drop)
+    ensure(config, application_uri, clock::now()).map(drop)
 }
 
 /// Reads the stored certificate and key; none while they do not match.
@@ -227,7 +227,7 @@ mod tests {
             host_names: vec!["press.plant".to_owned()],
             ..TwinConfig::default()
         };
-        let now = DateTime::from(std::time::SystemTime::now());
+        let now = clock::now();
         let read = || fs::read(folder.path().join(CERTIFICATE_FILE)).unwrap();
         ensure(&config, "urn:verbund:twin:F", now).unwrap();
         let first = read();

@@ -1,18 +1,13 @@
 //! Certificate of a running twin: renewed before it expires, and reloaded when the files change.
 
-use std::{
-    fs,
-    sync::Arc,
-    time::{Duration, SystemTime},
-};
+use std::{fs, sync::Arc, time::Duration};
 
-use asi_model::DateTime;
 use opcua_stack::opcua::server::{ServerHandle, ServerIdentity};
 use tokio::time::Instant;
 use tokio_util::sync::CancellationToken;
 
 use super::certificate;
-use crate::{config::TwinConfig, error::TwinError, events::EventReporter};
+use crate::{clock::now, config::TwinConfig, error::TwinError, events::EventReporter};
 
 /// Longest pause between two checks: the clock may be set meanwhile.
 const CHECK_MAX: Duration = Duration::from_secs(3600);
@@ -133,8 +128,4 @@ impl Renewal {
         }
         Ok(is_new)
     }
-}
-
-fn now() -> DateTime {
-    DateTime::from(SystemTime::now())
 }

@@ -12,7 +12,6 @@ use std::{
     sync::{Arc, OnceLock},
 };
 
-use asi_model::DateTime;
 use opcua_stack::opcua::{
     crypto::{CertificateStore, KeySize, SecurityPolicy, X509},
     server::{CertificateBearer, CertificateValidator},
@@ -28,7 +27,7 @@ use super::{
     issuance::{CHAIN_LENGTH_MAX, is_issued_by, is_signed_by},
     rejected_clients::{RejectedClients, Rejection, RejectionReason, thumbprint},
 };
-use crate::events::EventReporter;
+use crate::{clock, events::EventReporter};
 
 /// Most certificates that wait for an approval. Beyond, the oldest are removed: any client may send
 /// new ones.
@@ -170,8 +169,8 @@ impl Validator {
         let is_listed =
             |folder: &str| files(&self.folder.join(folder), "der").any(|(_, known)| known == der);
         if is_listed("rejected") || is_listed("trusted") {
-            let now = DateTime::from(std::time::SystemTime::now());
-            self.rejected_clients.record(certificate, &Rejection::new(now, error.reason(), bearer));
+            self.rejected_clients
+                .record(certificate, &Rejection::new(clock::now(), error.reason(), bearer));
         }
     }
 }

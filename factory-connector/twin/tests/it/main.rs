@@ -1,5 +1,6 @@
 //! The twin as its clients see it: a real server on loopback with real sessions.
 
+#![allow(clippy::disallowed_methods, reason = "tests run by the machine's clock")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should say where")]
 #![allow(
     clippy::print_stdout,

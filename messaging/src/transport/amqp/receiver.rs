@@ -14,7 +14,6 @@ use fe2o3_amqp::{
     },
 };
 use futures::FutureExt;
-use time::OffsetDateTime;
 use tokio::time::timeout;
 
 use super::{
@@ -24,6 +23,7 @@ use super::{
     terminus::{capabilities, link_name},
 };
 use crate::{
+    clock,
     config::LinkLimits,
     inbox::{Delivery, Settlement},
     profile::Terminus,
@@ -78,7 +78,7 @@ impl AmqpReceiver {
         let rejected = match received {
             Ok(delivery) => {
                 let (info, message) = delivery.into_parts();
-                match codec::to_delivery(message, OffsetDateTime::now_utc()) {
+                match codec::to_delivery(message, clock::now()) {
                     Ok(delivery) => {
                         self.next_token += 1;
                         let token = DeliveryToken(self.next_token);

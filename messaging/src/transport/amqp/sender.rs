@@ -11,7 +11,6 @@ use fe2o3_amqp::{
     },
 };
 use futures::FutureExt;
-use time::OffsetDateTime;
 use tokio::time::timeout;
 
 use super::{
@@ -20,7 +19,7 @@ use super::{
     error::{rejection, send_fault, sender_attach_fault},
     terminus::{capabilities, link_name},
 };
-use crate::{config::LinkLimits, envelope::Envelope, profile::Terminus, spool::Rejection};
+use crate::{clock, config::LinkLimits, envelope::Envelope, profile::Terminus, spool::Rejection};
 
 /// A sender link with its session.
 pub(super) struct AmqpSender {
@@ -60,7 +59,7 @@ impl AmqpSender {
 #[async_trait]
 impl MessageSender for AmqpSender {
     async fn send(&mut self, envelope: &Envelope) -> Result<OutcomeFuture, EndpointFault> {
-        let message = codec::to_message(envelope, OffsetDateTime::now_utc());
+        let message = codec::to_message(envelope, clock::now());
         let sending = self.sender.send_batchable(Sendable::builder().message(message).build());
         let sent = timeout(self.limits.outcome_timeout, sending).await.map_err(|_| {
             EndpointFault::Stalled("the broker granted no credit for a message in time".to_owned())

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use async_trait::async_trait;
 use futures::FutureExt;
 use rumqttc::v5::mqttbytes::v5::{PubAck, PubAckReason};
-use time::OffsetDateTime;
 use tokio::time::timeout;
 
 use super::{
@@ -13,7 +12,7 @@ use super::{
     codec,
     network_connection::{NetworkConnection, broken},
 };
-use crate::{config::LinkLimits, envelope::Envelope, spool::Rejection};
+use crate::{clock, config::LinkLimits, envelope::Envelope, spool::Rejection};
 
 /// A topic of a connection.
 pub(super) struct MqttPublisher {
@@ -35,7 +34,7 @@ impl MqttPublisher {
 #[async_trait]
 impl MessageSender for MqttPublisher {
     async fn send(&mut self, envelope: &Envelope) -> Result<OutcomeFuture, EndpointFault> {
-        let publish = codec::to_publish(&self.topic, envelope, OffsetDateTime::now_utc());
+        let publish = codec::to_publish(&self.topic, envelope, clock::now());
         if let Some(limit) = self.network.packet_bytes_max
             && publish.size() > limit as usize
         {

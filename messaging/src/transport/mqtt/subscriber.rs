@@ -10,7 +10,6 @@ use rumqttc::v5::mqttbytes::{
         SubscribeReasonCode,
     },
 };
-use time::OffsetDateTime;
 use tokio::{sync::mpsc, time::timeout};
 
 use super::{
@@ -19,6 +18,7 @@ use super::{
     network_connection::{NetworkConnection, broken},
 };
 use crate::{
+    clock,
     config::LinkLimits,
     inbox::{Delivery, Settlement},
     spool::Rejection,
@@ -82,7 +82,7 @@ impl MqttSubscriber {
         publish: Publish,
     ) -> Result<Option<(DeliveryToken, Delivery)>, EndpointFault> {
         let (id, qos) = (publish.pkid, publish.qos);
-        match codec::to_delivery(publish, OffsetDateTime::now_utc()) {
+        match codec::to_delivery(publish, clock::now()) {
             Ok(delivery) => {
                 self.next_token += 1;
                 let token = DeliveryToken(self.next_token);

@@ -18,6 +18,7 @@ use tracing::{debug, error};
 
 use crate::{
     amqp_error::{amqp_error, condition_text},
+    clock,
     core::Core,
     message::{self, AnyMessage},
     queue::{Next, Queue, QueueEntry, Subscription},
@@ -130,7 +131,7 @@ impl Consumer<'_> {
         unsettled: &mut Unsettled,
         entry: QueueEntry,
     ) -> Sent {
-        let now_ms = message::now_ms();
+        let now_ms = clock::now_ms();
         if entry.expires_at_ms.is_some_and(|at| at <= now_ms) {
             metrics::counter!("broker_messages_expired_total").increment(1);
             self.core.remove(self.queue, &entry).await;

@@ -22,6 +22,7 @@ use tracing::debug;
 
 use crate::{
     amqp_error::amqp_error,
+    clock,
     core::Core,
     message::{self, AnyMessage},
     queue::{Queue, QueueEntry, Refusal},
@@ -196,7 +197,7 @@ async fn store(
     let entry = QueueEntry {
         id,
         bytes,
-        expires_at_ms: message::expires_at_ms(&received, message::now_ms()),
+        expires_at_ms: message::expires_at_ms(&received, clock::now_ms()),
         delivery_count: 0,
         is_redelivered: false,
     };

@@ -6,7 +6,7 @@ use super::{
     command::{Command, DeadLettering, NewMessage},
     reader::json_list,
 };
-use crate::{config::QueueOptions, message, queue::Queue};
+use crate::{clock, config::QueueOptions, queue::Queue};
 
 /// Rows in one INSERT.
 const ROWS_PER_INSERT: usize = 64;
@@ -162,7 +162,7 @@ async fn dead_letter(
     .bind(letter.features.principal.as_deref())
     .bind(&letter.code)
     .bind(&letter.reason)
-    .bind(message::now_ms())
+    .bind(clock::now_ms())
     .bind(i64::try_from(letter.entry.bytes).unwrap_or(i64::MAX))
     .execute(connection)
     .await?;
