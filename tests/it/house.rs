@@ -38,6 +38,7 @@ const ENFORCED: &[&str] = &[
     "tests",
     "tests/free-ports",
     "tests/house-rules",
+    "tests/testkit",
 ];
 
 /// Licences that may be in the product: permissive ones, and MPL-2.0 file by file.

@@ -1,9 +1,6 @@
 //! A connector with machines and one operation network, and a client of its API.
 
-use std::{
-    path::PathBuf,
-    time::{Duration, Instant},
-};
+use std::{path::PathBuf, time::Duration};
 
 use asi_model::{FactoryId, messages::OperationNetworkMessage, pubsub::json::Encoding};
 use connector_state::{
@@ -24,11 +21,14 @@ use reqwest::{Method, StatusCode};
 use serde_json::{Value, json};
 use simulator::{MachineConfig, MachineKind, Simulator, SimulatorHandle};
 use tempfile::TempDir;
+use testkit::ApiClient;
 use tokio::sync::mpsc;
 use tokio_util::sync::{CancellationToken, DropGuard};
 
 const FACTORY: &str = "FOR_MUC";
 pub const PASSWORD: &str = "a long password for tests";
+/// Longest time that an answer, or a state that is waited for, may take.
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A running connector; it stops when this is dropped.
 pub struct Plant {
@@ -55,9 +55,7 @@ impl std::ops::Deref for Plant {
 
 /// A person's session.
 pub struct SignedIn {
-    base: String,
-    http: reqwest::Client,
-    csrf: String,
+    client: ApiClient,
 }
 
 /// The network with one operation and these fields requested about it.
@@ -106,9 +104,9 @@ impl Plant {
         (config.mapping.script.engine, config.mapping.script.worker_path) = script_worker();
         config.admin.password = Some(Confidential::from(PASSWORD.to_owned()));
         let handle = service::start(config, &lifecycle).await.expect("the connector starts");
-        let base = format!("http://{}/api/v1", handle.web_address);
+        let origin = format!("http://{}", handle.web_address);
         let engineer =
-            SignedIn::new(base, "engineer", PASSWORD).await.expect("the engineer comes in");
+            SignedIn::new(origin, "engineer", PASSWORD).await.expect("the engineer comes in");
         let plant = Self {
             engineer,
             lifecycle,
@@ -144,29 +142,20 @@ impl Plant {
 }
 
 impl SignedIn {
-    async fn new(base: String, user_name: &str, password: &str) -> Result<Self, String> {
-        let http =
-            reqwest::Client::builder().cookie_store(true).no_proxy().build().expect("a client");
-        let mut session = Self { base, http, csrf: String::new() };
-        let body = json!({ "userName": user_name, "password": password }).to_string();
-        let (status, text) = session.call(Method::POST, "/session", Some(body)).await;
-        if !status.is_success() {
-            return Err(text);
-        }
-        let answer: Value = serde_json::from_str(&text).expect("JSON");
-        session.csrf = answer["csrfToken"].as_str().expect("a token").to_owned();
-        Ok(session)
+    async fn new(origin: String, user_name: &str, password: &str) -> Result<Self, String> {
+        let mut client = ApiClient::new(origin, PATIENCE).expect("a client");
+        let answer = client.sign_in(user_name, password).await.expect("an answer");
+        if answer.status.is_success() { Ok(Self { client }) } else { Err(answer.text) }
     }
 
     /// Signs another user in; the error is the body of the refusal.
     pub async fn signed_in(&self, user_name: &str, password: &str) -> Result<Self, String> {
-        Self::new(self.base.clone(), user_name, password).await
+        Self::new(self.client.origin().to_owned(), user_name, password).await
     }
 
     /// A client of the same API without a session.
     pub fn signed_out(&self) -> Self {
-        let http = reqwest::Client::builder().no_proxy().build().expect("a client");
-        Self { base: self.base.clone(), http, csrf: String::new() }
+        Self { client: ApiClient::new(self.client.origin(), PATIENCE).expect("a client") }
     }
 
     pub async fn get(&self, path: &str) -> Value {
@@ -225,10 +214,7 @@ impl SignedIn {
     }
 
     fn request(&self, method: Method, path: &str, body: Option<String>) -> reqwest::RequestBuilder {
-        let request = self
-            .http
-            .request(method, format!("{}{path}", self.base))
-            .header("x-csrf-token", &self.csrf);
+        let request = self.client.request(method, &format!("/api/v1{path}"));
         match body {
             Some(body) => request.header("content-type", "application/json").body(body),
             None => request,
@@ -242,27 +228,13 @@ impl SignedIn {
 
     /// The names of live events with their bodies, as they come.
     pub async fn events(&self) -> mpsc::UnboundedReceiver<(String, Value)> {
-        let mut answer =
-            self.request(Method::GET, "/events", None).send().await.expect("an answer");
+        let stream = self.client.events("/api/v1/events", None).await;
+        let mut stream = stream.expect("the stream opens");
         let (sender, receiver) = mpsc::unbounded_channel();
         tokio::spawn(async move {
-            let mut text = String::new();
-            while let Ok(Some(part)) = answer.chunk().await {
-                text.push_str(&String::from_utf8_lossy(&part));
-                while let Some((event, rest)) =
-                    text.split_once("\n\n").map(|(event, rest)| (event.to_owned(), rest.to_owned()))
-                {
-                    text = rest;
-                    let line = |name: &str| {
-                        event.lines().find_map(|line| line.strip_prefix(name)).map(str::trim)
-                    };
-                    if let Some((name, data)) = line("event:").zip(line("data:"))
-                        && sender
-                            .send((name.to_owned(), serde_json::from_str(data).unwrap_or_default()))
-                            .is_err()
-                    {
-                        return;
-                    }
+            while let Ok(Some(event)) = stream.next().await {
+                if sender.send((event.name, event.data)).is_err() {
+                    return;
                 }
             }
         });
@@ -273,9 +245,8 @@ impl SignedIn {
     pub async fn import(&self, form: &str, text: &str, is_dry_run: bool) -> Result<Value, Value> {
         let kind = if form == "csv" { "text/csv" } else { "application/json" };
         let answer = self
-            .http
-            .post(format!("{}/mappings/import?dryRun={is_dry_run}", self.base))
-            .header("x-csrf-token", &self.csrf)
+            .client
+            .request(Method::POST, &format!("/api/v1/mappings/import?dryRun={is_dry_run}"))
             .header("content-type", kind)
             .body(text.to_owned())
             .send()
@@ -295,17 +266,13 @@ impl SignedIn {
 
     /// Asks until the answer is as wanted.
     pub async fn until(&self, what: &str, path: &str, is_so: impl Fn(&Value) -> bool) -> Value {
-        let begun = Instant::now();
-        loop {
+        let look = || async {
             let answer = self.get(path).await;
-            if is_so(&answer) {
-                return answer;
-            }
-            assert!(
-                begun.elapsed() < Duration::from_secs(60),
-                "not within a minute: {what}; last {answer}"
-            );
-            tokio::time::sleep(Duration::from_millis(20)).await;
+            if is_so(&answer) { Ok(answer) } else { Err(answer.to_string()) }
+        };
+        match testkit::wait::eventually(what, PATIENCE, look).await {
+            Ok(answer) => answer,
+            Err(missed) => panic!("{missed}"),
         }
     }
 }

@@ -1,9 +1,6 @@
 //! Links to a foreign broker, and waiting with a deadline.
 
-use std::{
-    sync::Arc,
-    time::{Duration, Instant},
-};
+use std::{sync::Arc, time::Duration};
 
 use asi_model::MessageId;
 use messaging::{
@@ -111,12 +108,8 @@ pub fn address(text: &str) -> LogicalAddress {
 }
 
 /// Waits until a condition is true; panics after two minutes.
-pub async fn eventually(what: &str, mut is_true: impl FnMut() -> bool) {
-    let deadline = Instant::now() + Duration::from_secs(120);
-    while !is_true() {
-        assert!(Instant::now() < deadline, "not in time: {what}");
-        tokio::time::sleep(Duration::from_millis(10)).await;
-    }
+pub async fn eventually(what: &str, is_true: impl FnMut() -> bool) {
+    testkit::wait::until(what, Duration::from_secs(120), is_true).await;
 }
 
 pub fn plan() -> Plan {

@@ -1,9 +1,6 @@
 //! A whole platform on free ports, in a folder of its own, and clients of its API.
 
-use std::{
-    future::Future,
-    time::{Duration, Instant},
-};
+use std::{future::Future, time::Duration};
 
 use daemon::lifecycle::Lifecycle;
 use platform::{
@@ -11,11 +8,15 @@ use platform::{
     config::PlatformConfig,
     service::{Platform, PlatformHandle},
 };
+use reqwest::Method;
 use serde_json::{Value, json};
+use testkit::{ApiClient, EventStream};
 
 pub const ADMIN: &str = "admin";
 pub const PASSWORD: &str = "correct horse battery";
 const PATIENCE: Duration = Duration::from_secs(20);
+/// Longest time that an answer may take.
+const ANSWER_MAX: Duration = Duration::from_secs(60);
 
 /// A platform that can be stopped and started again on the same data.
 pub struct World {
@@ -73,17 +74,13 @@ impl World {
 
     /// A client that nobody has signed in.
     pub fn anonymous(&self) -> Api {
-        let client = reqwest::Client::builder().cookie_store(true).build().expect("a client");
-        Api { client, base: self.url(), csrf: None }
+        Api { client: ApiClient::new(self.url(), ANSWER_MAX).expect("a client") }
     }
 
     pub async fn sign_in(&self, user: &str, password: &str) -> Api {
         let mut api = self.anonymous();
-        let session = api
-            .post("/session", json!({ "userName": user, "password": password }))
-            .await
-            .expect_ok();
-        api.csrf = session["csrfToken"].as_str().map(str::to_owned);
+        let answer = api.client.sign_in(user, password).await.expect("an answer");
+        Answer::from(answer).expect_ok();
         api
     }
 
@@ -102,9 +99,7 @@ impl Drop for World {
 
 /// A client of the API.
 pub struct Api {
-    pub client: reqwest::Client,
-    base: String,
-    csrf: Option<String>,
+    pub client: ApiClient,
 }
 
 /// An answer: status and body.
@@ -112,6 +107,12 @@ pub struct Api {
 pub struct Answer {
     pub status: u16,
     pub body: Value,
+}
+
+impl From<testkit::Answer> for Answer {
+    fn from(answer: testkit::Answer) -> Self {
+        Self { status: answer.status.as_u16(), body: answer.json() }
+    }
 }
 
 impl Answer {
@@ -130,51 +131,36 @@ impl Answer {
 
 impl Api {
     pub async fn get(&self, path: &str) -> Answer {
-        self.call(reqwest::Method::GET, path, None).await
+        self.call(Method::GET, path, None).await
     }
 
     pub async fn post(&self, path: &str, body: Value) -> Answer {
-        self.call(reqwest::Method::POST, path, Some(body)).await
+        self.call(Method::POST, path, Some(body)).await
     }
 
     pub async fn put(&self, path: &str, body: Value) -> Answer {
-        self.call(reqwest::Method::PUT, path, Some(body)).await
+        self.call(Method::PUT, path, Some(body)).await
     }
 
     pub async fn delete(&self, path: &str) -> Answer {
-        self.call(reqwest::Method::DELETE, path, None).await
+        self.call(Method::DELETE, path, None).await
     }
 
-    pub async fn call(&self, method: reqwest::Method, path: &str, body: Option<Value>) -> Answer {
-        let mut request = self.client.request(method, format!("{}/api/v1{path}", self.base));
-        if let Some(token) = &self.csrf {
-            request = request.header("x-csrf-token", token);
-        }
-        if let Some(body) = body {
-            request = request.json(&body);
-        }
-        let response = request.send().await.expect("an answer");
-        let status = response.status().as_u16();
-        let bytes = response.bytes().await.expect("a body");
-        Answer { status, body: serde_json::from_slice(&bytes).unwrap_or(Value::Null) }
+    pub async fn call(&self, method: Method, path: &str, body: Option<Value>) -> Answer {
+        let answer = self.client.call(method, &format!("/api/v1{path}"), body.as_ref()).await;
+        answer.expect("an answer").into()
     }
 
     /// The live stream, from an event on.
     pub async fn live(&self, last_event_id: Option<&str>) -> Live {
-        let mut request = self.client.get(format!("{}/api/v1/live", self.base));
-        if let Some(id) = last_event_id {
-            request = request.header("last-event-id", id);
-        }
-        let response = request.send().await.expect("an answer");
-        assert_eq!(response.status(), 200);
-        Live { response, text: String::new() }
+        let stream = self.client.events("/api/v1/live", last_event_id).await;
+        Live { stream: stream.expect("the stream opens") }
     }
 }
 
 /// Server-sent events as they come.
 pub struct Live {
-    response: reqwest::Response,
-    text: String,
+    stream: EventStream,
 }
 
 impl Live {
@@ -191,42 +177,23 @@ impl Live {
     /// The next event: id, name and data.
     pub async fn any(&mut self) -> (String, String, Value) {
         loop {
-            if let Some(end) = self.text.find("\n\n") {
-                let event: String = self.text.drain(..end + 2).collect();
-                let line = |key: &str| {
-                    event
-                        .lines()
-                        .find_map(|line| line.strip_prefix(key))
-                        .map(|rest| rest.trim().to_owned())
-                };
-                if let (Some(id), Some(name), Some(data)) =
-                    (line("id:"), line("event:"), line("data:"))
-                {
-                    return (id, name, serde_json::from_str(&data).expect("JSON"));
-                }
-                continue;
+            let event = tokio::time::timeout(PATIENCE, self.stream.next()).await;
+            let event = event.expect("an event in time").expect("no error");
+            let event = event.expect("the stream goes on");
+            if let Some(id) = event.id {
+                return (id, event.name, event.data);
             }
-            let chunk = tokio::time::timeout(PATIENCE, self.response.chunk())
-                .await
-                .expect("an event in time");
-            let chunk = chunk.expect("no error").expect("the stream goes on");
-            self.text.push_str(std::str::from_utf8(&chunk).expect("UTF-8"));
         }
     }
 }
 
 /// Polls until the condition yields a value.
-pub async fn eventually<T, F>(what: &str, mut condition: impl FnMut() -> F) -> T
+pub async fn eventually<T, F>(what: &str, condition: impl FnMut() -> F) -> T
 where
     F: Future<Output = Result<T, String>>,
 {
-    let deadline = Instant::now() + PATIENCE;
-    loop {
-        let seen = match condition().await {
-            Ok(value) => return value,
-            Err(seen) => seen,
-        };
-        assert!(Instant::now() < deadline, "{what}: last seen {seen}");
-        tokio::time::sleep(Duration::from_millis(5)).await;
+    match testkit::wait::eventually(what, PATIENCE, condition).await {
+        Ok(value) => value,
+        Err(missed) => panic!("{missed}"),
     }
 }

@@ -1,5 +1,6 @@
 //! Unusable messages become dead letters with a reason; all others are processed.
 
+use reqwest::Method;
 use serde_json::{Value, json};
 
 use crate::{
@@ -27,9 +28,7 @@ async fn a_forged_publisher_is_rejected_and_counted() {
     hamburg.send("ua-data", &story::report("forged", 0, 99));
     let letter = dead_letter(&admin, "FORGED_PUBLISHER").await;
     assert_eq!(letter["address"], "factory.INS_HAM.ingress");
-    let metrics =
-        admin.client.get(format!("{}/metrics", world.url())).send().await.expect("an answer");
-    let metrics = metrics.text().await.expect("text");
+    let metrics = admin.client.call(Method::GET, "/metrics", None).await.expect("an answer").text;
     assert!(metrics.contains("verbund_forged_messages_total{factory=\"INS_HAM\"}"), "{metrics}");
 
     // Its own name, but another factory's request.
@@ -118,12 +117,8 @@ async fn a_network_with_faults_is_refused_with_all_of_them() {
     story::put_network(&admin, story::network()).await;
     let answer = admin
         .client
-        .put(format!("{}/api/v1{}", world.url(), story::network_path()))
+        .request(Method::PUT, &format!("/api/v1{}", story::network_path()))
         .header("if-match", "\"7\"")
-        .header(
-            "x-csrf-token",
-            admin.get("/session").await.body["csrfToken"].as_str().expect("a token"),
-        )
         .json(&body)
         .send()
         .await

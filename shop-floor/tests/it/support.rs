@@ -1,10 +1,6 @@
 //! A simulation and a shop floor that reads from it.
 
-use std::{
-    collections::HashMap,
-    sync::Arc,
-    time::{Duration, Instant},
-};
+use std::{collections::HashMap, sync::Arc, time::Duration};
 
 use asi_model::{DataValue, NodeId, StatusCode, Variant};
 use parking_lot::Mutex;
@@ -161,17 +157,12 @@ fn is_ready(status: &SourceStatus) -> bool {
 
 /// Waits for a condition, no longer than a minute: the machine may be busy with other tests.
 pub async fn until(what: &str, condition: impl FnMut() -> bool) -> Duration {
-    within(Duration::from_secs(60), what, condition).await
+    testkit::wait::until(what, Duration::from_secs(60), condition).await
 }
 
 /// Waits for a condition no longer than so; returns how long it took.
-pub async fn within(limit: Duration, what: &str, mut condition: impl FnMut() -> bool) -> Duration {
-    let begun = Instant::now();
-    while !condition() {
-        assert!(begun.elapsed() < limit, "not within {limit:?}: {what}");
-        tokio::time::sleep(Duration::from_millis(5)).await;
-    }
-    begun.elapsed()
+pub async fn within(limit: Duration, what: &str, condition: impl FnMut() -> bool) -> Duration {
+    testkit::wait::until(what, limit, condition).await
 }
 
 /// A variable's present identity.

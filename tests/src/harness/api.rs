@@ -7,13 +7,15 @@ use anyhow::Context as _;
 use reqwest::{Method, StatusCode};
 use serde::{Serialize, de::DeserializeOwned};
 use serde_json::Value;
+use testkit::ApiClient;
+
+/// Longest time that an answer may take.
+const ANSWER_MAX: Duration = Duration::from_secs(30);
 
 /// A signed-in client of one daemon.
 #[derive(Debug, Clone)]
 pub struct Api {
-    base: String,
-    http: reqwest::Client,
-    csrf: Option<String>,
+    client: ApiClient,
 }
 
 /// An answer that was not a success, with its problem document.
@@ -34,19 +36,14 @@ impl Api {
     /// # Errors
     /// When the client cannot be made.
     pub fn new(base: impl Into<String>) -> anyhow::Result<Self> {
-        let http = reqwest::Client::builder()
-            .cookie_store(true)
-            .no_proxy()
-            .timeout(Duration::from_secs(30))
-            .build()
-            .context("making an HTTP client")?;
-        Ok(Self { base: base.into(), http, csrf: None })
+        let client = ApiClient::new(base, ANSWER_MAX).context("making an HTTP client")?;
+        Ok(Self { client })
     }
 
     /// Returns the address of the daemon.
     #[must_use]
     pub fn base(&self) -> &str {
-        &self.base
+        self.client.origin()
     }
 
     /// Signs in and keeps the session.
@@ -54,11 +51,9 @@ impl Api {
     /// # Errors
     /// When the daemon refuses or does not answer.
     pub async fn sign_in(&mut self, user: &str, password: &str) -> anyhow::Result<()> {
-        let session: Value = self
-            .post("/api/v1/session", &serde_json::json!({"userName": user, "password": password}))
-            .await?;
-        self.csrf = session["csrfToken"].as_str().map(str::to_owned);
-        Ok(())
+        let path = "/api/v1/session";
+        let answer = self.client.sign_in(user, password).await.context("signing in")?;
+        checked(Method::POST, path, answer.status, answer.text.as_bytes())
     }
 
     /// GET.
@@ -75,8 +70,8 @@ impl Api {
     /// Transport errors, and an answer that is not a success.
     pub async fn text(&self, path: &str) -> anyhow::Result<String> {
         let answer = self
-            .http
-            .get(format!("{}{path}", self.base))
+            .client
+            .request(Method::GET, path)
             .send()
             .await
             .with_context(|| format!("GET {path}"))?;
@@ -121,8 +116,8 @@ impl Api {
     /// When the daemon refuses or does not answer.
     pub async fn events(&self, path: &str) -> anyhow::Result<reqwest::Response> {
         let answer = self
-            .http
-            .get(format!("{}{path}", self.base))
+            .client
+            .request(Method::GET, path)
             .header("accept", "text/event-stream")
             .timeout(Duration::from_secs(24 * 3600))
             .send()
@@ -137,24 +132,27 @@ impl Api {
         path: &str,
         body: Option<&impl Serialize>,
     ) -> anyhow::Result<T> {
-        let mut request = self.http.request(method.clone(), format!("{}{path}", self.base));
-        if let Some(csrf) = &self.csrf {
-            request = request.header("x-csrf-token", csrf);
-        }
+        let mut request = self.client.request(method.clone(), path);
         if let Some(body) = body {
             request = request.json(body);
         }
         let answer = request.send().await.with_context(|| format!("{method} {path}"))?;
         let status = answer.status();
         let bytes = answer.bytes().await.with_context(|| format!("{method} {path}"))?;
-        if !status.is_success() {
-            let problem = serde_json::from_slice(&bytes).unwrap_or_else(|_| {
-                Value::String(String::from_utf8_lossy(&bytes).chars().take(300).collect())
-            });
-            return Err(ApiError { method, path: path.to_owned(), status, problem }.into());
-        }
+        checked(method.clone(), path, status, &bytes)?;
         let bytes: &[u8] = if bytes.is_empty() { b"null" } else { &bytes };
         serde_json::from_slice(bytes)
             .with_context(|| format!("{method} {path}: reading the answer"))
     }
+}
+
+/// Turns an answer that is not a success into an [`ApiError`].
+fn checked(method: Method, path: &str, status: StatusCode, body: &[u8]) -> anyhow::Result<()> {
+    if status.is_success() {
+        return Ok(());
+    }
+    let problem = serde_json::from_slice(body).unwrap_or_else(|_| {
+        Value::String(String::from_utf8_lossy(body).chars().take(300).collect())
+    });
+    Err(ApiError { method, path: path.to_owned(), status, problem }.into())
 }

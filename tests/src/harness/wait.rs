@@ -27,24 +27,10 @@ impl Deadline {
 ///
 /// # Errors
 /// When `limit` passes first; the message names what was waited for and the last thing seen.
-pub async fn eventually<T, F, Fut>(
-    what: &str,
-    limit: Duration,
-    mut condition: F,
-) -> anyhow::Result<T>
+pub async fn eventually<T, F, Fut>(what: &str, limit: Duration, condition: F) -> anyhow::Result<T>
 where
     F: FnMut() -> Fut,
     Fut: Future<Output = Result<T, String>>,
 {
-    let deadline = Deadline::after(limit);
-    loop {
-        let seen = match condition().await {
-            Ok(value) => return Ok(value),
-            Err(seen) => seen,
-        };
-        if deadline.has_passed() {
-            anyhow::bail!("{what}: not within {limit:?}; last seen: {seen}");
-        }
-        tokio::time::sleep(Duration::from_millis(10)).await;
-    }
+    Ok(testkit::wait::eventually(what, limit, condition).await?)
 }

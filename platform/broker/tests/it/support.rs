@@ -3,7 +3,7 @@
 use std::{
     path::Path,
     sync::{Arc, Once},
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use asi_model::MessageId;
@@ -33,12 +33,8 @@ pub fn logs() {
 }
 
 /// Waits until something holds, or fails saying what did not.
-pub async fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
-    let deadline = Instant::now() + Duration::from_secs(20);
-    while !holds() {
-        assert!(Instant::now() < deadline, "not in time: {what}");
-        tokio::time::sleep(Duration::from_millis(5)).await;
-    }
+pub async fn eventually(what: &str, holds: impl FnMut() -> bool) {
+    testkit::wait::until(what, Duration::from_secs(20), holds).await;
 }
 
 pub fn queue(name: &str) -> QueueName {

@@ -1,0 +1,12 @@
+//! Tools that the tests of several crates share.
+//!
+//! - [`wait`]: polling with a deadline.
+//! - [`ApiClient`]: a client of a daemon's web API, as a browser is one.
+//! - [`EventStream`]: server-sent events, one by one.
+
+mod api_client;
+mod event_stream;
+pub mod wait;
+
+pub use api_client::{Answer, ApiClient};
+pub use event_stream::{Event, EventStream};
