@@ -64,7 +64,7 @@ pub async fn export_mappings(
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<ExportQuery>,
 ) -> Result<Response, Problem> {
-    let mappings = api.coordinator.read(|state| queries::all_mappings(state)).await?;
+    let mappings = api.coordinator.read(queries::all_mappings).await?;
     let (kind, name, text) = match query.form {
         ExportForm::Csv => (
             "text/csv; charset=utf-8",

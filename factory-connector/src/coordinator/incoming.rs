@@ -55,7 +55,7 @@ pub(super) async fn deliver(
                 let parsed = parse_platform_message(&body, factory_id);
                 (body, parsed)
             }
-            Err(error) => (envelope.body.clone().into(), Err(unreadable(&error))),
+            Err(error) => (envelope.body.clone(), Err(unreadable(&error))),
         };
         let received = ReceivedMessage {
             transport_id: &transport_id,

@@ -79,7 +79,7 @@ mod tests {
         dependents.set(&note, [state.clone()].into());
         assert_eq!(dependents.of(&state), [made.clone(), note.clone()]);
         dependents.set(&made, [note.clone()].into());
-        assert_eq!(dependents.of(&state), [note.clone()]);
+        assert_eq!(dependents.of(&state), std::slice::from_ref(&note));
         dependents.remove(&made);
         dependents.remove(&note);
         assert!(dependents.of.is_empty() && dependents.on.is_empty());
