@@ -39,6 +39,7 @@ mod versions;
 mod view;
 
 use axum::{Router, extract::DefaultBodyLimit};
+use context::COOKIE;
 use daemon::{
     guarded,
     web::{
@@ -57,7 +58,6 @@ pub use self::{
     accounts::{Principal, StoredAccounts},
     context::{Api, Instance, Parts, ServerParts},
 };
-use context::COOKIE;
 
 /// Largest body of any request, in bytes.
 const BODY_BYTES_MAX: usize = 1024 * 1024;

@@ -26,7 +26,6 @@ use factory_connector::{
     enrolment, service,
     store::{Role, Store, User},
 };
-
 use output::print;
 
 /// Time for all tasks together to finish after the first signal.

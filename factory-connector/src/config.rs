@@ -10,12 +10,11 @@ use std::{
 };
 
 use asi_model::pubsub::json::Encoding;
+pub use broker::{BrokerSection, ProxySection};
 use daemon::{Confidential, configuration::Setting, telemetry::LogConfig, web::server::TlsFiles};
 use mapping_engine::MappingEngineConfig;
 use serde::Deserialize;
 use twin::{DiscoveryConfig, SecurityConfig, TwinConfig, TwinLimits};
-
-pub use broker::{BrokerSection, ProxySection};
 
 use crate::coordinator::{RetentionLimits, SpoolLimits};
 

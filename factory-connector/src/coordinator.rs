@@ -22,23 +22,21 @@ mod unit_of_work;
 use std::{collections::VecDeque, time::Duration};
 
 use asi_model::{DateTime, messages::ValueSource};
+pub use clock::{new_message_id, now};
+pub use config::{CoordinatorConfig, RetentionLimits, SpoolLimits};
 use connector_state::{
     ConnectorEvent, ConnectorState,
     transaction::{self, DeliveryState},
     use_cases::{seal, validity, values},
 };
-use ledger::LedgerKey;
-use mapping_engine::{Candidate, TargetKey};
-use tokio::{sync::mpsc, time::Instant};
-use tokio_util::sync::CancellationToken;
-
-pub use clock::{new_message_id, now};
-pub use config::{CoordinatorConfig, RetentionLimits, SpoolLimits};
-
 use handle::Reply;
 pub use handle::{Command, CoordinatorError, CoordinatorHandle, WriteOutcome};
+use ledger::LedgerKey;
 use maintenance::Schedule;
+use mapping_engine::{Candidate, TargetKey};
 pub use outputs::Outputs;
+use tokio::{sync::mpsc, time::Instant};
+use tokio_util::sync::CancellationToken;
 use unit_of_work::UnitOfWork;
 
 use crate::store::{Store, StoreError};

@@ -17,10 +17,9 @@ use asi_model::{
     DateTime, FactoryId, InstanceId, MessageId, PlaceId,
     messages::{Lease as LeaseAnswer, LeaseParty, LeaseRequest, LeaseResult},
 };
-use serde::Serialize;
-
 pub use client::{LeaseAnswers, LeaseClient, channel};
 pub use gate::LeaseGate;
+use serde::Serialize;
 
 /// Time to wait for the first answer of a connection before the next request; doubles with each
 /// request.

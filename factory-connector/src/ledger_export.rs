@@ -3,11 +3,10 @@
 use std::collections::BTreeMap;
 
 use asi_model::{DateTime, pubsub::unit_member};
-use serde::Deserialize as _;
-use serde_json::Value;
-
 use disclosure::{Language, Statement};
 use ledger::EventKind;
+use serde::Deserialize as _;
+use serde_json::Value;
 
 use crate::{
     print::{END, TABLE_END, begin, row, table},
@@ -245,8 +244,9 @@ fn quoted(cell: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use disclosure::DisclosurePolicy;
+
+    use super::*;
 
     fn queued(value: Value) -> LedgerRow {
         let report = serde_json::json!({

@@ -21,24 +21,24 @@ use daemon::{
         session::{PasswordHash, PasswordPolicy, random_token},
     },
 };
+use link::OpenedLink;
 use mapping_engine::{MappingEngine, MappingEngineHandle};
 use messaging::LinkHandle;
 use shop_floor::{ShopFloor, ShopFloorHandle, SourceConfig};
+use tasks::Tasks;
 use tokio::sync::{Notify, mpsc, watch};
 use twin::{Twin, TwinError, TwinHandle};
 
-use crate::ledger_key::{self, LEDGER_KEY_FILE};
 use crate::{
     api::{self, Api},
     catalog::{Catalog, CatalogHandle},
     config::ConnectorConfig,
     coordinator::{self, Coordinator, CoordinatorConfig, CoordinatorHandle, Outputs, now},
     lease::LeaseStatus,
+    ledger_key::{self, LEDGER_KEY_FILE},
     store::{Enrolment, Readers, Role, Session, Store, User},
     twin_adapter::{CoordinatorWriter, StoredUsers, UserWatch},
 };
-use link::OpenedLink;
-use tasks::Tasks;
 
 /// Most events that are retained for pages that catch up.
 const EVENTS_KEPT_MAX: usize = 4096;

@@ -3,8 +3,6 @@
 
 mod user_watch;
 
-pub use user_watch::UserWatch;
-
 use std::sync::Arc;
 
 use asi_model::{
@@ -22,6 +20,7 @@ use daemon::{
 };
 use disclosure::{DecisionBasis, GateOutcome};
 use twin::{Authenticator, FieldDecision, FieldRecord, FieldWriter, TwinUser};
+pub use user_watch::UserWatch;
 
 use crate::{
     coordinator::{CoordinatorError, CoordinatorHandle, WriteOutcome},

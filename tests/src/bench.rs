@@ -15,6 +15,7 @@ mod usage;
 
 use anyhow::Context as _;
 use clap::ValueEnum as _;
+use figures::distribution;
 use serde_json::Value;
 
 use crate::{
@@ -22,7 +23,6 @@ use crate::{
     harness::{Steps, repository, say},
     world::{Places, World},
 };
-use figures::distribution;
 
 /// Changes whose latency is measured.
 const CHANGES: u32 = 300;

@@ -17,10 +17,13 @@ mod stores;
 
 use std::time::{Duration, Instant};
 
-use serde_json::Value;
-
+use comments::CommentTraffic;
 pub use copied::copied;
+use findings::Findings;
 pub use plan::{Fault, Plan, Strike};
+use serde_json::Value;
+use stage::Stage;
+use stores::Comment;
 
 use crate::{
     demo::Cast,
@@ -30,10 +33,6 @@ use crate::{
         story,
     },
 };
-use comments::CommentTraffic;
-use findings::Findings;
-use stage::Stage;
-use stores::Comment;
 
 /// Length of a run.
 #[derive(Debug, Clone, Copy)]

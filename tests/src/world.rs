@@ -8,9 +8,8 @@ mod places;
 
 use std::{path::Path, time::Duration};
 
-use anyhow::Context as _;
-
 pub use accounts::{ADMIN, ENGINEER, OBSERVER, OBSERVER_PASSWORD, PASSWORD};
+use anyhow::Context as _;
 pub use places::{FactoryPlaces, Places};
 
 use crate::{

@@ -9,7 +9,6 @@ use std::{
 };
 
 use asi_model::{BuiltInType, DataValue, DateTime, FieldName};
-
 pub use document::{gate_from_json, gate_to_json};
 
 use super::{

@@ -9,11 +9,10 @@ mod conclusions;
 mod open_field;
 
 use asi_model::FieldKey;
-use serde::Serialize;
-
 use bits::bits_per_value;
 pub use conclusions::{Conclusion, LeakWarning, leak_warnings};
 pub use open_field::{Measured, OpenField};
+use serde::Serialize;
 
 use super::{
     Statement,

@@ -4,9 +4,8 @@ mod part;
 mod words;
 
 use asi_model::messages::{AggregateStatement, DisclosureStatement, RateStatement};
-use serde::Serialize;
-
 pub use part::StatementPart;
+use serde::Serialize;
 pub(super) use words::describe_period;
 use words::sentence;
 

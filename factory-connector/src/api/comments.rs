@@ -1,6 +1,5 @@
 //! Comments of this factory and its partners about a network.
 
-use crate::coordinator::new_message_id;
 use asi_model::{DynamicDataRequestId, FieldName, OperationNetworkId, messages::Comment};
 use axum::{Json, extract::State, http::StatusCode};
 use connector_state::use_cases::comments::write_comment;
@@ -14,7 +13,7 @@ use super::{
     roles::{Operator, Viewer},
     view::Page,
 };
-use crate::store::StoredComment;
+use crate::{coordinator::new_message_id, store::StoredComment};
 
 /// Longest comment, in characters.
 const TEXT_CHARS_MAX: usize = 4000;

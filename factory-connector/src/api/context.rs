@@ -1,9 +1,9 @@
 //! Context of all operations: handles of the connector's parts, sessions and accounts.
 
-use connector_state::ConnectorEvent;
 use std::{path::PathBuf, sync::Arc};
 
 use asi_model::{DateTime, FactoryId, pubsub::json::Encoding};
+use connector_state::ConnectorEvent;
 use daemon::{
     configuration::Setting,
     telemetry::Metrics,

@@ -5,8 +5,7 @@ use axum::{
     Json,
     http::{HeaderMap, header},
 };
-use connector_state::ChangeSet;
-use connector_state::{ConnectorState, DocumentError};
+use connector_state::{ChangeSet, ConnectorState, DocumentError};
 use daemon::web::{Problem, problem::ProblemFault};
 use disclosure::{DocumentId, Versioned};
 use serde::de::DeserializeOwned;

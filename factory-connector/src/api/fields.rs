@@ -1,17 +1,17 @@
 //! Fields, decisions about them, and values that people enter.
 
-use super::problems::decision_problem;
 use asi_model::{
     DateTime, FieldKey,
     messages::{MappingState, ValueSource},
 };
 use axum::{Json, extract::State};
-use connector_state::operator::{Action, EntryFault, EntryId, OperationKey, OperatorEntry};
-use connector_state::use_cases::{
-    decide::{DecisionRequest, decide},
-    enter::enter,
+use connector_state::{
+    operator::{Action, EntryFault, EntryId, OperationKey, OperatorEntry},
+    use_cases::{
+        decide::{DecisionCommand, DecisionRequest, decide},
+        enter::{EntryOutcome, enter},
+    },
 };
-use connector_state::{use_cases::decide::DecisionCommand, use_cases::enter::EntryOutcome};
 use daemon::web::{ApiJson, ApiPath, Problem, problem::ProblemFault};
 use disclosure::{DecisionBasis, DisclosurePolicy, DocumentId, GateOutcome};
 use mapping_engine::{Mapping, MappingId, MappingInput, Severity, Step, mapping::LateValues};
@@ -21,7 +21,7 @@ use utoipa::ToSchema;
 use super::{
     context::Api,
     paths::FieldPath,
-    problems::{Problems, engine, mapping_faults},
+    problems::{Problems, decision_problem, engine, mapping_faults},
     roles::{Engineer, Operator, Viewer},
     view::FieldView,
 };

@@ -269,10 +269,10 @@ pub async fn show_request(
 #[cfg(test)]
 mod tests {
     use asi_model::messages::OperationNetworkMessage;
+    use connector_state::scene::{Scene, at};
     use serde_json::{Value, json};
 
     use super::*;
-    use connector_state::scene::{Scene, at};
 
     /// A network with requests of `fields` fields each.
     fn network_of(

@@ -1,14 +1,14 @@
 //! Import of mappings, from files, templates and versions: checked together, then published or
 //! proposed, all or none.
 
-use connector_state::queries;
-use connector_state::use_cases::import_mappings::import_mappings;
-use connector_state::{
-    queries::ImportOutcome as FieldImport, use_cases::import_mappings::MappingImport,
-};
 use std::{collections::HashSet, fmt::Write as _};
 
 use asi_model::FieldKey;
+use connector_state::{
+    queries,
+    queries::ImportEffect,
+    use_cases::import_mappings::{MappingImport, import_mappings},
+};
 use daemon::web::{Problem, problem::ProblemFault};
 use mapping_engine::{Mapping, MappingDiagnostic, Severity};
 use serde::Serialize;
@@ -60,7 +60,7 @@ pub struct ImportOutcome {
 pub struct ImportedMapping {
     key: FieldKey,
     /// Effect on the field.
-    outcome: FieldImport,
+    outcome: ImportEffect,
 }
 
 /// Checks mappings and imports them. A problem lists `faults`, which were found before, and all of
@@ -93,12 +93,12 @@ pub(super) async fn import(
             continue;
         }
         match placed {
-            FieldImport::Unchanged => {
+            ImportEffect::Unchanged => {
                 outcome.unchanged += 1;
                 continue;
             }
-            FieldImport::Published => outcome.published += 1,
-            FieldImport::Proposed => outcome.proposed += 1,
+            ImportEffect::Published => outcome.published += 1,
+            ImportEffect::Proposed => outcome.proposed += 1,
         }
         let diagnostics = api.engine.check(mapping.clone()).await.map_err(engine)?;
         let errors = diagnostics.into_iter().filter(|found| found.severity == Severity::Error);
@@ -117,7 +117,7 @@ pub(super) async fn import(
 }
 
 /// Pointer of a mapping, and the mapping with the types of its field or the mismatches.
-type Validated = (String, Result<(Mapping, FieldImport), Vec<ProblemFault>>);
+type Validated = (String, Result<(Mapping, ImportEffect), Vec<ProblemFault>>);
 
 async fn validate_for_fields(
     api: &Api,
@@ -128,7 +128,7 @@ async fn validate_for_fields(
             let validated = match queries::validate_for_field(state, mapping) {
                 Ok(mapping) => {
                     let placed =
-                        queries::import_outcome(state, &mapping).unwrap_or(FieldImport::Unchanged);
+                        queries::import_effect(state, &mapping).unwrap_or(ImportEffect::Unchanged);
                     Ok((mapping, placed))
                 }
                 Err(mismatches) => Err(mismatches

@@ -2,9 +2,7 @@
 
 use asi_model::OrganisationId;
 use axum::{Json, extract::State, http::HeaderMap};
-use connector_state::queries;
-use connector_state::use_cases::policies;
-use connector_state::{ConnectorState, RecipientPolicy};
+use connector_state::{ConnectorState, RecipientPolicy, queries, use_cases::policies};
 use daemon::web::{ApiJson, ApiPath, Problem};
 use disclosure::{DocumentId, DocumentVersion, NamedPolicy, Statement, StatementPart, Versioned};
 use serde::{Deserialize, Serialize};

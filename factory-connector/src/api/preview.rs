@@ -1,9 +1,5 @@
 //! Preview of a decision: exactly the message that a partner would receive.
 
-use crate::coordinator::new_message_id;
-use connector_state::ConnectorState;
-use connector_state::operator::typed_value;
-use connector_state::queries;
 use std::sync::Arc;
 
 use asi_model::{
@@ -16,6 +12,7 @@ use asi_model::{
     },
 };
 use axum::{Json, extract::State};
+use connector_state::{ConnectorState, operator::typed_value, queries};
 use daemon::web::{ApiJson, ApiPath, Problem};
 use disclosure::{
     DisclosurePolicy, DocumentId, Effect, GateOutcome, LeakWarning, Statement, effects,
@@ -32,7 +29,10 @@ use super::{
     problems::{Problems, engine, shop_floor},
     roles::Engineer,
 };
-use crate::{coordinator::now, values::ShownValue};
+use crate::{
+    coordinator::{new_message_id, now},
+    values::ShownValue,
+};
 
 /// Draft of a decision.
 #[derive(Deserialize, ToSchema)]

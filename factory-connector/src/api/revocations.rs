@@ -2,7 +2,6 @@
 
 mod receipt_page;
 
-use super::problems::decision_problem;
 use asi_model::{
     DynamicDataRequestId, FieldKey, OperationId, OperationNetworkId, OrganisationId,
     messages::MappingState,
@@ -13,8 +12,13 @@ use axum::{
     http::{StatusCode, header},
     response::{IntoResponse, Response},
 };
-use connector_state::use_cases::revoke::{Revocation, revoke};
-use connector_state::{ConnectorState, use_cases::decide::DecisionCommand};
+use connector_state::{
+    ConnectorState,
+    use_cases::{
+        decide::DecisionCommand,
+        revoke::{Revocation, revoke},
+    },
+};
 use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem};
 use disclosure::Language;
 use receipt_page::receipt_page;
@@ -23,7 +27,7 @@ use utoipa::{IntoParams, ToSchema};
 
 use super::{
     context::Api,
-    problems::Problems,
+    problems::{Problems, decision_problem},
     roles::{Engineer, Viewer},
     view::Page,
 };

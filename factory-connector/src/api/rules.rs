@@ -1,11 +1,8 @@
 //! Standing rules: kept, looked at before they are enabled, applied, and undone.
 
-use super::problems::decision_problem;
 use asi_model::FieldKey;
 use axum::{Json, extract::State, http::HeaderMap};
-use connector_state::queries;
-use connector_state::use_cases::rules;
-use connector_state::{ConnectorState, DocumentError};
+use connector_state::{ConnectorState, DocumentError, queries, use_cases::rules};
 use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem};
 use disclosure::{DocumentId, DocumentVersion, Rule, Versioned};
 use serde::{Deserialize, Serialize};
@@ -14,7 +11,7 @@ use utoipa::{IntoParams, ToSchema};
 use super::{
     context::Api,
     documents,
-    problems::Problems,
+    problems::{Problems, decision_problem},
     roles::{Engineer, Viewer},
     view::{Page, RuleOfferView},
 };

@@ -1,6 +1,5 @@
 //! Shadow mappings, which run on live values beside the published ones and write nothing.
 
-use super::problems::decision_problem;
 use asi_model::{DateTime, messages::ValueSource};
 use axum::{Json, extract::State, http::StatusCode};
 use connector_state::use_cases::import_mappings::set_shadow;
@@ -17,7 +16,7 @@ use super::{
     fields::{MappingDraft, checked, field_view},
     mapping_import::{ImportOptions, SubmittedMapping, import},
     paths::FieldPath,
-    problems::{Problems, engine},
+    problems::{Problems, decision_problem, engine},
     roles::{Engineer, Viewer},
     view::FieldView,
 };

@@ -2,8 +2,7 @@
 
 use asi_model::NodeId;
 use axum::{Json, extract::State, http::StatusCode};
-use connector_state::use_cases::configuration;
-use connector_state::writes::SourceRow;
+use connector_state::{use_cases::configuration, writes::SourceRow};
 use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem};
 use serde::{Deserialize, Serialize};
 use shop_floor::{

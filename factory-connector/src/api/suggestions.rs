@@ -1,10 +1,10 @@
 //! Suggestions of variables for a field.
 
-use connector_state::queries;
 use std::{collections::HashMap, time::Duration};
 
 use asi_model::{DateTime, FieldKey, NodeId};
 use axum::{Json, extract::State};
+use connector_state::queries;
 use daemon::web::{ApiPath, ApiQuery, Problem};
 use futures::future::join_all;
 use mapping_engine::{

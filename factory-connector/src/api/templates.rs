@@ -1,11 +1,10 @@
 //! Mapping templates: one mapping for a series of like machines.
 
-use connector_state::use_cases::configuration;
-use connector_state::writes::TemplateRow;
 use std::collections::BTreeMap;
 
 use asi_model::DateTime;
 use axum::{Json, extract::State, http::StatusCode};
+use connector_state::{use_cases::configuration, writes::TemplateRow};
 use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem, problem::ProblemFault};
 use mapping_engine::exchange::{MappingTemplate, numbers};
 use serde::{Deserialize, Serialize};

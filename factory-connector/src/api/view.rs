@@ -1,7 +1,5 @@
 //! Views of requests and fields.
 
-use connector_state::queries;
-use connector_state::{ConnectorState, Field, Network, queries::RuleOffer};
 use std::time::Duration;
 
 use asi_model::{
@@ -9,6 +7,7 @@ use asi_model::{
     messages::{MappingState, OperationNetworkMessage},
     network::{DynamicDataRequest, Operation},
 };
+use connector_state::{ConnectorState, Field, Network, queries, queries::RuleOffer};
 use disclosure::{
     DecisionBasis, DisclosurePolicy, DocumentVersion, RuleAction, Statement, StatementPart,
 };

@@ -19,6 +19,17 @@ use std::{
 
 use asi_model::{DataValue, FieldKey, StatusCode, messages::ValueSource, pubsub::json::Encoding};
 use async_trait::async_trait;
+use connector_state::{
+    EngineCommand, StateConfig,
+    operator::{Action, EntryId, OperationKey, OperatorEntry},
+    use_cases::{
+        decide::{DecisionCommand, DecisionRequest, decide},
+        enter::{EntryOutcome, enter_all},
+        revoke::{Revocation, revoke},
+    },
+};
+use daemon::web::events::EventLog;
+use disclosure::{DecisionBasis, DisclosurePolicy};
 use messaging::{
     Delivery, Envelope, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore,
     spool::{Fetch, Lane},
@@ -31,25 +42,14 @@ use tokio::{sync::mpsc, task::JoinHandle};
 use tokio_util::sync::CancellationToken;
 
 use super::*;
-use crate::ledger_key::{self, LEDGER_KEY_FILE};
 use crate::{
     in_flight::InFlight,
     keep_alive_queue::KeepAliveQueue,
     lease::LeaseGate,
+    ledger_key::{self, LEDGER_KEY_FILE},
     link_adapter::ConnectorSpool,
     store::{LedgerCursor, LedgerFilter, Readers, Session},
 };
-use connector_state::{
-    EngineCommand, StateConfig,
-    operator::{Action, EntryId, OperationKey, OperatorEntry},
-    use_cases::{
-        decide::{DecisionCommand, DecisionRequest, decide},
-        enter::{EntryOutcome, enter_all},
-        revoke::{Revocation, revoke},
-    },
-};
-use daemon::web::events::EventLog;
-use disclosure::{DecisionBasis, DisclosurePolicy};
 
 /// Longest time that anything may take.
 const DEADLINE: Duration = Duration::from_secs(30);

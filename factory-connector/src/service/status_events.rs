@@ -2,12 +2,11 @@
 
 use std::time::Duration;
 
+use connector_state::ConnectorEvent;
 use daemon::web::events::EventLog;
 use messaging::LinkState;
 use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
-
-use connector_state::ConnectorEvent;
 
 /// Shortest time between two events.
 const PAUSE: Duration = Duration::from_millis(500);

@@ -10,24 +10,21 @@ mod pruning;
 mod selection;
 mod verification;
 
-use asi_model::FieldKey;
-use sqlx::{QueryBuilder, Sqlite, SqliteConnection};
-
-use super::{error::StoreError, query::all, row::Columns as _};
 use ::ledger::{Hash, Heads, Verification};
-
+use asi_model::FieldKey;
+pub(super) use checkpoints::write as write_checkpoint;
 pub use checkpoints::{Checkpoints, StoredCheckpoint};
 pub use cursor::LedgerCursor;
 pub use entries::LedgerRow;
-pub use selection::{LedgerFilter, LedgerSubject};
-
-pub(super) use checkpoints::write as write_checkpoint;
 pub(super) use entries::write as write_entries;
 pub(super) use heads::write as write_heads;
-pub(super) use pruning::prune;
-
 use precision::Precisions;
+pub(super) use pruning::prune;
 use selection::Window;
+pub use selection::{LedgerFilter, LedgerSubject};
+use sqlx::{QueryBuilder, Sqlite, SqliteConnection};
+
+use super::{error::StoreError, query::all, row::Columns as _};
 
 /// Repository of the ledger.
 pub struct Ledger<'c>(pub(crate) &'c mut SqliteConnection);

@@ -1,5 +1,6 @@
 //! Entries that operators made about operations.
 
+use connector_state::operator::{EntryId, OperationKey, OperatorEntry};
 use rusqlite::Connection;
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
 
@@ -10,7 +11,6 @@ use super::{
     row::{Columns as _, document},
     statement::write_rows,
 };
-use connector_state::operator::{EntryId, OperationKey, OperatorEntry};
 
 /// Repository of operators' entries.
 pub struct OperatorEntries<'c>(pub(super) &'c mut SqliteConnection);

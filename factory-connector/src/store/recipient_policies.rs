@@ -1,6 +1,7 @@
 //! Policies of recipients, each for everything that one recipient gets: every version is stored.
 
 use asi_model::OrganisationId;
+use connector_state::RecipientPolicy;
 use disclosure::DocumentId;
 use rusqlite::Connection;
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
@@ -12,7 +13,6 @@ use super::{
     row::Columns as _,
     statement::write_rows,
 };
-use connector_state::RecipientPolicy;
 
 /// Repository of recipients' policies.
 pub struct RecipientPolicies<'c>(pub(super) &'c mut SqliteConnection);

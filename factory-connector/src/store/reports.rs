@@ -10,11 +10,14 @@ mod state;
 use std::collections::HashSet;
 
 use asi_model::DateTime;
+pub(super) use delivery::{apply_moves, write};
 use messaging::{
     RowId,
     spool::{Fetch, ReportRow},
 };
+pub(super) use retention::{empty_values, oldest_in_spool, remove_unreferenced};
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
+use state::ReportState;
 use time::OffsetDateTime;
 
 use super::{
@@ -23,10 +26,6 @@ use super::{
     query::{all, one, query},
     row::{Columns as _, document},
 };
-use state::ReportState;
-
-pub(super) use delivery::{apply_moves, write};
-pub(super) use retention::{empty_values, oldest_in_spool, remove_unreferenced};
 
 /// Columns of [`WaitingRow`].
 const COLUMNS: &str = "id, message, writer_id, epoch, sequence, state, created_at, sent_at, \

@@ -5,9 +5,9 @@ mod ending;
 use std::collections::BTreeMap;
 
 use asi_model::{DateTime, messages::GapCause};
+pub(crate) use ending::{EndedConsents, EndedWriter, Ending};
 
 use crate::{Effects, Field, FieldEvent, Writes, effects::TwinUpdate};
-pub(crate) use ending::{EndedConsents, EndedWriter, Ending};
 
 /// Changes of one use case: rows to store, effects that follow their commit, and work that the
 /// transaction does once for all its use cases.

@@ -17,17 +17,16 @@ use std::{
 };
 
 use asi_model::{DateTime, FieldKey, FieldName};
-use disclosure::{DisclosurePolicy, Gate};
-use hashbrown::HashTable;
-use mapping::Mapping;
-
 use deadlines::Deadlines;
 use dependents::Dependents;
 pub(crate) use dependents::is_withheld_by;
+use disclosure::{DisclosurePolicy, Gate};
 pub use disclosure_rate::DisclosureRate;
 pub use field::{Field, FieldDecision};
 pub(crate) use field::{basis_json, mapping_json, policy_json};
+use hashbrown::HashTable;
 use interner::Interner;
+use mapping::Mapping;
 pub use mapping_versions::{MappingVersions, ShadowMapping};
 pub use validity::Validity;
 

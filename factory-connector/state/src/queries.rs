@@ -11,7 +11,7 @@ mod suggestion_context;
 
 pub(crate) use disclosed::fields_named_by;
 pub use disclosed::{draft_gate, withholding_faults, write_refusal};
-pub use mapping_import::{FieldMismatch, ImportOutcome, import_outcome, validate_for_field};
+pub use mapping_import::{FieldMismatch, ImportEffect, import_effect, validate_for_field};
 pub use open_fields::{Supposition, open_fields};
 pub use operation_fields::fields_of_operation;
 pub use policies::{PolicyChange, effective_policy, policy_changes};

@@ -1,6 +1,6 @@
 //! The whole state: its registries side by side.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, sync::Arc};
 
 use asi_model::{
     DateTime, FactoryId, FieldKey, MessageId, RequestKey,
@@ -8,7 +8,6 @@ use asi_model::{
     network::{DynamicDataRequest, Operation},
     pubsub::json::Encoding,
 };
-use std::sync::Arc;
 
 use crate::{
     ChangeSet, Field, FieldRegistry, IdSource, LedgerChains, NetworkRegistry, PolicyRegistry,

@@ -13,13 +13,13 @@ use std::collections::BTreeMap;
 
 use asi_model::DateTime;
 use ledger::{LedgerKey, SALT_BYTES, SignedHead};
+pub(crate) use refresh::begin_epoch;
+pub use take_back::{SequenceProgress, WriterDelivery};
 
 use crate::{
     ChangeSet, ConnectorState, Effects, Writes,
     writes::{RevocationRow, WaitingRow},
 };
-pub(crate) use refresh::begin_epoch;
-pub use take_back::{SequenceProgress, WriterDelivery};
 
 /// Brings the data sets up to date about whose fields something was decided.
 pub fn refresh(state: &mut ConnectorState, mut changes: ChangeSet) -> Refreshed {

@@ -9,7 +9,6 @@ mod policies;
 mod reports;
 mod sources;
 
-use crate::operator::OperatorEntry;
 pub use fields::{ConsentRow, FieldRow, FieldValueRow, FieldWrites};
 pub use ledger::{CheckpointRow, LedgerWrites, RevocationRow};
 pub use mappings::{MappingWrites, ShadowRow, TemplateRow, VersionRow};
@@ -20,6 +19,8 @@ pub use reports::{
     WriterRow, WriterWrites,
 };
 pub use sources::{SourceRow, SourceWrites};
+
+use crate::operator::OperatorEntry;
 
 /// Rows of one transaction, by noun. Of two rows about the same thing the later one holds.
 #[derive(Debug, Default, PartialEq)]

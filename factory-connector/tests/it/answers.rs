@@ -18,7 +18,6 @@ use std::collections::BTreeSet;
 
 use reqwest::{Method, StatusCode};
 use serde_json::{Value, json};
-
 use simulator::{MachineConfig, MachineKind};
 
 use self::{

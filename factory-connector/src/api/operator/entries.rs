@@ -2,9 +2,10 @@
 
 use asi_model::{DateTime, FieldKey, OperationId, OperationNetworkId};
 use axum::{Json, extract::State};
-use connector_state::operator::{Action, EntryId, OperationKey, OperatorEntry};
-use connector_state::use_cases::enter::EntryOutcome;
-use connector_state::use_cases::enter::enter_all;
+use connector_state::{
+    operator::{Action, EntryId, OperationKey, OperatorEntry},
+    use_cases::enter::{EntryOutcome, enter_all},
+};
 use daemon::web::{ApiJson, ApiQuery, Problem};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};

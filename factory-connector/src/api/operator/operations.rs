@@ -1,8 +1,5 @@
 //! Operations of a day, as the operator's page lists them.
 
-use connector_state::operator::{Journal, OperationKey, OperationStatus};
-use connector_state::queries;
-use connector_state::{ConnectorState, Field};
 use std::time::Duration;
 
 use asi_model::{
@@ -11,6 +8,11 @@ use asi_model::{
     network::{Operation, OperationState, Semantic},
 };
 use axum::{Json, extract::State};
+use connector_state::{
+    ConnectorState, Field,
+    operator::{Journal, OperationKey, OperationStatus},
+    queries,
+};
 use daemon::web::{ApiQuery, Problem};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};

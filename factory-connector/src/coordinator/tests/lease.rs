@@ -1,6 +1,7 @@
+use connector_state::use_cases::configuration::set_lease_held;
+
 use super::*;
 use crate::lease::LeaseGate;
-use connector_state::use_cases::configuration::set_lease_held;
 
 /// Without the lease nothing leaves, control messages included; everything else goes on, and leaves
 /// with the lease.

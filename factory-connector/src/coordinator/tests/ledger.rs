@@ -1,10 +1,10 @@
+use ::ledger::Verification;
 use sqlx::{
     Column as _, Connection as _, Row as _, TypeInfo as _, ValueRef as _, sqlite::SqliteRow,
 };
 
 use super::*;
 use crate::store::Ledger;
-use ::ledger::Verification;
 
 /// Everything that the ledger rests on. What the spool alone works with (states, counters) is not
 /// part of it.

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeSet;
 
+use ::ledger::EventKind;
+
 use super::*;
 use crate::store::{LedgerCursor, LedgerFilter, LedgerSubject};
-use ::ledger::EventKind;
 
 /// Two requests, filled, sent, partly receipted; one revoked and opened again, which begins an
 /// epoch.

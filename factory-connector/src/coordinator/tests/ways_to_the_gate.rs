@@ -4,15 +4,15 @@
 use std::{collections::BTreeMap, path::Path};
 
 use asi_model::{DataValue, StatusCode, Variant, messages::ValueSource};
-use twin::{FieldWriter as _, Twin, TwinConfig, TwinUser};
-
-use super::*;
-use crate::twin_adapter::CoordinatorWriter;
 use connector_state::{
     ConnectorState,
     scene::{field, network},
     use_cases::revise::receive_network,
 };
+use twin::{FieldWriter as _, Twin, TwinConfig, TwinUser};
+
+use super::*;
+use crate::twin_adapter::CoordinatorWriter;
 
 /// Origins of values. A new one must be listed here: a test searches the sources for others.
 #[derive(Debug, Clone, Copy)]

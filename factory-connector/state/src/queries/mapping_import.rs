@@ -8,7 +8,7 @@ use crate::ConnectorState;
 /// Effect of importing a mapping.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, utoipa::ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
-pub enum ImportOutcome {
+pub enum ImportEffect {
     /// The field is mapped: the mapping is its next version and runs.
     Published,
     /// The field is not mapped: the mapping is suggested with the decision.
@@ -71,13 +71,13 @@ pub fn validate_for_field(
 
 /// Returns the effect of importing a mapping; `None` where its field does not exist.
 #[must_use]
-pub fn import_outcome(state: &ConnectorState, mapping: &Mapping) -> Option<ImportOutcome> {
+pub fn import_effect(state: &ConnectorState, mapping: &Mapping) -> Option<ImportEffect> {
     let decision = &state.field(&mapping.target)?.decision;
     Some(if decision.mapping.as_deref() == Some(mapping) {
-        ImportOutcome::Unchanged
+        ImportEffect::Unchanged
     } else if decision.is_open_for(ValueSource::Mapping) {
-        ImportOutcome::Published
+        ImportEffect::Published
     } else {
-        ImportOutcome::Proposed
+        ImportEffect::Proposed
     })
 }

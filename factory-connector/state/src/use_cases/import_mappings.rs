@@ -13,7 +13,7 @@ use super::decide::DecisionError;
 use crate::{
     ChangeSet, ConnectorState, ShadowMapping, consents,
     fields::mapping_json,
-    queries::{ImportOutcome, import_outcome},
+    queries::{ImportEffect, import_effect},
     writes::ShadowRow,
 };
 
@@ -51,9 +51,9 @@ fn import_one(
     let MappingImport { mut mapping, author, note } = import;
     let Some(key) = state.field(&mapping.target).map(|field| field.key.clone()) else { return };
     state.fields.share_mapping(&mut mapping, &key);
-    let is_published = match import_outcome(state, &mapping) {
-        None | Some(ImportOutcome::Unchanged) => return,
-        Some(outcome) => outcome == ImportOutcome::Published,
+    let is_published = match import_effect(state, &mapping) {
+        None | Some(ImportEffect::Unchanged) => return,
+        Some(outcome) => outcome == ImportEffect::Published,
     };
     let Some(mut field) = state.fields.get_mut(&key) else { return };
     field.transform = field.state_for(&mapping).filter(|_| is_published);

@@ -11,6 +11,7 @@ use asi_model::{
     messages::{AcknowledgementResult, GapCause, OperationNetworkMessage, Withdraw},
     network::OperationNetwork,
 };
+use fields::{add_field, change_field, end_withdrawn_consent, remove_field};
 
 use super::{
     receive::{Answer, acknowledge},
@@ -22,7 +23,6 @@ use crate::{
     keep_alive_schedule::schedule_keep_alive,
     writes::NetworkRow,
 };
-use fields::{add_field, change_field, end_withdrawn_consent, remove_field};
 
 /// Takes a network in a new revision, or a revision that is known already. `json` is the message as
 /// it is stored.

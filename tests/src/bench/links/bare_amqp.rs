@@ -8,8 +8,10 @@ use fe2o3_amqp::{
     connection::ConnectionHandle,
     link::receiver::CreditMode,
     sasl_profile::SaslProfile,
-    types::messaging::{Body, Data, Header, Message},
-    types::primitives::Value,
+    types::{
+        messaging::{Body, Data, Header, Message},
+        primitives::Value,
+    },
 };
 use futures::{StreamExt as _, stream::FuturesUnordered};
 

@@ -20,11 +20,13 @@ use super::{
     client::Client,
     server::{PERIOD, VARIABLES},
 };
-use crate::bench::{
-    figures::{distribution, result},
-    part::Part,
+use crate::{
+    bench::{
+        figures::{distribution, result},
+        part::Part,
+    },
+    harness::repository,
 };
-use crate::harness::repository;
 
 /// Time of the measurement, after a while of getting warm.
 const SPAN: Duration = Duration::from_secs(10);
