@@ -3432,7 +3432,7 @@ export interface paths {
             };
             requestBody?: never;
             responses: {
-                /** @description A value as pages show it. */
+                /** @description Value in the form that pages show. */
                 200: {
                     headers: {
                         [name: string]: unknown;
@@ -3641,7 +3641,7 @@ export interface paths {
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
-        /** @description What was entered. */
+        /** @description Action that an operator entered. */
         Action: {
             /** @enum {string} */
             action: "START";
@@ -3652,7 +3652,7 @@ export interface components {
             piece?: components["schemas"]["Piece"];
             /**
              * Format: double
-             * @description How many; 1 without it.
+             * @description Number of pieces; 1 without it.
              */
             quantity?: number;
         } | {
@@ -3661,14 +3661,12 @@ export interface components {
         } | {
             /** @enum {string} */
             action: "PROBLEM";
-            /** @description What is wrong. */
             text: string;
         } | {
             /** @enum {string} */
             action: "VALUE";
             /** @description The field's request. */
             dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-            /** @description The field. */
             fieldName: components["schemas"]["FieldName"];
             /** @description As plain JSON; 64-bit integers may be texts. */
             value: unknown;
@@ -4570,6 +4568,11 @@ export interface components {
             /** @description Its private key, PEM. */
             privateKeyPath: string;
         };
+        /**
+         * @description Effect of importing a mapping.
+         * @enum {string}
+         */
+        ImportEffect: "PUBLISHED" | "PROPOSED" | "UNCHANGED";
         /** @description Outcome of an import, or of its dry run. */
         ImportOutcome: {
             /** @description True if nothing was changed. */
@@ -4589,7 +4592,7 @@ export interface components {
         ImportedMapping: {
             key: components["schemas"]["FieldKey"];
             /** @description Effect on the field. */
-            outcome: components["schemas"]["Placed"];
+            outcome: components["schemas"]["ImportEffect"];
         };
         /** @description A page of the inbox, and totals. */
         InboxPage: {
@@ -5121,9 +5124,7 @@ export interface components {
         OperationId: string;
         /** @description An operation of a network. */
         OperationKey: {
-            /** @description The operation in it. */
             operationId: components["schemas"]["OperationId"];
-            /** @description The network. */
             operationNetworkId: components["schemas"]["OperationNetworkId"];
         };
         /** @description An operation network, unique on a platform. */
@@ -5133,15 +5134,33 @@ export interface components {
          * @enum {string}
          */
         OperationState: "NotAllowedToStart" | "AllowedToStart" | "Running" | "Interrupted" | "Ended" | "Aborted";
-        /** @description An entry as kept. */
+        /** @description Status of an operation by its entries. */
+        OperationStatus: {
+            endedAt?: components["schemas"]["DateTime"] | null;
+            /**
+             * Format: double
+             * @description Good pieces counted with the buttons.
+             */
+            goodQuantity: number;
+            lastEntryAt?: components["schemas"]["DateTime"] | null;
+            problem?: components["schemas"]["OperatorProblem"] | null;
+            /**
+             * Format: double
+             * @description Scrap counted with the buttons.
+             */
+            scrapQuantity: number;
+            startedAt?: components["schemas"]["DateTime"] | null;
+            state?: components["schemas"]["OperationState"] | null;
+        };
+        /** @description A stored entry. */
         OperatorEntry: components["schemas"]["OperationKey"] & components["schemas"]["Action"] & {
             /** @description Made where it was entered. */
             entryId: components["schemas"]["EntryId"];
-            /** @description When it was entered, by the connector's clock. */
+            /** @description Time of the entry by the connector's clock. */
             madeAt: components["schemas"]["DateTime"];
-            /** @description Who. */
+            /** @description Name of the user. */
             madeBy: string;
-            /** @description When it came here. */
+            /** @description Time of its delivery. */
             receivedAt: components["schemas"]["DateTime"];
         };
         /** @description A field that takes entered values. */
@@ -5175,15 +5194,14 @@ export interface components {
             plannedStart?: components["schemas"]["DateTime"] | null;
             quantityUnit?: string | null;
             /** @description Progress by the entries so far. */
-            standing: components["schemas"]["Standing"];
+            standing: components["schemas"]["OperationStatus"];
         };
-        /** @description A problem that lasts. */
+        /** @description A problem that is not solved yet. */
         OperatorProblem: {
-            /** @description Since when. */
+            /** @description Time of its entry. */
             since: components["schemas"]["DateTime"];
-            /** @description What is wrong. */
             text: string;
-            /** @description Who said so. */
+            /** @description Name of the user who entered it. */
             toldBy: string;
         };
         /** @description An organisation that takes part in collaborations. */
@@ -5395,15 +5413,10 @@ export interface components {
             validTo?: components["schemas"]["DateTime"] | null;
         };
         /**
-         * @description What a counted piece is.
+         * @description Quality of a counted piece.
          * @enum {string}
          */
         Piece: "GOOD" | "SCRAP";
-        /**
-         * @description What placing a mapping does or would do.
-         * @enum {string}
-         */
-        Placed: "PUBLISHED" | "PROPOSED" | "UNCHANGED";
         /** @description Effect of a changed policy on a field. */
         PolicyUse: components["schemas"]["Statement"] & {
             key: components["schemas"]["FieldKey"];
@@ -5528,9 +5541,7 @@ export interface components {
         };
         /** @description The policy that is set for everything one recipient gets. */
         RecipientPolicy: {
-            /** @description When. */
             changedAt: components["schemas"]["DateTime"];
-            /** @description Who set it. */
             changedBy: string;
             policyId?: components["schemas"]["DocumentId"] | null;
             /**
@@ -5951,7 +5962,7 @@ export interface components {
             startedAt: components["schemas"]["DateTime"];
             status?: components["schemas"]["MappingStatus"] | null;
         };
-        /** @description A value as pages show it. */
+        /** @description Value in the form that pages show. */
         ShownValue: {
             sourceTimestamp?: components["schemas"]["DateTime"] | null;
             /** @description The status, by its name where it has one. */
@@ -6050,24 +6061,6 @@ export interface components {
             state: components["schemas"]["SourceState"];
         };
         SourceView: components["schemas"]["SourceConfig"] & components["schemas"]["SourceStatus"];
-        /** @description How an operation stands by its entries. */
-        Standing: {
-            endedAt?: components["schemas"]["DateTime"] | null;
-            /**
-             * Format: double
-             * @description Good pieces counted with the buttons.
-             */
-            goodQuantity: number;
-            lastEntryAt?: components["schemas"]["DateTime"] | null;
-            problem?: components["schemas"]["OperatorProblem"] | null;
-            /**
-             * Format: double
-             * @description Scrap counted with the buttons.
-             */
-            scrapQuantity: number;
-            startedAt?: components["schemas"]["DateTime"] | null;
-            state?: components["schemas"]["OperationState"] | null;
-        };
         /** @description A state as a JSON value. */
         StateValue: boolean | number | string;
         /** @description A precision as published to the partner. */
