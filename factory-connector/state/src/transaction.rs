@@ -1,6 +1,6 @@
 //! Transactions: the change sets of several use cases become one commit.
 //!
-//! The order of the steps is fixed by their types: [`refresh`] brings the data sets up to date once,
+//! The order of the steps is fixed by their types: [`refresh()`] brings the data sets up to date once,
 //! [`Refreshed::take_back`] ends reports of consents that ended, [`TakenBack::report`] makes one
 //! report per data set with released values, and [`Reported::sign`] signs the chains that grew.
 //! Each step costs what changed, not what exists.
