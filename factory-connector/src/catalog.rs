@@ -19,7 +19,7 @@ use tokio::{
 };
 use tokio_util::sync::CancellationToken;
 
-use crate::coordinator::now;
+use crate::clock::now;
 
 /// Most nodes visited per server.
 pub const NODES_MAX: usize = 200_000;

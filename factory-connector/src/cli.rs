@@ -21,8 +21,8 @@ use daemon::{
     web::session::{PasswordHash, PasswordPolicy},
 };
 use factory_connector::{
+    clock::now,
     config::{ConnectorConfig, EXAMPLE},
-    coordinator::now,
     enrolment, service,
     store::{Role, Store, User},
 };

@@ -2,6 +2,7 @@
 //! default; a test compares the two.
 
 mod broker;
+mod limits;
 
 use std::{
     net::{Ipv4Addr, SocketAddr},
@@ -12,11 +13,10 @@ use std::{
 use asi_model::pubsub::json::Encoding;
 pub use broker::{BrokerSection, ProxySection};
 use daemon::{Confidential, configuration::Setting, telemetry::LogConfig, web::server::TlsFiles};
+pub use limits::{RetentionLimits, SpoolLimits};
 use mapping_engine::MappingEngineConfig;
 use serde::Deserialize;
 use twin::{DiscoveryConfig, SecurityConfig, TwinConfig, TwinLimits};
-
-use crate::coordinator::{RetentionLimits, SpoolLimits};
 
 /// The commented example, also printed by `factory-connector config example`.
 pub const EXAMPLE: &str = include_str!("../factory-connector.example.toml");

@@ -6,7 +6,6 @@
 //! Transactions are grouped: what arrives while one is being written is part of the next. If one
 //! fails, nothing of it happened: the state is read from the store again.
 
-mod clock;
 mod commands;
 mod config;
 
@@ -22,8 +21,7 @@ mod unit_of_work;
 use std::{collections::VecDeque, time::Duration};
 
 use asi_model::{DateTime, messages::ValueSource};
-pub use clock::{new_message_id, now};
-pub use config::{CoordinatorConfig, RetentionLimits, SpoolLimits};
+pub use config::CoordinatorConfig;
 use connector_state::{
     ConnectorEvent, ConnectorState,
     transaction::{self, DeliveryState},
@@ -39,7 +37,10 @@ use tokio::{sync::mpsc, time::Instant};
 use tokio_util::sync::CancellationToken;
 use unit_of_work::UnitOfWork;
 
-use crate::store::{Store, StoreError};
+use crate::{
+    clock::{self, now},
+    store::{Store, StoreError},
+};
 
 /// Most commands in one transaction.
 const GROUP_MAX: usize = 1024;
@@ -220,7 +221,7 @@ impl Coordinator {
     /// Returns the time at which there is work without a command or candidate.
     fn wake_at(&self) -> Instant {
         let mut at = self.schedule.next();
-        if self.work.state.writers().has_unreported() {
+        if self.work.state.writers().has_unreported() || !self.replies.is_empty() {
             at = at.min(self.timing.next_publish);
         }
         if let Some(oldest) = self.timing.oldest_unwritten {

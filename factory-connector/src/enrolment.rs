@@ -8,7 +8,7 @@ use messaging::BrokerProfile;
 use serde::Deserialize;
 
 use crate::{
-    coordinator::now,
+    clock::now,
     store::{Enrolment, Store},
 };
 

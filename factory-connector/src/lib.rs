@@ -6,6 +6,7 @@
 //! - [`link_adapter`], [`twin_adapter`]: the coordinator as link and twin see it.
 //! - [`in_flight`], [`keep_alive_queue`]: what coordinator and link share.
 //! - [`catalog`]: variables of the local servers.
+//! - [`clock`]: clock and random numbers of the machine.
 //! - [`lease`]: the right to send, of one among several connectors with one credential.
 //! - [`ledger_export`], [`ledger_key`]: the ledger as people read it, and the key that signs it.
 //! - [`mod@print`]: pages to print.
@@ -13,6 +14,7 @@
 
 pub mod api;
 pub mod catalog;
+pub mod clock;
 pub mod config;
 pub mod coordinator;
 pub mod enrolment;

@@ -32,8 +32,9 @@ use twin::{Twin, TwinError, TwinHandle};
 use crate::{
     api::{self, Api},
     catalog::{Catalog, CatalogHandle},
+    clock::now,
     config::ConnectorConfig,
-    coordinator::{self, Coordinator, CoordinatorConfig, CoordinatorHandle, Outputs, now},
+    coordinator::{self, Coordinator, CoordinatorConfig, CoordinatorHandle, Outputs},
     lease::LeaseStatus,
     ledger_key::{self, LEDGER_KEY_FILE},
     store::{Enrolment, Readers, Role, Session, Store, User},

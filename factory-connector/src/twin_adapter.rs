@@ -3,15 +3,13 @@
 
 mod user_watch;
 
-use std::sync::Arc;
-
 use asi_model::{
     DataValue, DateTime, FieldKey, StatusCode,
     messages::{MappingState, ValueSource},
 };
 use async_trait::async_trait;
 use connector_state::{
-    ConnectorState, Field,
+    ConnectorState,
     use_cases::decide::{DecisionCommand, DecisionRequest, decide},
 };
 use daemon::{
@@ -19,7 +17,7 @@ use daemon::{
     web::session::{PasswordHash, verify_password},
 };
 use disclosure::{DecisionBasis, GateOutcome};
-use twin::{Authenticator, FieldDecision, FieldRecord, FieldWriter, TwinUser};
+use twin::{Authenticator, FieldDecision, FieldWriter, TwinUser};
 pub use user_watch::UserWatch;
 
 use crate::{
@@ -81,23 +79,6 @@ fn decision_request(
     };
     let basis = DecisionBasis { policy_id, ..DecisionBasis::default() };
     DecisionRequest { command, reason: decision.reason, decided_by, basis }
-}
-
-/// Returns a field as the twin shows it.
-#[must_use]
-pub fn field_record(field: &Field) -> FieldRecord {
-    let decision = &field.decision;
-    FieldRecord {
-        mapping_state: decision.mapping_state,
-        value_source: decision.value_source,
-        value: field.gate.disclosed().cloned().unwrap_or_else(|| {
-            DataValue::status_only(StatusCode::BAD_WAITING_FOR_INITIAL_DATA, decision.decided_at)
-        }),
-        disclosure: field.statement().map(|statement| Arc::from(statement.description)),
-        reason: decision.reason.as_deref().map(Arc::from),
-        decided_by: decision.decided_by.as_deref().map(Arc::from),
-        decision_time: decision.decided_at,
-    }
 }
 
 const fn status_of(outcome: GateOutcome) -> StatusCode {

@@ -13,7 +13,7 @@ use super::{
     roles::{Operator, Viewer},
     view::Page,
 };
-use crate::{coordinator::new_message_id, store::StoredComment};
+use crate::{clock::new_message_id, store::StoredComment};
 
 /// Longest comment, in characters.
 const TEXT_CHARS_MAX: usize = 4000;

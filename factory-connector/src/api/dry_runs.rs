@@ -14,7 +14,7 @@ use super::{
     problems::{Problems, engine, shop_floor},
     roles::Engineer,
 };
-use crate::coordinator::now;
+use crate::clock::now;
 
 /// Runs in an answer without a limit, and at most.
 const RUNS_DEFAULT: usize = 200;

@@ -25,7 +25,7 @@ use super::{
     roles::{Engineer, Operator, Viewer},
     view::FieldView,
 };
-use crate::coordinator::now;
+use crate::clock::now;
 
 /// Time for a server to return the browse path of a variable.
 const BROWSE_PATH_TIMEOUT: std::time::Duration = std::time::Duration::from_secs(2);

@@ -18,7 +18,7 @@ use super::{
     roles::Viewer,
     view::{REMIND_AFTER, RequestView},
 };
-use crate::coordinator::now;
+use crate::clock::now;
 
 /// Requests per page, and most that a page may ask for.
 const PAGE: usize = 200;

@@ -18,7 +18,7 @@ use super::{
     roles::Viewer,
     view::{Page, RuleReference},
 };
-use crate::coordinator::now;
+use crate::clock::now;
 
 /// Leak budget of one partner over all its open fields.
 #[derive(Serialize, ToSchema)]

@@ -17,7 +17,7 @@ use super::{
     roles::Viewer,
     view::{Page, RequestView, requests},
 };
-use crate::coordinator::now;
+use crate::clock::now;
 
 /// A network in short.
 #[derive(Serialize, ToSchema)]

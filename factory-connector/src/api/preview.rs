@@ -30,7 +30,7 @@ use super::{
     roles::Engineer,
 };
 use crate::{
-    coordinator::{new_message_id, now},
+    clock::{new_message_id, now},
     values::ShownValue,
 };
 

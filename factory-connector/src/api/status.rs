@@ -8,7 +8,7 @@ use shop_floor::SourceStatus;
 use utoipa::ToSchema;
 
 use super::{context::Api, problems::Problems, roles::Viewer};
-use crate::coordinator::now;
+use crate::clock::now;
 
 /// Status of the connector, with evidence.
 #[derive(Serialize, ToSchema)]

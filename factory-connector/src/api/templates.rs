@@ -18,7 +18,7 @@ use super::{
     roles::{Engineer, Viewer},
     view::Page,
 };
-use crate::coordinator::now;
+use crate::clock::now;
 
 /// Most templates, most mappings of one series, longest id in bytes.
 const TEMPLATES_MAX: usize = 1000;

@@ -14,7 +14,7 @@ use utoipa::ToSchema;
 
 use super::{context::Api, problems::Problems, roles::Engineer, view::Page};
 use crate::{
-    coordinator::now,
+    clock::now,
     store::{Role, Session, Store, StoreError, User},
 };
 

@@ -4,12 +4,11 @@ use connector_state::use_cases::values::write_value;
 use messaging::Settlement;
 
 use super::{
-    clock::now,
     handle::{Command, CommandKind, Reply, WriteOutcome},
     incoming, outcomes,
     unit_of_work::UnitOfWork,
 };
-use crate::store::StoreError;
+use crate::{clock::now, store::StoreError};
 
 /// Runs a command on the state. Returns the answer to give when the transaction ends; none where
 /// the caller has it already.
@@ -43,6 +42,10 @@ pub(super) async fn handle_command(
         }
         CommandKind::Execute(use_case) => {
             let (changes, reply) = use_case(&mut work.state, now);
+            let Some(changes) = changes else {
+                reply(true);
+                return Ok(None);
+            };
             work.pending.merge(changes);
             reply
         }

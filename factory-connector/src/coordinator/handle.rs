@@ -32,9 +32,9 @@ pub enum WriteOutcome {
 pub(super) type Query = Box<dyn FnOnce(&ConnectorState) + Send>;
 /// Answers the caller, once it is known whether the transaction was committed.
 pub(super) type Reply = Box<dyn FnOnce(bool) + Send>;
-/// Runs a use case.
+/// Runs a use case; one that failed has no changes.
 pub(super) type UseCase =
-    Box<dyn FnOnce(&mut ConnectorState, DateTime) -> (ChangeSet, Reply) + Send>;
+    Box<dyn FnOnce(&mut ConnectorState, DateTime) -> (Option<ChangeSet>, Reply) + Send>;
 
 /// A request to the coordinator.
 pub struct Command(pub(super) CommandKind);

@@ -19,8 +19,8 @@ use messaging::{
     spool::{ReportRow, apply_receipt},
 };
 
-use super::{clock::new_message_id, delivery_progress::reports_of, unit_of_work::UnitOfWork};
-use crate::store::StoreError;
+use super::{delivery_progress::reports_of, unit_of_work::UnitOfWork};
+use crate::{clock::new_message_id, store::StoreError};
 
 /// Age below which a report that was sent may still be under way.
 const UNDER_WAY: std::time::Duration = std::time::Duration::from_secs(5);

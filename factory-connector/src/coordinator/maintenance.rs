@@ -14,8 +14,8 @@ use connector_state::{
 use messaging::spool::{ReportRow, RowId, coalesce, expire, overdue};
 use tokio::time::Instant;
 
-use super::{clock::now, config::RetentionLimits, unit_of_work::UnitOfWork};
-use crate::store::StoreError;
+use super::unit_of_work::UnitOfWork;
+use crate::{clock::now, config::RetentionLimits, store::StoreError};
 
 const INTERVAL: Duration = Duration::from_secs(1);
 /// Pause after everything too old was removed.

@@ -1,14 +1,17 @@
 //! Effects of a committed transaction, published to twin, mapping engine, link and open pages, in
 //! this order.
 
-use std::time::{Duration, Instant};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
-use asi_model::OperationNetworkId;
-use connector_state::{ConnectorState, Effects, TwinUpdate};
-use twin::AsiDocument;
+use asi_model::{DataValue, OperationNetworkId, StatusCode};
+use connector_state::{ConnectorState, Effects, Field, TwinUpdate};
+use twin::{AsiDocument, FieldRecord};
 
-use super::{clock::now, outputs::Outputs};
-use crate::twin_adapter::field_record;
+use super::outputs::Outputs;
+use crate::clock::now;
 
 /// Time for which the twin is brought up to date before other tasks get a turn.
 const TURN_MAX: Duration = Duration::from_millis(2);
@@ -94,4 +97,20 @@ fn document(state: &ConnectorState, id: &OperationNetworkId) -> Option<AsiDocume
         .filter_map(|(key, ..)| state.field(&key).map(|field| (key, field_record(field))))
         .collect();
     Some(AsiDocument { message, received_at: network.received_at, writers, fields })
+}
+
+/// Returns a field as the twin shows it.
+fn field_record(field: &Field) -> FieldRecord {
+    let decision = &field.decision;
+    FieldRecord {
+        mapping_state: decision.mapping_state,
+        value_source: decision.value_source,
+        value: field.gate.disclosed().cloned().unwrap_or_else(|| {
+            DataValue::status_only(StatusCode::BAD_WAITING_FOR_INITIAL_DATA, decision.decided_at)
+        }),
+        disclosure: field.statement().map(|statement| Arc::from(statement.description)),
+        reason: decision.reason.as_deref().map(Arc::from),
+        decided_by: decision.decided_by.as_deref().map(Arc::from),
+        decision_time: decision.decided_at,
+    }
 }

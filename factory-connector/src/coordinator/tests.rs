@@ -42,6 +42,8 @@ use tokio::{sync::mpsc, task::JoinHandle};
 use tokio_util::sync::CancellationToken;
 
 use super::*;
+use crate::clock::new_message_id;
+use crate::config::{RetentionLimits, SpoolLimits};
 use crate::{
     in_flight::InFlight,
     keep_alive_queue::KeepAliveQueue,

@@ -10,7 +10,10 @@ use tokio::sync::{mpsc, watch};
 use tokio_util::sync::CancellationToken;
 
 use super::{Action, Input, Instance, Lease, LeaseGate, LeaseState, LeaseStatus};
-use crate::coordinator::{CoordinatorHandle, new_message_id, now};
+use crate::{
+    clock::{new_message_id, now},
+    coordinator::CoordinatorHandle,
+};
 
 /// Most answers that wait for the client; more than a platform gives in a minute. Further ones are
 /// dropped, and the client asks again.

@@ -19,10 +19,19 @@ pub struct ChangeSet {
     pub effects: Effects,
     /// Consents that ended, grouped by receipt.
     pub(crate) ended: Vec<EndedConsents>,
-    /// Writers whose waiting reports are taken back, with the cause that the gap states.
-    pub(crate) purges: BTreeMap<u16, GapCause>,
+    /// Writers whose waiting reports are taken back.
+    pub(crate) purges: BTreeMap<u16, Purge>,
     /// Writers whose data set has to be described again, with the time of the decision.
     pub(crate) to_refresh: BTreeMap<u16, DateTime>,
+}
+
+/// Reports of a writer that are taken back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Purge {
+    /// Cause that the gap states.
+    pub(crate) cause: GapCause,
+    /// An earlier cause is stated instead.
+    yields: bool,
 }
 
 impl ChangeSet {
@@ -40,10 +49,24 @@ impl ChangeSet {
         for ended in ended {
             ending::append(&mut self.ended, ended);
         }
-        for (writer, cause) in purges {
-            self.purges.entry(writer).or_insert(cause);
+        for (writer, purge) in purges {
+            if purge.yields {
+                self.purges.entry(writer).or_insert(purge);
+            } else {
+                self.purges.insert(writer, purge);
+            }
         }
         self.to_refresh.extend(to_refresh);
+    }
+
+    /// Takes back what waits of a writer; of several causes the last one is stated.
+    pub(crate) fn purge(&mut self, writer: u16, cause: GapCause) {
+        self.purges.insert(writer, Purge { cause, yields: false });
+    }
+
+    /// Takes back what waits of a writer, unless another cause is stated already.
+    pub(crate) fn purge_unless_purged(&mut self, writer: u16, cause: GapCause) {
+        self.purges.entry(writer).or_insert(Purge { cause, yields: true });
     }
 
     /// Puts a field's decision among the rows to store, and its state among the events.

@@ -126,7 +126,7 @@ pub(crate) fn reopen(
             is_joint: false,
         };
         end(state, changes, key, version, ending, now);
-        changes.purges.insert(writer, GapCause::Revoked);
+        changes.purge(writer, GapCause::Revoked);
     }
     close(state, changes, key, reason, now);
 }

@@ -92,6 +92,8 @@ pub struct WriterRegistry {
     by_request: HashMap<RequestKey, u16>,
     /// Writers with released values that no report carries yet.
     unreported: BTreeSet<u16>,
+    /// Retired writers by the time of their retirement.
+    retired: BTreeSet<(DateTime, u16)>,
     /// Writers by the earliest time of their next keep-alive. An entry may be too early, as it is
     /// not moved with every report; never too late.
     keep_alives: BTreeSet<(DateTime, u16)>,
@@ -132,8 +134,9 @@ impl WriterRegistry {
     }
 
     pub(crate) fn load(&mut self, id: u16, row: WriterRow) {
-        if row.retired_at.is_none() {
-            self.by_request.insert(row.request.clone(), id);
+        match row.retired_at {
+            None => drop(self.by_request.insert(row.request.clone(), id)),
+            Some(retired_at) => drop(self.retired.insert((retired_at, id))),
         }
         self.writers.insert(id, row.into());
     }
@@ -150,7 +153,7 @@ impl WriterRegistry {
         if self.by_request.contains_key(request) {
             return Ok(None);
         }
-        let id = self.free_id(now).ok_or(NoFreeId)?;
+        let id = self.take_free_id(now).ok_or(NoFreeId)?;
         let last_epoch = self.writers.get(&id).map_or(0, |writer| writer.epoch);
         let mut writer = Writer::from(WriterRow {
             request: request.clone(),
@@ -167,14 +170,14 @@ impl WriterRegistry {
         Ok(Some(id))
     }
 
-    /// Returns an id that was never given, or one that is out of quarantine.
-    fn free_id(&self, now: DateTime) -> Option<u16> {
-        let last = self.writers.last_key_value().map_or(0, |(id, _)| *id);
-        let is_free = |writer: &Writer| {
-            writer.retired_at.is_some_and(|retired_at| now.since(retired_at) >= QUARANTINE)
-        };
-        last.checked_add(1)
-            .or_else(|| self.writers.iter().find(|(_, writer)| is_free(writer)).map(|(id, _)| *id))
+    /// Takes an id that is out of quarantine, or one that was never given.
+    fn take_free_id(&mut self, now: DateTime) -> Option<u16> {
+        let oldest = self.retired.first().copied();
+        if let Some((retired_at, id)) = oldest.filter(|(at, _)| now.since(*at) >= QUARANTINE) {
+            self.retired.remove(&(retired_at, id));
+            return Some(id);
+        }
+        self.writers.last_key_value().map_or(0, |(id, _)| *id).checked_add(1)
     }
 
     /// Retires a request's writer, and returns its id.
@@ -185,6 +188,7 @@ impl WriterRegistry {
         if let Some(writer) = self.writers.get_mut(&id) {
             writer.retired_at = Some(now);
             writer.fields.clear();
+            self.retired.insert((now, id));
         }
         Some(id)
     }
@@ -217,7 +221,8 @@ impl WriterRegistry {
             let Some(writer) = self.writers.get_mut(&id) else { continue };
             writer.keep_alive_at = None;
             let Some(period) = writer.keep_alive_period else { continue };
-            if now.since(writer.last_sent_at) >= period {
+            // The same sum as in the schedule: a period may be finer than the clock's ticks.
+            if writer.last_sent_at.after(period) <= now {
                 writer.last_sent_at = now;
                 silent.push(id);
             }
@@ -274,9 +279,9 @@ mod tests {
         let next = writers.assign(&request, at(3)).expect("free").expect("new");
         assert_ne!(next, first);
         writers.retire(&request, at(4));
-        let filler = writers.get(next).expect("a writer").clone();
+        let filler = writers.get(next).expect("a writer").row();
         for id in next..=u16::MAX {
-            writers.writers.insert(id, Writer { retired_at: Some(at(1000)), ..filler.clone() });
+            writers.load(id, WriterRow { retired_at: Some(at(1000)), ..filler.clone() });
         }
         assert_eq!(writers.assign(&request, at(5)), Err(NoFreeId));
         let later = at(2).after(QUARANTINE);
@@ -302,5 +307,18 @@ mod tests {
         assert_eq!(writers.take_silent(at(1000)), [id], "the clock was set back");
         writers.set_keep_alive(id, None);
         assert!(writers.take_silent(at(1_000_000)).is_empty());
+    }
+
+    /// Seven times a minute is no whole number of the clock's ticks of 100 ns.
+    #[test]
+    fn a_period_finer_than_the_clocks_ticks_comes_to_an_end() {
+        let (mut writers, id) = registry();
+        writers.get_mut(id).expect("a writer").fields = vec![field("made").field_name];
+        let period = Duration::from_secs(60) / 7;
+        writers.set_keep_alive(id, Some(period));
+        for _ in 0..3 {
+            let due = writers.get(id).expect("a writer").last_sent_at.after(period);
+            assert_eq!(writers.take_silent(due), [id]);
+        }
     }
 }

@@ -10,8 +10,8 @@ use connector_state::{
 };
 use daemon::{Confidential, lifecycle::Lifecycle};
 use factory_connector::{
+    clock::now,
     config::ConnectorConfig,
-    coordinator::now,
     ledger_key::{self, LEDGER_KEY_FILE},
     service,
     store::{Enrolment, Store},

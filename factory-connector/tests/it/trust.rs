@@ -8,7 +8,7 @@ use std::{
 
 use base64::{Engine as _, engine::general_purpose::STANDARD};
 use factory_connector::{
-    coordinator::now,
+    clock::now,
     store::{Role, Store, User},
 };
 use opcua_stack::{

@@ -22,7 +22,7 @@ use connector_state::{
     },
 };
 use disclosure::{DecisionBasis, DisclosurePolicy};
-use factory_connector::{coordinator::now, store::Store};
+use factory_connector::{clock::now, store::Store};
 use ledger::LedgerKey;
 use serde_json::{Value, json};
 

@@ -18,7 +18,7 @@ use crate::{
         roles::{Operator, Viewer},
         view::Page,
     },
-    coordinator::now,
+    clock::now,
 };
 
 /// Most entries delivered at once.

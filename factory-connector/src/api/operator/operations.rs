@@ -19,7 +19,7 @@ use utoipa::{IntoParams, ToSchema};
 
 use crate::{
     api::{context::Api, problems::Problems, roles::Viewer, view::Page},
-    coordinator::now,
+    clock::now,
     values::ShownValue,
 };
 

@@ -24,14 +24,13 @@ pub(in crate::store) fn write(
          VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
         reports,
         |row| {
-            let state = if row.is_purged { ReportState::Done } else { ReportState::Waiting };
             (
                 row.id,
                 row.message,
                 row.data_set_writer_id,
                 row.epoch,
                 row.sequence,
-                state.name(),
+                ReportState::Waiting.name(),
                 row.created_at.unix_micros(),
                 document(&row.recipients),
                 i64::try_from(row.body.len()).unwrap_or(i64::MAX),

@@ -27,7 +27,7 @@ fn a_revision_takes_consent_back_only_where_more_is_asked_for() {
         fields.expect("fields").remove(0);
     };
     let scene = check(without_made, None);
-    let purges: Vec<_> = scene.pending.purges.values().copied().collect();
+    let purges: Vec<_> = scene.pending.purges.values().map(|purge| purge.cause).collect();
     assert_eq!(purges, [GapCause::Withdrawn], "what was queued is announced as a gap");
 }
 

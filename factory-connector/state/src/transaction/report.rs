@@ -69,7 +69,6 @@ fn queue(
         recipients,
         body,
         salt,
-        is_purged: false,
     })
 }
 

@@ -7,7 +7,7 @@ use ledger::{Event, RevocationReceipt, RevokedWriter, Sequences};
 
 use crate::{
     ChangeSet, ConnectorState,
-    change_set::{EndedConsents, EndedWriter},
+    change_set::{EndedConsents, EndedWriter, Purge},
     effects::ConnectorEvent,
     use_cases::deliver::purge,
     writes::WaitingRow,
@@ -37,7 +37,7 @@ pub(super) fn purge_all(
     rows: &mut BTreeMap<u16, Vec<WaitingRow>>,
     now: DateTime,
 ) {
-    for (writer, cause) in std::mem::take(&mut changes.purges) {
+    for (writer, Purge { cause, .. }) in std::mem::take(&mut changes.purges) {
         purge(state, changes, rows.remove(&writer).unwrap_or_default(), cause, now);
     }
 }

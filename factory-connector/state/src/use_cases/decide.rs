@@ -132,7 +132,7 @@ pub(super) fn decide_in(
             is_joint,
         };
         consents::end(state, changes, key, version, ending, now);
-        changes.purges.insert(writer, GapCause::Revoked);
+        changes.purge(writer, GapCause::Revoked);
     }
     if has_mapping {
         consents::record_version(state, changes, key, (Some(decided_by), None), now);

@@ -167,7 +167,7 @@ fn apply(
                 if let Some(writer) = state.writers.id_of(&field.key.request).filter(|_| was_mapped)
                 {
                     // Waiting reports still carry the field's value.
-                    changes.purges.entry(writer).or_insert(GapCause::Withdrawn);
+                    changes.purge_unless_purged(writer, GapCause::Withdrawn);
                 }
                 was_mapped
             }
@@ -211,7 +211,7 @@ fn retire_writer(
     now: DateTime,
 ) {
     let Some(id) = state.writers.retire(request, now) else { return };
-    changes.purges.insert(id, GapCause::Withdrawn);
+    changes.purge(id, GapCause::Withdrawn);
     let row = state.writers.get(id).map(Writer::row);
     changes.writes.writers.changed.extend(row.map(|row| (id, row)));
 }

@@ -25,6 +25,9 @@ impl MappingWrites {
         let Self { versions, shadows, templates, removed_templates } = later;
         self.versions.extend(versions);
         self.shadows.extend(shadows);
+        // Rows are put before others are removed, so that of both about one template the later holds.
+        self.templates.retain(|row| !removed_templates.contains(&row.template_id));
+        self.removed_templates.retain(|id| templates.iter().all(|row| row.template_id != *id));
         self.templates.extend(templates);
         self.removed_templates.extend(removed_templates);
     }

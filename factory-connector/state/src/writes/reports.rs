@@ -85,8 +85,6 @@ pub struct NewReport {
     pub body: String,
     /// Random bytes, so that its hashes reveal nothing.
     pub salt: [u8; SALT_BYTES],
-    /// Taken back before it was ever committed.
-    pub is_purged: bool,
 }
 
 /// A change of the delivery state of reports.

@@ -12,6 +12,9 @@ pub struct SourceWrites {
 impl SourceWrites {
     pub(super) fn merge(&mut self, later: Self) {
         let Self { put, removed } = later;
+        // Rows are put before others are removed, so that of both about one source the later holds.
+        self.put.retain(|row| !removed.contains(&row.source_id));
+        self.removed.retain(|id| put.iter().all(|row| row.source_id != *id));
         self.put.extend(put);
         self.removed.extend(removed);
     }

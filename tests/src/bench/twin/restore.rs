@@ -11,10 +11,8 @@ use asi_model::{FactoryId, pubsub::json::Encoding};
 use connector_state::{EngineCommand, StateConfig};
 use daemon::web::events::EventLog;
 use factory_connector::{
-    coordinator::{
-        self, Coordinator, CoordinatorConfig, CoordinatorHandle, Outputs, RetentionLimits,
-        SpoolLimits,
-    },
+    config::{RetentionLimits, SpoolLimits},
+    coordinator::{self, Coordinator, CoordinatorConfig, CoordinatorHandle, Outputs},
     store::Store,
 };
 use messaging::{Delivery, Envelope, Settlement};

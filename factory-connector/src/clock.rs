@@ -19,14 +19,14 @@ pub fn now() -> DateTime {
 }
 
 /// Returns random bytes for the hashes of a report.
-pub(super) fn salt() -> [u8; SALT_BYTES] {
+pub(crate) fn salt() -> [u8; SALT_BYTES] {
     let mut salt = [0; SALT_BYTES];
     rand::rng().fill_bytes(&mut salt);
     salt
 }
 
 /// Returns a source of ids that never repeats those of another run.
-pub(super) fn id_source() -> IdSource {
+pub(crate) fn id_source() -> IdSource {
     let mut seed = [0; 32];
     rand::rng().fill_bytes(&mut seed);
     IdSource::new(seed)

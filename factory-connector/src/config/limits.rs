@@ -1,0 +1,44 @@
+//! Limits of the spool and retention of what was sent.
+
+use std::time::Duration;
+
+use messaging::spool::OverduePolicy;
+
+/// Retention of what was sent. The ledger stays provable in either case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RetentionLimits {
+    /// Days after which values are emptied; their hashes stay. For ever where 0.
+    pub value_days: u32,
+    /// Days after which entries are removed; a signed anchor stays. For ever where 0.
+    pub entry_days: u32,
+}
+
+/// Limits of the spool.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SpoolLimits {
+    /// Bytes of reports above which older ones are dropped for newer ones.
+    pub bytes_max: u64,
+    /// Age above which reports are dropped, in hours.
+    pub age_hours_max: u32,
+    /// Seconds without a receipt after which a report is sent again; doubles with each time, up to
+    /// an hour.
+    pub resend_after_s: u32,
+}
+
+impl Default for SpoolLimits {
+    fn default() -> Self {
+        Self { bytes_max: 2 << 30, age_hours_max: 30 * 24, resend_after_s: 60 }
+    }
+}
+
+impl SpoolLimits {
+    /// Returns the times after which reports without a receipt are sent again.
+    pub(crate) const fn overdue(&self) -> OverduePolicy {
+        OverduePolicy {
+            receipt_timeout: Duration::from_secs(self.resend_after_s as u64),
+            receipt_timeout_max: Duration::from_secs(3600),
+        }
+    }
+}
