@@ -30,15 +30,15 @@ test: prerequisites-test foreign browser web ## everything that proves the produ
 	  $(MAKE) rust-checks rust-tests; \
 	  wait $$checks && echo "The pages are in order." || { cat target/web-checks.log; exit 1; }
 
-unit: ## fast tests: no broker, browser, foreign peer, Node.js or download; CRATE=mapping for one crate
-	# Library tests only: what starts other programs is an integration test. All crates are built with the features of the
-	# whole workspace, so that nothing is compiled again when `make test` follows; CRATE builds no more than that crate needs.
-	if $(CARGO) nextest --version >/dev/null 2>&1; then \
+check: test ## as make test, under the name people look for
+
+unit: ## fast tests: no broker, browser, foreign peer or Node.js; CRATE=mapping for one crate
+	@# Library tests only: what starts other programs is an integration test. Without CRATE all crates are built with the
+	@# features of the whole workspace, so that nothing is compiled again when `make test` follows.
+	@if $(CARGO) nextest --version >/dev/null 2>&1; then \
 	  $(CARGO) nextest run --locked --lib --no-fail-fast $(if $(CRATE),-p $(CRATE),--workspace); \
 	else \
 	  $(CARGO) test --locked --lib --no-fail-fast $(if $(CRATE),-p $(CRATE),--workspace); fi
-
-check: test ## the same, under the name people look for
 
 lint: web-checks rust-checks ## format, clippy, documentation, and the same for the web pages
 
