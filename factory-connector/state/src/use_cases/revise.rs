@@ -118,6 +118,7 @@ fn withdraw(
     for (key, ..) in network.fields() {
         remove_field(state, changes, &key, now);
     }
+    // Also journals of operations that an earlier revision removed.
     state.journals.retain(|operation, _| operation.operation_network_id != *id);
     for (request, ..) in network.requests() {
         retire_writer(state, changes, &request, now);

@@ -5,7 +5,7 @@ use disclosure::{DecisionBasis, DocumentId, DocumentVersion, Rule, RuleAction, R
 
 use super::decide::{DecisionCommand, DecisionError, DecisionRequest, decide_in};
 use crate::{
-    ChangeSet, ConnectorState, DocumentError, effects::ConnectorEvent, queries::rule_offer,
+    ChangeSet, ConnectorState, DocumentError, Field, effects::ConnectorEvent, queries::rule_offer,
     writes::RuleDecisionRow,
 };
 
@@ -67,11 +67,16 @@ pub(super) fn apply_rules_in(
         return 0;
     }
     // A field that an engineer left open stays with the engineer.
-    let undecided = state.fields.iter().filter(|field| {
-        network.is_none_or(|network| field.key.request.operation_network_id == *network)
-            && field.is_undecided()
-    });
-    let mut keys: Vec<FieldKey> = undecided.map(|field| field.key.clone()).collect();
+    let undecided = |field: &&Field| field.is_undecided();
+    let mut keys: Vec<FieldKey> = match network {
+        None => state.fields.iter().filter(undecided).map(|field| field.key.clone()).collect(),
+        Some(network) => {
+            let message = state.networks.get(network).and_then(|known| known.message.as_ref());
+            let requested = message.iter().flat_map(|message| message.operation_network.fields());
+            let fields = requested.filter_map(|(key, ..)| state.fields.get(&key));
+            fields.filter(undecided).map(|field| field.key.clone()).collect()
+        }
+    };
     keys.sort();
     keys.into_iter().filter(|key| apply_offer(state, changes, key, now)).count()
 }
