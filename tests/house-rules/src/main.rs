@@ -41,7 +41,7 @@ fn check_below(
     if is_package(folder)? {
         let package = Package::read(folder)?;
         findings.extend(house_rules::check(&package));
-        findings.extend(house_rules::check_walls(&package, tables::WALLS));
+        findings.extend(house_rules::check_walls(&package, &tables::walls()));
         if tables::CONNECTOR.contains(&package.name.as_str()) {
             findings.extend(house_rules::check_type_sizes(&package, tables::LARGE_TYPES));
         }

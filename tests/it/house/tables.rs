@@ -1,5 +1,5 @@
-//! Tables of the rules of form: walls between the modules of a package, and types of the connector
-//! that may be larger than others. Shared by the test and the program for developers.
+//! Tables of the rules of form: walls between the modules of a package, packages that are pure, and
+//! types of the connector that may be larger than others. Shared by the test and the program for developers.
 
 use house_rules::{Exemption, Wall};
 
@@ -18,31 +18,60 @@ const fn wall(
     Wall { package, from, to, reason }
 }
 
+/// Packages that are state machines and plain data: what they yield follows from what they are
+/// given, so that tests play any time and any chance.
+pub const PURE: &[&str] = &[
+    "asi-model",
+    "mapping",
+    "disclosure",
+    "ledger",
+    "connector-state",
+    "spool",
+    "shop-floor-model",
+];
+
+const TASKS: &str = "a pure package is run by others and waits for nothing";
+const ROWS: &str = "a pure package knows no database; the store writes what it yields";
+const CLOCK: &str = "time is an argument";
+const CHANCE: &str = "ids and salts come from the caller or a seeded source";
+const MACHINE: &str = "a pure package touches no files, network, processes or environment";
+
+/// Paths that no pure package imports. `uuid` and `time` are allowed, their clocks are not.
+const IMPURE: &[(&str, &str)] = &[
+    ("::tokio", TASKS),
+    ("::std::thread", TASKS),
+    ("::sqlx", ROWS),
+    ("::rusqlite", ROWS),
+    ("::std::time::SystemTime::now", CLOCK),
+    ("::std::time::Instant", CLOCK),
+    ("::time::OffsetDateTime::now_utc", CLOCK),
+    ("::time::OffsetDateTime::now_local", CLOCK),
+    ("::time::UtcDateTime::now", CLOCK),
+    ("::uuid::Timestamp::now", CLOCK),
+    ("::uuid::Uuid::now_v1", CLOCK),
+    ("::uuid::Uuid::now_v6", CLOCK),
+    ("::uuid::Uuid::now_v7", CLOCK),
+    ("::uuid::Uuid::new_v4", CHANCE),
+    ("::rand", CHANCE),
+    ("::getrandom", CHANCE),
+    ("::std::fs", MACHINE),
+    ("::std::net", MACHINE),
+    ("::std::process", MACHINE),
+    ("::std::env", MACHINE),
+];
+
+/// Returns all walls: those of the table below and those of the pure packages.
+pub fn walls() -> Vec<Wall> {
+    let of = |package: &&'static str| {
+        let package = *package;
+        IMPURE.iter().map(move |(to, reason)| wall(package, "", to, reason))
+    };
+    WALLS.iter().copied().chain(PURE.iter().flat_map(of)).collect()
+}
+
 /// Walls inside packages: the first module and those below it never import the second.
-pub const WALLS: &[Wall] = &[
-    wall("asi-model", "", "::std::time::SystemTime::now", "the shared language knows no clock"),
-    wall("mapping", "", "::std::time::SystemTime::now", "time is an argument"),
-    wall("mapping", "", "::tokio", "a transform is a state machine"),
-    wall("disclosure", "", "::tokio", "the gate is a state machine"),
-    wall("disclosure", "", "::sqlx", "the gate knows no rows"),
-    wall("disclosure", "", "::std::time::SystemTime::now", "time is an argument"),
-    wall("ledger", "", "::tokio", "the chains are pure; the store writes what they yield"),
-    wall("ledger", "", "::sqlx", "the chains know no rows"),
-    wall("ledger", "", "::std::time::SystemTime::now", "time is an argument"),
-    wall("spool", "", "::tokio", "decisions about the spool are pure"),
-    wall("spool", "", "::sqlx", "the owner of the spool writes its rows"),
-    wall("connector-state", "", "::tokio", "use cases are functions; the coordinator runs them"),
-    wall("connector-state", "", "::sqlx", "the state knows no database"),
-    wall("connector-state", "", "::rusqlite", "the state knows no database"),
-    wall("connector-state", "", "::std::time::SystemTime::now", "time is an argument"),
-    wall("connector-state", "", "::std::time::Instant::now", "time is an argument"),
-    wall("connector-state", "", "::uuid::Uuid::now_v7", "ids come from a seeded source"),
-    wall("connector-state", "", "::uuid::Uuid::new_v4", "ids come from a seeded source"),
-    wall("disclosure", "", "::std::time::Instant::now", "time is an argument"),
-    wall("ledger", "", "::std::time::Instant::now", "time is an argument"),
-    wall("spool", "", "::time::OffsetDateTime::now_utc", "time is an argument"),
+const WALLS: &[Wall] = &[
     wall("connector-state", "use_cases", "transaction", "a use case does not commit"),
-    wall("shop-floor-model", "", "::tokio", "plain data"),
     wall("factory-connector", "store", "api", "rows know no HTTP"),
     wall("factory-connector", "store", "coordinator", "rows know no task"),
     wall("factory-connector", "store", "link_adapter", "rows know no link"),
