@@ -3,7 +3,8 @@
 use std::{fmt, str::FromStr};
 
 use asi_model::{FactoryId, ToolId};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::text_form::serde_as_text;
 
 /// Address that messages are sent to and received from. Only one side sends to it, so the address
 /// identifies the sender.
@@ -107,18 +108,7 @@ impl FromStr for LogicalAddress {
     }
 }
 
-impl Serialize for LogicalAddress {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
-    }
-}
-
-impl<'de> Deserialize<'de> for LogicalAddress {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = std::borrow::Cow::<'de, str>::deserialize(deserializer)?;
-        text.parse().map_err(serde::de::Error::custom)
-    }
-}
+serde_as_text!(LogicalAddress);
 
 #[cfg(test)]
 mod tests {

@@ -25,6 +25,7 @@ pub mod profile;
 pub mod spool;
 #[cfg(any(test, feature = "test-support"))]
 pub mod test_support;
+mod text_form;
 mod transport;
 
 pub use address::{InvalidAddress, LogicalAddress};

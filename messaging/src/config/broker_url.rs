@@ -2,7 +2,7 @@
 
 use std::{fmt, str::FromStr};
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use crate::text_form::serde_as_text;
 
 /// Address of a broker: `amqps://host[:port]` or `mqtts://host[:port]`, or inside a WebSocket
 /// `amqp+wss://host[:port][/path]` or `mqtt+wss://host[:port][/path]`, where a firewall passes
@@ -243,18 +243,7 @@ impl fmt::Display for Bracketed<'_> {
     }
 }
 
-impl Serialize for BrokerUrl {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
-    }
-}
-
-impl<'de> Deserialize<'de> for BrokerUrl {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = std::borrow::Cow::<'de, str>::deserialize(deserializer)?;
-        text.parse().map_err(serde::de::Error::custom)
-    }
-}
+serde_as_text!(BrokerUrl);
 
 #[cfg(test)]
 mod tests {
