@@ -69,20 +69,7 @@ pub async fn start(
     let enrolled = prepare(&config).await?;
     let factory_id = FactoryId::new(&enrolled.factory_id)?;
     let shutdown = lifecycle.shutdown();
-    let Opened {
-        tasks,
-        metrics,
-        readers,
-        events,
-        users_changed,
-        coordinator_handle,
-        twin_handle,
-        floor_handle,
-        engine_handle,
-        catalog_handle,
-        link_handle,
-        lease_status,
-    } = open(&config, &enrolled, &factory_id, started_at).await?;
+    let opened = open(&config, &enrolled, &factory_id, started_at).await?;
 
     let readiness = Readiness::new();
     readiness.waiting("twin", "the twin is starting");
@@ -91,23 +78,23 @@ pub async fn start(
     let tls = config.web.tls.as_ref().map(daemon::web::server::TlsFiles::load).transpose()?;
     let token = shutdown.clone();
     let (pages, link_state, source_states) =
-        (events.clone(), link_handle.state(), floor_handle.watch());
+        (opened.events.clone(), opened.link_handle.state(), opened.floor_handle.watch());
     lifecycle.spawn("status events", Importance::Essential, async move {
         status_events::publish(pages, link_state, source_states, token).await;
         anyhow::Ok(())
     });
     let router = api::router(
         Api::new(api::Parts {
-            coordinator: coordinator_handle,
-            readers,
-            shop_floor: floor_handle,
-            engine: engine_handle.clone(),
-            catalog: catalog_handle,
-            twin: twin_handle.clone(),
-            link: Some(link_handle),
-            lease: lease_status,
-            events,
-            users_changed,
+            coordinator: opened.coordinator_handle,
+            readers: opened.readers,
+            shop_floor: opened.floor_handle,
+            engine: opened.engine_handle,
+            catalog: opened.catalog_handle,
+            twin: opened.twin_handle.clone(),
+            link: Some(opened.link_handle),
+            lease: opened.lease_status,
+            events: opened.events,
+            users_changed: opened.users_changed,
             instance: api::Instance {
                 factory_id: factory_id.clone(),
                 started_at,
@@ -117,7 +104,7 @@ pub async fn start(
             },
             server: api::ServerParts {
                 readiness: readiness.clone(),
-                metrics,
+                metrics: opened.metrics,
                 shutdown: shutdown.clone(),
                 has_tls: tls.is_some(),
             },
@@ -125,11 +112,11 @@ pub async fn start(
         tls.is_some(),
     );
 
-    tasks.spawn(lifecycle);
+    opened.tasks.spawn(lifecycle);
     lifecycle.spawn("web", Importance::Essential, async move {
         serve(web_listener, tls, router, shutdown).await.map_err(anyhow::Error::from)
     });
-    let twin_url = twin_handle.ready().await?;
+    let twin_url = opened.twin_handle.ready().await?;
     readiness.ready("twin");
     Ok(ConnectorHandle { factory_id, web_address, twin_url })
 }
