@@ -29,8 +29,13 @@ use daemon::{
 };
 use futures::{Stream, StreamExt as _, stream};
 use parking_lot::Mutex;
+use reqwest::{Method, Response};
 use serde::Deserialize;
+use testkit::ApiClient;
 use tokio_util::sync::CancellationToken;
+
+/// Longest time that an answer may take, streams included.
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A folder without an index.html: an app whose pages were not built.
 #[derive(rust_embed::RustEmbed)]
@@ -110,10 +115,9 @@ fn view(signed_in: &SignedIn<String>) -> Json<serde_json::Value> {
 }
 
 pub struct Harness {
-    pub client: reqwest::Client,
+    pub api: ApiClient,
     pub readiness: Readiness,
     pub memory: Memory,
-    address: SocketAddr,
     shutdown: CancellationToken,
 }
 
@@ -144,12 +148,17 @@ impl Harness {
         let address = listener.local_addr().expect("bound");
         let shutdown = CancellationToken::new();
         tokio::spawn(server::serve(listener, None, router, shutdown.clone()));
-        let client = reqwest::Client::builder().cookie_store(true).build().expect("a client");
-        Self { client, readiness, memory, address, shutdown }
+        let api = ApiClient::new(format!("http://{address}"), PATIENCE).expect("a client");
+        Self { api, readiness, memory, shutdown }
     }
 
-    pub fn url(&self, path: &str) -> String {
-        format!("http://{}{path}", self.address)
+    /// Sends a request without a body.
+    pub async fn send(&self, method: Method, path: &str) -> Response {
+        self.api.request(method, path).send().await.expect("an answer")
+    }
+
+    pub async fn get(&self, path: &str) -> Response {
+        self.send(Method::GET, path).await
     }
 }
 

@@ -5,12 +5,13 @@ mod session;
 mod tls;
 
 use harness::Harness;
+use reqwest::Method;
 
 #[tokio::test]
 async fn problems_are_documents_everywhere() {
     let harness = Harness::start().await;
     let check = async |path: &str, status: u16, code: &str| {
-        let response = harness.client.get(harness.url(path)).send().await.expect("an answer");
+        let response = harness.get(path).await;
         assert_eq!(response.status(), status, "{path}");
         assert_eq!(response.headers()["content-type"], "application/problem+json", "{path}");
         let problem: serde_json::Value = response.json().await.expect("JSON");
@@ -22,18 +23,13 @@ async fn problems_are_documents_everywhere() {
     check("/", 503, "NO_PAGES").await;
 
     let body = serde_json::json!({ "userName": "ann", "password": 7 });
-    let response = harness
-        .client
-        .post(harness.url("/api/v1/session"))
-        .json(&body)
-        .send()
-        .await
-        .expect("an answer");
-    assert_eq!(response.status(), 422);
-    let problem: serde_json::Value = response.json().await.expect("JSON");
+    let answer = harness.api.call(Method::POST, "/api/v1/session", Some(&body)).await;
+    let answer = answer.expect("an answer");
+    assert_eq!(answer.status, 422);
+    let problem = answer.json();
     assert_eq!(problem["faults"][0]["pointer"], "/password", "{problem}");
 
-    let response = harness.client.delete(harness.url("/healthz")).send().await.expect("an answer");
+    let response = harness.send(Method::DELETE, "/healthz").await;
     assert_eq!(response.status(), 405);
     assert_eq!(response.headers()["content-type"], "application/problem+json");
 }
@@ -42,14 +38,14 @@ async fn problems_are_documents_everywhere() {
 async fn every_answer_carries_the_security_headers() {
     let harness = Harness::start().await;
     for path in ["/healthz", "/api/v1/nothing"] {
-        let response = harness.client.get(harness.url(path)).send().await.expect("an answer");
+        let response = harness.get(path).await;
         let policy = response.headers()["content-security-policy"].to_str().expect("text");
         assert!(policy.contains("frame-ancestors 'none'"), "{policy}");
         assert_eq!(response.headers()["x-content-type-options"], "nosniff");
         assert_eq!(response.headers()["cache-control"], "no-store");
     }
     let foreign =
-        harness.client.post(harness.url("/api/v1/session")).header("sec-fetch-site", "cross-site");
+        harness.api.request(Method::POST, "/api/v1/session").header("sec-fetch-site", "cross-site");
     assert_eq!(foreign.send().await.expect("an answer").status(), 403);
 }
 
@@ -57,7 +53,7 @@ async fn every_answer_carries_the_security_headers() {
 async fn health_says_what_it_waits_for() {
     let harness = Harness::start().await;
     let get = async || {
-        let response = harness.client.get(harness.url("/readyz")).send().await.expect("an answer");
+        let response = harness.get("/readyz").await;
         (response.status().as_u16(), response.json::<serde_json::Value>().await.expect("JSON"))
     };
     harness.readiness.waiting("broker", "not connected yet");
@@ -65,6 +61,5 @@ async fn health_says_what_it_waits_for() {
     assert_eq!((status, &report["waitingFor"]["broker"]), (503, &"not connected yet".into()));
     harness.readiness.ready("broker");
     assert_eq!(get().await.0, 200);
-    let metrics = harness.client.get(harness.url("/metrics")).send().await.expect("an answer");
-    assert_eq!(metrics.status(), 200);
+    assert_eq!(harness.get("/metrics").await.status(), 200);
 }

@@ -2,31 +2,22 @@
 
 use std::time::{Duration, SystemTime};
 
+use reqwest::Method;
 use serde_json::{Value, json};
 
 use crate::harness::Harness;
 
+const SESSION: &str = "/api/v1/session";
+
 async fn sign_in(harness: &Harness, user: &str, password: &str) -> (u16, Value) {
     let body = json!({ "userName": user, "password": password });
-    let response = harness
-        .client
-        .post(harness.url("/api/v1/session"))
-        .json(&body)
-        .send()
-        .await
-        .expect("an answer");
-    (response.status().as_u16(), response.json().await.expect("JSON"))
+    // Without keeping the CSRF token, as a foreign page would not have it.
+    let answer = harness.api.call(Method::POST, SESSION, Some(&body)).await.expect("an answer");
+    (answer.status.as_u16(), serde_json::from_str(&answer.text).expect("JSON"))
 }
 
 async fn who(harness: &Harness) -> u16 {
-    harness
-        .client
-        .get(harness.url("/api/v1/session"))
-        .send()
-        .await
-        .expect("an answer")
-        .status()
-        .as_u16()
+    harness.get(SESSION).await.status().as_u16()
 }
 
 #[tokio::test]
@@ -37,27 +28,13 @@ async fn a_session_from_sign_in_to_sign_out() {
     assert_eq!((status, &view["userName"]), (200, &json!("ann")));
     assert_eq!(who(&harness).await, 200);
 
-    let session = harness.url("/api/v1/session");
-    let without_token = harness.client.delete(&session).send().await.expect("an answer");
-    assert_eq!(without_token.status(), 403);
-    let wrong_token = harness
-        .client
-        .delete(&session)
-        .header("x-csrf-token", "x")
-        .send()
-        .await
-        .expect("an answer");
-    assert_eq!(wrong_token.status(), 403);
-
-    let token = view["csrfToken"].as_str().expect("a token");
-    let signed_out = harness
-        .client
-        .delete(&session)
-        .header("x-csrf-token", token)
-        .send()
-        .await
-        .expect("an answer");
-    assert_eq!(signed_out.status(), 200);
+    assert_eq!(harness.send(Method::DELETE, SESSION).await.status(), 403);
+    let sign_out = async |token: &str| {
+        let request = harness.api.request(Method::DELETE, SESSION).header("x-csrf-token", token);
+        request.send().await.expect("an answer").status()
+    };
+    assert_eq!(sign_out("x").await, 403);
+    assert_eq!(sign_out(view["csrfToken"].as_str().expect("a token")).await, 200);
     assert_eq!(who(&harness).await, 401);
     assert!(harness.memory.sessions.lock().is_empty());
 }
@@ -66,13 +43,8 @@ async fn a_session_from_sign_in_to_sign_out() {
 async fn the_cookie_is_guarded_and_the_store_does_not_know_it() {
     let harness = Harness::start().await;
     let body = json!({ "userName": "ann", "password": "correct horse" });
-    let response = harness
-        .client
-        .post(harness.url("/api/v1/session"))
-        .json(&body)
-        .send()
-        .await
-        .expect("an answer");
+    let request = harness.api.request(Method::POST, SESSION).json(&body);
+    let response = request.send().await.expect("an answer");
     let cookie = response.headers()["set-cookie"].to_str().expect("text").to_owned();
     for part in ["HttpOnly", "SameSite=Strict", "Path=/", "Max-Age=43200"] {
         assert!(cookie.contains(part), "{cookie}");
@@ -114,12 +86,9 @@ async fn a_session_ends_by_time_and_with_its_user() {
 #[tokio::test]
 async fn who_is_no_longer_signed_in_hears_no_more() {
     let harness = Harness::start().await;
-    assert_eq!(
-        harness.client.get(harness.url("/api/v1/live")).send().await.expect("an answer").status(),
-        401
-    );
+    assert_eq!(harness.get("/api/v1/live").await.status(), 401);
     sign_in(&harness, "ann", "correct horse").await;
-    let mut live = harness.client.get(harness.url("/api/v1/live")).send().await.expect("an answer");
+    let mut live = harness.get("/api/v1/live").await;
     assert!(live.chunk().await.expect("it goes on").is_some());
     let silence = tokio::time::timeout(Duration::from_millis(200), live.chunk()).await;
     assert!(silence.is_err(), "it goes on while the session does: {silence:?}");

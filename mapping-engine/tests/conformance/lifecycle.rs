@@ -1,6 +1,6 @@
 //! State, restarts, rests, checks and load.
 
-use std::{os::unix::fs::PermissionsExt as _, time::Duration};
+use std::os::unix::fs::PermissionsExt as _;
 
 use asi_model::{DataValue, DateTime, StatusCode, Variant};
 use mapping_engine::{
@@ -8,7 +8,9 @@ use mapping_engine::{
     PublishRequest, Severity, TransformState,
 };
 
-use super::bench::{Bench, Worker, mapping_id, published, script_mapping};
+use testkit::wait::eventually;
+
+use super::bench::{Bench, PATIENCE, Worker, mapping_id, published, script_mapping};
 
 /// Takes its worker down: no engine stops a native function.
 const FATAL: &str = "(v, ctx) => { if (v) (new Array(1e9) + ''); return 1 }";
@@ -194,23 +196,21 @@ pub async fn values_keep_their_order_under_load(worker: &Worker) {
 
 /// Programs that are no workers: each is a diagnostic, and the engine lives.
 pub async fn a_broken_worker_is_a_diagnostic(worker: &Worker) {
-    let folder = std::env::temp_dir().join(format!("broken-workers-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).expect("a folder");
+    let folder = tempfile::tempdir().expect("a folder");
     let programs = [
         ("ends", "#!/bin/sh\nexit 0\n"),
         ("echoes", "#!/bin/sh\nexec /bin/cat\n"),
         ("babbles", "#!/bin/sh\nwhile :; do echo nonsense; done\n"),
     ];
     for (name, program) in programs {
-        let path = folder.join(name);
+        let path = folder.path().join(name);
         std::fs::write(&path, program).expect("a file");
         std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755))
             .expect("executable");
         let broken = Worker { path, ..worker.clone() };
         diagnosed(&broken).await;
     }
-    diagnosed(&Worker { path: folder.join("absent"), ..worker.clone() }).await;
-    std::fs::remove_dir_all(&folder).expect("the folder goes");
+    diagnosed(&Worker { path: folder.path().join("absent"), ..worker.clone() }).await;
 }
 
 async fn diagnosed(worker: &Worker) {
@@ -240,14 +240,10 @@ impl Bench {
 
     /// Polls the status until something holds.
     async fn until(&self, id: &str, holds: impl Fn(&MappingStatus) -> bool) -> MappingStatus {
-        let begun = std::time::Instant::now();
-        loop {
+        let status = eventually("a status of the mapping", PATIENCE, || async {
             let status = self.status(id).await;
-            if holds(&status) {
-                return status;
-            }
-            assert!(begun.elapsed() < super::bench::PATIENCE, "{status:?}");
-            tokio::time::sleep(Duration::from_millis(2)).await;
-        }
+            if holds(&status) { Ok(status) } else { Err(format!("{status:?}")) }
+        });
+        status.await.unwrap_or_else(|error| panic!("{error}"))
     }
 }

@@ -8,6 +8,7 @@ mod broker_under_test;
 mod made_up;
 
 use std::{
+    future::ready,
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -25,6 +26,7 @@ use super::{
     part::Part,
     usage::Usage,
 };
+use crate::harness::eventually;
 
 /// Times that each is measured; the fastest counts, for disturbances only slow down.
 const ROUNDS: usize = 3;
@@ -193,10 +195,8 @@ impl RunningLink {
 }
 
 async fn until(what: &str, mut holds: impl FnMut() -> bool) -> anyhow::Result<()> {
-    let deadline = Instant::now() + PATIENCE;
-    while !holds() {
-        anyhow::ensure!(Instant::now() < deadline, "not in time: {what}");
-        tokio::time::sleep(Duration::from_millis(2)).await;
-    }
-    Ok(())
+    eventually(what, PATIENCE, || {
+        ready(holds().then_some(()).ok_or_else(|| "it does not hold".to_owned()))
+    })
+    .await
 }

@@ -1,15 +1,15 @@
 //! Application certificate issued by an authority: requested, checked, and installed during sessions.
 
-use std::{path::Path, time::Duration};
+use std::path::Path;
 
 use asi_model::FactoryId;
 use opcua_stack::opcua::types::ObjectTypeId;
-use tokio::time::Instant;
+use testkit::wait::eventually;
 use twin::{ApplicationCertificate, InstalledCertificate, RequestedSubject, TwinConfig, TwinError};
 use x509_parser::{certificate::X509Certificate, prelude::FromDer as _};
 
 use crate::{
-    audit::{FIELDS, connect_again, next_of, shown},
+    audit::{FIELDS, another_than, next_of, shown},
     authority::Authority,
     changes::events,
     harness::{DEADLINE, TestTwin, document, message},
@@ -180,18 +180,11 @@ async fn an_issued_certificate_is_used_from_the_next_connection_on_and_after_a_r
     let updated = next_of(&mut heard, ObjectTypeId::CertificateUpdatedAuditEventType).await;
     assert_eq!(updated[1], "Method/UpdateCertificate".into());
 
-    let deadline = Instant::now() + DEADLINE;
-    let new = loop {
-        assert!(Instant::now() < deadline, "it is used in time");
+    let new = eventually("the certificate is used", DEADLINE, || async {
         assert!(before.read("net#Revision").await.status().is_good(), "open sessions go on");
-        let client = connect_again(&twin).await;
-        let new = shown(&client);
-        client.close().await;
-        if new != old {
-            break new;
-        }
-        tokio::time::sleep(Duration::from_millis(100)).await;
-    };
+        another_than(&old, &twin).await
+    });
+    let new = new.await.unwrap();
     assert_eq!(new, certificate_der(&twin.folder.path().join("pki")));
     assert_eq!(twin.handle.application_certificate().show().unwrap(), installed);
     before.close().await;

@@ -8,7 +8,8 @@ use opcua_stack::opcua::{
     crypto::{PrivateKey, SecurityPolicy},
     types::{NodeId, ObjectTypeId, StatusCode, Variant},
 };
-use tokio::{sync::mpsc::UnboundedReceiver, time::Instant};
+use testkit::wait::eventually;
+use tokio::sync::mpsc::UnboundedReceiver;
 
 use crate::{
     changes::events,
@@ -177,20 +178,12 @@ async fn the_certificate_is_renewed_during_sessions() {
     twin.handle.apply(document(message("net", 1)));
     let before = twin.client("vera").await;
     assert_eq!(shown(&before), old);
-    let deadline = Instant::now() + 2 * DEADLINE;
-    loop {
-        assert!(Instant::now() < deadline, "it is renewed in time");
+    let renewed = eventually("the certificate is renewed", 2 * DEADLINE, || async {
         // The session goes on, whatever happens to the certificate.
         assert!(before.read("net#Revision").await.status().is_good());
-        let after = connect_again(&twin).await;
-        let now_shown = shown(&after);
-        after.close().await;
-        if now_shown != old {
-            assert_eq!(std::fs::read(&own).unwrap(), now_shown);
-            break;
-        }
-        tokio::time::sleep(Duration::from_millis(200)).await;
-    }
+        another_than(&old, &twin).await
+    });
+    assert_eq!(renewed.await.unwrap(), std::fs::read(&own).unwrap());
     assert!(before.read("net#Revision").await.status().is_good());
     before.close().await;
     twin.stop().await;
@@ -201,9 +194,24 @@ pub fn shown(client: &Client) -> Vec<u8> {
     client.session.endpoint_info().endpoint.server_certificate.as_ref().to_vec()
 }
 
+/// Interval between two looks at the certificate: each is a connection.
+const LOOK_INTERVAL: Duration = Duration::from_millis(100);
+
+/// Returns the certificate that a new client gets when it is another one than `old`.
+pub async fn another_than(old: &[u8], twin: &TestTwin) -> Result<Vec<u8>, String> {
+    let client = connect_again(twin).await;
+    let certificate = shown(&client);
+    client.close().await;
+    if certificate != old {
+        return Ok(certificate);
+    }
+    tokio::time::sleep(LOOK_INTERVAL).await;
+    Err("the old certificate".to_owned())
+}
+
 /// Connects with one more attempt: the certificate may change between the request for the endpoints
 /// and the connection.
-pub async fn connect_again(twin: &TestTwin) -> Client {
+async fn connect_again(twin: &TestTwin) -> Client {
     for _ in 0..2 {
         let identity = IdentityToken::new_user_name("otto", "otto-secret");
         let pki = twin.folder.path().join("client-otto");

@@ -3,6 +3,7 @@
 use std::{net::TcpListener, process::Stdio, time::Duration};
 
 use serde_json::Value;
+use testkit::wait::eventually;
 use tokio::{
     io::{AsyncBufReadExt, BufReader, Lines},
     process::{Child, ChildStdout, Command},
@@ -124,17 +125,17 @@ async fn a_discovery_server_needs_an_approval_like_a_client() {
     })
     .await;
     let list = twin.handle.trust_list();
-    let deadline = Instant::now() + PATIENCE;
-    let certificate = loop {
-        if let Some(certificate) = list.list().unwrap().pop()
-            && let Some(attempt) = &certificate.rejection
-        {
-            assert_eq!(attempt.address, None, "the twin called it");
-            break certificate;
-        }
-        assert!(Instant::now() < deadline, "the server's certificate waits for an approval");
-        tokio::time::sleep(Duration::from_millis(20)).await;
-    };
+    let certificate =
+        eventually("the server's certificate waits for an approval", PATIENCE, || async {
+            match list.list().unwrap().pop() {
+                Some(certificate) if certificate.rejection.is_some() => Ok(certificate),
+                other => Err(format!("{other:?}")),
+            }
+        })
+        .await
+        .unwrap();
+    let attempt = certificate.rejection.as_ref().unwrap();
+    assert_eq!(attempt.address, None, "the twin called it");
     assert_eq!(certificate.state, CertificateState::Rejected);
     list.trust(&certificate.thumbprint, "anna").unwrap();
     server.hear("registered").await;
