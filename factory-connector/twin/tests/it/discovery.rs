@@ -172,11 +172,13 @@ async fn the_twin_is_announced_by_multicast_dns_until_it_stops() {
     assert_eq!((&up["text"]["path"], &up["text"]["caps"]), (&"/".into(), &"DA".into()), "{up}");
     assert_eq!(up["addresses"][0], "127.0.0.1", "{up}");
 
-    // One who comes later learns of it by asking, and a second twin of the same name takes another
-    // one. This listener asks only once, so it waits until the announcements are over.
-    tokio::time::sleep(Duration::from_millis(2_500)).await;
-    let mut late = Script::start("multicast_listener.js", &["127.0.0.1"]).await;
+    // One who comes later gets an answer when it asks, and a second twin of the same name takes
+    // another one.
+    let asked = port.to_string();
+    let mut late =
+        Script::start("multicast_listener.js", &["127.0.0.1", "--ask-for", &asked]).await;
     assert_eq!(late.hear_where("up", is_ours).await["name"], name.as_str());
+    late.hear_where("answered", is_ours).await;
     let second = TestTwin::start_of(&factory, announcing).await;
     let second_port: u16 =
         second.url.trim_end_matches('/').rsplit(':').next().unwrap().parse().unwrap();
