@@ -62,11 +62,10 @@ const IMPURE: &[(&str, &str)] = &[
 
 /// Returns all walls: those of the table below and those of the pure packages.
 pub fn walls() -> Vec<Wall> {
-    let of = |package: &&'static str| {
-        let package = *package;
-        IMPURE.iter().map(move |(to, reason)| wall(package, "", to, reason))
-    };
-    WALLS.iter().copied().chain(PURE.iter().flat_map(of)).collect()
+    let pure = PURE.iter().flat_map(|&package| {
+        IMPURE.iter().map(move |&(to, reason)| wall(package, "", to, reason))
+    });
+    WALLS.iter().copied().chain(pure).collect()
 }
 
 /// Walls inside packages: the first module and those below it never import the second.
