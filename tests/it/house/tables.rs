@@ -62,9 +62,9 @@ const IMPURE: &[(&str, &str)] = &[
 
 /// Returns all walls: those of the table below and those of the pure packages.
 pub fn walls() -> Vec<Wall> {
-    let pure = PURE.iter().flat_map(|&package| {
-        IMPURE.iter().map(move |&(to, reason)| wall(package, "", to, reason))
-    });
+    let pure = PURE
+        .iter()
+        .flat_map(|&package| IMPURE.iter().map(move |&(to, reason)| wall(package, "", to, reason)));
     WALLS.iter().copied().chain(pure).collect()
 }
 
