@@ -1,7 +1,7 @@
 import { expect, test, type Page } from '@playwright/test'
 import { api, change, connector, signedIn, signIn, type Site } from './world.ts'
 
-/** Somebody at a machine, made for this run. */
+/** An operator at a machine, created for this run. */
 const operator: Site = {
   app: 'engineer',
   url: connector.url,
@@ -145,7 +145,7 @@ test('an operator works on without a network, and everything arrives once', asyn
     expect(standing?.goodQuantity).toBe(operation.standing.goodQuantity + 5)
   })
 
-  await test.step('who has to sign in anew meanwhile loses nothing either', async () => {
+  await test.step('who has to sign in again meanwhile loses nothing either', async () => {
     await context.unroute('**/api/v1/operator/entries')
     await context.setOffline(true)
     await one.click()

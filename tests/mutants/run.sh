@@ -22,17 +22,17 @@ for name in "${names[@]}"; do
   git apply "$patch"
   trap 'git apply --reverse "$patch"' EXIT
   cargo build --quiet --locked "${programs[@]}"
-  # A fault in the verdict is a mutant found; a run that broke off elsewhere proves nothing.
+  # A fault that the run reports is a mutant found; a run that broke off elsewhere proves nothing.
   if target/debug/chaos --minutes "$minutes" --seed "$seed" >"$log" 2>&1; then
-    verdict=survived
+    result=survived
   elif grep -qE '^[0-9]+ faults:|: [0-9]+ faults:' "$log"; then
-    verdict="found: $(grep -oE '[0-9]+ faults:.*' "$log" | head -1) $(grep -A1 -E '[0-9]+ faults:' "$log" | tail -1 | cut -c1-120)"
+    result="found: $(grep -oE '[0-9]+ faults:.*' "$log" | head -1) $(grep -A1 -E '[0-9]+ faults:' "$log" | tail -1 | cut -c1-120)"
   else
-    verdict="not judged: $(tail -1 "$log" | cut -c1-160)"
+    result="not judged: $(tail -1 "$log" | cut -c1-160)"
   fi
   git apply --reverse "$patch"
   trap - EXIT
-  echo "$name: $verdict"
-  [[ $verdict == found* ]] || survivors+=("$name")
+  echo "$name: $result"
+  [[ $result == found* ]] || survivors+=("$name")
 done
 [ ${#survivors[@]} = 0 ] || { echo "Not found: ${survivors[*]} (logs in target/mutants)"; exit 1; }

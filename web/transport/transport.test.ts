@@ -132,7 +132,7 @@ describe('a list in pages', () => {
       nextCursor: from + 2 < numbers.length ? String(from + 2) : null,
     }
   }
-  it('is read as far as somebody asks, and again that far', async () => {
+  it('is read as far as a page asks, and again that far', async () => {
     const load = vi.fn((cursor: string | undefined) => Promise.resolve(pageOf(cursor)))
     const paged = new PagedList(load)
     await paged.list.refresh()

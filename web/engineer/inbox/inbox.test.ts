@@ -173,7 +173,7 @@ describe('the inbox', () => {
     ).toBeLessThan(3)
   })
 
-  it('puts in place what was decided, and counts anew', async () => {
+  it('puts in place what was decided, and counts again', async () => {
     const log = serve({ 'GET /inbox': inbox })
     const { container } = render(InboxPage)
     await screen.findByText('Lot 0')

@@ -147,13 +147,13 @@ describe('policies and rules', () => {
   })
 
   it('a recipient has the policy that holds, also where another one was refused', async () => {
-    connector({ 'PUT /recipients/acme/policy': () => problem(409, 'Changed by somebody else.') })
+    connector({ 'PUT /recipients/acme/policy': () => problem(409, 'Changed by another engineer.') })
     render(PoliciesPage)
     const choice = await screen.findByRole('combobox', { name: 'Named policy: acme' })
     await vi.waitFor(() => expect(within(choice).getAllByRole('option')).toHaveLength(2))
     await userEvent.selectOptions(choice, 'coarse')
     await vi.waitFor(() =>
-      expect(toasts.list.map(({ text }) => text)).toEqual(['Changed by somebody else.']),
+      expect(toasts.list.map(({ text }) => text)).toEqual(['Changed by another engineer.']),
     )
     await vi.waitFor(() => expect(choice).toHaveProperty('value', ''))
   })

@@ -133,7 +133,7 @@ describe('the users page', () => {
     expect(screen.getByLabelText('User name')).toHaveProperty('value', 'ida')
   })
 
-  it('asks before removing somebody, and never offers to remove oneself', async () => {
+  it('asks before removing a user, and never offers to remove oneself', async () => {
     const log = connector()
     render(UsersPage)
     expect(await screen.findByRole('combobox', { name: 'Role: eva' })).toHaveProperty(

@@ -15,7 +15,7 @@ export function takeEvent(view: Resource<NetworkView>, networkId: string, event:
   } else if (fieldsOf(event).length === 0) view.refreshSoon()
 }
 
-/** Applies the progress of an event to its network. */
+/** Applies the progress of an operation, as an event brought it, to its network. */
 export function takeProgress(view: Resource<NetworkView>, networkId: string, event: unknown): void {
   if (
     event === null ||
@@ -25,30 +25,30 @@ export function takeProgress(view: Resource<NetworkView>, networkId: string, eve
   )
     return
   if (event.operationNetworkId !== networkId) return
-  const news = event as unknown as OperationProgress
+  const latest = event as unknown as OperationProgress
   view.amendByEvent((known) => ({
     ...known,
     operations: known.operations.map((operation) =>
-      operation.operationId === news.operationId ? { ...operation, ...news } : operation,
+      operation.operationId === latest.operationId ? { ...operation, ...latest } : operation,
     ),
   }))
 }
 
 function merge(field: FieldState, changed: readonly FieldState[]): FieldState {
-  const news = changed.find((each) => sameField(each.key, field.key))
-  if (news === undefined) return field
+  const latest = changed.find((each) => sameField(each.key, field.key))
+  if (latest === undefined) return field
   // Values that were delayed on their way do not replace newer ones.
-  const isSameEpoch = news.epoch === field.epoch
+  const isSameEpoch = latest.epoch === field.epoch
   if (
     isSameEpoch &&
-    news.sequence != null &&
+    latest.sequence != null &&
     field.sequence != null &&
-    news.sequence < field.sequence
+    latest.sequence < field.sequence
   )
     return field
   return {
     ...field,
-    ...Object.fromEntries(Object.entries(news).filter(([, value]) => value !== undefined)),
+    ...Object.fromEntries(Object.entries(latest).filter(([, value]) => value !== undefined)),
   }
 }
 
