@@ -289,6 +289,11 @@ fn sources_keep_the_rules_of_form() {
 }
 
 #[test]
+fn pages_scripts_and_documentation_speak_the_field_s_words() {
+    assert_none(&house_rules::check_texts(&root()).unwrap());
+}
+
+#[test]
 fn modules_keep_their_walls() {
     let names: Vec<Value> = metadata()["packages"].as_array().unwrap().clone();
     for wall in tables::walls() {

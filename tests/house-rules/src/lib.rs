@@ -1,8 +1,9 @@
-//! Rules of form for the Rust sources of this workspace: module structure, documentation, size and
+//! Rules of form for the sources of this workspace: module structure, documentation, size and
 //! vocabulary.
 //!
-//! [`Package::read`] parses the sources of one package, [`check`] returns all findings except
-//! those of the module walls, which the caller hands to [`check_walls`].
+//! [`Package::read`] parses the Rust sources of one package, [`check`] returns all findings except
+//! those of the module walls, which the caller hands to [`check_walls`]. [`check_texts`] reads what
+//! is no Rust.
 
 mod circles;
 mod docs;
@@ -16,12 +17,14 @@ mod size;
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests;
+mod texts;
 mod types;
 mod walls;
 mod words;
 
 pub use finding::{Finding, Rule};
 pub use package::{Package, ReadError, Role, SourceFile};
+pub use texts::check_texts;
 pub use types::{Exemption, check_type_sizes};
 pub use walls::{Wall, check_walls};
 pub use words::{BANNED_WORDS, BannedWord};

@@ -1,5 +1,5 @@
-//! Prints the findings of packages: `cargo run -q -p house-rules -- [FOLDER...]`. Without a folder
-//! all packages below the working directory are checked.
+//! Prints the findings below folders: `cargo run -q -p house-rules -- [FOLDER...]`. Without a folder
+//! all packages and texts below the working directory are checked.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 use std::{
@@ -18,7 +18,7 @@ fn main() -> ExitCode {
     let folders = if folders.is_empty() { vec![PathBuf::from(".")] } else { folders };
     let mut findings = Vec::new();
     for folder in &folders {
-        if let Err(error) = check_below(folder, &mut findings) {
+        if let Err(error) = check_folder(folder, &mut findings) {
             eprintln!("{}: {error}", folder.display());
             return ExitCode::from(2);
         }
@@ -31,6 +31,22 @@ fn main() -> ExitCode {
     }
     eprintln!("{} findings", findings.len());
     ExitCode::FAILURE
+}
+
+fn check_folder(
+    folder: &Path,
+    findings: &mut Vec<Finding>,
+) -> Result<(), Box<dyn std::error::Error>> {
+    check_below(folder, findings)?;
+    let prefix = folder.to_string_lossy();
+    let prefix = prefix.trim_start_matches("./").trim_end_matches('/');
+    for mut finding in house_rules::check_texts(folder)? {
+        if !matches!(prefix, "" | ".") {
+            finding.file = format!("{prefix}/{}", finding.file);
+        }
+        findings.push(finding);
+    }
+    Ok(())
 }
 
 /// Checks the package in `folder`, when it has a manifest, and those in folders below.

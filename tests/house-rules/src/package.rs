@@ -6,9 +6,9 @@ use std::{
 };
 
 /// Folders that hold no sources of ours: build output, foreign code, installed packages.
-const LEFT_OUT: [&str; 3] = ["target", "vendor", "node_modules"];
+pub(crate) const LEFT_OUT: [&str; 3] = ["target", "vendor", "node_modules"];
 /// Marker in the first lines of files that a program writes.
-const GENERATED: &str = "@generated";
+pub(crate) const GENERATED: &str = "@generated";
 
 /// The sources of one package. Packages in folders below it are packages of their own.
 pub struct Package {

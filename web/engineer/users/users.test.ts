@@ -7,7 +7,7 @@ import { problem, serve, type Asked } from '../../vitest.server'
 import type { User } from '../api/types'
 import UsersPage from './UsersPage.svelte'
 
-const LAST_ENGINEER = 'This is the last engineer. Make somebody else one first.'
+const LAST_ENGINEER = 'This is the last engineer. Make another user one first.'
 let people: User[]
 
 /** Connector that stores users. */

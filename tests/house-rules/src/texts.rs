@@ -1,0 +1,117 @@
+//! Vocabulary of sources that are no Rust: pages, scripts, manifests and documentation.
+//!
+//! A line is read whole, with its texts: readers see those of pages, and few scripts have others.
+
+use std::{fs, io, path::Path};
+
+use crate::{
+    finding::Finding,
+    package::{GENERATED, LEFT_OUT},
+    words::{banned_in, without_names_of_rules},
+};
+
+/// Kind of a source, by what is written in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum TextKind {
+    /// TypeScript, JavaScript and Svelte: names, comments and texts of pages.
+    Web,
+    /// Documentation, manifests and shell scripts: English sentences most of all.
+    Prose,
+}
+
+/// Banned words that an API has as names of members. A page cannot choose another word.
+const NAMES_OF_MEMBERS: [&str; 1] = ["grounds"];
+/// Segments of API paths with a banned word, removed from a line before it is searched.
+const API_PATHS: [&str; 1] = ["/trial"];
+/// Banned words that a sentence may need in their ordinary meaning: an author has grounds for a
+/// decision, readers read news, a remedy can be on the shelf.
+const ORDINARY_ENGLISH: [&str; 11] = [
+    "departure",
+    "departures",
+    "grounds",
+    "keeper",
+    "news",
+    "obey",
+    "shelf",
+    "somebody",
+    "trial",
+    "trials",
+    "whoever",
+];
+/// Folder of what a program builds for the pages.
+const BUILT_PAGES: &str = "dist";
+/// History, written in the words of its day.
+const HISTORY: &str = "CHANGELOG.md";
+/// Beginning of the first line of a file that a script writes.
+const GENERATED_FROM: &str = "// Generated from";
+
+/// Reports the banned words of all sources below a folder that are no Rust.
+///
+/// Left out are hidden folders, build output, installed and foreign packages, files that a program
+/// writes, and the history of releases. Lock files and snapshots are of no kind that is read.
+///
+/// # Errors
+/// When a folder or a file cannot be read.
+pub fn check_texts(root: &Path) -> io::Result<Vec<Finding>> {
+    let mut findings = Vec::new();
+    walk(root, "", &mut findings)?;
+    findings.sort();
+    Ok(findings)
+}
+
+fn walk(folder: &Path, inner: &str, findings: &mut Vec<Finding>) -> io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.starts_with('.') || LEFT_OUT.contains(&name.as_str()) || name == BUILT_PAGES {
+            continue;
+        }
+        let inner = if inner.is_empty() { name } else { format!("{inner}/{name}") };
+        if entry.file_type()?.is_dir() {
+            walk(&entry.path(), &inner, findings)?;
+        } else if kind_of(&inner).is_some() {
+            findings.extend(check_text(&inner, &fs::read_to_string(entry.path())?));
+        }
+    }
+    Ok(())
+}
+
+/// Reports each banned word once a line.
+pub(crate) fn check_text(path: &str, text: &str) -> Vec<Finding> {
+    let Some(kind) = kind_of(path) else { return Vec::new() };
+    let is_generated = text.starts_with(GENERATED_FROM)
+        || text.lines().take(5).any(|line| line.contains(GENERATED));
+    if is_generated {
+        return Vec::new();
+    }
+    let excused: &[&str] = match kind {
+        TextKind::Web => &NAMES_OF_MEMBERS,
+        TextKind::Prose => &ORDINARY_ENGLISH,
+    };
+    let mut findings = Vec::new();
+    for (at, line) in text.lines().enumerate() {
+        let mut line = without_names_of_rules(line);
+        for path in API_PATHS {
+            line = line.replace(path, "");
+        }
+        let words = banned_in(&line).into_iter().filter(|word| !excused.contains(&word.word));
+        findings.extend(words.map(|word| word.finding(path, at + 1)));
+    }
+    findings
+}
+
+/// Returns the kind of a file to read, `None` for all others.
+fn kind_of(path: &str) -> Option<TextKind> {
+    let name = path.rsplit('/').next().unwrap_or(path);
+    if name == HISTORY {
+        return None;
+    }
+    if name == "Makefile" {
+        return Some(TextKind::Prose);
+    }
+    match name.rsplit_once('.')?.1 {
+        "svelte" | "ts" | "js" => Some(TextKind::Web),
+        "md" | "toml" | "sh" => Some(TextKind::Prose),
+        _ => None,
+    }
+}
