@@ -100,6 +100,18 @@ impl SequenceSet {
         new
     }
 
+    /// Returns the ranges from `first` to `last` that are not in the set, ascending.
+    #[must_use]
+    pub fn absent(&self, first: u32, last: u32) -> Vec<(u32, u32)> {
+        let beyond = match self.through {
+            None => Some((first, last)),
+            Some(through) if through < last => Some((first.max(through + 1), last)),
+            Some(_) => None,
+        };
+        let missing = self.missing.iter().map(|(from, to)| (first.max(*from), last.min(*to)));
+        missing.chain(beyond).filter(|(from, to)| from <= to).collect()
+    }
+
     /// Returns the receipt for the connector; none when the set is empty. If more numbers are missing
     /// than a receipt lists, it ends where the list ends: a receipt never claims an absent number.
     #[must_use]
@@ -186,6 +198,9 @@ mod tests {
             let (mut set, mut model) = (SequenceSet::new(), BTreeSet::new());
             for (first, length) in steps {
                 let new = (first..=first + length).filter(|number| model.insert(*number)).count();
+                let absent = set.absent(first, first + length);
+                let absent: u64 = absent.iter().map(|(from, to)| u64::from(to - from) + 1).sum();
+                prop_assert_eq!(absent, new as u64);
                 prop_assert_eq!(set.add_range(first, first + length), new as u64);
             }
             prop_assert_eq!(set.through(), model.last().copied());

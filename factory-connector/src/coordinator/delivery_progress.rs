@@ -97,7 +97,8 @@ pub(super) fn after_moves(mut rows: Vec<WaitingRow>, moves: &[ReportMove]) -> Ve
                     waiting.is_revoked = true;
                 }
             }
-            ReportMove::Attempted(_) => {}
+            // Those are no rows of the spool before the commit.
+            ReportMove::Reopened(_) | ReportMove::Attempted(_) => {}
         }
     }
     rows

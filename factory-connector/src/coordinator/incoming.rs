@@ -122,7 +122,12 @@ async fn record(work: &mut UnitOfWork, receipt: Receipt, now: DateTime) -> Resul
         let (id, epoch) = (writer.data_set_writer_id, Some(writer.epoch));
         let rows = reports_of(&mut work.store, moves, id, epoch).await?;
         let reports: Vec<ReportRow> = rows.iter().map(|waiting| waiting.row).collect();
-        let effect = apply_receipt(&writer, &reports, sent_before);
+        let mut effect = apply_receipt(&writer, &reports, sent_before);
+        let lost: Vec<u32> = effect.lost_sequences().collect();
+        if !lost.is_empty() {
+            let kept = work.store.read().reports().receipted(id, writer.epoch, &lost).await?;
+            effect.reopen_kept(&kept.iter().map(|waiting| waiting.row).collect::<Vec<_>>());
+        }
         let changes = record_receipt(&mut work.state, &effect, &rows, now);
         work.pending.merge(changes);
     }

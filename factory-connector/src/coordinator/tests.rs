@@ -8,6 +8,7 @@ mod failures;
 mod lease;
 mod ledger;
 mod lookup;
+mod receipts;
 mod revocation;
 mod ways_to_the_gate;
 
@@ -249,8 +250,14 @@ impl Running {
     }
 
     async fn receipt(&self, report: &Report, through: u32) {
+        self.receipt_without(report, through, &[]).await;
+    }
+
+    /// Delivers a receipt that lists these numbers as missing.
+    async fn receipt_without(&self, report: &Report, through: u32, missing: &[u32]) {
         let body = json!({ "messageType": "receipt", "messageId": new_message_id(), "factoryId": "F", "receiptList": [
-            { "dataSetWriterId": report.writer, "epoch": report.epoch, "throughSequence": through, "missingList": [] } ] });
+            { "dataSetWriterId": report.writer, "epoch": report.epoch, "throughSequence": through,
+              "missingList": missing } ] });
         self.receive("receipt", body).await;
     }
 

@@ -101,6 +101,29 @@ impl Reports<'_> {
         all(self.0, query, READ, waiting).await
     }
 
+    /// Reads those of a writer's reports with these sequence numbers that can be sent again although
+    /// the spool is done with them: receipted, not revoked, and not emptied by retention. Reports in
+    /// the spool are among them, because the transaction being made may have receipted them.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn receipted(
+        &mut self,
+        writer: u16,
+        epoch: u32,
+        sequences: &[u32],
+    ) -> Result<Vec<WaitingRow>, StoreError> {
+        let sql = format!(
+            "SELECT {COLUMNS} FROM report
+             WHERE writer_id = ?1 AND epoch = ?2 AND (receipted_at IS NOT NULL OR {IN_SPOOL})
+                 AND is_revoked = 0 AND body IS NOT NULL
+                 AND sequence IN (SELECT value FROM json_each(?3)) ORDER BY id"
+        );
+        let query =
+            query(sql).bind(i64::from(writer)).bind(i64::from(epoch)).bind(document(sequences));
+        all(self.0, query, READ, waiting).await
+    }
+
     /// Reads the oldest spooled reports, at most so many.
     ///
     /// # Errors

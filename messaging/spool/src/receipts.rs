@@ -21,9 +21,35 @@ pub struct ReceiptEffect {
     pub receipted: Vec<RowId>,
     /// Rows that were sent but are missing at the platform: make them wait again.
     pub resend: Vec<RowId>,
+    /// Rows that were receipted before and are missing all the same: make them wait again.
+    pub reopen: Vec<RowId>,
     /// Sequence numbers that are missing at the platform and no longer in the spool. Unless they
     /// are announced as gaps, the platform asks for them forever.
     pub lost: Vec<SequenceGap>,
+}
+
+impl ReceiptEffect {
+    /// Iterates over the numbers in `lost`.
+    pub fn lost_sequences(&self) -> impl Iterator<Item = u32> {
+        self.lost.iter().flat_map(|gap| gap.first_sequence..=gap.last_sequence)
+    }
+
+    /// Takes rows that the store still has out of `lost` and makes them wait again. `kept` are rows
+    /// of that writer and epoch that were receipted.
+    ///
+    /// Receipts have no order: one that a restored broker delivers late lists as missing what
+    /// arrived since. Sending again is then discarded as a repeat, while a gap would deny what the
+    /// partner holds. And a platform restored from a backup gets back what it had receipted.
+    pub fn reopen_kept(&mut self, kept: &[ReportRow]) {
+        let numbers: HashSet<u32> = kept.iter().map(|row| row.sequence).collect();
+        let key = |gap: &SequenceGap| (gap.data_set_writer_id, gap.epoch);
+        let lost = self.lost.iter().flat_map(|gap| {
+            let (writer, epoch) = key(gap);
+            (gap.first_sequence..=gap.last_sequence).map(move |number| (writer, epoch, number))
+        });
+        self.lost = join(lost.filter(|(_, _, number)| !numbers.contains(number)).collect());
+        self.reopen = kept.iter().map(|row| row.id).collect();
+    }
 }
 
 /// Applies a receipt to `rows`, which must be *all* rows in the spool of that writer and epoch.

@@ -11,7 +11,7 @@ fn entry(receipt: &Value) -> &Value {
 #[tokio::test(flavor = "multi_thread")]
 async fn receipts_name_missing_reports_until_they_come_or_are_announced() {
     let world = World::start().await;
-    let (_, buyer, munich, _hamburg) = story::accepted(&world).await;
+    let (admin, buyer, munich, _hamburg) = story::accepted(&world).await;
     munich.send("ua-data", &story::report("m0", 0, 1));
     munich.send("ua-data", &story::report("m4", 4, 5));
     let receipt = munich.receive("receipt", |receipt| entry(receipt)["throughSequence"] == 4).await;
@@ -29,6 +29,11 @@ async fn receipts_name_missing_reports_until_they_come_or_are_announced() {
     );
     munich.receive("receipt", |receipt| entry(receipt)["missingList"] == json!([])).await;
     story::value_is(&buyer, "5").await;
+    // The second report is held: no gap denies it.
+    let writers = admin.get("/factories/FOR_MUC/writers").await.expect_ok();
+    let gaps = writers["items"][0]["gaps"].as_array().expect("gaps").iter();
+    let range = |gap: &Value| (gap["firstSequence"].as_u64(), gap["lastSequence"].as_u64());
+    assert_eq!(gaps.map(range).collect::<Vec<_>>(), [(Some(1), Some(1)), (Some(3), Some(3))]);
 
     // A repeat is receipted again: the receipt may have been lost on its way.
     let before = munich.count("receipt");

@@ -65,6 +65,13 @@ fn apply(connection: &Connection, change: &ReportMove) -> rusqlite::Result<()> {
              WHERE state IN ('SENT', 'PARKED') AND id IN (SELECT value FROM json_each(?))",
             reports,
         ),
+        ReportMove::Reopened(reports) => write_ids(
+            connection,
+            "UPDATE report SET state = 'WAITING'
+             WHERE state = 'DONE' AND receipted_at IS NOT NULL AND is_revoked = 0
+                 AND body IS NOT NULL AND id IN (SELECT value FROM json_each(?))",
+            reports,
+        ),
         ReportMove::Attempted(messages) => write_ids(
             connection,
             "UPDATE report SET attempts = attempts + 1

@@ -110,6 +110,11 @@ pub fn record_receipt(
         changes.merge(resend_reports(ids_of(&resend)));
     }
     end_reports(state, &mut changes, &revoked, GapCause::Revoked, now);
+    if !effect.reopen.is_empty() {
+        changes.effects.resent_report_count += effect.reopen.len() as u64;
+        changes.effects.link.is_spool_rewound = true;
+        changes.writes.reports.moves.push(ReportMove::Reopened(numbers(&effect.reopen)));
+    }
     announce(state, &mut changes, &effect.lost, GapCause::Expired, now);
     changes
 }
@@ -211,6 +216,10 @@ fn announce(
         });
         state.send(changes, &message, None, now);
     }
+}
+
+fn numbers(ids: &[RowId]) -> Vec<i64> {
+    ids.iter().map(|id| id.0).collect()
 }
 
 fn ids_of(rows: &[WaitingRow]) -> Vec<i64> {

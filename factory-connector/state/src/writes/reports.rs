@@ -104,6 +104,8 @@ pub enum ReportMove {
     },
     /// Reports to send again.
     Waiting(Vec<i64>),
+    /// Receipted reports that the platform misses all the same, to send again.
+    Reopened(Vec<i64>),
     /// Messages that the broker rejected once more.
     Attempted(Vec<i64>),
     /// Messages that the broker will never accept.

@@ -146,10 +146,16 @@ async fn decision(unit: &mut IngestUnit<'_>, decision: &Decision) -> Result<(), 
     Ok(())
 }
 
-/// Counts announced numbers as received, so that no receipt lists them as missing.
+/// Counts announced numbers as received, so that no receipt lists them as missing. A gap never
+/// denies a report that is held: only the numbers that are absent are stored as given up.
 async fn gap(unit: &mut IngestUnit<'_>, gap: &Gap) -> Result<(), StoreError> {
     let writer = unit.writer(&gap.factory_id, gap.data_set_writer_id, gap.epoch).await?;
+    let absent = writer.sequences.absent(gap.first_sequence, gap.last_sequence);
     writer.sequences.add_range(gap.first_sequence, gap.last_sequence);
     writer.needs_receipt = true;
-    unit.work.writers().add_gap(gap, unit.now).await
+    for (first_sequence, last_sequence) in absent {
+        let absent = Gap { first_sequence, last_sequence, ..gap.clone() };
+        unit.work.writers().add_gap(&absent, unit.now).await?;
+    }
+    Ok(())
 }

@@ -1,0 +1,61 @@
+//! Receipts in any order: a restored broker delivers old ones late.
+
+use super::*;
+
+/// Sends three values of each field and lets the platform receipt those of the first.
+async fn receipted() -> (Running, Report) {
+    let running = Running::with_two_open_fields().await;
+    for number in 1..=3 {
+        running.enter_both(number).await;
+    }
+    let rows = running.fetch(Lane::Reports).await;
+    running.accept(&rows).await;
+    let made = reports(&rows[0])[0].clone();
+    running.receipt(&made, 2).await;
+    let controls = running.fetch(Lane::Control).await;
+    running.accept(&controls).await;
+    (running, made)
+}
+
+/// Returns sequence numbers of that writer's reports that wait to be sent.
+async fn waiting(running: &Running, made: &Report) -> Vec<u64> {
+    let rows = running.fetch(Lane::Reports).await;
+    let reports = rows.iter().flat_map(reports);
+    reports.filter(|report| report.writer == made.writer).map(|report| report.sequence).collect()
+}
+
+async fn gaps(running: &Running) -> Vec<Value> {
+    let rows = running.fetch(Lane::Control).await;
+    let gaps = rows.iter().filter(|row| row.envelope.subject == "gap");
+    gaps.map(|row| serde_json::from_slice(&row.envelope.body).expect("JSON")).collect()
+}
+
+#[tokio::test]
+async fn a_late_receipt_makes_no_gap_of_what_was_receipted_since() {
+    let (running, made) = receipted().await;
+    running.receipt_without(&made, 2, &[0, 1]).await;
+    assert_eq!(gaps(&running).await, Vec::<Value>::new());
+    assert_eq!(waiting(&running, &made).await, [0, 1], "the platform may really miss them");
+
+    let rows = running.fetch(Lane::Reports).await;
+    running.accept(&rows).await;
+    running.receipt(&made, 2).await;
+    assert_eq!(waiting(&running, &made).await, Vec::<u64>::new());
+    let mut beside = connect(&running.folder).await;
+    super::failures::consistent(&mut beside).await;
+    running.close().await;
+}
+
+#[tokio::test]
+async fn a_receipted_report_that_cannot_be_sent_again_is_announced_as_a_gap() {
+    let (running, made) = receipted().await;
+    let mut beside = connect(&running.folder).await;
+    let emptied = "UPDATE report SET body = NULL WHERE sequence = 1";
+    sqlx::query(emptied).execute(&mut beside).await.expect("as retention does");
+    running.receipt_without(&made, 2, &[0, 1]).await;
+    let gaps = gaps(&running).await;
+    let range = |gap: &Value| (gap["firstSequence"].as_u64(), gap["lastSequence"].as_u64());
+    assert_eq!(gaps.iter().map(range).collect::<Vec<_>>(), [(Some(1), Some(1))], "{gaps:?}");
+    assert_eq!(waiting(&running, &made).await, [0]);
+    running.close().await;
+}
