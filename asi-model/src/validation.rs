@@ -40,7 +40,7 @@ use reader::Reader;
 /// Faults of a rejected message, with the ids that could be read of it nevertheless.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{}", summary(faults))]
-pub struct Rejection {
+pub struct InvalidMessage {
     /// Everything that is wrong; never empty.
     pub faults: Vec<Fault>,
     /// The message's id.
@@ -59,7 +59,7 @@ fn summary(faults: &[Fault]) -> String {
     first.map(|fault| format!("{}: {}", fault.pointer, fault.message)).collect::<Vec<_>>().join(" ")
 }
 
-impl Rejection {
+impl InvalidMessage {
     /// The acknowledgement for the sender. Where the message's own id could not be read, it
     /// refers to the id that the transport gave it.
     #[must_use]
@@ -86,26 +86,26 @@ impl Rejection {
 /// refer to the JSON it stands for).
 ///
 /// # Errors
-/// [`Rejection`] with all faults.
+/// [`InvalidMessage`] with all faults.
 pub fn parse_platform_message(
     bytes: &[u8],
     expected: &FactoryId,
-) -> Result<PlatformMessage, Rejection> {
+) -> Result<PlatformMessage, InvalidMessage> {
     platform_message(bytes, Some(expected))
 }
 
 /// As [`parse_platform_message`], for the factory that the message names.
 ///
 /// # Errors
-/// [`Rejection`] with all faults.
-pub fn parse_any_platform_message(bytes: &[u8]) -> Result<PlatformMessage, Rejection> {
+/// [`InvalidMessage`] with all faults.
+pub fn parse_any_platform_message(bytes: &[u8]) -> Result<PlatformMessage, InvalidMessage> {
     platform_message(bytes, None)
 }
 
 fn platform_message(
     bytes: &[u8],
     expected: Option<&FactoryId>,
-) -> Result<PlatformMessage, Rejection> {
+) -> Result<PlatformMessage, InvalidMessage> {
     let is_xml =
         bytes.iter().find(|byte| !byte.is_ascii_whitespace() && !b"\xef\xbb\xbf".contains(byte))
             == Some(&b'<');
@@ -117,12 +117,12 @@ fn platform_message(
 
 /// The JSON that a NodeSet2 document stands for. Its message id follows from the text, so that a
 /// repeated document is a repeated message.
-fn from_node_set(bytes: &[u8]) -> Result<Vec<u8>, Rejection> {
+fn from_node_set(bytes: &[u8]) -> Result<Vec<u8>, InvalidMessage> {
     let reject = |code: FaultCode, message: String| {
         let mut reader = Reader::default();
         reader.faults.push("", code, message);
         let faults = reader.faults.into_list();
-        Rejection { faults, message_id: None, operation_network_id: None, revision: None }
+        InvalidMessage { faults, message_id: None, operation_network_id: None, revision: None }
     };
     if bytes.len() > REQUEST_LIMITS.bytes_max {
         let message = format!(
@@ -150,8 +150,8 @@ fn from_node_set(bytes: &[u8]) -> Result<Vec<u8>, Rejection> {
 /// Reads and checks a message from a factory, besides reports.
 ///
 /// # Errors
-/// [`Rejection`] with all faults.
-pub fn parse_factory_message(bytes: &[u8]) -> Result<FactoryMessage, Rejection> {
+/// [`InvalidMessage`] with all faults.
+pub fn parse_factory_message(bytes: &[u8]) -> Result<FactoryMessage, InvalidMessage> {
     parse(bytes, MESSAGE_LIMITS, |reader, tape| {
         factory_message::factory_message(reader, tape.root())
     })
@@ -161,8 +161,8 @@ pub fn parse_factory_message(bytes: &[u8]) -> Result<FactoryMessage, Rejection> 
 /// relative to it.
 ///
 /// # Errors
-/// [`Rejection`] with all faults.
-pub fn parse_network(bytes: &[u8]) -> Result<OperationNetwork, Rejection> {
+/// [`InvalidMessage`] with all faults.
+pub fn parse_network(bytes: &[u8]) -> Result<OperationNetwork, InvalidMessage> {
     parse(bytes, REQUEST_LIMITS, |reader, tape| {
         let read = network::read(reader, tape.root())?;
         network::check(&read, "", None, reader);
@@ -191,13 +191,13 @@ fn parse<T>(
     bytes: &[u8],
     limits: Limits,
     read: impl FnOnce(&mut Reader, &Tape<'_>) -> Option<T>,
-) -> Result<T, Rejection> {
+) -> Result<T, InvalidMessage> {
     let mut reader = Reader::default();
     let tape = match Tape::read(bytes, limits) {
         Ok(tape) => tape,
         Err(error) => {
             reader.faults.unreadable(&error);
-            return Err(Rejection {
+            return Err(InvalidMessage {
                 faults: reader.faults.into_list(),
                 message_id: None,
                 operation_network_id: None,
@@ -220,7 +220,7 @@ fn parse<T>(
 }
 
 impl Reader {
-    fn into_rejection(self, tape: &Tape<'_>) -> Rejection {
+    fn into_rejection(self, tape: &Tape<'_>) -> InvalidMessage {
         let root = tape.root();
         let id = |name: &str| root.get(name).and_then(|node| node.text());
         let network_id = root
@@ -228,7 +228,7 @@ impl Reader {
             .and_then(|network| network.get("operationNetworkId"))
             .and_then(|node| node.text())
             .or_else(|| id("operationNetworkId"));
-        Rejection {
+        InvalidMessage {
             faults: self.faults.into_list(),
             message_id: id("messageId").and_then(|id| id.parse().ok()),
             operation_network_id: network_id.and_then(|id| id.parse().ok()),

@@ -28,7 +28,7 @@ use connector_state::{
     use_cases::{seal, validity, values},
 };
 use handle::Reply;
-pub use handle::{Command, CoordinatorError, CoordinatorHandle, WriteOutcome};
+pub use handle::{CoordinatorCommand, CoordinatorError, CoordinatorHandle, WriteOutcome};
 use ledger::LedgerKey;
 use maintenance::Schedule;
 use mapping_engine::{Candidate, TargetKey};
@@ -56,7 +56,7 @@ const PAUSE_AFTER_FAILURE: Duration = Duration::from_secs(1);
 /// The coordinator; [`run`](Self::run) it.
 pub struct Coordinator {
     work: UnitOfWork,
-    commands: mpsc::Receiver<Command>,
+    commands: mpsc::Receiver<CoordinatorCommand>,
     candidates: mpsc::Receiver<Vec<Candidate>>,
     /// Answers to give when the transaction has ended.
     replies: Vec<Reply>,
@@ -82,7 +82,7 @@ struct Timing {
 
 /// Opens the way to a coordinator that is yet to be made.
 #[must_use]
-pub fn channel() -> (CoordinatorHandle, mpsc::Receiver<Command>) {
+pub fn channel() -> (CoordinatorHandle, mpsc::Receiver<CoordinatorCommand>) {
     let (commands, receiver) = mpsc::channel(GROUP_MAX);
     (CoordinatorHandle::new(commands), receiver)
 }
@@ -97,7 +97,7 @@ impl Coordinator {
         mut store: Store,
         outputs: Outputs,
         key: LedgerKey,
-        commands: mpsc::Receiver<Command>,
+        commands: mpsc::Receiver<CoordinatorCommand>,
         candidates: mpsc::Receiver<Vec<Candidate>>,
     ) -> Result<Self, StoreError> {
         let is_restored = store.identity().is_restored;
@@ -169,7 +169,7 @@ impl Coordinator {
     async fn wait(
         &mut self,
         shutdown: &CancellationToken,
-    ) -> (VecDeque<Command>, Vec<Vec<Candidate>>) {
+    ) -> (VecDeque<CoordinatorCommand>, Vec<Vec<Candidate>>) {
         let (mut commands, mut batches) = (VecDeque::new(), Vec::new());
         let wake_at = self.wake_at();
         tokio::select! {

@@ -7,7 +7,7 @@ use async_trait::async_trait;
 use messaging::{
     Backlog, Delivery, Envelope, Inbox, LogicalAddress, RowId, RowOutcome, SendOutcome, Settlement,
     SpoolRow, SpoolStore,
-    spool::{Fetch, Lane, StoreError},
+    spool::{Fetch, Lane, SpoolError},
 };
 use sha2::{Digest, Sha256};
 
@@ -102,7 +102,7 @@ impl SpoolStore for ConnectorSpool {
         self.gate.close();
     }
 
-    async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, StoreError> {
+    async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, SpoolError> {
         let Some(lease) = self.gate.number() else { return Ok(Vec::new()) };
         let messages = self.readers.session().await?.spool().fetch(fetch).await?;
         let mut rows: Vec<SpoolRow> =
@@ -123,7 +123,7 @@ impl SpoolStore for ConnectorSpool {
         Ok(rows)
     }
 
-    async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), StoreError> {
+    async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), SpoolError> {
         let mut sent = Vec::new();
         for outcome in &outcomes {
             match outcome.outcome {
@@ -144,11 +144,11 @@ impl SpoolStore for ConnectorSpool {
             && message_id.is_none_or(|message_id| self.in_flight.may_leave(row.id.0, message_id))
     }
 
-    async fn last_row(&self) -> Result<RowId, StoreError> {
+    async fn last_row(&self) -> Result<RowId, SpoolError> {
         Ok(self.readers.session().await?.spool().last_message().await?)
     }
 
-    async fn backlog(&self) -> Result<Backlog, StoreError> {
+    async fn backlog(&self) -> Result<Backlog, SpoolError> {
         Ok(self.readers.session().await?.spool().backlog().await?)
     }
 }

@@ -37,7 +37,7 @@ use crate::{
     coordinator::{self, Coordinator, CoordinatorConfig, CoordinatorHandle, Outputs},
     lease::LeaseStatus,
     ledger_key::{self, LEDGER_KEY_FILE},
-    store::{Enrolment, Readers, Role, Session, Store, User},
+    store::{Enrolment, Readers, Role, Store, StoreSession, User},
     twin_adapter::{CoordinatorWriter, StoredUsers, UserWatch},
 };
 
@@ -281,7 +281,10 @@ async fn stored_sources(readers: &Readers) -> anyhow::Result<Vec<SourceConfig>> 
 
 /// Stores a first user, an engineer, where there is none. A made-up password goes into a file that
 /// only its owner can read.
-async fn ensure_first_user(session: &mut Session, config: &ConnectorConfig) -> anyhow::Result<()> {
+async fn ensure_first_user(
+    session: &mut StoreSession,
+    config: &ConnectorConfig,
+) -> anyhow::Result<()> {
     if session.users().count().await? > 0 {
         return Ok(());
     }

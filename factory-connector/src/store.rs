@@ -3,7 +3,7 @@
 //! One module per noun, with its columns, its reading and its writing; each statement is in exactly
 //! one place. Everything that belongs together is collected in [`Writes`] and committed in one
 //! transaction ([`Store::commit`]): nothing leaves that is not logged, and nothing that is logged
-//! is lost. Reading goes through repositories that borrow a [`Session`], a connection of its own,
+//! is lost. Reading goes through repositories that borrow a [`StoreSession`], a connection of its own,
 //! and never waits for a transaction.
 
 mod carried_fields;
@@ -73,7 +73,7 @@ pub use recipient_policies::RecipientPolicies;
 pub use reports::{LastSequences, ReportMessage, Reports};
 pub use revocations::{Revocations, StoredRevocation};
 pub use rule_decisions::{RuleDecision, RuleDecisions};
-pub use session::{Readers, Session};
+pub use session::{Readers, StoreSession};
 pub use shadow_mappings::ShadowMappings;
 pub use sources::Sources;
 pub use spool::{Message, Spool, SpooledMessage};

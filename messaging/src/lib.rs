@@ -38,6 +38,6 @@ pub use inbox::{Delivery, Inbox, Settlement};
 pub use link::{Link, LinkHandle, LinkPhase, LinkState};
 pub use profile::{BrokerProfile, InvalidTemplate, Terminus};
 pub use spool::{
-    Backlog, Fetch, Lane, Rejection, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore,
-    StoreError,
+    Backlog, Fetch, Lane, Rejection, RowId, RowOutcome, SendOutcome, SpoolError, SpoolRow,
+    SpoolStore,
 };

@@ -15,7 +15,7 @@ pub use ::spool::{
 };
 
 /// Cause for which the store could not answer. The link logs the chain, waits and asks again.
-pub type StoreError = Box<dyn std::error::Error + Send + Sync>;
+pub type SpoolError = Box<dyn std::error::Error + Send + Sync>;
 
 /// A message that waits to be sent.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -62,7 +62,7 @@ pub struct Fetch {
 #[async_trait]
 pub trait SpoolStore: Send + Sync + 'static {
     /// Returns the waiting rows of a lane within a range, oldest first.
-    async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, StoreError>;
+    async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, SpoolError>;
 
     /// Called when a connection was established, before anything is fetched for it.
     fn connected(&self) {}
@@ -75,12 +75,12 @@ pub trait SpoolStore: Send + Sync + 'static {
     }
 
     /// Records outcomes in one transaction. Rows that were removed meanwhile are ignored.
-    async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), StoreError>;
+    async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), SpoolError>;
 
     /// Returns the greatest row id so far, whatever the row's state; zero when there was none.
-    async fn last_row(&self) -> Result<RowId, StoreError>;
+    async fn last_row(&self) -> Result<RowId, SpoolError>;
 
     /// Counts waiting and sent rows. Called about once a second while something changes: keep it
     /// cheap.
-    async fn backlog(&self) -> Result<Backlog, StoreError>;
+    async fn backlog(&self) -> Result<Backlog, SpoolError>;
 }

@@ -9,8 +9,8 @@ mod tls;
 use crate::config::{BrokerUrl, LinkConfig, LinkError};
 
 pub(crate) use connection::{
-    Connection, ConnectionFault, DeliveryToken, EndpointFault, MessageReceiver, MessageSender,
-    Outcome, Transport,
+    BrokerOutcome, Connection, ConnectionFault, DeliveryToken, EndpointFault, MessageReceiver,
+    MessageSender, Transport,
 };
 
 /// Chooses the transport for the configured brokers.

@@ -1,7 +1,7 @@
 //! Outgoing messages of the store as the spool that the link reads.
 
 use async_trait::async_trait;
-use messaging::{Backlog, Fetch, RowId, RowOutcome, SpoolRow, SpoolStore, StoreError};
+use messaging::{Backlog, Fetch, RowId, RowOutcome, SpoolError, SpoolRow, SpoolStore};
 
 use crate::store::Store;
 
@@ -19,21 +19,21 @@ impl StoredSpool {
 
 #[async_trait]
 impl SpoolStore for StoredSpool {
-    async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, StoreError> {
+    async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, SpoolError> {
         Ok(self.0.read().await?.outgoing().fetch(fetch).await?)
     }
 
-    async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), StoreError> {
+    async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), SpoolError> {
         let mut work = self.0.begin().await?;
         work.outgoing().record(&outcomes).await?;
         Ok(work.commit().await?)
     }
 
-    async fn last_row(&self) -> Result<RowId, StoreError> {
+    async fn last_row(&self) -> Result<RowId, SpoolError> {
         Ok(self.0.read().await?.outgoing().last_row().await?)
     }
 
-    async fn backlog(&self) -> Result<Backlog, StoreError> {
+    async fn backlog(&self) -> Result<Backlog, SpoolError> {
         Ok(self.0.read().await?.outgoing().backlog().await?)
     }
 }

@@ -41,7 +41,7 @@ pub use comments::{CommentEntry, Comments, NewComment};
 pub use connection::Store;
 pub use credentials::{BrokerCredential, Credentials, Holder};
 pub use database::Database;
-pub use dead_letters::{DeadLetter, DeadLetters, NewDeadLetter};
+pub use dead_letters::{DeadLetters, NewDeadLetter, StoredDeadLetter};
 pub use error::StoreError;
 pub use factories::{Factories, Factory, Heard};
 pub use fields::{CurrentValue, FieldRow, Fields, NewField};

@@ -25,7 +25,7 @@ use crate::{
 };
 
 use engine::Engine;
-use handle::Command;
+use handle::MachineCommand;
 
 pub use handle::MachineHandle;
 
@@ -47,7 +47,7 @@ pub(crate) struct Host {
     server: Option<MachineServer>,
     layout: Layout,
     back_at: Option<(Instant, oneshot::Sender<Result<(), SimulatorError>>)>,
-    commands: mpsc::Receiver<Command>,
+    commands: mpsc::Receiver<MachineCommand>,
     node_ids: Arc<RwLock<HashMap<String, NodeId>>>,
 }
 
@@ -141,13 +141,13 @@ impl Host {
         }
     }
 
-    async fn handle_command(&mut self, command: Command) {
+    async fn handle_command(&mut self, command: MachineCommand) {
         // A caller may have dropped its receiver; send errors are ignored.
         match command {
-            Command::Set { key, value, status, reply } => {
+            MachineCommand::Set { key, value, status, reply } => {
                 let _ = reply.send(self.set(&key, value, status));
             }
-            Command::Release { key, reply } => {
+            MachineCommand::Release { key, reply } => {
                 let known = self.node_ids.read().contains_key(&key);
                 let _ = reply.send(if known {
                     self.engine.release(&key);
@@ -156,10 +156,10 @@ impl Host {
                     Err(SimulatorError::UnknownVariable(key))
                 });
             }
-            Command::Values { reply } => {
+            MachineCommand::Values { reply } => {
                 let _ = reply.send(self.values());
             }
-            Command::Inject { fault, reply } => self.inject(fault, reply).await,
+            MachineCommand::Inject { fault, reply } => self.inject(fault, reply).await,
         }
     }
 

@@ -8,13 +8,13 @@ use asi_model::{
     messages::{Acknowledgement, AcknowledgementResult, FactoryMessage, Fault, PlatformMessage},
     opcua_json::{Diagnostic, Leniency},
     pubsub::json::{PubSubError, decode_described},
-    validation::{self, Rejection},
+    validation::{self, InvalidMessage},
 };
 use serde_json::json;
 
 use crate::{
     input::{Input, Kind},
-    outcome::Outcome,
+    outcome::CommandOutcome,
 };
 
 /// Findings about one message.
@@ -25,7 +25,7 @@ pub struct Check {
     diagnostics: Vec<Diagnostic>,
     /// The message that an acknowledgement refers to; only messages to factories have one.
     pub message: Option<PlatformMessage>,
-    rejection: Option<Rejection>,
+    rejection: Option<InvalidMessage>,
 }
 
 impl Check {
@@ -86,12 +86,12 @@ impl Check {
     }
 
     /// Valid where there is no fault; diagnostics do not count.
-    pub const fn outcome(&self) -> Outcome {
-        if self.faults.is_empty() { Outcome::Valid } else { Outcome::Invalid }
+    pub const fn outcome(&self) -> CommandOutcome {
+        if self.faults.is_empty() { CommandOutcome::Valid } else { CommandOutcome::Invalid }
     }
 
     /// Prints one line per finding, and the result.
-    pub fn print(&self, out: &mut dyn Write) -> anyhow::Result<Outcome> {
+    pub fn print(&self, out: &mut dyn Write) -> anyhow::Result<CommandOutcome> {
         for fault in &self.faults {
             let place = if fault.pointer.is_empty() { "(the whole)" } else { &fault.pointer };
             writeln!(out, "{place}: {} [{}]", fault.message, fault.code)?;
@@ -112,7 +112,7 @@ impl Check {
         &self,
         factory: Option<&FactoryId>,
         out: &mut dyn Write,
-    ) -> anyhow::Result<Outcome> {
+    ) -> anyhow::Result<CommandOutcome> {
         let new_id = || MessageId::from(uuid::Uuid::now_v7());
         let unnamed = || "unknown".parse::<FactoryId>().context("`unknown` is a factory id");
         let acknowledgement = match (&self.message, self.rejection.clone()) {

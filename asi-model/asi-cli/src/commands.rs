@@ -23,12 +23,12 @@ use crate::{
     check::{Check, pubsub_fault},
     explain,
     input::{Input, Kind},
-    outcome::Outcome,
+    outcome::CommandOutcome,
 };
 
 /// Commands of `asi`.
 #[derive(Debug, clap::Subcommand)]
-pub enum Command {
+pub enum AsiCommand {
     /// Check a message: everything that is wrong with it, each fault with a JSON pointer.
     Validate {
         /// The message; standard input where it is absent or `-`.
@@ -90,29 +90,29 @@ pub enum NodesetCommand {
 }
 
 /// Carries out a command.
-pub fn run(command: Command, out: &mut dyn Write) -> anyhow::Result<Outcome> {
+pub fn run(command: AsiCommand, out: &mut dyn Write) -> anyhow::Result<CommandOutcome> {
     match command {
-        Command::Validate { file, factory, json, strict } => {
+        AsiCommand::Validate { file, factory, json, strict } => {
             let input = Input::read(file.as_deref())?;
             let check = Check::of(&input, factory.as_ref(), strict);
             if json { check.print_acknowledgement(factory.as_ref(), out) } else { check.print(out) }
         }
-        Command::Convert { file, to, meta_data } => {
+        AsiCommand::Convert { file, to, meta_data } => {
             let input = Input::read(file.as_deref())?;
             convert(&input, to, meta_data.as_deref(), out)
         }
-        Command::Nodeset(command) => nodeset(command, out),
-        Command::Explain { file, meta_data } => {
+        AsiCommand::Nodeset(command) => nodeset(command, out),
+        AsiCommand::Explain { file, meta_data } => {
             let input = Input::read(file.as_deref())?;
             explain_message(&input, meta_data.as_deref(), out)
         }
-        Command::Schema { folder } => {
+        AsiCommand::Schema { folder } => {
             for (name, known) in schema::all() {
                 let path = folder.join(name);
                 std::fs::write(&path, schema::text(&known))
                     .with_context(|| format!("cannot write {}", path.display()))?;
             }
-            Ok(Outcome::Valid)
+            Ok(CommandOutcome::Valid)
         }
     }
 }
@@ -142,7 +142,7 @@ fn convert(
     encoding: Encoding,
     meta_data: Option<&Path>,
     out: &mut dyn Write,
-) -> anyhow::Result<Outcome> {
+) -> anyhow::Result<CommandOutcome> {
     let meta_data = read_meta_data(meta_data)?;
     let decoded = match &meta_data {
         Some(known) => decode_described(&input.bytes, Leniency::Lenient, known),
@@ -153,7 +153,7 @@ fn convert(
         Err(error) => {
             let fault = pubsub_fault(&error);
             note_fault(&fault);
-            return Ok(Outcome::Invalid);
+            return Ok(CommandOutcome::Invalid);
         }
     };
     note(&decoded.diagnostics);
@@ -163,18 +163,18 @@ fn convert(
     };
     out.write_all(&bytes)?;
     writeln!(out)?;
-    Ok(Outcome::Valid)
+    Ok(CommandOutcome::Valid)
 }
 
 fn note_fault(fault: &Fault) {
     note(&[Diagnostic { pointer: fault.pointer.clone(), message: fault.message.clone() }]);
 }
 
-fn nodeset(command: NodesetCommand, out: &mut dyn Write) -> anyhow::Result<Outcome> {
+fn nodeset(command: NodesetCommand, out: &mut dyn Write) -> anyhow::Result<CommandOutcome> {
     let (file, as_nodes) = match command {
         NodesetCommand::Types => {
             out.write_all(node_set::write(&asi_types::node_set()).as_bytes())?;
-            return Ok(Outcome::Valid);
+            return Ok(CommandOutcome::Valid);
         }
         NodesetCommand::Instance { file } => (file, true),
         NodesetCommand::Read { file } => (file, false),
@@ -185,30 +185,30 @@ fn nodeset(command: NodesetCommand, out: &mut dyn Write) -> anyhow::Result<Outco
             out.write_all(
                 node_set::write(&instance::node_set(&Instance::new(&message))).as_bytes(),
             )?;
-            Ok(Outcome::Valid)
+            Ok(CommandOutcome::Valid)
         }
         Ok(message) if !as_nodes => {
             writeln!(out, "{}", serde_json::to_string_pretty(&message)?)?;
-            Ok(Outcome::Valid)
+            Ok(CommandOutcome::Valid)
         }
         Ok(other) => bail!("an operation-network message is needed, not {}", other.message_type()),
         Err(rejection) => rejected(&rejection),
     }
 }
 
-fn rejected(rejection: &validation::Rejection) -> anyhow::Result<Outcome> {
+fn rejected(rejection: &validation::InvalidMessage) -> anyhow::Result<CommandOutcome> {
     rejection.faults.iter().for_each(note_fault);
-    Ok(Outcome::Invalid)
+    Ok(CommandOutcome::Invalid)
 }
 
 fn explain_message(
     input: &Input,
     meta_data: Option<&Path>,
     out: &mut dyn Write,
-) -> anyhow::Result<Outcome> {
+) -> anyhow::Result<CommandOutcome> {
     let meta_data = read_meta_data(meta_data)?;
     let check = Check::of(input, None, false);
-    if check.outcome() == Outcome::Invalid {
+    if check.outcome() == CommandOutcome::Invalid {
         return check.print(out);
     }
     match (&check.message, input.kind) {
@@ -226,5 +226,5 @@ fn explain_message(
         }
         (None, _) => explain::members(&serde_json::from_slice(&input.bytes)?, out)?,
     }
-    Ok(Outcome::Valid)
+    Ok(CommandOutcome::Valid)
 }

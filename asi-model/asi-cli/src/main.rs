@@ -13,8 +13,8 @@ use std::{io::Write as _, process::ExitCode};
 
 use clap::Parser as _;
 
-use commands::Command;
-use outcome::Outcome;
+use commands::AsiCommand;
+use outcome::CommandOutcome;
 
 /// Checks, converts and explains messages of the Activity Status Interface.
 #[derive(Debug, clap::Parser)]
@@ -27,7 +27,7 @@ command could not be carried out."
 )]
 struct Arguments {
     #[command(subcommand)]
-    command: Command,
+    command: AsiCommand,
 }
 
 fn main() -> ExitCode {
@@ -39,8 +39,8 @@ fn main() -> ExitCode {
         Ok(outcome)
     });
     match outcome {
-        Ok(Outcome::Valid) => ExitCode::SUCCESS,
-        Ok(Outcome::Invalid) => ExitCode::from(1),
+        Ok(CommandOutcome::Valid) => ExitCode::SUCCESS,
+        Ok(CommandOutcome::Invalid) => ExitCode::from(1),
         // The reader of our output may stop early, as `head` does.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {

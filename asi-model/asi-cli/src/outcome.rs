@@ -2,7 +2,7 @@
 
 /// Result of a command that could be carried out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome {
+pub enum CommandOutcome {
     /// All is well.
     Valid,
     /// The input is not valid.

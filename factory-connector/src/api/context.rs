@@ -26,7 +26,7 @@ use crate::{
     catalog::CatalogHandle,
     coordinator::CoordinatorHandle,
     lease::LeaseStatus,
-    store::{Readers, Session},
+    store::{Readers, StoreSession},
 };
 
 /// Name of the session cookie.
@@ -95,7 +95,7 @@ impl Api {
     }
 
     /// Takes a reading connection to the store.
-    pub(super) async fn store(&self) -> Result<Session, Problem> {
+    pub(super) async fn store(&self) -> Result<StoreSession, Problem> {
         Ok(self.parts.readers.session().await?)
     }
 }

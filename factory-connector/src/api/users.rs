@@ -15,7 +15,7 @@ use utoipa::ToSchema;
 use super::{context::Api, problems::Problems, roles::Engineer, view::Page};
 use crate::{
     clock::now,
-    store::{Role, Session, Store, StoreError, User},
+    store::{Role, Store, StoreError, StoreSession, User},
 };
 
 /// Longest name, in characters.
@@ -149,7 +149,7 @@ async fn all_users(api: &Api) -> Result<Vec<UserView>, Problem> {
 async fn on_store<T, W, F>(api: &Api, work: W) -> Result<T, Problem>
 where
     T: Send + 'static,
-    W: FnOnce(Session) -> F + Send + 'static,
+    W: FnOnce(StoreSession) -> F + Send + 'static,
     F: Future<Output = Result<T, StoreError>>,
 {
     let (directory, runtime) =

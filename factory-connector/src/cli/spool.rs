@@ -6,7 +6,7 @@ use anyhow::Context as _;
 use clap::Subcommand;
 use factory_connector::{
     config::ConnectorConfig,
-    store::{Session, SpooledMessage, Store},
+    store::{SpooledMessage, Store, StoreSession},
 };
 
 #[derive(Debug, Subcommand)]
@@ -73,7 +73,7 @@ pub(super) async fn run(command: SpoolCommand, config: &ConnectorConfig) -> anyh
 
 /// Hands out the next messages and returns the number of the last one.
 async fn for_block(
-    session: &mut Session,
+    session: &mut StoreSession,
     after: i64,
     mut each: impl FnMut(&SpooledMessage) -> std::io::Result<()>,
 ) -> anyhow::Result<Option<i64>> {

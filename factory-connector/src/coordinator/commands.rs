@@ -4,7 +4,7 @@ use connector_state::use_cases::values::write_value;
 use messaging::Settlement;
 
 use super::{
-    handle::{Command, CommandKind, Reply, WriteOutcome},
+    handle::{CommandKind, CoordinatorCommand, Reply, WriteOutcome},
     incoming, outcomes,
     unit_of_work::UnitOfWork,
 };
@@ -14,7 +14,7 @@ use crate::{clock::now, store::StoreError};
 /// the caller has it already.
 pub(super) async fn handle_command(
     work: &mut UnitOfWork,
-    Command(command): Command,
+    CoordinatorCommand(command): CoordinatorCommand,
 ) -> Result<Option<Reply>, StoreError> {
     let now = now();
     let reply: Reply = match command {

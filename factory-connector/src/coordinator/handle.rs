@@ -29,7 +29,7 @@ pub enum WriteOutcome {
 }
 
 /// Reads the state.
-pub(super) type Query = Box<dyn FnOnce(&ConnectorState) + Send>;
+pub(super) type StateQuery = Box<dyn FnOnce(&ConnectorState) + Send>;
 /// Answers the caller, once it is known whether the transaction was committed.
 pub(super) type Reply = Box<dyn FnOnce(bool) + Send>;
 /// Runs a use case; one that failed has no changes.
@@ -37,7 +37,7 @@ pub(super) type UseCase =
     Box<dyn FnOnce(&mut ConnectorState, DateTime) -> (Option<ChangeSet>, Reply) + Send>;
 
 /// A request to the coordinator.
-pub struct Command(pub(super) CommandKind);
+pub struct CoordinatorCommand(pub(super) CommandKind);
 
 /// Kinds of requests.
 pub(super) enum CommandKind {
@@ -48,7 +48,7 @@ pub(super) enum CommandKind {
     /// A value of a person or an OPC UA client.
     WriteValue(FieldKey, ValueSource, DataValue, oneshot::Sender<Option<WriteOutcome>>),
     /// A question about the state.
-    Read(Query),
+    Read(StateQuery),
     /// A use case.
     Execute(UseCase),
 }
@@ -56,11 +56,11 @@ pub(super) enum CommandKind {
 /// Handle of the coordinator.
 #[derive(Clone)]
 pub struct CoordinatorHandle {
-    commands: mpsc::Sender<Command>,
+    commands: mpsc::Sender<CoordinatorCommand>,
 }
 
 impl CoordinatorHandle {
-    pub(super) const fn new(commands: mpsc::Sender<Command>) -> Self {
+    pub(super) const fn new(commands: mpsc::Sender<CoordinatorCommand>) -> Self {
         Self { commands }
     }
 
@@ -140,7 +140,7 @@ impl CoordinatorHandle {
         command: impl FnOnce(oneshot::Sender<T>) -> CommandKind,
     ) -> Result<T, CoordinatorError> {
         let (reply, answer) = oneshot::channel();
-        let command = Command(command(reply));
+        let command = CoordinatorCommand(command(reply));
         self.commands.send(command).await.map_err(|_| CoordinatorError::Stopped)?;
         answer.await.map_err(|_| CoordinatorError::Stopped)
     }

@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use asi_model::{
     DateTime,
     messages::{Fault, PlatformMessage, REQUEST_BYTES_MAX, Receipt},
-    validation::{Rejection, parse_platform_message},
+    validation::{InvalidMessage, parse_platform_message},
 };
 use connector_state::use_cases::{
     comments::receive_comment,
@@ -70,15 +70,20 @@ pub(super) async fn deliver(
     Ok(())
 }
 
-fn unreadable(error: &impl ToString) -> Rejection {
+fn unreadable(error: &impl ToString) -> InvalidMessage {
     let fault =
         Fault { pointer: String::new(), code: "UNREADABLE".to_owned(), message: error.to_string() };
-    Rejection { faults: vec![fault], message_id: None, operation_network_id: None, revision: None }
+    InvalidMessage {
+        faults: vec![fault],
+        message_id: None,
+        operation_network_id: None,
+        revision: None,
+    }
 }
 
 fn reject(
     work: &mut UnitOfWork,
-    rejection: Rejection,
+    rejection: InvalidMessage,
     received: ReceivedMessage<'_>,
     now: DateTime,
 ) {

@@ -51,7 +51,7 @@ use crate::{
     lease::LeaseGate,
     ledger_key::{self, LEDGER_KEY_FILE},
     link_adapter::ConnectorSpool,
-    store::{LedgerCursor, LedgerFilter, Readers, Session},
+    store::{LedgerCursor, LedgerFilter, Readers, StoreSession},
 };
 
 /// Longest time that anything may take.
@@ -268,7 +268,7 @@ impl Running {
         rows.iter().map(|row| serde_json::from_str(&row.content).expect("JSON")).collect()
     }
 
-    async fn session(&self) -> Session {
+    async fn session(&self) -> StoreSession {
         self.readers.session().await.expect("a connection")
     }
 }

@@ -23,7 +23,7 @@ use super::{
     migrations::migrate,
     place::{host_of, place_of},
     reports,
-    session::{Readers, Session},
+    session::{Readers, StoreSession},
     write_connection::WriteConnection,
 };
 
@@ -39,7 +39,7 @@ const LOG_BYTES: &str = "67108864";
 pub struct Store {
     writer: WriteConnection,
     /// Sees each transaction once it is committed, and waits for no other reader.
-    session: Session,
+    session: StoreSession,
     readers: Readers,
     identity: Identity,
     directory: PathBuf,
@@ -100,14 +100,14 @@ impl Store {
     ///
     /// # Errors
     /// [`StoreError`] where the file cannot be opened, or its tables not be brought up to date.
-    pub async fn connect(directory: &Path) -> Result<Session, StoreError> {
+    pub async fn connect(directory: &Path) -> Result<StoreSession, StoreError> {
         let mut connection = options(&directory.join(DATABASE_FILE))
             .create_if_missing(true)
             .connect()
             .await
             .map_err(StoreError::while_doing("open the store"))?;
         migrate(&mut connection).await?;
-        Ok(Session::new(connection))
+        Ok(StoreSession::new(connection))
     }
 
     /// Returns factory, place and lease of the store.
@@ -129,7 +129,7 @@ impl Store {
     }
 
     /// Reads through the owner's connection.
-    pub const fn read(&mut self) -> &mut Session {
+    pub const fn read(&mut self) -> &mut StoreSession {
         &mut self.session
     }
 

@@ -1,9 +1,9 @@
 //! Snapshot of the store, read at a start and after a failed transaction.
 
-use super::{Snapshot, StoredMappings, StoredPolicies, error::StoreError, session::Session};
+use super::{Snapshot, StoredMappings, StoredPolicies, error::StoreError, session::StoreSession};
 
 /// Reads everything that the connector has in memory.
-pub(super) async fn load(session: &mut Session) -> Result<Snapshot, StoreError> {
+pub(super) async fn load(session: &mut StoreSession) -> Result<Snapshot, StoreError> {
     Ok(Snapshot {
         networks: session.networks().all().await?,
         fields: session.fields().all().await?,

@@ -39,10 +39,10 @@ impl Readers {
     ///
     /// # Errors
     /// [`StoreError::Database`], for instance when the store is closed.
-    pub async fn session(&self) -> Result<Session, StoreError> {
+    pub async fn session(&self) -> Result<StoreSession, StoreError> {
         let connection =
             self.0.acquire().await.map_err(StoreError::while_doing("connect to the store"))?;
-        Ok(Session(Connection::Pooled(connection)))
+        Ok(StoreSession(Connection::Pooled(connection)))
     }
 
     pub(super) async fn close(&self) {
@@ -51,14 +51,14 @@ impl Readers {
 }
 
 /// One connection, which sees every transaction that was committed before its statement.
-pub struct Session(Connection);
+pub struct StoreSession(Connection);
 
 enum Connection {
     Own(Box<SqliteConnection>),
     Pooled(PoolConnection<Sqlite>),
 }
 
-impl Session {
+impl StoreSession {
     pub(super) fn new(connection: SqliteConnection) -> Self {
         Self(Connection::Own(Box::new(connection)))
     }

@@ -13,9 +13,9 @@ use super::{
 };
 use crate::dry_run::DryRunSample;
 
-/// Command with the sender of its reply.
+/// MappingCommand with the sender of its reply.
 #[derive(Debug)]
-pub(super) enum Command {
+pub(super) enum MappingCommand {
     Put(Vec<Compiled>, oneshot::Sender<Vec<Result<(), EngineError>>>),
     Remove(MappingId, oneshot::Sender<bool>),
     Status(MappingId, oneshot::Sender<Option<MappingStatus>>),

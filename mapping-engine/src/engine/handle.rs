@@ -9,7 +9,7 @@ use mapping::{
 use tokio::sync::{mpsc, oneshot};
 
 use super::{
-    command::{Command, Compiled},
+    command::{Compiled, MappingCommand},
     dry_runner::DryRunRequest,
     error::EngineError,
     status::MappingStatus,
@@ -20,7 +20,7 @@ use crate::dry_run::{DryRunSample, SAMPLES_MAX, Trace};
 /// Cloneable handle to the engine's task.
 #[derive(Debug, Clone)]
 pub struct MappingEngineHandle {
-    pub(super) commands: mpsc::Sender<Command>,
+    pub(super) commands: mpsc::Sender<MappingCommand>,
     pub(super) dry_runs: mpsc::Sender<DryRunRequest>,
 }
 
@@ -58,7 +58,7 @@ impl MappingEngineHandle {
             });
         }
         let (reply, answer) = oneshot::channel();
-        self.send(Command::Put(compiled, reply)).await?;
+        self.send(MappingCommand::Put(compiled, reply)).await?;
         let mut put = answer.await.map_err(|_| EngineError::Stopped)?.into_iter();
         for result in results.iter_mut().filter(|result| result.is_ok()) {
             if let Some(Err(error)) = put.next() {
@@ -74,7 +74,7 @@ impl MappingEngineHandle {
     /// [`EngineError::Stopped`].
     pub async fn remove(&self, mapping_id: &MappingId) -> Result<bool, EngineError> {
         let (reply, answer) = oneshot::channel();
-        self.send(Command::Remove(mapping_id.clone(), reply)).await?;
+        self.send(MappingCommand::Remove(mapping_id.clone(), reply)).await?;
         answer.await.map_err(|_| EngineError::Stopped)
     }
 
@@ -89,7 +89,7 @@ impl MappingEngineHandle {
         most: usize,
     ) -> Result<MappingSurvey, EngineError> {
         let (reply, answer) = oneshot::channel();
-        self.send(Command::Survey(wanted, most, reply)).await?;
+        self.send(MappingCommand::Survey(wanted, most, reply)).await?;
         answer.await.map_err(|_| EngineError::Stopped)
     }
 
@@ -102,7 +102,7 @@ impl MappingEngineHandle {
         mapping_id: &MappingId,
     ) -> Result<Option<MappingStatus>, EngineError> {
         let (reply, answer) = oneshot::channel();
-        self.send(Command::Status(mapping_id.clone(), reply)).await?;
+        self.send(MappingCommand::Status(mapping_id.clone(), reply)).await?;
         answer.await.map_err(|_| EngineError::Stopped)
     }
 
@@ -113,7 +113,7 @@ impl MappingEngineHandle {
     /// [`EngineError::Stopped`].
     pub async fn reset(&self, mapping_id: &MappingId) -> Result<bool, EngineError> {
         let (reply, answer) = oneshot::channel();
-        self.send(Command::Reset(mapping_id.clone(), reply)).await?;
+        self.send(MappingCommand::Reset(mapping_id.clone(), reply)).await?;
         answer.await.map_err(|_| EngineError::Stopped)
     }
 
@@ -135,7 +135,7 @@ impl MappingEngineHandle {
         inputs: Vec<MappingInput>,
     ) -> Result<Vec<DryRunSample>, EngineError> {
         let (reply, answer) = oneshot::channel();
-        self.send(Command::Recorded(inputs, reply)).await?;
+        self.send(MappingCommand::Recorded(inputs, reply)).await?;
         answer.await.map_err(|_| EngineError::Stopped)
     }
 
@@ -162,7 +162,7 @@ impl MappingEngineHandle {
         answer.await.map_err(|_| EngineError::Stopped)
     }
 
-    async fn send(&self, command: Command) -> Result<(), EngineError> {
+    async fn send(&self, command: MappingCommand) -> Result<(), EngineError> {
         self.commands.send(command).await.map_err(|_| EngineError::Stopped)
     }
 }

@@ -13,7 +13,7 @@ use tokio::{
 use tokio_util::sync::CancellationToken;
 
 use super::{
-    command::Command,
+    command::MappingCommand,
     config::MappingEngineConfig,
     core::Core,
     dry_runner::{self, DryRunRequest},
@@ -38,7 +38,7 @@ pub struct MappingEngine {
     config: MappingEngineConfig,
     inputs: Box<dyn Inputs>,
     changes: mpsc::Receiver<Vec<InputChange>>,
-    commands: mpsc::Receiver<Command>,
+    commands: mpsc::Receiver<MappingCommand>,
     dry_runs: mpsc::Receiver<DryRunRequest>,
     candidates: mpsc::Sender<Vec<Candidate>>,
 }
@@ -145,15 +145,17 @@ async fn join_all(mut tasks: JoinSet<()>) {
     }
 }
 
-fn handle_command(core: &mut Core, command: Command) {
+fn handle_command(core: &mut Core, command: MappingCommand) {
     // The caller may have dropped its receiver; the command is carried out nevertheless.
     match command {
-        Command::Put(compiled, reply) => drop(reply.send(core.put_many(compiled, now()))),
-        Command::Remove(id, reply) => drop(reply.send(core.remove(&id))),
-        Command::Status(id, reply) => drop(reply.send(core.status(&id))),
-        Command::Survey(wanted, most, reply) => drop(reply.send(core.survey(wanted, most))),
-        Command::Reset(id, reply) => drop(reply.send(core.reset(&id))),
-        Command::Recorded(inputs, reply) => drop(reply.send(core.recorded(&inputs, SAMPLES_MAX))),
+        MappingCommand::Put(compiled, reply) => drop(reply.send(core.put_many(compiled, now()))),
+        MappingCommand::Remove(id, reply) => drop(reply.send(core.remove(&id))),
+        MappingCommand::Status(id, reply) => drop(reply.send(core.status(&id))),
+        MappingCommand::Survey(wanted, most, reply) => drop(reply.send(core.survey(wanted, most))),
+        MappingCommand::Reset(id, reply) => drop(reply.send(core.reset(&id))),
+        MappingCommand::Recorded(inputs, reply) => {
+            drop(reply.send(core.recorded(&inputs, SAMPLES_MAX)))
+        }
     }
 }
 

@@ -22,10 +22,10 @@ use crate::{
     config::LinkLimits,
     profile::BrokerProfile,
     spool::{
-        Rejection, RejectionAction, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore,
-        StoreError, after_rejection,
+        Rejection, RejectionAction, RowId, RowOutcome, SendOutcome, SpoolError, SpoolRow,
+        SpoolStore, after_rejection,
     },
-    transport::{Connection, EndpointFault, Outcome},
+    transport::{BrokerOutcome, Connection, EndpointFault},
 };
 use address_sender::SenderEvent;
 use addresses::Addresses;
@@ -181,7 +181,7 @@ impl Sender {
         }
     }
 
-    fn on_store_failed(&mut self, problem: &StoreError) {
+    fn on_store_failed(&mut self, problem: &SpoolError) {
         error!(error = %problem, "The spool cannot be read.");
         self.shared.report_obstacle("the spool", problem.to_string());
         let retry = Instant::now() + STORE_RETRY;
@@ -244,22 +244,22 @@ impl Sender {
         }
     }
 
-    fn on_outcome(&mut self, id: RowId, outcome: Outcome) {
+    fn on_outcome(&mut self, id: RowId, outcome: BrokerOutcome) {
         let Some((address, attempts)) = self.settle(id) else { return };
         match outcome {
-            Outcome::Accepted => {
+            BrokerOutcome::Accepted => {
                 count_sent("accepted");
                 let at = clock::now();
                 self.record(id, SendOutcome::Accepted);
                 self.shared.accepted(at);
                 self.on_address_works(&address);
             }
-            Outcome::Released => {
+            BrokerOutcome::Released => {
                 count_sent("released");
                 self.cursor.close(id);
                 self.back_off(&address, "the broker released a message".to_owned());
             }
-            Outcome::Rejected(rejection) => {
+            BrokerOutcome::Rejected(rejection) => {
                 count_sent("rejected");
                 self.on_rejected(id, &address, rejection, attempts);
             }

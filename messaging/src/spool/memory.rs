@@ -8,8 +8,8 @@ use parking_lot::Mutex;
 use time::OffsetDateTime;
 
 use super::{
-    Backlog, Fetch, Lane, Rejection, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore,
-    StoreError,
+    Backlog, Fetch, Lane, Rejection, RowId, RowOutcome, SendOutcome, SpoolError, SpoolRow,
+    SpoolStore,
 };
 use crate::{address::LogicalAddress, clock, envelope::Envelope};
 
@@ -112,7 +112,7 @@ impl MemorySpool {
 
 #[async_trait]
 impl SpoolStore for MemorySpool {
-    async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, StoreError> {
+    async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, SpoolError> {
         let rows = self.rows.lock();
         let from = RowId(fetch.after.0 + 1);
         let in_range = rows.1.range(from..).map(|(_, row)| row).filter(|r| {
@@ -139,7 +139,7 @@ impl SpoolStore for MemorySpool {
             .collect())
     }
 
-    async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), StoreError> {
+    async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), SpoolError> {
         let mut rows = self.rows.lock();
         for outcome in outcomes {
             let Some(row) = rows.1.get_mut(&outcome.id) else { continue };
@@ -160,11 +160,11 @@ impl SpoolStore for MemorySpool {
         Ok(())
     }
 
-    async fn last_row(&self) -> Result<RowId, StoreError> {
+    async fn last_row(&self) -> Result<RowId, SpoolError> {
         Ok(RowId(self.rows.lock().0))
     }
 
-    async fn backlog(&self) -> Result<Backlog, StoreError> {
+    async fn backlog(&self) -> Result<Backlog, SpoolError> {
         let rows = self.rows.lock();
         let stored = rows.1.values().filter(|r| !matches!(r.state, State::Parked(_)));
         let mut backlog = Backlog::default();

@@ -47,7 +47,7 @@ pub(crate) enum EndpointFault {
 
 /// The broker's settlement of a sent message.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Outcome {
+pub(crate) enum BrokerOutcome {
     /// Stored by the broker.
     Accepted,
     /// Refused, with the reason.
@@ -83,7 +83,7 @@ pub(crate) trait Connection: Send + Sync {
 }
 
 /// The future of a sent message's outcome. Resolves at the latest when the sender is dropped.
-pub(crate) type OutcomeFuture = BoxFuture<'static, Result<Outcome, EndpointFault>>;
+pub(crate) type OutcomeFuture = BoxFuture<'static, Result<BrokerOutcome, EndpointFault>>;
 
 /// A sender to one address.
 #[async_trait]

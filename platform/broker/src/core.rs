@@ -25,7 +25,7 @@ use crate::{
     message::{AnyMessage, Features},
     queue::{Queue, QueueEntry},
     status::{ConnectionStatus, QueueStatus},
-    store::{self, Command, DeadLettering, WriterHandle},
+    store::{self, DeadLettering, StoreCommand, WriterHandle},
 };
 
 /// Bodies read in one query when one is not in the cache.
@@ -129,7 +129,7 @@ impl Core {
             .map_or_else(|| self.next_queue_id.fetch_add(1, Ordering::Relaxed), |queue| queue.id);
         let answer = self
             .writer
-            .ask(|done| Command::DeclareQueue { id, name: name.to_string(), options, done })
+            .ask(|done| StoreCommand::DeclareQueue { id, name: name.to_string(), options, done })
             .await;
         answer
             .ok_or(BrokerError::Stopped)?
@@ -158,7 +158,7 @@ impl Core {
         let _turn = self.declaring.lock().await;
         let queue =
             self.queue(name).ok_or_else(|| BrokerError::UnknownQueue { queue: name.clone() })?;
-        let answer = self.writer.ask(|done| Command::DeleteQueue { id: queue.id, done }).await;
+        let answer = self.writer.ask(|done| StoreCommand::DeleteQueue { id: queue.id, done }).await;
         answer
             .ok_or(BrokerError::Stopped)?
             .map_err(|source| BrokerError::Store { action: "delete a queue", source })?;
@@ -203,7 +203,7 @@ impl Core {
     pub(crate) async fn remove(&self, queue: &Queue, entry: &QueueEntry) {
         self.cache.remove(entry.id);
         queue.settle(entry);
-        self.write(Command::Remove(entry.id)).await;
+        self.write(StoreCommand::Remove(entry.id)).await;
     }
 
     /// Counts a failed delivery: the message is requeued, or dead-lettered at the queue's limit.
@@ -219,7 +219,7 @@ impl Core {
             let reason = format!("delivered {} times without success", entry.delivery_count);
             self.dead_letter(queue, entry, message, TOO_MANY_DELIVERIES.to_owned(), reason).await;
         } else {
-            self.write(Command::CountDelivery {
+            self.write(StoreCommand::CountDelivery {
                 id: entry.id,
                 delivery_count: entry.delivery_count,
             })
@@ -245,7 +245,7 @@ impl Core {
         self.cache.remove(entry.id);
         let features = Features::of(message);
         let letter = DeadLettering { entry, origin: Arc::clone(queue), features, code, reason };
-        self.write(Command::DeadLetter(Box::new(letter))).await;
+        self.write(StoreCommand::DeadLetter(Box::new(letter))).await;
     }
 
     /// Removes expired messages and the oldest dead letters beyond their bound.
@@ -254,15 +254,15 @@ impl Core {
             for entry in queue.withdraw_expired(now_ms) {
                 metrics::counter!("broker_messages_expired_total").increment(1);
                 self.cache.remove(entry.id);
-                self.write(Command::Remove(entry.id)).await;
+                self.write(StoreCommand::Remove(entry.id)).await;
             }
         }
         for entry in self.dead_letters.withdraw_beyond(self.config.limits.dead_letters_max) {
-            self.write(Command::Remove(entry.id)).await;
+            self.write(StoreCommand::Remove(entry.id)).await;
         }
     }
 
-    async fn write(&self, command: Command) {
+    async fn write(&self, command: StoreCommand) {
         if self.writer.send(command).await.is_err() {
             // Only while the broker stops: a settlement that is not recorded means one more delivery.
             tracing::debug!("the broker's writer has stopped before a settlement was recorded");

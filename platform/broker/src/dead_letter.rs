@@ -11,7 +11,7 @@ pub(crate) const TOO_MANY_DELIVERIES: &str = "verbund:too-many-deliveries";
 /// A message in the queue `dead-letters`, without its body.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct DeadLetter {
+pub struct BrokerDeadLetter {
     /// Number of the message; grows with the order of arrival at the broker.
     pub id: i64,
     /// Queue from which it was removed.

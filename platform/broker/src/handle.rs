@@ -14,12 +14,12 @@ use crate::{
     config::{BrokerConfig, QueueOptions},
     core::Core,
     credentials::Credentials,
-    dead_letter::DeadLetter,
+    dead_letter::BrokerDeadLetter,
     error::BrokerError,
     listener::{self, BoundListener},
     queue::{Queue, QueueEntry},
     status::{ConnectionStatus, QueueStatus},
-    store::{self, Command, Writer},
+    store::{self, StoreCommand, Writer},
 };
 
 /// An opened broker, to be driven by [`run`](Self::run).
@@ -164,7 +164,7 @@ impl BrokerHandle {
         &self,
         after: i64,
         limit: u32,
-    ) -> Result<Vec<DeadLetter>, BrokerError> {
+    ) -> Result<Vec<BrokerDeadLetter>, BrokerError> {
         let read = store::dead_letters(self.core.readers(), after, limit).await;
         read.map_err(|source| BrokerError::Store { action: "read the dead letters", source })
     }
@@ -202,8 +202,11 @@ impl BrokerHandle {
             ));
         }
         let numbers = moves.iter().map(|(old, new, queue)| (old.id, new.id, queue.id)).collect();
-        let answer =
-            self.core.writer.ask(|done| Command::ReplayDeadLetters { moves: numbers, done }).await;
+        let answer = self
+            .core
+            .writer
+            .ask(|done| StoreCommand::ReplayDeadLetters { moves: numbers, done })
+            .await;
         let is_moved = matches!(answer, Some(Ok(())));
         let count = moves.len() as u64;
         for (old, new, queue) in moves {
@@ -220,8 +223,11 @@ impl BrokerHandle {
         let gone: Vec<_> =
             ids.iter().filter_map(|id| self.core.dead_letters.withdraw(*id)).collect();
         let numbers = gone.iter().map(|entry| entry.id).collect();
-        let answer =
-            self.core.writer.ask(|done| Command::PurgeDeadLetters { ids: numbers, done }).await;
+        let answer = self
+            .core
+            .writer
+            .ask(|done| StoreCommand::PurgeDeadLetters { ids: numbers, done })
+            .await;
         if !matches!(answer, Some(Ok(()))) {
             gone.iter().for_each(|entry| self.core.dead_letters.adopt(*entry));
         }

@@ -16,7 +16,7 @@ use sqlx::{
     },
 };
 
-pub(crate) use command::{Command, DeadLettering, NewMessage, WriteFailed, WriterHandle};
+pub(crate) use command::{DeadLettering, NewMessage, StoreCommand, WriteFailed, WriterHandle};
 pub(crate) use dead_letters::{dead_letter_body, dead_letters};
 pub(crate) use reader::{bodies, load};
 pub(crate) use writer::Writer;

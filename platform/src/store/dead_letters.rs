@@ -31,7 +31,7 @@ pub struct NewDeadLetter {
 
 /// A stored dead letter, without its body.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct DeadLetter {
+pub struct StoredDeadLetter {
     pub dead_letter_id: u64,
     /// Logical address of arrival.
     pub address: String,
@@ -94,7 +94,7 @@ impl DeadLetters<'_> {
         &mut self,
         before: Option<u64>,
         limit: u32,
-    ) -> Result<Vec<DeadLetter>, StoreError> {
+    ) -> Result<Vec<StoredDeadLetter>, StoreError> {
         let sql = "SELECT dead_letter_id, address, message_id, subject, code, reason, received_at, replayed_at,
                        LENGTH(body) AS bytes FROM dead_letter WHERE dead_letter_id < $1
                    ORDER BY dead_letter_id DESC LIMIT $2";
@@ -147,8 +147,8 @@ impl DeadLetters<'_> {
     }
 }
 
-fn read(row: &DatabaseRow) -> Result<DeadLetter, StoreError> {
-    Ok(DeadLetter {
+fn read(row: &DatabaseRow) -> Result<StoredDeadLetter, StoreError> {
+    Ok(StoredDeadLetter {
         dead_letter_id: row.unsigned("dead_letter_id")?,
         address: row.column("address")?,
         message_id: row.column("message_id")?,

@@ -13,13 +13,13 @@ use crate::{Fault, MachineConfig, SimulatorError};
 pub struct MachineHandle {
     pub(super) config: Arc<MachineConfig>,
     pub(super) endpoint_url: String,
-    pub(super) commands: mpsc::Sender<Command>,
+    pub(super) commands: mpsc::Sender<MachineCommand>,
     pub(super) node_ids: Arc<RwLock<HashMap<String, NodeId>>>,
     pub(super) pki_directory: PathBuf,
 }
 
-/// Command to a machine, with the channel for its reply.
-pub(super) enum Command {
+/// MachineCommand to a machine, with the channel for its reply.
+pub(super) enum MachineCommand {
     Set {
         key: String,
         value: Variant,
@@ -96,7 +96,7 @@ impl MachineHandle {
         status: StatusCode,
     ) -> Result<DateTime, SimulatorError> {
         let (key, value) = (key.to_owned(), value.into());
-        self.ask(|reply| Command::Set { key, value, status, reply }).await?
+        self.ask(|reply| MachineCommand::Set { key, value, status, reply }).await?
     }
 
     /// Lets a variable run by itself again.
@@ -105,7 +105,7 @@ impl MachineHandle {
     /// [`SimulatorError::UnknownVariable`].
     pub async fn release(&self, key: &str) -> Result<(), SimulatorError> {
         let key = key.to_owned();
-        self.ask(|reply| Command::Release { key, reply }).await?
+        self.ask(|reply| MachineCommand::Release { key, reply }).await?
     }
 
     /// All variables with their types and values, by key.
@@ -113,7 +113,7 @@ impl MachineHandle {
     /// # Errors
     /// [`SimulatorError::Stopped`].
     pub async fn values(&self) -> Result<Vec<(String, BuiltInType, DataValue)>, SimulatorError> {
-        self.ask(|reply| Command::Values { reply }).await
+        self.ask(|reply| MachineCommand::Values { reply }).await
     }
 
     /// Makes the machine fail, or heals it. Ends when the fault is in effect; a restart when the
@@ -122,7 +122,7 @@ impl MachineHandle {
     /// # Errors
     /// [`SimulatorError`] when the fault needs a relay or a variable that is not there.
     pub async fn inject(&self, fault: Fault) -> Result<(), SimulatorError> {
-        self.ask(|reply| Command::Inject { fault, reply }).await?
+        self.ask(|reply| MachineCommand::Inject { fault, reply }).await?
     }
 
     /// Trusts all clients whose certificates were rejected so far.
@@ -141,7 +141,7 @@ impl MachineHandle {
 
     async fn ask<T>(
         &self,
-        command: impl FnOnce(oneshot::Sender<T>) -> Command,
+        command: impl FnOnce(oneshot::Sender<T>) -> MachineCommand,
     ) -> Result<T, SimulatorError> {
         let (reply, answer) = oneshot::channel();
         self.commands.send(command(reply)).await.map_err(|_| SimulatorError::Stopped)?;

@@ -3,7 +3,7 @@
 use asi_model::{
     DateTime, MessageId, OperationNetworkId,
     messages::{Acknowledgement, AcknowledgementResult, AssetRequest, FactoryMessage, Fault},
-    validation::Rejection,
+    validation::InvalidMessage,
 };
 
 use crate::{ChangeSet, ConnectorState, writes::DeadLetterRow};
@@ -32,7 +32,7 @@ pub fn note_received(transport_id: MessageId, now: DateTime) -> ChangeSet {
 /// Rejects a message: stores it as a dead letter and answers with all its faults.
 pub fn reject(
     state: &mut ConnectorState,
-    rejection: Rejection,
+    rejection: InvalidMessage,
     received: ReceivedMessage<'_>,
     now: DateTime,
 ) -> ChangeSet {

@@ -9,7 +9,7 @@ use crate::{
     address::LogicalAddress,
     profile::Terminus,
     spool::{RowId, SpoolRow, SpoolStore},
-    transport::{Connection, EndpointFault, MessageSender, Outcome},
+    transport::{BrokerOutcome, Connection, EndpointFault, MessageSender},
 };
 
 /// A task that had nothing to send for so long ends.
@@ -18,7 +18,7 @@ const IDLE_MAX: Duration = Duration::from_secs(300);
 /// A report of a sender task.
 pub(super) enum SenderEvent {
     /// The broker settled a message.
-    Outcome { id: RowId, outcome: Outcome },
+    Outcome { id: RowId, outcome: BrokerOutcome },
     /// The store does not let the message leave any more.
     Recalled { id: RowId },
     /// The task has ended; the `unsent` rows have no outcome and count as not sent.
@@ -69,7 +69,7 @@ struct Worker {
     store: Arc<dyn SpoolStore>,
     events: mpsc::Sender<SenderEvent>,
     unsettled: HashSet<RowId>,
-    outcomes: FuturesUnordered<BoxFuture<'static, (RowId, Result<Outcome, EndpointFault>)>>,
+    outcomes: FuturesUnordered<BoxFuture<'static, (RowId, Result<BrokerOutcome, EndpointFault>)>>,
 }
 
 impl Worker {
@@ -137,7 +137,7 @@ impl Worker {
         Ok(())
     }
 
-    async fn on_outcome(&mut self, id: RowId, outcome: Outcome) {
+    async fn on_outcome(&mut self, id: RowId, outcome: BrokerOutcome) {
         self.unsettled.remove(&id);
         // No one receives it when the connection is given up; the row then stays waiting.
         let _ = self.events.send(SenderEvent::Outcome { id, outcome }).await;

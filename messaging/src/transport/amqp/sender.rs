@@ -14,7 +14,7 @@ use futures::FutureExt;
 use tokio::time::timeout;
 
 use super::{
-    super::connection::{EndpointFault, MessageSender, Outcome, OutcomeFuture},
+    super::connection::{BrokerOutcome, EndpointFault, MessageSender, OutcomeFuture},
     codec,
     error::{rejection, send_fault, sender_attach_fault},
     terminus::{capabilities, link_name},
@@ -73,7 +73,7 @@ impl MessageSender for AmqpSender {
                     code: "amqp:link:message-size-exceeded".to_owned(),
                     reason: format!("the broker accepts at most {limit} bytes"),
                 };
-                return Ok(futures::future::ready(Ok(Outcome::Rejected(too_large))).boxed());
+                return Ok(futures::future::ready(Ok(BrokerOutcome::Rejected(too_large))).boxed());
             }
             Err(error) => return Err(send_fault(error)),
         };
@@ -91,11 +91,11 @@ impl MessageSender for AmqpSender {
     }
 }
 
-fn outcome_of(outcome: messaging::Outcome) -> Outcome {
+fn outcome_of(outcome: messaging::Outcome) -> BrokerOutcome {
     match outcome {
-        messaging::Outcome::Accepted(_) => Outcome::Accepted,
+        messaging::Outcome::Accepted(_) => BrokerOutcome::Accepted,
         messaging::Outcome::Rejected(rejected) => {
-            Outcome::Rejected(rejected.error.as_ref().map_or_else(
+            BrokerOutcome::Rejected(rejected.error.as_ref().map_or_else(
                 || Rejection {
                     code: "amqp:rejected".to_owned(),
                     reason: "the broker gave no reason".to_owned(),
@@ -103,6 +103,6 @@ fn outcome_of(outcome: messaging::Outcome) -> Outcome {
                 rejection,
             ))
         }
-        _ => Outcome::Released,
+        _ => BrokerOutcome::Released,
     }
 }

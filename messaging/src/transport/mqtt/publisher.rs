@@ -8,7 +8,7 @@ use rumqttc::v5::mqttbytes::v5::{PubAck, PubAckReason};
 use tokio::time::timeout;
 
 use super::{
-    super::connection::{EndpointFault, MessageSender, Outcome, OutcomeFuture},
+    super::connection::{BrokerOutcome, EndpointFault, MessageSender, OutcomeFuture},
     codec,
     network_connection::{NetworkConnection, broken},
 };
@@ -41,7 +41,7 @@ impl MessageSender for MqttPublisher {
             let reason = format!("the broker accepts at most {limit} bytes");
             let too_large =
                 Rejection { code: "amqp:link:message-size-exceeded".to_owned(), reason };
-            return Ok(futures::future::ready(Ok(Outcome::Rejected(too_large))).boxed());
+            return Ok(futures::future::ready(Ok(BrokerOutcome::Rejected(too_large))).boxed());
         }
         let wait = self.limits.outcome_timeout;
         let acknowledgement =
@@ -63,14 +63,15 @@ impl MessageSender for MqttPublisher {
     }
 }
 
-fn outcome_of(acknowledgement: PubAck) -> Outcome {
+fn outcome_of(acknowledgement: PubAck) -> BrokerOutcome {
     let reason_string = acknowledgement.properties.and_then(|p| p.reason_string);
     let reason = reason_string.unwrap_or_else(|| format!("{:?}", acknowledgement.reason));
-    let rejected = |code: &str| Outcome::Rejected(Rejection { code: code.to_owned(), reason });
+    let rejected =
+        |code: &str| BrokerOutcome::Rejected(Rejection { code: code.to_owned(), reason });
     match acknowledgement.reason {
-        PubAckReason::Success => Outcome::Accepted,
+        PubAckReason::Success => BrokerOutcome::Accepted,
         // No client has a session for the topic yet, so the broker stored nothing.
-        PubAckReason::NoMatchingSubscribers => Outcome::Released,
+        PubAckReason::NoMatchingSubscribers => BrokerOutcome::Released,
         PubAckReason::NotAuthorized => rejected("amqp:unauthorized-access"),
         PubAckReason::QuotaExceeded => rejected("amqp:resource-limit-exceeded"),
         PubAckReason::TopicNameInvalid => rejected("amqp:not-found"),

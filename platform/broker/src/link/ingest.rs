@@ -26,7 +26,7 @@ use crate::{
     core::Core,
     message::{self, AnyMessage},
     queue::{Queue, QueueEntry, Refusal},
-    store::{Command, NewMessage, WriteFailed},
+    store::{NewMessage, StoreCommand, WriteFailed},
 };
 
 /// Deliveries settled by one pass.
@@ -204,7 +204,7 @@ async fn store(
     // Before the insert: the consumer that the commit wakes finds the body in the cache.
     core.cache.insert(id, bytes, Arc::new(received));
     let (done, stored) = oneshot::channel();
-    let command = Command::Insert(NewMessage { queue: Arc::clone(queue), entry, wire, done });
+    let command = StoreCommand::Insert(NewMessage { queue: Arc::clone(queue), entry, wire, done });
     if core.writer.send(command).await.is_err() {
         queue.release_reservation(bytes);
         core.cache.remove(id);

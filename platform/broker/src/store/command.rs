@@ -40,7 +40,7 @@ type Done<T> = oneshot::Sender<Result<T, sqlx::Error>>;
 
 /// One change of the database.
 #[derive(Debug)]
-pub(crate) enum Command {
+pub(crate) enum StoreCommand {
     /// Insert a message; after the commit it becomes ready.
     Insert(NewMessage),
     /// Delete a message.
@@ -62,19 +62,19 @@ pub(crate) enum Command {
 /// Sender of commands to the writer; clones share its queue.
 #[derive(Debug, Clone)]
 pub(crate) struct WriterHandle {
-    pub(super) commands: mpsc::Sender<Command>,
+    pub(super) commands: mpsc::Sender<StoreCommand>,
 }
 
 impl WriterHandle {
     /// Enqueues a command; waits while the queue is full. Fails when the writer has stopped.
-    pub(crate) async fn send(&self, command: Command) -> Result<(), WriteFailed> {
+    pub(crate) async fn send(&self, command: StoreCommand) -> Result<(), WriteFailed> {
         self.commands.send(command).await.map_err(|_| WriteFailed)
     }
 
     /// Enqueues a command and waits for its answer; none when the writer has stopped.
     pub(crate) async fn ask<T>(
         &self,
-        command: impl FnOnce(Done<T>) -> Command,
+        command: impl FnOnce(Done<T>) -> StoreCommand,
     ) -> Option<Result<T, sqlx::Error>> {
         let (done, answer) = oneshot::channel();
         self.send(command(done)).await.ok()?;

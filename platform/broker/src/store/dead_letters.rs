@@ -3,14 +3,14 @@
 use sqlx::{Row, SqlitePool};
 use time::OffsetDateTime;
 
-use crate::{dead_letter::DeadLetter, message};
+use crate::{dead_letter::BrokerDeadLetter, message};
 
 /// Reads at most `limit` dead letters with ids above `after`, oldest first.
 pub(crate) async fn dead_letters(
     pool: &SqlitePool,
     after: i64,
     limit: u32,
-) -> Result<Vec<DeadLetter>, sqlx::Error> {
+) -> Result<Vec<BrokerDeadLetter>, sqlx::Error> {
     let rows = sqlx::query(
         "SELECT message_id, origin, wire_id, subject, principal, code, reason, at_ms, bytes \
          FROM dead_letters WHERE message_id > ? ORDER BY message_id LIMIT ?",
@@ -23,7 +23,7 @@ pub(crate) async fn dead_letters(
         .map(|row| {
             let origin: String = row.try_get(1)?;
             let at_ms: i64 = row.try_get(7)?;
-            Ok(DeadLetter {
+            Ok(BrokerDeadLetter {
                 id: row.try_get(0)?,
                 queue: origin.parse().map_err(|e| sqlx::Error::Decode(Box::new(e)))?,
                 message_id: row.try_get(2)?,

@@ -3,7 +3,7 @@
 use sqlx::{Connection as _, QueryBuilder, Sqlite, SqliteConnection};
 
 use super::{
-    command::{Command, DeadLettering, NewMessage},
+    command::{DeadLettering, NewMessage, StoreCommand},
     reader::json_list,
 };
 use crate::{clock, config::QueueOptions, queue::Queue};
@@ -14,34 +14,36 @@ const ROWS_PER_INSERT: usize = 64;
 /// Applies commands in one transaction.
 pub(super) async fn apply(
     connection: &mut SqliteConnection,
-    commands: &[Command],
+    commands: &[StoreCommand],
     dead_letters: &Queue,
 ) -> Result<(), sqlx::Error> {
     let mut transaction = connection.begin().await?;
     for command in commands {
-        if let Command::DeclareQueue { id, name, options, .. } = command {
+        if let StoreCommand::DeclareQueue { id, name, options, .. } = command {
             declare(&mut transaction, *id, name, options).await?;
         }
     }
     let new: Vec<_> = commands
         .iter()
-        .filter_map(|c| if let Command::Insert(new) = c { Some(new) } else { None })
+        .filter_map(|c| if let StoreCommand::Insert(new) = c { Some(new) } else { None })
         .collect();
     insert(&mut transaction, &new).await?;
     let mut gone = Vec::new();
     for command in commands {
         match command {
-            Command::Remove(id) => gone.push(*id),
-            Command::CountDelivery { id, delivery_count } => {
+            StoreCommand::Remove(id) => gone.push(*id),
+            StoreCommand::CountDelivery { id, delivery_count } => {
                 count_delivery(&mut transaction, *id, *delivery_count).await?;
             }
-            Command::DeadLetter(letter) => {
+            StoreCommand::DeadLetter(letter) => {
                 dead_letter(&mut transaction, letter, dead_letters.id).await?
             }
-            Command::DeleteQueue { id, .. } => delete_queue(&mut transaction, *id).await?,
-            Command::ReplayDeadLetters { moves, .. } => replay(&mut transaction, moves).await?,
-            Command::PurgeDeadLetters { ids, .. } => gone.extend_from_slice(ids),
-            Command::Insert(_) | Command::DeclareQueue { .. } => {}
+            StoreCommand::DeleteQueue { id, .. } => delete_queue(&mut transaction, *id).await?,
+            StoreCommand::ReplayDeadLetters { moves, .. } => {
+                replay(&mut transaction, moves).await?
+            }
+            StoreCommand::PurgeDeadLetters { ids, .. } => gone.extend_from_slice(ids),
+            StoreCommand::Insert(_) | StoreCommand::DeclareQueue { .. } => {}
         }
     }
     delete_messages(&mut transaction, &gone).await?;

@@ -12,7 +12,7 @@ use tokio_util::sync::CancellationToken;
 use tracing::{error, warn};
 
 use super::{
-    command::{Command, WriteFailed, WriterHandle},
+    command::{StoreCommand, WriteFailed, WriterHandle},
     statements::apply,
 };
 use crate::queue::{Queue, QueueEntry};
@@ -29,10 +29,10 @@ pub(crate) struct Writer {
     connection: SqliteConnection,
     /// Options to open another connection with.
     options: SqliteConnectOptions,
-    commands: mpsc::Receiver<Command>,
+    commands: mpsc::Receiver<StoreCommand>,
     dead_letters: Arc<Queue>,
     /// Failed commands to be tried again. Never inserts: their publishers still have the message.
-    retained: Vec<Command>,
+    retained: Vec<StoreCommand>,
 }
 
 impl Writer {
@@ -78,7 +78,7 @@ impl Writer {
         }
     }
 
-    async fn write(&mut self, commands: Vec<Command>) {
+    async fn write(&mut self, commands: Vec<StoreCommand>) {
         let started = Instant::now();
         match apply(&mut self.connection, &commands, &self.dead_letters).await {
             Ok(()) => {
@@ -113,14 +113,14 @@ impl Writer {
     }
 
     /// Makes the effects of a committed command visible and answers it.
-    fn committed(&self, command: Command) {
+    fn committed(&self, command: StoreCommand) {
         match command {
-            Command::Insert(new) => {
+            StoreCommand::Insert(new) => {
                 new.queue.add([new.entry]);
                 // The publisher may have left; its message is stored all the same.
                 let _ = new.done.send(Ok(()));
             }
-            Command::DeadLetter(letter) => {
+            StoreCommand::DeadLetter(letter) => {
                 letter.origin.settle(&letter.entry);
                 self.dead_letters.adopt(QueueEntry {
                     delivery_count: 0,
@@ -128,33 +128,33 @@ impl Writer {
                     ..letter.entry
                 });
             }
-            Command::DeclareQueue { done, .. }
-            | Command::DeleteQueue { done, .. }
-            | Command::ReplayDeadLetters { done, .. }
-            | Command::PurgeDeadLetters { done, .. } => {
+            StoreCommand::DeclareQueue { done, .. }
+            | StoreCommand::DeleteQueue { done, .. }
+            | StoreCommand::ReplayDeadLetters { done, .. }
+            | StoreCommand::PurgeDeadLetters { done, .. } => {
                 let _ = done.send(Ok(()));
             }
-            Command::Remove(_) | Command::CountDelivery { .. } => {}
+            StoreCommand::Remove(_) | StoreCommand::CountDelivery { .. } => {}
         }
     }
 
     /// Answers a command whose transaction failed, or retains it for the next one.
-    fn failed(&mut self, command: Command, error: &mut Option<sqlx::Error>) {
+    fn failed(&mut self, command: StoreCommand, error: &mut Option<sqlx::Error>) {
         let mut cause = || error.take().unwrap_or(sqlx::Error::WorkerCrashed);
         match command {
-            Command::Insert(new) => {
+            StoreCommand::Insert(new) => {
                 new.queue.release_reservation(new.entry.bytes);
                 let _ = new.done.send(Err(WriteFailed));
             }
-            Command::DeclareQueue { done, .. }
-            | Command::DeleteQueue { done, .. }
-            | Command::ReplayDeadLetters { done, .. }
-            | Command::PurgeDeadLetters { done, .. } => {
+            StoreCommand::DeclareQueue { done, .. }
+            | StoreCommand::DeleteQueue { done, .. }
+            | StoreCommand::ReplayDeadLetters { done, .. }
+            | StoreCommand::PurgeDeadLetters { done, .. } => {
                 let _ = done.send(Err(cause()));
             }
-            unanswered @ (Command::Remove(_)
-            | Command::CountDelivery { .. }
-            | Command::DeadLetter(_)) => {
+            unanswered @ (StoreCommand::Remove(_)
+            | StoreCommand::CountDelivery { .. }
+            | StoreCommand::DeadLetter(_)) => {
                 self.retained.push(unanswered);
             }
         }

@@ -13,7 +13,7 @@ use async_trait::async_trait;
 use bytes::Bytes;
 use messaging::{
     Backlog, Delivery, Envelope, Fetch, Inbox, Lane, LogicalAddress, RowId, RowOutcome,
-    SendOutcome, Settlement, SpoolRow, SpoolStore, StoreError,
+    SendOutcome, Settlement, SpoolError, SpoolRow, SpoolStore,
 };
 
 use super::broker_under_test::BODY_BYTES;
@@ -62,7 +62,7 @@ impl MadeUpSpool {
 
 #[async_trait]
 impl SpoolStore for MadeUpSpool {
-    async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, StoreError> {
+    async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, SpoolError> {
         if fetch.lane != Lane::Control {
             return Ok(Vec::new());
         }
@@ -90,7 +90,7 @@ impl SpoolStore for MadeUpSpool {
             .collect()
     }
 
-    async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), StoreError> {
+    async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), SpoolError> {
         let mut accepted = self.lock();
         for outcome in
             outcomes.into_iter().filter(|outcome| outcome.outcome == SendOutcome::Accepted)
@@ -105,11 +105,11 @@ impl SpoolStore for MadeUpSpool {
         Ok(())
     }
 
-    async fn last_row(&self) -> Result<RowId, StoreError> {
+    async fn last_row(&self) -> Result<RowId, SpoolError> {
         Ok(RowId(i64::try_from(self.count)?))
     }
 
-    async fn backlog(&self) -> Result<Backlog, StoreError> {
+    async fn backlog(&self) -> Result<Backlog, SpoolError> {
         let waiting = self.count - self.lock().through;
         Ok(Backlog { waiting, bytes: waiting * BODY_BYTES as u64, ..Backlog::default() })
     }
