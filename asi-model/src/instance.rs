@@ -38,7 +38,7 @@ pub struct FieldState {
     pub mapping_state: MappingState,
     /// Present for mapped fields.
     pub value_source: Option<ValueSource>,
-    /// Its disclosed value.
+    /// The value after the disclosure gate; Null before the first one.
     pub value: Variant,
     /// One sentence on how values are coarsened before they leave.
     pub disclosure: Option<String>,

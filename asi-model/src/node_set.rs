@@ -50,7 +50,7 @@ impl Model {
     }
 }
 
-/// A node.
+/// Node of a NodeSet2 document with its references, as one `UA...` element declares it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Node {
     pub node_id: NodeId,
@@ -58,7 +58,7 @@ pub struct Node {
     pub browse_name: QualifiedName,
     /// Its name for people.
     pub display_name: String,
-    /// More about it.
+    /// Description attribute of the node.
     pub description: Option<String>,
     /// Node class, with the attributes of the class.
     pub class: NodeClass,

@@ -37,7 +37,7 @@ use crate::{
 pub const LIMITS: Limits =
     Limits { bytes_max: crate::messages::REQUEST_BYTES_MAX, depth_max: 100, tokens_max: 400_000 };
 
-/// Writes a variant.
+/// Returns a variant as JSON text in UTF-8 (OPC 10000-6 §5.4).
 #[must_use]
 pub fn encode_variant(value: &Variant, encoding: DataEncoding) -> Vec<u8> {
     let mut out = Vec::with_capacity(64);

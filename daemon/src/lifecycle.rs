@@ -30,7 +30,6 @@ pub enum LifecycleError {
     /// An essential task ended early.
     #[error("the task {task} ended: {reason}")]
     TaskEnded {
-        /// The task's name.
         task: &'static str,
         /// Error of the task with its chain of causes.
         reason: String,

@@ -42,7 +42,7 @@ struct Inner {
     being_recalled: HashSet<i64>,
 }
 
-/// A composed message.
+/// Reports of one message that was composed for the link.
 struct Fetched {
     reports: Arc<[i64]>,
     /// Number in the spool, once it is on the wire.

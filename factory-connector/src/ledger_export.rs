@@ -102,7 +102,7 @@ impl Exporter {
         }
     }
 
-    /// Writes one entry.
+    /// Returns an entry as one line of JSON or CSV, or as one row of the HTML table.
     #[must_use]
     pub fn entry(&self, entry: &LedgerRow) -> String {
         match self.format {

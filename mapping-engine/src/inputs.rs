@@ -15,7 +15,7 @@ pub trait Inputs: Send + Sync + 'static {
     /// [`ShopFloorError`] at a limit or for options out of range.
     fn monitor(&self, requests: Vec<Arc<MonitorRequest>>) -> Result<(), ShopFloorError>;
 
-    /// Stops monitoring.
+    /// Ends the monitoring of these inputs.
     fn unmonitor(&self, inputs: &[InputKey]);
 }
 

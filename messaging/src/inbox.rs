@@ -6,7 +6,7 @@ use time::OffsetDateTime;
 
 use crate::{address::LogicalAddress, envelope::Envelope, spool::Rejection};
 
-/// A received message.
+/// Message as the broker delivered it, with what the broker says about it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Delivery {
     pub envelope: Envelope,

@@ -24,7 +24,7 @@ pub enum AdministratorError {
     /// The password cannot be written down.
     #[error("the password cannot be written down")]
     Write(#[from] CertificateError),
-    /// The store failed.
+    /// The administrator could not be looked up or stored.
     #[error("the store failed")]
     Store(#[from] StoreError),
 }

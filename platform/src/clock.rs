@@ -22,7 +22,7 @@ impl Clock {
         Self(Arc::new(now))
     }
 
-    /// Now.
+    /// Returns the time of this clock: the machine's, or the one that a test sets.
     #[must_use]
     pub fn now(&self) -> DateTime {
         (self.0)()

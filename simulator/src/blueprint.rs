@@ -34,7 +34,7 @@ pub struct TypePlan {
     pub supertype: NodeId,
 }
 
-/// A node.
+/// Node to be created in a machine's address space.
 pub struct NodePlan {
     /// The machine's own name of it: the browse names from the machine's root on,
     /// `Spindle.Temperature`.

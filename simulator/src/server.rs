@@ -42,7 +42,7 @@ use nodes::{MachineNodes, Variable};
 /// Longest wait until a server ends by itself.
 const STOP_TIMEOUT: Duration = Duration::from_millis(500);
 
-/// A running server.
+/// Running OPC UA server of one machine.
 pub(crate) struct MachineServer {
     handle: ServerHandle,
     task: JoinHandle<()>,

@@ -60,7 +60,7 @@ pub fn quantised(value: f64, step: f64) -> f64 {
 /// Rhythm of production: one part per cycle, one interruption per period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Production {
-    /// Seconds per part.
+    /// Time from part to part, in seconds.
     pub cycle: f64,
     /// Seconds from one interruption's period to the next.
     pub period: f64,

@@ -11,7 +11,7 @@ use asi_model::{
 /// The longest input; longer ones no receiver takes.
 const BYTES_MAX: u64 = 16 * REQUEST_BYTES_MAX as u64;
 
-/// An input.
+/// File or standard input that was read whole, at most `BYTES_MAX` long.
 pub struct Input {
     pub bytes: Vec<u8>,
     /// Kind of message, recognised by its members.
@@ -31,7 +31,7 @@ pub enum Kind {
     PubSub,
     /// A NodeSet2 document.
     NodeSet,
-    /// None of these.
+    /// No member of any kind was found.
     Unknown,
 }
 

@@ -3,7 +3,7 @@
 use super::namespaces::{asi, browse_name};
 use crate::values::{NodeId, QualifiedName};
 
-/// An object type.
+/// Row of the table of object types; becomes one ObjectType node (OPC 10000-3 §5.5.2).
 #[derive(Debug)]
 pub struct ObjectType {
     /// Its numeric id in [`ASI_NAMESPACE_URI`](super::ASI_NAMESPACE_URI).
@@ -45,22 +45,20 @@ pub enum PartKind {
 /// The type of a variable's value.
 #[derive(Debug, Clone, Copy)]
 pub struct ValueType {
-    /// Its data type.
     pub data_type: DataType,
     /// -1 scalar, 1 array.
     pub value_rank: i32,
 }
 
-/// A data type.
+/// Data type of a variable or argument: a standard one, or an enumeration of the ASI namespace.
 #[derive(Debug, Clone, Copy)]
 pub enum DataType {
-    /// Of namespace 0, by its id.
+    /// Numeric id in namespace 0, as 12 for String.
     Standard(u32),
-    /// One of ours.
     Enumeration(&'static Enumeration),
 }
 
-/// A method's signature.
+/// Signature of a method: what its properties InputArguments and OutputArguments list.
 #[derive(Debug)]
 pub struct Method {
     /// Its input arguments. Their property has the declaration's id plus 1 000 000.
@@ -81,17 +79,17 @@ pub struct Argument {
 /// An enumeration whose values count from 0. Its EnumStrings have the id `id * 100 + 1`.
 #[derive(Debug)]
 pub struct Enumeration {
-    /// Its numeric id.
+    /// Numeric id in the ASI namespace.
     pub id: u32,
     pub name: &'static str,
     /// The names of its values.
     pub values: &'static [&'static str],
 }
 
-/// A reference type.
+/// Row of the table of reference types; becomes one ReferenceType node (OPC 10000-3 §5.3).
 #[derive(Debug)]
 pub struct ReferenceType {
-    /// Its numeric id.
+    /// Numeric id in the ASI namespace.
     pub id: u32,
     pub name: &'static str,
     /// Name of the reference as read from its target.
@@ -105,14 +103,14 @@ pub struct ReferenceType {
 /// Supertype of a reference type.
 #[derive(Debug, Clone, Copy)]
 pub enum ReferenceSupertype {
-    /// A reference type of namespace 0.
+    /// Numeric id of a reference type in namespace 0.
     Standard(u32),
-    /// One of ours.
+    /// Numeric id of a reference type in the ASI namespace.
     Asi(u32),
 }
 
 impl DataType {
-    /// Its NodeId.
+    /// Returns the NodeId of the DataType node, in namespace 0 or the ASI namespace.
     #[must_use]
     pub fn node_id(self) -> NodeId {
         match self {

@@ -15,7 +15,7 @@ pub struct Node<'t, 'a> {
 }
 
 impl<'a> Tape<'a> {
-    /// The outermost value.
+    /// Returns the outermost value of the document.
     #[must_use]
     pub fn root(&self) -> Node<'_, 'a> {
         Node { tape: self, index: 0 }

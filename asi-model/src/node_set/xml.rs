@@ -11,9 +11,9 @@ use super::NodeSetError;
 
 /// Longest document, in bytes.
 const BYTES_MAX: usize = 16 * 1024 * 1024;
-/// Deepest nesting.
+/// Deepest nesting of elements that is read.
 const DEPTH_MAX: usize = 64;
-/// Most elements.
+/// Most elements of a document; more is an error.
 const ELEMENTS_MAX: usize = 500_000;
 /// Most attributes of one element.
 const ATTRIBUTES_MAX: usize = 64;

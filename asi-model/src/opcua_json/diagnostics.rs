@@ -12,7 +12,7 @@ pub enum Leniency {
     /// Harmless ones are taken, with a diagnostic.
     #[default]
     Lenient,
-    /// They are errors.
+    /// Every deviation is an error.
     Strict,
 }
 

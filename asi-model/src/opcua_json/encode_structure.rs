@@ -13,7 +13,7 @@ use crate::{
 };
 
 impl Encoder<'_> {
-    /// An extension object.
+    /// Appends an extension object; a null one is `{}` in version 1.05 and `null` in 1.04.
     pub fn extension_object(&self, out: &mut Vec<u8>, object: &ExtensionObject) {
         if matches!(object.body, ExtensionBody::None) && object.type_id.node_id == NodeId::null() {
             return out.extend_from_slice(if self.encoding.is_105() { b"{}" } else { b"null" });
@@ -82,7 +82,7 @@ impl Encoder<'_> {
         StructureType::find(self.types, &object.type_id.node_id)
     }
 
-    /// The content alone.
+    /// Appends the content without type id and encoding, as non-reversible JSON has it.
     fn body(&self, out: &mut Vec<u8>, object: &ExtensionObject) {
         match &object.body {
             ExtensionBody::None => out.extend_from_slice(b"null"),

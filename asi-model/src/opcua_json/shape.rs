@@ -56,17 +56,17 @@ impl<'t, 'a> Shape<'t, 'a> {
             || self.server_picoseconds.is_some()
     }
 
-    /// `{"UaType":…}` without quality.
+    /// True for `{"UaType":…}` without quality: a Variant of version 1.05.
     pub(super) const fn is_variant_105(&self) -> bool {
         self.ua_type.is_some() && !self.has_quality()
     }
 
-    /// `{"UaType":…}` with status or times.
+    /// True for `{"UaType":…}` with status or times: a DataValue of version 1.05.
     pub(super) const fn is_data_value_105(&self) -> bool {
         self.ua_type.is_some() && self.has_quality()
     }
 
-    /// `{"Type":…,"Body":…}`.
+    /// True for `{"Type":…,"Body":…}` alone: a Variant of version 1.04.
     pub(super) fn is_variant_104(&self) -> bool {
         self.type_id.is_some_and(|node| node.kind() == Kind::Number)
             && !self.has_others
@@ -84,7 +84,7 @@ impl<'t, 'a> Shape<'t, 'a> {
             && (self.value.is_some() || self.has_quality())
     }
 
-    /// `{}`.
+    /// True for `{}`, an object without members.
     pub(super) const fn is_empty(&self) -> bool {
         self.is_empty
     }

@@ -10,7 +10,7 @@ use crate::{
     values::{DataValue, DateTime, StatusCode, Variant},
 };
 
-/// Any PubSub message.
+/// PubSub message by its MessageType (OPC 10000-14).
 #[derive(Debug, Clone, PartialEq)]
 pub enum PubSubMessage {
     /// `ua-data`: values of one or more writers.

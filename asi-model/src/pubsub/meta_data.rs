@@ -66,11 +66,11 @@ impl DataSetMetaData {
 /// Change of metadata since its predecessor (OPC 10000-14 §6.2.3.2.6).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum MetaDataChange {
-    /// Not at all.
+    /// The fields are the same, so the version stays.
     None,
-    /// Fields were appended.
+    /// Fields were appended: MinorVersion grows, older readers go on.
     Minor,
-    /// Fields were removed, inserted, moved or changed.
+    /// Fields were removed, inserted, moved or changed: a new epoch begins.
     Major,
 }
 

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{network::ConditionKind, values::DateTime};
 
-/// Most conflicts reported.
+/// Most conflicts reported of one network.
 const CONFLICTS_MAX: usize = 100;
 
 /// Most passes forward. With fewer maximum gaps than this every conflict is found, else those that

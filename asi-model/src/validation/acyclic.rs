@@ -7,7 +7,7 @@ use crate::{ids::OperationId, network::OperationNetwork};
 
 /// Most operations of a cycle that its fault names.
 const NAMED_MAX: usize = 12;
-/// Most cycles reported.
+/// Most cycles reported, each as one fault.
 const CYCLES_MAX: usize = 10;
 
 /// Notes each cycle once, at a relation that closes it. True where there is none.

@@ -144,7 +144,7 @@ impl Reader {
         Some(node.elements().filter_map(|element| read(self, element)).collect())
     }
 
-    /// An identifier.
+    /// Reads an identifier; notes a fault and returns `None` where it is none.
     pub(super) fn id<T: FromStr<Err = InvalidId>>(&mut self, node: Node<'_, '_>) -> Option<T> {
         let Some(text) = node.text() else {
             return self.wrong_type(node, "an identifier as a string");
@@ -228,7 +228,7 @@ impl Reader {
         Some(text)
     }
 
-    /// A time.
+    /// Reads an RFC 3339 time; notes a fault and returns `None` where it is none.
     pub(super) fn time(&mut self, node: Node<'_, '_>) -> Option<DateTime> {
         let Some(text) = node.text() else { return self.wrong_type(node, "a time as a string") };
         let time = crate::json::write::parse_date_time(&text);
@@ -297,7 +297,7 @@ impl Reader {
         value
     }
 
-    /// A finite number.
+    /// Reads a finite number; notes a fault and returns `None` where it is none.
     pub(super) fn number(&mut self, node: Node<'_, '_>) -> Option<f64> {
         let Some(digits) = node.number() else { return self.wrong_type(node, "a number") };
         let value = digits.parse().ok().filter(|value: &f64| value.is_finite());
@@ -307,7 +307,7 @@ impl Reader {
         value
     }
 
-    /// A boolean.
+    /// Reads a boolean; notes a fault and returns `None` where it is none.
     pub(super) fn boolean(&mut self, node: Node<'_, '_>) -> Option<bool> {
         match node.boolean() {
             Some(value) => Some(value),

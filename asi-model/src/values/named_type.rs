@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock};
 
 use super::{BuiltInType, LocalizedText, NodeId};
 
-/// An enumeration's description.
+/// Names of an enumeration's values, to show numbers as texts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnumType {
     /// The DataType node.

@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock};
 
 use super::{BuiltInType, LocalizedText, NodeId};
 
-/// A structure's description.
+/// Fields of a structure, to decode its values by name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StructureType {
     /// The DataType node.

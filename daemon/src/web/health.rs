@@ -24,12 +24,12 @@ impl Readiness {
         Self::default()
     }
 
-    /// The part works.
+    /// Reports that a part works; `/readyz` answers 200 once all parts do.
     pub fn ready(&self, part: &'static str) {
         self.0.lock().insert(part, None);
     }
 
-    /// The part does not work, and why.
+    /// Reports that a part does not work, with the reason that `/readyz` shows.
     pub fn waiting(&self, part: &'static str, reason: impl Into<String>) {
         self.0.lock().insert(part, Some(reason.into()));
     }

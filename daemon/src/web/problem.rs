@@ -50,7 +50,7 @@ pub struct ProblemFault {
 }
 
 impl Problem {
-    /// Any problem.
+    /// Creates a problem; its type is `urn:verbund:problem:` and the code in kebab case.
     #[must_use]
     pub fn new(status: StatusCode, code: &str, detail: impl Into<String>) -> Self {
         Self {

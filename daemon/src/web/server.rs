@@ -22,7 +22,7 @@ use tracing::{debug, warn};
 pub struct TlsFiles {
     /// The certificate chain, leaf first.
     pub certificate: PathBuf,
-    /// The private key.
+    /// PEM file of the private key of the leaf.
     pub key: PathBuf,
 }
 
@@ -38,7 +38,7 @@ pub enum ServerError {
     /// Certificate and key do not make a server.
     #[error("certificate and key cannot be used")]
     UseCertificate(#[source] rustls::Error),
-    /// Serving broke off.
+    /// The listener failed while requests were served.
     #[error("serving broke off")]
     Serve(#[source] std::io::Error),
 }

@@ -73,7 +73,7 @@ impl WindowAggregate {
 /// State of the aggregation: the current value, and the open window.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Aggregation {
-    /// The current value.
+    /// Value that holds until the next candidate; a mean weights it by this time.
     pub held: Option<DataValue>,
     /// The window whose end will release a value.
     pub open: Option<Box<OpenWindow>>,

@@ -16,7 +16,7 @@ pub struct Decimal {
 const POWER_MAX: i32 = 38;
 
 impl Decimal {
-    /// Zero.
+    /// Number 0 in its normalised form.
     pub const ZERO: Self = Self { mantissa: 0, exponent: 0 };
 
     /// Creates `mantissa * 10^exponent`, normalised.

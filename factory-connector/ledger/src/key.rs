@@ -40,7 +40,7 @@ impl LedgerKey {
         pem.map(|pem| pem.as_str().to_owned()).map_err(|error| InvalidKey(error.to_string()))
     }
 
-    /// Signs a text.
+    /// Returns the Ed25519 signature of the text's bytes; the same text gives the same one.
     #[must_use]
     pub fn sign(&self, text: &str) -> [u8; 64] {
         self.0.sign(text.as_bytes()).to_bytes()

@@ -28,7 +28,7 @@ pub enum WriteOutcome {
     Rejected(StatusCode),
 }
 
-/// Reads the state.
+/// Function that reads the state between two transactions and keeps its own reply channel.
 pub(super) type StateQuery = Box<dyn FnOnce(&ConnectorState) + Send>;
 /// Answers the caller, once it is known whether the transaction was committed.
 pub(super) type Reply = Box<dyn FnOnce(bool) + Send>;
@@ -36,10 +36,10 @@ pub(super) type Reply = Box<dyn FnOnce(bool) + Send>;
 pub(super) type UseCase =
     Box<dyn FnOnce(&mut ConnectorState, DateTime) -> (Option<ChangeSet>, Reply) + Send>;
 
-/// A request to the coordinator.
+/// Command in the coordinator's queue; only [`CoordinatorHandle`] makes them.
 pub struct CoordinatorCommand(pub(super) CommandKind);
 
-/// Kinds of requests.
+/// Kinds of commands, each with the channel of its reply where there is one.
 pub(super) enum CommandKind {
     /// Messages of the platform, in order.
     Deliver(Vec<Delivery>, oneshot::Sender<Vec<Settlement>>),
@@ -49,7 +49,6 @@ pub(super) enum CommandKind {
     WriteValue(FieldKey, ValueSource, DataValue, oneshot::Sender<Option<WriteOutcome>>),
     /// A question about the state.
     Read(StateQuery),
-    /// A use case.
     Execute(UseCase),
 }
 

@@ -41,7 +41,7 @@ pub(super) struct Start<'a> {
     pub at: DateTime,
 }
 
-/// The stored row.
+/// Row of the table `identity`, which has exactly one.
 struct StoredIdentity {
     factory_id: String,
     generation: String,

@@ -17,7 +17,7 @@ pub(super) fn query(sql: impl Into<Cow<'static, str>>) -> Query<'static> {
     sqlx::query(AssertSqlSafe(sql.into()))
 }
 
-/// Reads all rows.
+/// Reads all rows of a query in its order; the first that cannot be read ends it.
 pub(super) async fn all<T>(
     connection: &mut SqliteConnection,
     query: Query<'_>,

@@ -63,17 +63,17 @@ impl StoreSession {
         Self(Connection::Own(Box::new(connection)))
     }
 
-    /// Ledger checkpoints.
+    /// Returns the repository of signed checkpoints.
     pub fn checkpoints(&mut self) -> Checkpoints<'_> {
         Checkpoints(self.connection())
     }
 
-    /// Comments of both sides.
+    /// Returns the repository of comments, those of partners included.
     pub fn comments(&mut self) -> Comments<'_> {
         Comments(self.connection())
     }
 
-    /// Rejected messages.
+    /// Returns the repository of messages that were rejected.
     pub fn dead_letters(&mut self) -> DeadLetters<'_> {
         DeadLetters(self.connection())
     }
@@ -93,7 +93,7 @@ impl StoreSession {
         Ledger(self.connection())
     }
 
-    /// Templates of mappings.
+    /// Returns the repository of mapping templates.
     pub fn mapping_templates(&mut self) -> MappingTemplates<'_> {
         MappingTemplates(self.connection())
     }
@@ -103,12 +103,12 @@ impl StoreSession {
         MappingVersions(self.connection())
     }
 
-    /// Operation networks.
+    /// Returns the repository of operation networks as received.
     pub fn networks(&mut self) -> Networks<'_> {
         Networks(self.connection())
     }
 
-    /// Entries of operators.
+    /// Returns the repository of the operator journal.
     pub fn operator_entries(&mut self) -> OperatorEntries<'_> {
         OperatorEntries(self.connection())
     }
@@ -123,12 +123,12 @@ impl StoreSession {
         ReceivedMessages(self.connection())
     }
 
-    /// Policies of recipients.
+    /// Returns the repository of policies that apply to all fields of a recipient.
     pub fn recipient_policies(&mut self) -> RecipientPolicies<'_> {
         RecipientPolicies(self.connection())
     }
 
-    /// Reports.
+    /// Returns the repository of reports with their way to the platform.
     pub fn reports(&mut self) -> Reports<'_> {
         Reports(self.connection())
     }
@@ -143,12 +143,12 @@ impl StoreSession {
         RuleDecisions(self.connection())
     }
 
-    /// Shadow mappings.
+    /// Returns the repository of shadow mappings.
     pub fn shadow_mappings(&mut self) -> ShadowMappings<'_> {
         ShadowMappings(self.connection())
     }
 
-    /// Sources of values.
+    /// Returns the repository of configured OPC UA servers.
     pub fn sources(&mut self) -> Sources<'_> {
         Sources(self.connection())
     }
@@ -163,7 +163,7 @@ impl StoreSession {
         Users(self.connection())
     }
 
-    /// Data set writers.
+    /// Returns the repository of data set writers with epoch and last number.
     pub fn writers(&mut self) -> Writers<'_> {
         Writers(self.connection())
     }

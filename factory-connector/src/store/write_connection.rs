@@ -27,7 +27,7 @@ const PREPARED_STATEMENTS: usize = 64;
 
 type Job = Box<dyn FnOnce(&mut Connection) + Send>;
 
-/// The writing connection.
+/// Connection that all transactions go through, on a thread of its own: SQLite has one writer.
 pub(super) struct WriteConnection {
     /// Jobs run one at a time, in the order in which they were sent.
     jobs: mpsc::Sender<Job>,

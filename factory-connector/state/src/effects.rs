@@ -65,7 +65,7 @@ pub struct LinkSignals {
     pub is_spool_filled: bool,
     /// Messages that were sent or fetched wait again.
     pub is_spool_rewound: bool,
-    /// A receipt came.
+    /// The platform confirmed reports, so the backlog is smaller.
     pub is_receipted: bool,
 }
 

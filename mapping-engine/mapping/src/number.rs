@@ -21,9 +21,9 @@ pub enum Number {
 }
 
 impl Number {
-    /// Zero.
+    /// Integer 0.
     pub const ZERO: Self = Self::Integer(0);
-    /// One.
+    /// Integer 1.
     pub const ONE: Self = Self::Integer(1);
 
     /// The number of a numeric scalar or Boolean (false 0, true 1).

@@ -119,7 +119,7 @@ impl Transform {
         self.run(0, Flow { value: Variant::Null, meta }, None, now, trace)
     }
 
-    /// An input changed.
+    /// Takes a value of an input, by its index in the document, and runs the functions it triggers.
     pub fn on(
         &mut self,
         now: DateTime,
@@ -155,7 +155,7 @@ impl Transform {
             .min()
     }
 
-    /// Time passed.
+    /// Runs the first function whose time has come.
     pub fn on_timer(&mut self, now: DateTime, mut trace: Option<&mut Vec<TraceStep>>) -> Reaction {
         let plan = Arc::clone(&self.plan);
         let is_due = |state: &StepState, function: &Function| {

@@ -13,7 +13,7 @@ use smallvec::SmallVec;
 
 use super::history::History;
 
-/// A mapping's input.
+/// Input of a mapping that takes the values of a route.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Subscriber {
     /// Slot of the mapping.
@@ -22,7 +22,7 @@ pub(super) struct Subscriber {
     pub input: u32,
 }
 
-/// A monitored variable.
+/// Monitored variable with the inputs that its values go to.
 #[derive(Debug)]
 pub(super) struct Route {
     pub subscribers: SmallVec<[Subscriber; 2]>,
@@ -32,7 +32,7 @@ pub(super) struct Route {
     request: Arc<MonitorRequest>,
 }
 
-/// All monitored variables.
+/// Table of monitored variables; each is monitored once, however many inputs take it.
 #[derive(Debug, Default)]
 pub(super) struct Routes {
     routes: HashMap<InputKey, Route, RandomState>,

@@ -4,10 +4,10 @@ use std::time::Duration;
 
 use asi_model::DateTime;
 
-/// Longest rest.
+/// Longest pause of a script that exceeded its budget, reached by doubling.
 const REST_MAX: Duration = Duration::from_secs(3600);
 
-/// A circuit breaker.
+/// Circuit breaker of one script: it pauses the script after calls that exceeded a budget.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Breaker {
     exhausted_in_a_row: u32,

@@ -39,7 +39,7 @@ pub(super) enum ProcessError {
     TooLong(#[source] frame::FrameTooLong),
 }
 
-/// A running worker.
+/// Worker process with the pipes to it.
 #[derive(Debug)]
 pub(super) struct Process {
     /// Killed when dropped.

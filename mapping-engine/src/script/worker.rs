@@ -51,7 +51,7 @@ impl ScriptWorker {
         result
     }
 
-    /// Forgets a script.
+    /// Tells the worker to drop a compiled script and its state.
     pub async fn unload(&mut self, script: ScriptId) {
         if self.scripts.remove(&script).is_some()
             && let Some(process) = &mut self.process

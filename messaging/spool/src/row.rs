@@ -18,7 +18,7 @@ impl fmt::Display for RowId {
     }
 }
 
-/// A report row.
+/// Waiting report without its body: all that decisions about the spool need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ReportRow {
     pub id: RowId,

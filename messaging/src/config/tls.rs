@@ -16,7 +16,7 @@ pub struct TlsConfig {
     pub server_name: Option<String>,
 }
 
-/// Trusted certificate authorities.
+/// Certificate authorities whose signatures on the broker's certificate are trusted.
 #[derive(Debug, Clone, Default)]
 pub enum Roots {
     /// Those of the operating system.

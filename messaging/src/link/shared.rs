@@ -29,7 +29,7 @@ pub(crate) struct Shared {
     pub reconnect: Notify,
     /// The spool is to be read from its beginning.
     pub restart: Notify,
-    /// Volatile messages wait.
+    /// There are volatile messages to send.
     pub has_volatile: Notify,
     has_backoff: Notify,
     volatile: Mutex<VecDeque<(LogicalAddress, Envelope)>>,

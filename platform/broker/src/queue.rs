@@ -22,7 +22,7 @@ pub(crate) struct QueueEntry {
     pub bytes: u64,
     /// Expiry in Unix milliseconds.
     pub expires_at_ms: Option<i64>,
-    /// Deliveries that failed.
+    /// Deliveries that failed; at the queue's maximum the message becomes a dead letter.
     pub delivery_count: u32,
     /// True when a consumer may have received it before.
     pub is_redelivered: bool,

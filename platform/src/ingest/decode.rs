@@ -32,7 +32,7 @@ pub struct Incoming {
     pub is_replay: bool,
     /// The number of the lease under which it was sent, where it says one.
     pub lease: Option<u64>,
-    /// The body, unpacked.
+    /// Body in UTF-8 after its content encoding was undone.
     pub body: String,
     pub content: Content,
 }
@@ -59,7 +59,7 @@ pub enum Content {
     DataRequest(Box<DataRequestMessage>),
     /// A type that this version does not know; ignored, as the standard asks.
     Unknown,
-    /// Of no use.
+    /// It cannot be used; stored with the reason, and settled.
     Dead(Box<NewDeadLetter>),
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-/// The store failed.
+/// Failure of the platform's database or of what it holds.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
     /// The database file cannot be opened.
@@ -11,7 +11,7 @@ pub enum StoreError {
     /// The database cannot be brought to this version's form.
     #[error("cannot migrate the database")]
     Migrate(#[source] sqlx::migrate::MigrateError),
-    /// A statement failed.
+    /// A statement was refused or broke off; its unit of work has no effect.
     #[error("cannot {action}")]
     Statement {
         /// Imperative phrase for the message, for example "store a part".

@@ -57,7 +57,7 @@ pub struct FieldRow {
     pub disclosure: Option<DisclosureStatement>,
     /// Time of the decision.
     pub decided_at: Option<DateTime>,
-    /// The newest value.
+    /// The newest value with its times; none before the first report.
     pub current: Option<CurrentValue>,
 }
 

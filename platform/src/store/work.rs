@@ -42,12 +42,12 @@ impl Work {
         self.0.commit().await.map_err(StoreError::during("commit"))
     }
 
-    /// Collaborations.
+    /// Returns the repository of collaborations and their members.
     pub fn collaborations(&mut self) -> Collaborations<'_> {
         Collaborations(self.connection())
     }
 
-    /// Comments.
+    /// Returns the repository of comments between partners.
     pub fn comments(&mut self) -> Comments<'_> {
         Comments(self.connection())
     }
@@ -62,7 +62,7 @@ impl Work {
         DeadLetters(self.connection())
     }
 
-    /// Factories.
+    /// Returns the repository of factories.
     pub fn factories(&mut self) -> Factories<'_> {
         Factories(self.connection())
     }
@@ -87,17 +87,17 @@ impl Work {
         MetaData(self.connection())
     }
 
-    /// Operation networks.
+    /// Returns the repository of operation networks with their revisions.
     pub fn networks(&mut self) -> Networks<'_> {
         Networks(self.connection())
     }
 
-    /// Organisations.
+    /// Returns the repository of organisations.
     pub fn organisations(&mut self) -> Organisations<'_> {
         Organisations(self.connection())
     }
 
-    /// Outgoing messages.
+    /// Returns the repository of messages that wait to be sent.
     pub fn outgoing(&mut self) -> OutgoingMessages<'_> {
         OutgoingMessages(self.connection())
     }
@@ -107,22 +107,22 @@ impl Work {
         Parts(self.connection())
     }
 
-    /// Recipients of requests.
+    /// Returns the repository of recipients of requests.
     pub fn recipients(&mut self) -> Recipients<'_> {
         Recipients(self.connection())
     }
 
-    /// Reports.
+    /// Returns the repository of received reports.
     pub fn reports(&mut self) -> Reports<'_> {
         Reports(self.connection())
     }
 
-    /// Tools.
+    /// Returns the repository of planning tools.
     pub fn tools(&mut self) -> Tools<'_> {
         Tools(self.connection())
     }
 
-    /// Users and sessions.
+    /// Returns the repository of users and their sessions.
     pub fn users(&mut self) -> Users<'_> {
         Users(self.connection())
     }

@@ -29,7 +29,7 @@ pub trait Accounts: Send + Sync + 'static {
     async fn delete_session(&self, id: &SessionId) -> Result<(), AccountsError>;
 }
 
-/// The store failed.
+/// Failure of the daemon's account store, with the store's own error as source.
 #[derive(Debug, thiserror::Error)]
 #[error("the account store failed")]
 pub struct AccountsError(#[source] pub Box<dyn std::error::Error + Send + Sync>);
@@ -70,13 +70,13 @@ impl SessionId {
         Self(hex::encode(Sha256::digest(token.as_bytes())))
     }
 
-    /// From the store.
+    /// Takes the text that [`as_str`](Self::as_str) gave, without a check.
     #[must_use]
     pub const fn from_stored(id: String) -> Self {
         Self(id)
     }
 
-    /// For the store.
+    /// Returns the id as hexadecimal digits; no token can be computed from it.
     #[must_use]
     pub fn as_str(&self) -> &str {
         &self.0

@@ -71,13 +71,13 @@ impl PasswordHash {
         Ok(Self(hash.to_string()))
     }
 
-    /// From the store.
+    /// Takes the text that [`as_str`](Self::as_str) gave; a broken one never verifies.
     #[must_use]
     pub const fn from_stored(hash: String) -> Self {
         Self(hash)
     }
 
-    /// For the store.
+    /// Returns the hash as PHC string: algorithm, parameters, salt and digest.
     #[must_use]
     pub fn as_str(&self) -> &str {
         &self.0

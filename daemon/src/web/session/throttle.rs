@@ -6,10 +6,10 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Limits of attempts.
+/// Limits of failed attempts to sign in, per address and user, and tenfold per address.
 #[derive(Debug, Clone)]
 pub struct ThrottleConfig {
-    /// Failures that cost nothing.
+    /// Failures before the first wait.
     pub free_failures: u32,
     /// The wait after the first failure beyond; doubles with each further one.
     pub first_wait: Duration,
@@ -62,7 +62,7 @@ impl LoginThrottle {
         if wait.is_zero() { Ok(()) } else { Err(wait) }
     }
 
-    /// An attempt failed.
+    /// Counts a failed attempt for the user at the address and for the address.
     pub fn failed(&mut self, client: IpAddr, user_name: &str, now: Instant) {
         let longest = self.config.longest_wait;
         for key in [(client, Some(user_name.to_owned())), (client, None)] {

@@ -19,7 +19,7 @@ pub struct StoredEntry {
     pub report_id: Option<i64>,
     /// The canonical text that is hashed.
     pub content: Vec<u8>,
-    /// The stored hash.
+    /// Hash as stored, of any length; compared with the one of content and predecessor.
     pub hash: Vec<u8>,
 }
 

@@ -17,7 +17,7 @@ pub struct LedgerFilter {
     pub until: Option<DateTime>,
     /// Restricts to this kind of entry.
     pub kind: Option<EventKind>,
-    /// About this only.
+    /// Restricts to entries about this network, operation, request or field.
     pub subject: Option<LedgerSubject>,
 }
 

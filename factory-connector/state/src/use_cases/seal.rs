@@ -7,7 +7,7 @@ use ledger::{Checkpoint, LedgerKey, SignedHead};
 
 use crate::{ChangeSet, ConnectorState, writes::CheckpointRow};
 
-/// Period of checkpoints.
+/// Time from one checkpoint to the next: a day, by the clock of the caller.
 const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(86_400);
 
 /// Signs a checkpoint over the heads of all chains, where the last one is a day old.

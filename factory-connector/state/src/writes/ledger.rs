@@ -28,7 +28,7 @@ impl LedgerWrites {
 /// A signed statement of the heads of all chains.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CheckpointRow {
-    /// Number, from 1.
+    /// Number of the checkpoint, from 1.
     pub number: u64,
     pub recorded_at: DateTime,
     /// The signed text.

@@ -88,7 +88,7 @@ impl Slot {
         Arrival::New
     }
 
-    /// No value yet.
+    /// True before the first value of the input.
     pub fn is_waiting(&self) -> bool {
         self.value.is_none() && self.away.is_none()
     }

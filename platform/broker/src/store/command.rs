@@ -15,7 +15,7 @@ use crate::{
 pub(crate) struct NewMessage {
     pub queue: Arc<Queue>,
     pub entry: QueueEntry,
-    /// The encoded message.
+    /// Message as AMQP bytes, in the form in which it is stored.
     pub wire: Vec<u8>,
     /// Notified after the commit.
     pub done: oneshot::Sender<Result<(), WriteFailed>>,
@@ -43,7 +43,7 @@ type Done<T> = oneshot::Sender<Result<T, sqlx::Error>>;
 pub(crate) enum StoreCommand {
     /// Insert a message; after the commit it becomes ready.
     Insert(NewMessage),
-    /// Delete a message.
+    /// Delete a message by its id.
     Remove(i64),
     /// Record the number of failed deliveries.
     CountDelivery { id: i64, delivery_count: u32 },

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{clock, config::QueueOptions, queue::Queue};
 
-/// Rows in one INSERT.
+/// Rows in one INSERT of new messages.
 const ROWS_PER_INSERT: usize = 64;
 
 /// Applies commands in one transaction.
