@@ -136,6 +136,8 @@ impl Coordinator {
         self.commit().await?;
         while !shutdown.is_cancelled() {
             let (commands, batches) = self.wait(&shutdown).await;
+            // The clock first: a deadline that was computed before it was set back would hold
+            // values for as long as that.
             self.follow_clock();
             self.receive_candidates(batches);
             for command in commands {
@@ -178,6 +180,8 @@ impl Coordinator {
             batch = self.candidates.recv() => batches.extend(batch),
             () = tokio::time::sleep_until(wake_at) => {}
         }
+        // What came meanwhile joins the transaction, so that one flush to the disk serves all of
+        // it.
         while commands.len() < GROUP_MAX
             && let Ok(command) = self.commands.try_recv()
         {
@@ -248,11 +252,14 @@ impl Coordinator {
         let refreshed =
             transaction::refresh(&mut self.work.state, std::mem::take(&mut self.work.pending));
         let delivery = delivery_progress::delivery_state(&mut self.work.store, &refreshed).await?;
+        // Before the commit: a report that the link sent while it is being written would be
+        // accounted for as taken back.
         self.recall(&delivery);
         let (writes, effects) = refreshed
             .take_back(&mut self.work.state, delivery, &self.work.key, now)
             .report(&mut self.work.state, now, clock::salt)
             .sign(&self.work.state, &self.work.key);
+        // From here and not from the end: the length of a commit does not slow the publishing down.
         self.timing.next_publish = Instant::now() + self.work.config.publishing_interval;
         self.timing.oldest_unwritten = None;
         let report_count = writes.reports.queued.len();
@@ -266,9 +273,11 @@ impl Coordinator {
         self.work.outputs.in_flight.confirm_recalls();
         self.are_epochs_due &= !are_epochs_begun;
         metrics::counter!("verbund_reports_total").increment(report_count as u64);
+        // Only after the commit: what a caller has heard survives a crash.
         for reply in self.replies.drain(..) {
             reply(true);
         }
+        // After the commit: nobody sees what a failed transaction takes away again.
         publish_effects::publish_effects(&self.work.outputs, &self.work.state, effects).await;
         self.timing.has_ledger_entries |= has_ledger_entries;
         Ok(())
@@ -301,7 +310,9 @@ impl Coordinator {
         for reply in self.replies.drain(..) {
             reply(false);
         }
+        // The reports were not taken back after all, so they may leave.
         self.work.outputs.in_flight.undo_recalls();
+        // A full or failing disk does not recover at once; without a pause this would only repeat.
         tokio::time::sleep(PAUSE_AFTER_FAILURE).await;
         let mut snapshot = self.work.store.load().await?;
         // Keep-alives and deleted messages may be under way: their numbers must not be given again.

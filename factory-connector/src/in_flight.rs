@@ -67,6 +67,7 @@ impl InFlight {
     pub fn may_leave(&self, row: i64, message_id: &MessageId) -> bool {
         let mut inner = self.0.lock();
         let Inner { fetched, recalled, being_recalled, .. } = &mut *inner;
+        // Control messages and keep-alives carry no reports, so nothing in them can be recalled.
         let Some(fetched) = fetched.get_mut(message_id) else { return true };
         let is_recalled =
             |report: &i64| recalled.contains(report) || being_recalled.contains(report);
@@ -118,6 +119,7 @@ impl Inner {
     fn forget_oldest(&mut self) {
         let Some(oldest) = self.order.pop_front() else { return };
         let sent_as = self.fetched.remove(&oldest).and_then(|fetched| fetched.row);
+        // The row may have been sent again in another form; that one stays known.
         if let Some(row) = sent_as
             && self.sent.get(&row) == Some(&oldest)
         {
@@ -126,6 +128,7 @@ impl Inner {
     }
 
     fn forget_recalls_of_others(&mut self) {
+        // The others are committed as taken back, so no later fetch reads them.
         let held: HashSet<i64> =
             self.fetched.values().flat_map(|fetched| fetched.reports.iter().copied()).collect();
         self.recalled.retain(|report| held.contains(report));

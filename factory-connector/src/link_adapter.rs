@@ -103,6 +103,7 @@ impl SpoolStore for ConnectorSpool {
     }
 
     async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, SpoolError> {
+        // Without the lease another connector of this factory may be sending.
         let Some(lease) = self.gate.number() else { return Ok(Vec::new()) };
         let messages = self.readers.session().await?.spool().fetch(fetch).await?;
         let mut rows: Vec<SpoolRow> =
@@ -114,9 +115,12 @@ impl SpoolStore for ConnectorSpool {
                 envelope: Envelope::new(message.message_id, "ua-data", message.body),
                 attempts: 0,
             }));
+            // Both are numbered by one sequence: a keep-alive must not overtake what was said
+            // before it.
             rows.sort_by_key(|row| row.id);
             rows.truncate(fetch.limit);
         }
+        // Stamped here and compared again when it is sent: the lease can be lost in between.
         for row in &mut rows {
             row.envelope.lease = Some(lease);
         }

@@ -315,6 +315,7 @@ fn write_secret(file: &std::path::Path, secret: &str) -> std::io::Result<()> {
         .create(true)
         .truncate(true)
         .write(true)
+        // From its creation on: afterwards there would be a moment in which others can open it.
         .mode(0o600)
         .open(file)?;
     writeln!(file, "{secret}")

@@ -119,6 +119,7 @@ impl Gate {
     pub fn state(&self) -> GateState {
         let mut state = self.state.clone();
         if let Some(releasable) = &self.releasable {
+            // As waiting: after a restart it passes the conditions of that time again.
             state.waiting.push_front(releasable.clone());
         }
         state
@@ -147,9 +148,12 @@ impl Gate {
             self.state.is_in_withheld_state = is_withheld;
         }
         if self.is_withheld() {
+            // A mean must not weight the value before with the time in which candidates are
+            // withheld.
             self.state.aggregation.pause(now);
             return GateOutcome::Suppressed;
         }
+        // Set aside, to tell whether this candidate is released; the flag is joined again below.
         let released_before = self.take_released();
         let mut is_coarsened = true;
         if let Some(aggregate) = self.policy.aggregate {
@@ -225,6 +229,8 @@ impl Gate {
                 .withhold_while
                 .iter()
                 .filter_map(|condition| condition.field.as_ref())
+                // Withheld as well while the state of the other field is unknown: a policy errs on
+                // the safe side.
                 .any(|other| self.state.withheld_by.get(other) != Some(&false))
     }
 
@@ -273,6 +279,7 @@ impl Gate {
 
     /// Replaces a candidate of another type than the field's by a Bad one, which aggregates skip.
     fn checked_type(&self, candidate: DataValue) -> DataValue {
+        // The aggregate is coarsened; its candidates must go in exactly.
         let untouched = DisclosurePolicy::default();
         coarsen(&untouched, self.field_type, candidate).value
     }

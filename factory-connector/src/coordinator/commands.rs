@@ -37,11 +37,13 @@ pub(super) async fn handle_command(
             Box::new(move |is_written| _ = reply.send(is_written.then_some(outcome)))
         }
         CommandKind::Read(query) => {
+            // It may see what is not committed yet; a caller that needs certainty runs a use case.
             query(&work.state);
             return Ok(None);
         }
         CommandKind::Execute(use_case) => {
             let (changes, reply) = use_case(&mut work.state, now);
+            // Nothing was changed, so there is no transaction to wait for.
             let Some(changes) = changes else {
                 reply(true);
                 return Ok(None);

@@ -39,6 +39,8 @@ pub(super) async fn deliver(
         .collect();
     let mut seen: HashSet<String> =
         work.store.read().received_messages().known_of(&ids).await?.into_iter().collect();
+    // A repetition may be part of the same transaction, so the store does not know the first one
+    // yet.
     let pending = work.pending.writes.messages.seen.iter();
     seen.extend(pending.map(|(id, _)| id.to_string()));
     for delivery in deliveries {
@@ -48,6 +50,7 @@ pub(super) async fn deliver(
             metrics::counter!("verbund_messages_repeated_total").increment(1);
             continue;
         }
+        // Noted even where it is rejected: a repetition is not answered twice.
         work.pending.merge(receive::note_received(transport_id.clone(), now));
         let (body, parsed) = match envelope.unpacked(UNPACKED_BYTES_MAX) {
             Ok(body) => {
@@ -125,6 +128,7 @@ async fn record(work: &mut UnitOfWork, receipt: Receipt, now: DateTime) -> Resul
     for writer in receipt.receipt_list {
         let moves = &work.pending.writes.reports.moves;
         let (id, epoch) = (writer.data_set_writer_id, Some(writer.epoch));
+        // As they are after the moves of this transaction, which the store does not know yet.
         let rows = reports_of(&mut work.store, moves, id, epoch).await?;
         let reports: Vec<ReportRow> = rows.iter().map(|waiting| waiting.row).collect();
         let mut effect = apply_receipt(&writer, &reports, sent_before);

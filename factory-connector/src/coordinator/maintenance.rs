@@ -72,6 +72,7 @@ pub(super) async fn run_maintenance(
     }
     if instant >= schedule.next_retention {
         schedule.next_retention = instant + RETENTION_INTERVAL;
+        // Not passed on: reports leave as before while old values stay for another hour.
         if let Err(error) = retain(work, schedule, now).await {
             tracing::error!(
                 error = &error as &dyn std::error::Error,
@@ -83,6 +84,7 @@ pub(super) async fn run_maintenance(
 }
 
 fn send_keep_alives(work: &mut UnitOfWork, now: DateTime) {
+    // While the link is down they would only pile up.
     let Some(link) = work.outputs.link.as_ref().filter(|link| link.state().borrow().is_up()) else {
         return;
     };

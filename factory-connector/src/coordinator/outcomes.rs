@@ -17,6 +17,7 @@ pub(super) async fn record(
     now: DateTime,
 ) -> Result<(), StoreError> {
     for outcome in outcomes {
+        // A keep-alive is sent once, whatever came of it: the next one says the same.
         work.outputs.keep_alives.remove(outcome.id.0);
     }
     let is_accepted = |outcome: &&RowOutcome| matches!(outcome.outcome, SendOutcome::Accepted);

@@ -51,6 +51,7 @@ pub(super) async fn publish_effects(
             link.wake();
         }
     }
+    // Pages last: what they read again on an event is up to date by then.
     let events = effects.take_events();
     if !events.is_empty() {
         outputs.events.publish(events);
@@ -106,6 +107,7 @@ fn field_record(field: &Field) -> FieldRecord {
         mapping_state: decision.mapping_state,
         value_source: decision.value_source,
         value: field.gate.disclosed().cloned().unwrap_or_else(|| {
+            // No value is disclosed yet: the node shows what the partner has, which is nothing.
             DataValue::status_only(StatusCode::BAD_WAITING_FOR_INITIAL_DATA, decision.decided_at)
         }),
         disclosure: field.statement().map(|statement| Arc::from(statement.description)),

@@ -63,6 +63,7 @@ impl Store {
             move |source| StoreError::Access { path, source }
         };
         std::fs::create_dir_all(directory).map_err(access(directory))?;
+        // Before the file is opened: a second connector must not even bring its tables up to date.
         let lock = lock(directory)?;
         let mut session = Self::connect(directory).await?;
         let generation_file = directory.join(GENERATION_FILE);
@@ -82,6 +83,7 @@ impl Store {
         let database = directory.join(DATABASE_FILE);
         let pool = SqlitePoolOptions::new()
             .max_connections(READERS_MAX)
+            // So that nothing is written beside the one connection that writes.
             .connect_with(options(&database).read_only(true))
             .await
             .map_err(StoreError::while_doing("open the store for reading"))?;

@@ -96,6 +96,7 @@ impl WriteConnection {
     /// Ends the thread when everything is written.
     pub(super) async fn close(self) {
         drop(self.jobs);
+        // Joining blocks: the thread may still be writing.
         drop(tokio::task::spawn_blocking(|| self.thread.map(JoinHandle::join)).await);
     }
 }
@@ -106,9 +107,13 @@ fn connect(
     log_bytes: &str,
 ) -> rusqlite::Result<Connection> {
     let connection = Connection::open(database)?;
+    // Commands beside a running connector write users and the enrolment.
     connection.busy_timeout(busy_timeout)?;
     connection.pragma_update(None, "journal_mode", "WAL")?;
+    // Messages are settled after their commit, so it has to survive a loss of power. NORMAL may
+    // lose the last transactions of a write-ahead log.
     connection.pragma_update(None, "synchronous", "FULL")?;
+    // Off by default, and a setting of each connection.
     connection.pragma_update(None, "foreign_keys", true)?;
     connection.pragma_update(None, "journal_size_limit", log_bytes)?;
     connection.pragma_update(None, "cache_size", CACHE)?;
@@ -122,6 +127,8 @@ fn transaction<T>(
     action: &'static str,
     work: impl FnOnce(&Transaction<'_>) -> Result<T, StoreError>,
 ) -> Result<T, StoreError> {
+    // The write lock at once: a transaction that begins by reading can find it taken when it
+    // writes, and then has to begin again.
     let transaction = connection
         .transaction_with_behavior(TransactionBehavior::Immediate)
         .map_err(StoreError::while_writing("begin a transaction"))?;

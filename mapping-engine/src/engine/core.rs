@@ -158,6 +158,8 @@ impl Core {
             self.react(slot, reaction, now);
         }
         for (input, key) in (0..).zip(keys) {
+            // A variable that is monitored already sends nothing until it changes, so its last
+            // value comes from the history.
             let last = self.routes.get_mut(key).and_then(|route| route.history.newest().cloned());
             if let Some(last) = last {
                 self.take(follower(input), last, now, &mut Instant::now());
@@ -186,6 +188,7 @@ impl Core {
             }
         }
         let mut slots = self.pending_slots.iter();
+        // Candidates of the old version must not arrive under the new one.
         self.pending.retain(|_| slots.next().is_none_or(|pending| *pending != narrow(slot)));
         self.pending_slots.retain(|pending| *pending != narrow(slot));
         metrics::gauge!("mapping_engine_mappings").set(count(self.inventory.len()));
@@ -250,6 +253,7 @@ impl Core {
         if let [only] = *route.subscribers.as_slice() {
             return self.take(only, value, now, begun);
         }
+        // A copy of the list, since `take` needs all of the engine.
         for subscriber in route.subscribers.clone() {
             self.take(subscriber, value.clone(), now, begun);
         }
@@ -315,6 +319,7 @@ impl Core {
         let Some(running) = self.inventory.get_mut(slot) else { return };
         running.yielded += 1;
         running.last_yielded_at = Some(now);
+        // A shadow mapping yields for its status only: nothing of it reaches the gate.
         if !running.is_shadow {
             self.pending.push(Candidate { target: running.target, value, state: None });
             self.pending_slots.push(narrow(slot));

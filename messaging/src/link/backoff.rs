@@ -26,6 +26,7 @@ impl Backoff {
             self.min.saturating_mul(1 << self.failures.min(20)).min(self.max)
         };
         self.failures = self.failures.saturating_add(1);
+        // Spread: the connectors of all factories lose a broker at the same moment.
         whole.mul_f64(0.5 + jitter.clamp(0.0, 1.0) / 2.0)
     }
 

@@ -146,6 +146,8 @@ impl Consumers {
     ) -> Result<bool, EndpointFault> {
         let (tokens, deliveries): (Vec<_>, Vec<_>) = batch.into_iter().unzip();
         let answers = self.inbox.receive(address, deliveries).await;
+        // A delivery without an answer stays with the broker: nothing is settled that may not be
+        // stored.
         let answers = answers.into_iter().chain(std::iter::repeat(Settlement::Release));
         let settlements: Vec<_> = tokens.into_iter().zip(answers).collect();
         let count = |name: &'static str, predicate: fn(&Settlement) -> bool| {

@@ -88,6 +88,7 @@ impl Cursor {
     pub(crate) fn on_rewind(&mut self) {
         let taken = self.live.rows.front().map_or(self.live.after, |row| RowId(row.id.0 - 1));
         self.watermark = self.watermark.max(taken);
+        // From the beginning: which rows wait again is known to the store only.
         self.control.restart(RowId(0));
         self.replay.restart(RowId(0));
     }
@@ -126,6 +127,7 @@ impl Cursor {
         if let Some(last) = rows.last() {
             reader.after = last.id;
         }
+        // A row that is in flight is not sent twice; the reader goes on behind it all the same.
         reader.rows.extend(rows.into_iter().filter(|row| !self.open.contains_key(&row.id)));
     }
 

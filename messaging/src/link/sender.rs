@@ -195,6 +195,8 @@ impl Sender {
             return;
         }
         let window = self.addresses.window();
+        // Twice the window: outcomes that are being recorded must not keep the next rows from
+        // leaving.
         while self.addresses.in_flight() < window && self.cursor.open() < window * 2 {
             if let Some((fetch, target)) = self.cursor.next_fetch() {
                 match self.store.fetch(fetch).await {
@@ -256,6 +258,7 @@ impl Sender {
             }
             BrokerOutcome::Released => {
                 count_sent("released");
+                // Closed, so that the row is read again after the back-off.
                 self.cursor.close(id);
                 self.back_off(&address, "the broker released a message".to_owned());
             }

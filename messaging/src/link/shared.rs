@@ -62,6 +62,7 @@ impl Shared {
         metrics::gauge!("link_up").set(if phase == LinkPhase::Up { 1.0 } else { 0.0 });
         if phase == LinkPhase::Up {
             metrics::counter!("link_connects_total").increment(1);
+            // They belonged to the connection before.
             self.obstacles.lock().clear();
             self.has_data_flowed.store(false, Ordering::Relaxed);
         }

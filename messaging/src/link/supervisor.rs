@@ -48,6 +48,8 @@ impl Supervisor {
             let fault = match connecting {
                 Ok(connection) => {
                     info!(broker = name, "The link is up.");
+                    // Before the sender starts: it must not send on what held for the connection
+                    // before.
                     self.store.connected();
                     self.shared.enter(LinkPhase::Up, &name, None);
                     let up_since = tokio::time::Instant::now();
@@ -146,6 +148,7 @@ impl Supervisor {
         stop.cancel();
         // The sender first: outcomes resolve only when the endpoints are dropped.
         finish(sending, INBOX_GRACE).await;
+        // The inbox may be committing; its settlements still reach the broker.
         finish(consuming, INBOX_GRACE).await;
         connection.close().await;
         fault

@@ -97,6 +97,7 @@ impl Worker {
         loop {
             let is_idle = self.outcomes.is_empty();
             tokio::select! {
+                // Outcomes first: they make room for the rows that wait.
                 biased;
                 Some((id, outcome)) = self.outcomes.next() => self.on_outcome(id, outcome?).await,
                 row = self.waiting.recv() => {
@@ -113,10 +114,12 @@ impl Worker {
         sender: &mut dyn MessageSender,
         row: SpoolRow,
     ) -> Result<(), EndpointFault> {
+        // At the last moment: a report can be recalled while its row waits in the queue.
         if !self.store.may_leave(&row) {
             let _ = self.events.send(SenderEvent::Recalled { id: row.id }).await;
             return Ok(());
         }
+        // Before it is sent: where the endpoint fails half-way, the row counts as not sent.
         self.unsettled.insert(row.id);
         let mut sending = sender.send(&row.envelope);
         // Outcomes make room, so they are received while the broker grants no credit.

@@ -106,6 +106,7 @@ impl Addresses {
     /// false when the row cannot be sent at the moment; a row of the spool then counts as skipped.
     pub(super) fn send(&mut self, row: SpoolRow, is_volatile: bool) -> bool {
         let state = self.states.entry(row.address.clone()).or_default();
+        // After a failure one at a time, so that the message that the broker refuses shows.
         let room = if state.failures > 0 { 1 } else { self.window };
         // Skipped rows go first, so no row behind them may overtake. Volatile messages have no
         // position among the rows.
@@ -136,6 +137,8 @@ impl Addresses {
             state.in_flight = state.in_flight.saturating_sub(1);
             if state.has_skipped
                 && state.backoff_until.is_none()
+                // Not before half of the window is free: each row that settles would else read the
+                // spool again.
                 && state.in_flight * 2 <= self.window
             {
                 state.has_skipped = false;

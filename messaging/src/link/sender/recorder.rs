@@ -42,6 +42,7 @@ impl Recorder {
         while self.outcomes.recv_many(&mut group, GROUP_MAX).await > 0 {
             let ids = group.iter().map(|outcome| outcome.id).collect();
             self.record(std::mem::take(&mut group)).await;
+            // Even where it failed: the rows are closed, read again and sent again.
             let _ = self.recorded.send(ids);
         }
     }
@@ -60,6 +61,8 @@ impl Recorder {
                     self.shared.report_obstacle("recording outcomes", problem.to_string());
                 }
             }
+            // The link stops: the rows are sent again later, and the receiver recognises them by
+            // their ids.
             if self.outcomes.is_closed() {
                 return;
             }
