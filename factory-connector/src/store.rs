@@ -3,8 +3,8 @@
 //! One module per noun, with its columns, its reading and its writing; each statement is in exactly
 //! one place. Everything that belongs together is collected in [`Writes`] and committed in one
 //! transaction ([`Store::commit`]): nothing leaves that is not logged, and nothing that is logged
-//! is lost. Reading goes through repositories that borrow a [`StoreSession`], a connection of its own,
-//! and never waits for a transaction.
+//! is lost. Reading goes through repositories that borrow a [`StoreSession`], a connection of its
+//! own, and never waits for a transaction.
 
 mod carried_fields;
 mod comments;

@@ -73,6 +73,7 @@ impl ProgressNotifier {
                     tracing::warn!(operation_network.id = %network, %error, "Progress could not be read.");
                 }
             }
+            // Changes gather meanwhile: a network is read once for many reports.
             if shutdown.run_until_cancelled(tokio::time::sleep(INTERVAL)).await.is_none() {
                 return Ok(());
             }

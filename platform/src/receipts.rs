@@ -63,6 +63,7 @@ impl Receipter {
     /// # Errors
     /// [`StoreError`].
     pub async fn round(&self) -> Result<usize, StoreError> {
+        // A reader first: most rounds find nothing, and there is only one writer.
         if self.store.read().await?.writers().unreceipted(1).await?.is_empty() {
             return Ok(0);
         }
@@ -92,6 +93,8 @@ impl Receipter {
                     work.outgoing().add(&message).await?;
                 }
                 for row in rows {
+                    // In the transaction of the receipt, so that it is neither forgotten nor sent
+                    // for ever.
                     work.writers().receipted(&row.key).await?;
                 }
                 count += 1;

@@ -162,6 +162,8 @@ impl Aggregation {
         open.weigh(self.held.as_ref(), end);
         let result = open.result(aggregate.function, self.held.as_ref(), field_type);
         let mut idle = OpenWindow::new(end, self.held.as_ref(), field_type);
+        // What the next window yields if no candidate comes: where that differs, it has to end by
+        // itself.
         let mut silent = idle.clone();
         silent.weigh(self.held.as_ref(), end.after(aggregate.window()));
         let next = silent.result(aggregate.function, self.held.as_ref(), field_type);
@@ -174,6 +176,7 @@ impl Aggregation {
 }
 
 fn is_same(next: &DataValue, last: Option<&DataValue>) -> bool {
+    // NaN is unequal to itself, so one window would follow the other for ever.
     let is_no_number = |value: &DataValue| value.value.as_f64().is_some_and(f64::is_nan);
     last.is_some_and(|last| {
         last.status == next.status

@@ -15,6 +15,7 @@ const DOMAIN: &[u8] = b"verbund ledger 1";
 pub fn chain_hash(previous: &Hash, content: &str) -> Hash {
     let mut hasher = Sha256::new();
     hasher.update(DOMAIN);
+    // Nothing between the parts: domain and hash have a fixed length, and the content is the rest.
     hasher.update(previous);
     hasher.update(content.as_bytes());
     hasher.finalize().into()

@@ -171,6 +171,7 @@ impl LeaseClient {
                 let message = FactoryMessage::LeaseRequest(request);
                 let body = serde_json::to_string(&message)
                     .expect("messages have text keys and finite numbers");
+                // Not through the spool, from which nothing leaves before the answer.
                 self.link.send_volatile(
                     self.ingress.clone(),
                     Envelope::new(message_id, message.message_type(), body),
@@ -178,10 +179,12 @@ impl LeaseClient {
             }
             Action::Open(number) => {
                 self.gate.open(number);
+                // While the gate was closed each fetch found nothing, so the spool is read again.
                 self.link.restart_reading();
                 self.store(true).await;
             }
             Action::Close => {
+                // Before it is stored: nothing leaves from here on, whatever the disk does.
                 self.gate.close();
                 self.store(false).await;
             }

@@ -17,6 +17,8 @@ pub(super) async fn publish(
             match piece {
                 EngineCommand::Put(published) => ready.push(published),
                 EngineCommand::Remove(id) => {
+                    // What was decided before the removal comes first: it may be about the same
+                    // mapping.
                     put(&engine, std::mem::take(&mut ready)).await;
                     if engine.remove(&id).await.is_err() {
                         return;

@@ -26,6 +26,7 @@ pub(super) async fn publish(
             () = shutdown.cancelled() => return,
             Ok(()) = link.changed() => {
                 let now = phase(&link.borrow_and_update());
+                // Only a counter changed.
                 if std::mem::replace(&mut published, now.clone()) == now {
                     continue;
                 }

@@ -165,6 +165,7 @@ impl Reports<'_> {
                  AND message IN (SELECT value FROM json_each(?))
              ORDER BY id"
         );
+        // One parameter for all numbers, so that the statement is the same for any of them.
         all(self.0, query(sql).bind(document(messages)), READ, waiting).await
     }
 

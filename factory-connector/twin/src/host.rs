@@ -78,6 +78,7 @@ impl NodeHost {
     /// Adds a provider; its nodes exist from now on.
     pub(crate) fn add_provider(&self, provider: Arc<dyn NodeProvider>) {
         {
+            // Types before nodes: a client that finds a node looks for its type.
             let mut tree = self.type_tree.write();
             for (id, supertype, class) in provider.types() {
                 tree.add_type_node(&id, &supertype, class);
@@ -94,6 +95,7 @@ impl NodeHost {
 
     /// Removes a provider with its namespaces.
     pub(crate) fn remove_provider(&self, provider: &Arc<dyn NodeProvider>) {
+        // Nodes before types, so that no node is there without its type.
         self.table.rcu(|table| {
             let others =
                 table.providers.iter().filter(|other| !Arc::ptr_eq(other, provider)).cloned();

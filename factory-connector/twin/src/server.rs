@@ -83,11 +83,13 @@ impl Twin {
         }
         let application_uri = application_uri(&factory_id);
         certificate::ensure(&config, &application_uri, clock::now())?;
+        // Bound before the server is built: its URL needs the port that the system chose.
         let (listener, address) = listen(&config)?;
         let port = address.port();
         let host_name = host_names(&config).swap_remove(0);
         let url: Arc<str> = format!("opc.tcp://{}:{port}/", bracketed(&host_name)).into();
 
+        // Filled below: the reporter needs the built server, which needs those who report.
         let events = Arc::new(OnceLock::new());
         let login = Login::new(authenticator, &config.security);
         let validator = Arc::new(Validator::new(

@@ -88,6 +88,7 @@ impl MappingEngine {
                     // Without a handle the published mappings still run.
                     None => has_handles = false,
                 },
+                // Without room changes wait at the shop floor, which coalesces them.
                 batch = changes.recv(), if has_changes && core.has_room() => match batch {
                     Some(batch) => core.changed(batch, now()),
                     None => has_changes = false,

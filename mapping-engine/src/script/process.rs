@@ -53,6 +53,7 @@ impl Process {
     pub async fn start(config: &ScriptConfig) -> Result<Self, ProcessError> {
         let path = config.find_worker().map_err(ProcessError::NotFound)?;
         let mut child = Command::new(path)
+            // The environment of a daemon may hold passwords.
             .env_clear()
             // Without a file to look up: dates are in UTC.
             .env("TZ", "UTC0")
@@ -60,6 +61,7 @@ impl Process {
             .env("MALLOC_ARENA_MAX", "1")
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
+            // Nothing that a script causes gets into a log.
             .stderr(Stdio::null())
             .kill_on_drop(true)
             .spawn()

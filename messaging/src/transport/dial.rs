@@ -110,6 +110,7 @@ fn tls_fault(error: io::Error) -> ConnectionFault {
 /// busy. The heartbeats of the protocol do not suffice, because a writer that is blocked in its
 /// socket does not check its timer.
 fn tune(tcp: &TcpStream, stall_timeout: Duration) -> io::Result<()> {
+    // A small frame must not wait for the answer to the one before.
     tcp.set_nodelay(true)?;
     let socket = SockRef::from(tcp);
     let probe = (stall_timeout / 4).max(Duration::from_secs(1));

@@ -65,6 +65,7 @@ impl MqttTransport {
             keep_alive: u16::try_from(self.limits.idle_timeout.as_secs().max(2))
                 .unwrap_or(u16::MAX),
             client_id: self.login.user_name.clone(),
+            // The session holds what arrived while the link was down.
             clean_start: false,
             properties: Some(properties),
         };

@@ -71,6 +71,8 @@ impl<'w> LeaseArbiter<'w> {
         let (lease, decision) = FactoryLease::ask(before, request, is_silent, unit.now);
         log(factory, request, &lease, decision, former.as_deref());
         let is_refused = matches!(decision, LeaseDecision::Refused { .. });
+        // Only the holder is a sign of life: a second connector that asks must not keep the lease
+        // of a silent one alive.
         if !is_refused {
             self.heartbeats.record(factory);
             unit.record_arrival(factory, received_at);

@@ -187,6 +187,7 @@ impl Ingest {
         }
         let effects = applier.finish().await?;
         work.commit().await?;
+        // After the commit: pages and tools hear of nothing that may still be rolled back.
         self.tell(effects).await;
         Ok(())
     }
@@ -197,6 +198,7 @@ impl Ingest {
             self.broker_access.wake_link();
         }
         if !effects.meta_data.is_empty() {
+            // A copy: those who decode at the moment hold the table as it was.
             let mut table = (**self.meta_data.read()).clone();
             table.extend(effects.meta_data);
             *self.meta_data.write() = Arc::new(table);

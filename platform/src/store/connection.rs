@@ -48,6 +48,7 @@ impl Store {
             .pragma("temp_store", "memory");
         let failed = |source| StoreError::Open { path: path.to_owned(), source };
         let writer = SqlitePoolOptions::new()
+            // SQLite has one writer. Units of work queue here, in order, and not at its lock.
             .max_connections(1)
             // A full disk makes SQLite roll back by itself, which the driver takes for an open
             // transaction for ever.
@@ -70,6 +71,7 @@ impl Store {
             })
             .collect();
         Migrator::with_migrations(migrations).run(&writer).await.map_err(StoreError::Migrate)?;
+        // Beside the writer: with a write-ahead log reading waits for no transaction.
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS_MAX)
             .connect_with(options.read_only(true).pragma("query_only", "true"))

@@ -52,6 +52,8 @@ impl Inbox<'_> {
                     .push_bind(message.received_at.ticks())
                     .push_bind(&message.body);
             });
+            // The unique index decides, so that two messages with one id in a batch count once as
+            // well.
             query.push(" ON CONFLICT (address, message_id) DO NOTHING RETURNING message_id");
             let rows = query
                 .build()

@@ -46,6 +46,8 @@ pub(in crate::store) fn prune(
             // As it is stored beside the text, which has microseconds only.
             recorded_at: DateTime::from_unix_micros(now.unix_micros()),
         };
+        // In the transaction of the removal: a chain that begins late without an anchor counts as
+        // cut.
         anchors::write(connection, &anchor, key)
             .map_err(StoreError::while_writing("anchor a chain"))?;
         remove(connection, recipient, &entries).map_err(StoreError::while_writing(PRUNE))?;

@@ -58,6 +58,7 @@ impl Interfaces {
         let interface = self.by_id.remove(id)?;
         self.by_sequence.remove(&interface.sequence);
         self.version = next_version(self.version);
+        // A table that once was large would keep its memory for ever.
         if self.by_id.capacity() > 4 * self.by_id.len() + 64 {
             self.by_id.shrink_to_fit();
         }

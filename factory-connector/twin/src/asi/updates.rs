@@ -94,6 +94,8 @@ impl AsiProvider {
             let visible = {
                 let mut records = interface.records.write();
                 let record = &mut records[field as usize];
+                // A decision that came meanwhile has closed the field; its value must not appear
+                // again.
                 if record.mapping_state != MappingState::Mapped {
                     continue;
                 }
@@ -148,6 +150,7 @@ impl AsiProvider {
     pub(super) fn publish_present_values(&self, items: &[&MonitoredItemRef]) {
         let _order = self.publishing.lock();
         let mut notifier = self.subscriptions.data_notifier();
+        // Read again here, so that a change during the registration of the item is not missed.
         for item in items.iter().filter(|item| item.attribute() == AttributeId::Value) {
             let present = self.value(item.node_id()).unwrap_or_else(|| DataValue {
                 status: Some(StatusCode::BadNodeIdUnknown),

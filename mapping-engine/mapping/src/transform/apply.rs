@@ -149,6 +149,7 @@ impl ScaleBy {
 
 impl UnitFactor {
     fn apply(&self, number: Number) -> Result<Number, Fault> {
+        // Whole numbers stay exact where the factor allows it; a double is not beyond 2^53.
         if let (Number::Integer(value), Some((multiply, divide))) = (number, self.exact) {
             let product = value.checked_mul(multiply);
             let product = product
@@ -171,6 +172,7 @@ fn debounce(
 ) -> Applied {
     let Flow { value, meta } = flow;
     match pending {
+        // Its time goes on, since the value did not change; only status and times are newer.
         Some(waiting) if waiting.kept.value == value => waiting.kept.meta = meta,
         _ if shown.is_some_and(|shown| shown.value == value) => *pending = None,
         _ => *pending = Some(Box::new(Pending { kept: Kept { value, meta }, due })),

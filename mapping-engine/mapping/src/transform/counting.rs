@@ -97,6 +97,7 @@ fn advance(
         CounterInput::RisingEdges => {
             let now = level_in(value)?;
             let before = level.replace(now);
+            // Not at the first value, of which nobody knows when it rose.
             if now && before == Some(false) { Number::ONE } else { Number::ZERO }
         }
         CounterInput::Increments => {

@@ -62,6 +62,7 @@ impl Slot {
         }
         self.away = None;
         if let Some(last) = &self.value {
+            // Without a source time two equal values may be two measurements.
             let same_time =
                 value.source_timestamp.is_some() && value.source_timestamp == last.source_timestamp;
             if same_time && value.status == last.status && value.value == last.value {

@@ -51,6 +51,8 @@ pub(super) fn push(
         .iter()
         .rposition(|other| other.at <= sample.at)
         .map_or(0, |before| before + 1);
+    // Only the newest sample sets the time of the window; a late one says nothing about the
+    // present.
     if place == window.samples.len() {
         window.received_at = now;
     }
@@ -93,6 +95,8 @@ pub(super) fn expire(
     let (Span::Time(duration), Some(newest)) = (span, window.samples.back().copied()) else {
         return Applied::Hold;
     };
+    // By the clock of the source, which may be wrong: of the local one only the time that passed is
+    // used.
     let source_now = newest.at.after(now.since(window.received_at));
     drop_older(aggregate, window, source_now, duration);
     let meta = Meta { status: newest.status, source_timestamp: Some(newest.at), ..Meta::default() };

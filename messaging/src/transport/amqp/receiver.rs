@@ -40,6 +40,7 @@ pub(super) struct AmqpReceiver {
     /// Messages that are not settled yet.
     unsettled: HashMap<DeliveryToken, DeliveryInfo>,
     next_token: u64,
+    // After the receiver: fields drop in order, and the link must detach first.
     _session: SessionHandle<()>,
 }
 

@@ -103,6 +103,7 @@ fn outcome_of(outcome: messaging::Outcome) -> BrokerOutcome {
                 rejection,
             ))
         }
+        // Released or modified: the broker does not keep it, so it is sent again.
         _ => BrokerOutcome::Released,
     }
 }

@@ -137,6 +137,7 @@ impl NetworkConnection {
                 return Err(broken());
             }
             publish.pkid = state.next_id();
+            // The permit returns with the acknowledgement, as the broker counts.
             state.published.insert(publish.pkid, (reply, permit));
         }
         self.packets.send(Packet::Publish(publish)).await.map_err(|_| broken())?;
@@ -157,6 +158,7 @@ impl NetworkConnection {
             if state.is_lost {
                 return Err(broken());
             }
+            // Before the packet: the broker may at once send what its session holds.
             for topic in topics {
                 state.subscribers.insert(topic.clone(), subscriber.clone());
             }
@@ -239,6 +241,7 @@ async fn write(
     stop: CancellationToken,
     keep_alive: Duration,
 ) -> ConnectionFault {
+    // Three answers are due within the time after which the reader gives the broker up.
     let mut ping = tokio::time::interval(keep_alive / 3);
     loop {
         let packet = tokio::select! {
@@ -326,6 +329,8 @@ impl Reader {
     /// the surplus then stays in the sockets.
     async fn deliver(&self, publish: Publish) {
         let subscriber = loop {
+            // Before the look into the state, so that a subscriber that comes in between is not
+            // missed.
             let subscribed = self.has_subscriber.notified();
             {
                 let mut state = self.state.lock();

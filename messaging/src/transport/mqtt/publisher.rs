@@ -35,6 +35,7 @@ impl MqttPublisher {
 impl MessageSender for MqttPublisher {
     async fn send(&mut self, envelope: &Envelope) -> Result<OutcomeFuture, EndpointFault> {
         let publish = codec::to_publish(&self.topic, envelope, clock::now());
+        // Before it is sent: a broker may end the connection over a packet that is too large.
         if let Some(limit) = self.network.packet_bytes_max
             && publish.size() > limit as usize
         {

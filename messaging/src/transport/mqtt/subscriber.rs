@@ -46,6 +46,7 @@ impl MqttSubscriber {
             .iter()
             .map(|topic| {
                 let mut filter = Filter::new(topic.clone(), QoS::AtLeastOnce);
+                // A retained message would arrive again with each subscription.
                 filter.retain_forward_rule = RetainForwardRule::Never;
                 filter
             })

@@ -63,6 +63,8 @@ impl ReportCollector {
                 let address = LogicalAddress::FactoryIngress(factory.clone());
                 let reason =
                     format!("The request {} is asked of {}.", report.request, asked.factory_id);
+                // This report alone: the others of the message answer requests of the factory
+                // itself.
                 unit.reject(&address, incoming, "FOREIGN_REQUEST", reason).await?;
                 continue;
             }
@@ -75,6 +77,7 @@ impl ReportCollector {
                     forwarded.entry(tool.clone()).or_default().push(report.position);
                 }
                 let fields = self.collect_values(&request, &key, incoming, report);
+                // Open pages show the present; what arrives late is in the history.
                 if is_newest && !request.recipients.is_empty() {
                     let (request_key, factory_id) = (key.clone(), factory.clone());
                     let event = LiveEvent::Value { request: request_key, factory_id, fields };
@@ -162,6 +165,7 @@ async fn count(
     report: &IncomingReport,
 ) -> Result<Option<bool>, StoreError> {
     let writer = unit.writer(factory, report.data_set_writer_id, report.epoch).await?;
+    // For a repeat as well: its sender may have missed the receipt.
     writer.needs_receipt = true;
     if !writer.sequences.add(report.sequence) {
         writer.duplicates += 1;
