@@ -123,6 +123,7 @@ impl CachedList {
             // A browse whose task panicked will never answer.
             None => self.answer.has_changed().is_ok(),
             Some(Listing { problem: Some(_), .. }) => self.begun.elapsed() < RETRY_AFTER,
+            // A server that was connected again may have other nodes.
             Some(_) => self.sessions == sessions && self.begun.elapsed() < AGE_MAX,
         }
     }

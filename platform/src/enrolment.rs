@@ -41,6 +41,7 @@ pub async fn make_token(
     let secret = random_token();
     let expires_at = now.after(lifetime);
     let mut work = store.begin().await?;
+    // The hash alone: a copy of the database enrols nobody.
     work.credentials().add_token(&hash(&secret), factory, now, expires_at).await?;
     work.commit().await?;
     let token = format!("{}.{secret}", URL_SAFE_NO_PAD.encode(public_url));

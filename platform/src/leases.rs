@@ -104,6 +104,7 @@ impl FactoryLease {
             let holder = Party::asking(request, now, now);
             return (Self { number: 1, holder, contenders: Vec::new() }, LeaseDecision::Passed);
         };
+        // By place and not by instance: a connector that was restarted has its lease back at once.
         if lease.holder.place == request.place {
             lease.holder = Party::asking(request, lease.holder.since, now);
             for contender in &mut lease.contenders {
@@ -149,8 +150,11 @@ impl FactoryLease {
     ) -> Lease {
         let is_second = self.contenders.first().is_some_and(|contender| contender.is_second);
         let (result, ask_again) = match decision {
+            // Three renewals fit into the time after which the holder counts as gone.
             LeaseDecision::Renewed | LeaseDecision::Passed => (LeaseResult::Granted, silence / 3),
+            // Seldom, since only an administrator can change this answer.
             LeaseDecision::Refused { .. } if is_second => (LeaseResult::Refused, silence * 2),
+            // Often, to take over as soon as the holder counts as gone.
             LeaseDecision::Refused { .. } => (LeaseResult::Refused, silence / 6),
         };
         let is_granted = result == LeaseResult::Granted;

@@ -61,6 +61,7 @@ pub(super) async fn serve(
             Running { plan, worker: &mut worker, trace: Trace { diagnostics, runs: Vec::new() } };
         tokio::select! {
             () = shutdown.cancelled() => break,
+            // Nobody waits for it any more, but others wait for their turn.
             () = reply.closed() => {}
             () = running.run(&mut transform, &samples) => {
                 let trace = running.trace;

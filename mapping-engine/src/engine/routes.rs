@@ -32,7 +32,7 @@ pub(super) struct Route {
     request: Arc<MonitorRequest>,
 }
 
-/// Table of monitored variables; each is monitored once, however many inputs take it.
+/// Table of monitored variables. Inputs that take a variable in the same way share a route.
 #[derive(Debug, Default)]
 pub(super) struct Routes {
     routes: HashMap<InputKey, Route, RandomState>,

@@ -42,6 +42,7 @@ impl ScriptWorker {
     /// Loads a script. On a fault it is not there afterwards.
     pub async fn load(&mut self, load: Load) -> Result<(), Fault> {
         let script = load.script;
+        // So that a process that starts now does not load the former version.
         self.scripts.remove(&script);
         self.ready().await?;
         let result = self.load_now(&load).await;
@@ -82,6 +83,8 @@ impl ScriptWorker {
                     self.take_down().await;
                     let culprit = &batch[results.len()];
                     self.finish(batch, &mut outcomes, results);
+                    // Its inputs count as known though it yielded nothing: later calls carry only
+                    // what changed since.
                     self.note(culprit, None);
                     let message = "the script computed longer than it may and could not be stopped";
                     outcomes.push(fatal(
@@ -184,6 +187,8 @@ impl ScriptWorker {
                     );
                     self.scripts.remove(&script);
                 }
+                // Taken down by this script, which is forgotten by now: the others are loaded once
+                // more.
                 if self.process.is_none() {
                     break;
                 }

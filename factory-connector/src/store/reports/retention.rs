@@ -24,6 +24,8 @@ pub(in crate::store) fn empty_values(
         .query_map((after, before.unix_micros(), VALUES_PER_ROUND), |row| row.get("id"))?
         .collect::<Result<_, _>>()?;
     if !ids.is_empty() {
+        // The salt with the value: with it, a guessed value could be confirmed by the hash that
+        // remains.
         run(
             connection,
             "UPDATE report SET body = NULL, salt = NULL

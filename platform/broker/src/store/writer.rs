@@ -116,6 +116,7 @@ impl Writer {
     fn committed(&self, command: StoreCommand) {
         match command {
             StoreCommand::Insert(new) => {
+                // Only now: no consumer gets what a failed transaction takes away again.
                 new.queue.add([new.entry]);
                 // The publisher may have left; its message is stored all the same.
                 let _ = new.done.send(Ok(()));
