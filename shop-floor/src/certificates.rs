@@ -215,7 +215,7 @@ impl PkiDirectory {
             .ok_or_else(|| ShopFloorError::Certificates(format!("{thumbprint} is unreadable")))
     }
 
-    /// Deletes a certificate.
+    /// Deletes a certificate by its thumbprint, rejected or trusted.
     pub(crate) fn forget(&self, thumbprint: &str) -> Result<(), ShopFloorError> {
         for folder in [REJECTED, TRUSTED] {
             if let Some(path) = self.find(folder, thumbprint) {

@@ -88,28 +88,28 @@ pub enum Source {
 pub mod ids {
     use asi_model::values::NodeId;
 
-    /// BaseObjectType
+    /// Object type that all others specialise; for objects without a type of their own.
     pub const BASE_OBJECT_TYPE: NodeId = NodeId::ua(58);
-    /// FolderType
+    /// Object type of folders (OPC 10000-5).
     pub const FOLDER_TYPE: NodeId = NodeId::ua(61);
-    /// BaseDataVariableType
+    /// Variable type of plain data variables.
     pub const BASE_DATA_VARIABLE_TYPE: NodeId = NodeId::ua(63);
-    /// AnalogUnitType
+    /// Variable type of numbers with an engineering unit (OPC 10000-8).
     pub const ANALOG_UNIT_TYPE: NodeId = NodeId::ua(17497);
-    /// AnalogUnitRangeType
+    /// Variable type of numbers with a unit and a range (OPC 10000-8).
     pub const ANALOG_UNIT_RANGE_TYPE: NodeId = NodeId::ua(17570);
-    /// Range
+    /// Data type of a pair of limits, low and high.
     pub const RANGE: NodeId = NodeId::ua(884);
-    /// EUInformation
+    /// Data type of an engineering unit.
     pub const EU_INFORMATION: NodeId = NodeId::ua(887);
-    /// Structure
+    /// Data type that all structures specialise.
     pub const STRUCTURE: NodeId = NodeId::ua(22);
 }
 
 /// The numeric id of the custom structure in each machine's own namespace, and of its binary
 /// encoding. Machines do not renumber types.
 pub const POWER_AGGREGATE: u32 = 3001;
-/// See [`POWER_AGGREGATE`].
+/// Numeric id of the binary encoding of [`POWER_AGGREGATE`].
 pub const POWER_AGGREGATE_BINARY: u32 = 3002;
 /// The fields of the custom structure: a UInt32 and three Doubles.
 pub const POWER_AGGREGATE_FIELDS: [&str; 4] =

@@ -108,7 +108,7 @@ impl Problem {
         Self { faults, ..Self::new(StatusCode::UNPROCESSABLE_ENTITY, code, detail) }
     }
 
-    /// 429: too often.
+    /// 429: too often. `retry_after` is rounded down to seconds, at least one.
     #[must_use]
     pub fn too_many(detail: impl Into<String>, retry_after: std::time::Duration) -> Self {
         Self {
@@ -128,7 +128,7 @@ impl Problem {
         )
     }
 
-    /// 503: not now.
+    /// 503: not now, for a reason outside of the request.
     #[must_use]
     pub fn unavailable(code: &str, detail: impl Into<String>) -> Self {
         Self::new(StatusCode::SERVICE_UNAVAILABLE, code, detail)

@@ -57,7 +57,7 @@ impl Meta {
         );
     }
 
-    /// With a value.
+    /// Makes a data value of a value with this status and these times.
     pub fn with(self, value: Variant) -> DataValue {
         DataValue {
             value,

@@ -181,7 +181,7 @@ impl Transform {
         }
     }
 
-    /// A script's result.
+    /// Goes on with the functions after a script call, with its result or its fault.
     pub fn resume(
         &mut self,
         now: DateTime,

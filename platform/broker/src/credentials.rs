@@ -39,7 +39,7 @@ pub struct Permissions {
 }
 
 impl SecretHash {
-    /// Hashes a secret.
+    /// Returns the SHA-256 of a secret, which is never stored itself.
     #[must_use]
     pub fn of(secret: &[u8]) -> Self {
         Self(Sha256::digest(secret).into())

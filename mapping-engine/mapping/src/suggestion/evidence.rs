@@ -98,7 +98,7 @@ impl Evidence {
         self.reasons.iter().map(|reason| i32::from(reason.points)).sum()
     }
 
-    /// The weightiest first.
+    /// Returns the reasons, the weightiest first, whether for or against.
     pub fn into_reasons(mut self) -> Vec<Reason> {
         self.reasons.sort_by_key(|reason| -i32::from(reason.points).abs());
         self.reasons

@@ -61,7 +61,7 @@ impl Watchdog {
         Ok(Self { shared })
     }
 
-    /// Sends a message.
+    /// Sends a message to the host as one frame, and notes that no script is at work.
     pub fn say(&self, message: &WorkerMessage) -> io::Result<()> {
         let mut state = self.shared.lock();
         state.is_busy = false;
