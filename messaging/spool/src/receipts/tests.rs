@@ -27,6 +27,7 @@ fn receipted_rows_are_removed_and_missing_ones_sent_again() {
     let effect = ReceiptEffect {
         receipted: vec![RowId(1), RowId(3)],
         resend: vec![RowId(2)],
+        reopen: Vec::new(),
         lost: Vec::new(),
     };
     assert_eq!(apply_receipt(&receipt(2, &[1]), &rows, later), effect);
@@ -50,6 +51,13 @@ fn rows_of_another_epoch_or_never_sent_stay() {
 fn missing_sequence_numbers_without_a_row_are_lost() {
     let effect = apply_receipt(&receipt(9, &[3, 4, 7, 8]), &[sent(1, 8)], moment());
     assert_eq!(effect.lost, [gap(3, 4), gap(7, 7)]);
+}
+
+#[test]
+fn missing_rows_that_the_store_still_has_wait_again() {
+    let mut effect = apply_receipt(&receipt(9, &[3, 4, 7]), &[], moment());
+    effect.reopen_kept(&[sent(11, 4), sent(12, 7)]);
+    assert_eq!((effect.lost, effect.reopen), (vec![gap(3, 3)], vec![RowId(11), RowId(12)]));
 }
 
 #[test]
