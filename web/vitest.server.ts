@@ -1,4 +1,5 @@
 import { vi } from 'vitest'
+import type { Problem } from '@/transport/problem'
 
 /** A request that a page sent. */
 export interface Asked {
@@ -34,10 +35,7 @@ export function serve(answers: Record<string, Answer>): Asked[] {
 }
 
 /** A problem document (RFC 9457). */
-export function problem(
-  status: number,
-  detail: string,
-  faultList: { pointer: string; message: string }[] = [],
-): Response {
-  return new Response(JSON.stringify({ title: 'Problem', status, detail, faultList }), { status })
+export function problem(status: number, detail: string, faults: Problem['faults'] = []): Response {
+  const document = { type: 'about:blank', title: 'Problem', status, code: 'TEST', detail, faults }
+  return new Response(JSON.stringify(document), { status })
 }

@@ -20,6 +20,7 @@
 //! - [`instance`]: Activity Status Interfaces as nodes, and back.
 //! - [`node_set`]: OPC UA nodes as NodeSet2 documents.
 //! - [`json`]: the bounded reader and the plain writer that the encodings share.
+//! - `openapi`: descriptions for OpenAPI documents, with the feature of that name.
 
 pub mod asi_types;
 pub mod difference;
@@ -31,7 +32,7 @@ pub mod network;
 pub mod node_set;
 pub mod opcua_json;
 #[cfg(feature = "openapi")]
-mod openapi;
+pub mod openapi;
 pub mod pubsub;
 pub mod schedule;
 pub mod schema;

@@ -4,7 +4,10 @@ use std::borrow::Cow;
 
 use utoipa::{
     PartialSchema, ToSchema,
-    openapi::{ObjectBuilder, RefOr, Schema, Type, schema::AnyOfBuilder},
+    openapi::{
+        ObjectBuilder, RefOr, Schema, Type,
+        schema::{AnyOfBuilder, SchemaType},
+    },
 };
 
 use crate::{
@@ -80,4 +83,46 @@ impl ToSchema for NodeId {
     fn name() -> Cow<'static, str> {
         "NodeId".into()
     }
+}
+
+/// Schema of a value as plain JSON, without its type: any JSON.
+#[derive(Debug, Clone, Copy)]
+pub struct PlainValue;
+
+impl PartialSchema for PlainValue {
+    fn schema() -> RefOr<Schema> {
+        any(
+            "A value as plain JSON of any kind: number, text, truth value, list, object, or null where \
+             there is none. 64-bit integers are texts.",
+        )
+    }
+}
+
+impl ToSchema for PlainValue {
+    fn name() -> Cow<'static, str> {
+        "PlainValue".into()
+    }
+}
+
+/// Schema of a value as the members of an OPC UA payload have it (OPC 10000-6 §5.4): any JSON.
+#[derive(Debug, Clone, Copy)]
+pub struct EncodedValue;
+
+impl PartialSchema for EncodedValue {
+    fn schema() -> RefOr<Schema> {
+        any(
+            "A value in the OPC UA JSON encoding (OPC 10000-6 §5.4) of the message that carried it: \
+             plain, a Variant, or a DataValue.",
+        )
+    }
+}
+
+impl ToSchema for EncodedValue {
+    fn name() -> Cow<'static, str> {
+        "EncodedValue".into()
+    }
+}
+
+fn any(description: &str) -> RefOr<Schema> {
+    ObjectBuilder::new().schema_type(SchemaType::AnyValue).description(Some(description)).into()
 }

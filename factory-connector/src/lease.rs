@@ -20,6 +20,7 @@ use asi_model::{
 pub use client::{LeaseAnswers, LeaseClient, channel};
 pub use gate::LeaseGate;
 use serde::Serialize;
+use utoipa::ToSchema;
 
 /// Time to wait for the first answer of a connection before the next request; doubles with each
 /// request.
@@ -47,7 +48,7 @@ pub struct Instance {
 }
 
 /// State of the lease, as pages show it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct LeaseStatus {
     pub state: LeaseState,
@@ -63,7 +64,7 @@ pub struct LeaseStatus {
 }
 
 /// The state of a lease.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum LeaseState {
     /// The platform has not answered since the start.

@@ -11,6 +11,7 @@ use serde::Serialize;
 #[serde(rename_all = "camelCase")]
 pub struct ShownValue {
     /// The value as plain JSON; 64-bit integers as text; null where there is none.
+    #[schema(value_type = asi_model::openapi::PlainValue)]
     pub value: serde_json::Value,
     /// The status, by its name where it has one.
     pub status: String,

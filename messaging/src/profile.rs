@@ -184,13 +184,17 @@ impl fmt::Display for Percent<'_> {
 
 /// In configuration a profile is a name, or a table of templates.
 #[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(untagged)]
 enum Written {
     Name(String),
     Table(Table),
 }
 
+/// Templates of a profile; each contains `{address}`, `{address:percent}` or `{address:path}`.
 #[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+#[cfg_attr(feature = "openapi", schema(as = BrokerTemplates))]
 #[serde(deny_unknown_fields)]
 struct Table {
     name: String,
@@ -207,6 +211,22 @@ impl<'de> Deserialize<'de> for BrokerProfile {
             Written::Table(t) => Self::custom(t.name, t.consume, t.produce, t.capability),
         }
         .map_err(de::Error::custom)
+    }
+}
+
+#[cfg(feature = "openapi")]
+impl utoipa::PartialSchema for BrokerProfile {
+    fn schema() -> utoipa::openapi::RefOr<utoipa::openapi::Schema> {
+        Written::schema()
+    }
+}
+
+#[cfg(feature = "openapi")]
+impl utoipa::ToSchema for BrokerProfile {
+    fn schemas(
+        schemas: &mut Vec<(String, utoipa::openapi::RefOr<utoipa::openapi::schema::Schema>)>,
+    ) {
+        Written::schemas(schemas);
     }
 }
 

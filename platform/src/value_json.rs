@@ -5,10 +5,36 @@
 //! and other rare types keep their OPC UA JSON form.
 
 use asi_model::{
-    DataValue, Scalar, Variant,
+    DataValue, DateTime, Scalar, Variant,
     opcua_json::{DataEncoding, Encoder},
+    openapi::PlainValue,
 };
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use utoipa::ToSchema;
+
+/// A value with its quality and source time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct ReportedValue {
+    #[schema(value_type = PlainValue)]
+    pub value: Value,
+    /// Quality, by the standard's name.
+    pub status: String,
+    /// Time of the measurement.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source_timestamp: Option<DateTime>,
+}
+
+impl From<&DataValue> for ReportedValue {
+    fn from(value: &DataValue) -> Self {
+        Self {
+            value: value_json(&value.value),
+            status: value.status.to_string(),
+            source_timestamp: value.source_timestamp,
+        }
+    }
+}
 
 /// Converts a value to plain JSON, without its type.
 #[must_use]
@@ -46,7 +72,7 @@ fn scalar(value: &Scalar) -> Value {
         Scalar::Guid(v) => json!(v.to_string()),
         Scalar::StatusCode(v) => json!(v.to_string()),
         Scalar::LocalizedText(v) => json!(v.text.as_deref()),
-        Scalar::DataValue(v) => data_value_json(v),
+        Scalar::DataValue(v) => json!(ReportedValue::from(&**v)),
         Scalar::Variant(v) => value_json(v),
         other => opcua_form(other),
     }
@@ -60,17 +86,6 @@ fn opcua_form(value: &Scalar) -> Value {
     let mut out = Vec::new();
     Encoder::new(DataEncoding::Compact105).variant(&mut out, &Variant::Scalar(value.clone()));
     serde_json::from_slice(&out).unwrap_or(Value::Null)
-}
-
-/// Converts a value with its quality and source time to `{value, status, sourceTimestamp}`.
-#[must_use]
-pub fn data_value_json(value: &DataValue) -> Value {
-    let mut object =
-        json!({ "value": value_json(&value.value), "status": value.status.to_string() });
-    if let Some(time) = value.source_timestamp {
-        object["sourceTimestamp"] = json!(time);
-    }
-    object
 }
 
 /// Returns the number in a plain value, if it is one.

@@ -2,7 +2,7 @@
 
 use std::{fmt, path::PathBuf, time::Duration};
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer, ser::Error as _};
 use shop_floor_model::SourceId;
 use utoipa::ToSchema;
 use zeroize::Zeroizing;
@@ -167,7 +167,8 @@ pub enum Identity {
     #[schema(rename_all = "camelCase")]
     UserName {
         user_name: String,
-        #[serde(skip_serializing, default)]
+        #[serde(default, skip_serializing_if = "Password::is_write_only")]
+        #[schema(write_only)]
         password: Password,
     },
     /// A user with a certificate and its private key, as files.
@@ -189,6 +190,11 @@ pub enum Identity {
 pub struct Password(Zeroizing<String>);
 
 impl Password {
+    /// Returns true: a password is left out of every document. Its schema has it all the same.
+    const fn is_write_only(&self) -> bool {
+        true
+    }
+
     /// Returns the plain password, to sign in or to store it.
     #[must_use]
     pub fn expose(&self) -> &str {
@@ -205,6 +211,13 @@ impl From<String> for Password {
 impl From<&str> for Password {
     fn from(text: &str) -> Self {
         text.to_owned().into()
+    }
+}
+
+impl Serialize for Password {
+    /// Fails: a document that would contain a password is never made.
+    fn serialize<S: Serializer>(&self, _: S) -> Result<S::Ok, S::Error> {
+        Err(S::Error::custom("a password is not serialised"))
     }
 }
 

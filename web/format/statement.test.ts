@@ -1,6 +1,7 @@
 import { describe, expect, it } from 'vitest'
+import type { StatementPart } from '@/engineer/api/types'
 import { language } from '@/language/language.svelte'
-import { sentence, statementText, type StatementPart } from './statement'
+import { sentence, statementText } from './statement'
 
 const parts = [
   { code: 'AGGREGATED', function: 'MEAN', windowMs: 3_600_000 },

@@ -1,21 +1,19 @@
+import type { StatementPart, Weekday } from '@/engineer/api/types'
 import { de } from '@/language/de'
 import { en } from '@/language/en'
 import { language, type LanguageCode } from '@/language/language.svelte'
 import { weekday } from './time'
 
-/** Part of a precision: a code with its parameters. */
-export type StatementPart =
-  | { code: 'UNCHANGED' | 'WITHHELD' }
-  | { code: 'AGGREGATED'; function: string; windowMs: number }
-  | { code: 'ROUNDED'; step: number; unit?: string | null }
-  | { code: 'BANDED'; bounds: number[]; unit?: string | null }
-  | { code: 'DIGITS'; digits: number }
-  | { code: 'INTERVAL' | 'TIME_STEP' | 'DELAYED'; periodMs: number }
-  | { code: 'RATE'; values: number; periodMs: number }
-  | { code: 'HOURS'; hours: { days: string[]; from: string; until: string } }
-
 const CATALOGUES = { de, en }
-const DAYS = ['MONDAY', 'TUESDAY', 'WEDNESDAY', 'THURSDAY', 'FRIDAY', 'SATURDAY', 'SUNDAY']
+const DAYS: readonly Weekday[] = [
+  'MONDAY',
+  'TUESDAY',
+  'WEDNESDAY',
+  'THURSDAY',
+  'FRIDAY',
+  'SATURDAY',
+  'SUNDAY',
+]
 const SIZES = [
   ['d', 86_400_000],
   ['h', 3_600_000],
@@ -33,6 +31,11 @@ export function statementText(
   english: string,
 ): string {
   return sentence(parts ?? [], language.code) ?? english
+}
+
+/** The text is the code of a day of the week. */
+export function isDay(text: string): text is Weekday {
+  return (DAYS as readonly string[]).includes(text)
 }
 
 /** Precision as one sentence, in English the connector's own; `undefined` if a part is unknown. */

@@ -20,8 +20,10 @@ type Body<Operation> = Operation extends {
 }
   ? Content
   : never
+type Success = 200 | 201 | 202 | 204
+/** Responses of an operation without those that are thrown as a {@link Problem}. */
 type Succeeded<Operation> = Operation extends { responses: infer Responses }
-  ? Responses[keyof Responses]
+  ? Responses[keyof Responses & Success]
   : never
 type Answer<Operation> =
   Succeeded<Operation> extends { content: { 'application/json': infer Content } }

@@ -1,18 +1,23 @@
-/** Content of a problem document (RFC 9457) of the server, or a substitute if none arrived. */
-export interface ProblemDocument {
-  title: string
-  status: number
-  detail?: string | undefined
-  /** Single faults, where the server lists them: a pointer or a field, and a sentence. */
-  faults: { pointer: string; message: string }[]
+import type { components as Connector } from '@/engineer/api/generated'
+import type { components as Platform } from '@/partner/api/generated'
+
+type BodyOf<Responses> = Responses[keyof Responses] extends {
+  content: { 'application/problem+json': infer Document }
 }
+  ? Document
+  : never
+
+/** Problem document (RFC 9457): the body of each answer of both daemons that is no success. */
+export type ProblemDocument = BodyOf<Connector['responses']> | BodyOf<Platform['responses']>
+
+type Fault = NonNullable<ProblemDocument['faults']>[number]
 
 /** A request that did not succeed. `status` 0: the server was not reached. */
 export class Problem extends Error {
   readonly document: ProblemDocument
 
   constructor(document: ProblemDocument) {
-    super(document.detail ?? document.title)
+    super(document.detail === '' ? document.title : document.detail)
     this.name = 'Problem'
     this.document = document
   }
@@ -25,42 +30,41 @@ export class Problem extends Error {
     return this.document.status === 0
   }
 
+  /** Single faults of the document that was sent, where the server lists them. */
+  get faults(): readonly Fault[] {
+    return this.document.faults ?? []
+  }
+
   /** Reads the problem out of a response that is not ok. */
   static async of(response: Response): Promise<Problem> {
     const body: unknown = await response.json().catch(() => undefined)
-    const members =
-      body !== null && typeof body === 'object' ? (body as Record<string, unknown>) : {}
-    return new Problem({
-      title: text(members['title']) ?? (response.statusText || `HTTP ${response.status}`),
-      status: response.status,
-      detail: text(members['detail']),
-      faults: faults(members),
-    })
+    const title = response.statusText || `HTTP ${response.status}`
+    return new Problem(isDocument(body) ? body : substitute(response.status, title))
   }
 
   /** Converts anything thrown to a problem. */
   static from(thrown: unknown): Problem {
     if (thrown instanceof Problem) return thrown
-    const detail = thrown instanceof Error ? thrown.message : String(thrown)
-    return new Problem({ title: 'unreachable', status: 0, detail, faults: [] })
+    return Problem.unreached(thrown instanceof Error ? thrown.message : String(thrown))
+  }
+
+  /** A problem of a request that did not reach the server. */
+  static unreached(detail = ''): Problem {
+    return new Problem(substitute(0, 'unreachable', detail))
   }
 }
 
-function faults(members: Record<string, unknown>): ProblemDocument['faults'] {
-  const list =
-    members['faultList'] ?? members['faults'] ?? members['errors'] ?? members['diagnostics']
-  if (!Array.isArray(list)) return []
-  return list.map((entry: unknown) => {
-    const fault = (
-      entry !== null && typeof entry === 'object' ? entry : { message: entry }
-    ) as Record<string, unknown>
-    return {
-      pointer: text(fault['pointer']) ?? text(fault['field']) ?? '',
-      message: text(fault['message']) ?? text(fault['detail']) ?? JSON.stringify(entry),
-    }
-  })
+/** Document in the place of one that did not arrive, as from a proxy. */
+function substitute(status: number, title: string, detail = ''): ProblemDocument {
+  return { type: 'about:blank', title, status, code: 'NO_DOCUMENT', detail }
 }
 
-function text(value: unknown): string | undefined {
-  return typeof value === 'string' && value !== '' ? value : undefined
+function isDocument(body: unknown): body is ProblemDocument {
+  return (
+    body !== null &&
+    typeof body === 'object' &&
+    ['title', 'detail', 'code'].every(
+      (member) => typeof (body as Record<string, unknown>)[member] === 'string',
+    )
+  )
 }

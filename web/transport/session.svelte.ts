@@ -1,12 +1,12 @@
+import type { components as Connector } from '@/engineer/api/generated'
+import type { components as Platform } from '@/partner/api/generated'
 import { credentials, request } from './http'
 import { Problem } from './problem'
 
-/** Person who is signed in, with the token for changes. */
-export interface SignedIn {
-  userName: string
-  role: string
-  csrfToken: string
-}
+type Session = (Connector | Platform)['schemas']['Session']
+
+/** Person who is signed in on either daemon, with the token for changes. */
+export type SignedIn = Pick<Session, 'userName' | 'role' | 'csrfToken'>
 
 type State =
   | { is: 'asking' }
@@ -18,14 +18,11 @@ type State =
  * Person who was signed in last in this browser. That person's page may open while the server is
  * out of reach.
  */
-export interface Known {
-  userName: string
-  role: string
-}
+export type Known = Pick<Session, 'userName' | 'role'>
 
 const KEPT_AS = 'verbund.known'
 
-class Session {
+class CurrentSession {
   state = $state.raw<State>({ is: 'asking' })
 
   constructor() {
@@ -86,7 +83,7 @@ function remembered(): Known | undefined {
   try {
     const kept: unknown = JSON.parse(localStorage.getItem(KEPT_AS) ?? 'null')
     return kept !== null && typeof kept === 'object' && 'userName' in kept && 'role' in kept
-      ? { userName: String(kept.userName), role: String(kept.role) }
+      ? (kept as Known)
       : undefined
   } catch {
     return undefined
@@ -94,4 +91,4 @@ function remembered(): Known | undefined {
 }
 
 /** The session of this page. */
-export const session = new Session()
+export const session = new CurrentSession()

@@ -30,7 +30,10 @@ describe('requests', () => {
     vi.stubGlobal('fetch', () =>
       Promise.resolve(
         answer(422, {
+          type: 'urn:verbund:problem:invalid-document',
           title: 'Unprocessable',
+          status: 422,
+          code: 'INVALID_DOCUMENT',
           detail: 'Two faults.',
           faults: [{ pointer: '/a', code: 'X', message: 'Wrong.' }],
         }),
@@ -41,8 +44,15 @@ describe('requests', () => {
     expect(problem).toMatchObject({
       status: 422,
       message: 'Two faults.',
-      document: { faults: [{ pointer: '/a', message: 'Wrong.' }] },
+      faults: [{ pointer: '/a', message: 'Wrong.' }],
     })
+  })
+  it('become problems where a proxy answers in place of the server', async () => {
+    vi.stubGlobal('fetch', () =>
+      Promise.resolve(new Response('<h1>Bad Gateway</h1>', { status: 502 })),
+    )
+    const problem = await request('GET', '/a').catch((failure: unknown) => failure)
+    expect(problem).toMatchObject({ status: 502, message: 'HTTP 502', faults: [] })
   })
   it('that do not arrive are told apart', async () => {
     vi.stubGlobal('fetch', () => Promise.reject(new TypeError('Failed to fetch')))
@@ -84,7 +94,7 @@ describe('a resource', () => {
     const resource = new Resource(() =>
       works
         ? Promise.resolve('fine')
-        : Promise.reject(new Problem({ title: 'x', status: 500, faults: [] })),
+        : Problem.of(answer(500, undefined)).then((problem) => Promise.reject(problem)),
     )
     await resource.refresh()
     works = false

@@ -19,7 +19,7 @@ use utoipa_axum::router::OpenApiRouter;
 
 use super::{
     assets::with_app,
-    composition::open_composed_schemas,
+    composition::{open_composed_schemas, share_page_items},
     headers::secured,
     health::{self, Readiness},
     problem::{Problem, unknown_method, unknown_route},
@@ -109,6 +109,7 @@ where
     description = description.nest(API, all);
     describe_responses(&mut description);
     share_problem_responses(&mut description);
+    share_page_items(&mut description);
     open_composed_schemas(&mut description);
     version.clone_into(&mut description.info.version);
     description

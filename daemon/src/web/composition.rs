@@ -1,8 +1,29 @@
-//! Composed schemas of an API's description.
+//! Composed schemas of an API's description, and those of pages.
 
 use std::collections::BTreeSet;
 
-use utoipa::openapi::{OpenApi, RefOr, Schema, schema::ArrayItems};
+use utoipa::openapi::{OpenApi, Ref, RefOr, Schema, schema::ArrayItems};
+
+/// Prefix of the schemas of pages; the name of their items' schema follows.
+const PAGE: &str = "Page_";
+
+/// Lets pages refer to the schema of their items. The derived schema of a page repeats it.
+pub fn share_page_items(description: &mut OpenApi) {
+    let schemas = &mut description.components.get_or_insert_default().schemas;
+    let names: Vec<String> =
+        schemas.keys().filter_map(|name| name.strip_prefix(PAGE)).map(str::to_owned).collect();
+    for name in names {
+        let Some(RefOr::T(Schema::Object(page))) = schemas.get_mut(&format!("{PAGE}{name}")) else {
+            continue;
+        };
+        let Some(RefOr::T(Schema::Array(list))) = page.properties.get_mut("items") else {
+            continue;
+        };
+        let ArrayItems::RefOrSchema(items) = &mut list.items else { continue };
+        let item = std::mem::replace(&mut **items, RefOr::Ref(Ref::from_schema_name(&name)));
+        schemas.entry(name).or_insert(item);
+    }
+}
 
 /// Lets schemas that others are composed of (`allOf`) have further members. A type that rejects
 /// unknown members says so in its own schema, which would reject the other members of the whole.
@@ -62,6 +83,23 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+
+    #[test]
+    fn pages_refer_to_their_items() {
+        let item = json!({ "type": "object", "description": "A rule." });
+        let page = json!({ "type": "object", "properties": { "items": { "type": "array", "items": item } } });
+        let mut description: OpenApi = serde_json::from_value(json!({
+            "openapi": "3.1.0", "info": { "title": "t", "version": "1" }, "paths": {},
+            "components": { "schemas": { "Page_Rule": page } }
+        }))
+        .expect("a description");
+        share_page_items(&mut description);
+        let shared = serde_json::to_value(description).expect("JSON");
+        let schemas = &shared["components"]["schemas"];
+        let reference = json!({ "$ref": "#/components/schemas/Rule" });
+        assert_eq!(schemas["Page_Rule"]["properties"]["items"]["items"], reference);
+        assert_eq!(schemas["Rule"], item);
+    }
 
     #[test]
     fn parts_of_a_whole_are_opened_and_others_stay_closed() {

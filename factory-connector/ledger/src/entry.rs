@@ -10,7 +10,7 @@ use disclosure::{DecisionBasis, DisclosurePolicy, Language};
 use serde::{Deserialize, Serialize};
 
 /// Sequence numbers of one writer and epoch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct SequenceRange {
     pub data_set_writer_id: u16,

@@ -3,6 +3,7 @@
 use asi_model::{
     DateTime, FieldKey,
     messages::{MappingState, ValueSource},
+    openapi::PlainValue,
 };
 use axum::{Json, extract::State};
 use connector_state::{
@@ -202,7 +203,7 @@ fn missing(member: &str) -> Problem {
 #[derive(Deserialize, ToSchema)]
 pub struct EnteredValue {
     /// The value as plain JSON; 64-bit integers may be texts.
-    #[schema(value_type = Value)]
+    #[schema(value_type = PlainValue)]
     value: serde_json::Value,
 }
 

@@ -1,24 +1,23 @@
 //! Ledger queries.
 
 pub mod checkpoints;
+mod entry;
 pub mod export;
 pub mod fields;
 pub mod verification;
-
-use std::collections::BTreeMap;
 
 use asi_model::{
     DateTime, DynamicDataRequestId, FieldName, OperationId, OperationNetworkId, OrganisationId,
 };
 use axum::{Json, extract::State};
 use daemon::web::{ApiQuery, Problem};
-use disclosure::{Statement, StatementPart};
 use ledger::EventKind;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
+use self::entry::EntryView;
 use super::{context::Api, problems::Problems, roles::Viewer};
-use crate::store::{LedgerFilter, LedgerRow, LedgerSubject};
+use crate::store::{LedgerFilter, LedgerSubject};
 
 /// Filter of ledger entries.
 #[derive(Deserialize, IntoParams)]
@@ -79,6 +78,7 @@ impl LedgerSelection {
 #[into_params(parameter_in = Query)]
 pub struct LedgerPage {
     /// `nextCursor` of the page before.
+    #[param(value_type = Option<String>)]
     after: Option<u64>,
     /// Entries on the page, 1 to 500; 100 without it.
     limit: Option<u32>,
@@ -94,81 +94,6 @@ pub struct LedgerView {
     items: Vec<EntryView>,
     /// Value of `after` for the next page; none on the last.
     next_cursor: Option<String>,
-}
-
-/// An entry of a chain.
-#[derive(Serialize, ToSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct EntryView {
-    /// Position in the chain, from 1.
-    sequence: u64,
-    /// Time of recording, RFC 3339.
-    at: String,
-    /// Recipient of the chain.
-    recipient_id: String,
-    /// `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or `REVOKED`.
-    kind: String,
-    /// Further members by kind: field and policy of a consent, sequence numbers of a report.
-    #[serde(flatten)]
-    #[schema(value_type = Object)]
-    content: serde_json::Map<String, serde_json::Value>,
-    /// For a report: the values that left, by field, while they are retained.
-    #[schema(value_type = Option<Object>)]
-    value: Option<serde_json::Value>,
-    /// Precision under each consent that the entry names, by field, in the words of the statement to
-    /// the partner.
-    precision: BTreeMap<String, String>,
-    /// The same as codes with parameters.
-    precision_parts: BTreeMap<String, Vec<StatementPart>>,
-    /// For a report: id of the message that carried it last.
-    left_in_message: Option<String>,
-    /// For a report: time at which the broker accepted it last.
-    #[schema(format = "date-time")]
-    sent_at: Option<String>,
-    /// For a report: time of the platform's receipt.
-    #[schema(format = "date-time")]
-    delivered_at: Option<String>,
-    /// Hash of the entry, hexadecimal.
-    hash: String,
-}
-
-impl From<LedgerRow> for EntryView {
-    fn from(row: LedgerRow) -> Self {
-        let mut content: serde_json::Map<String, serde_json::Value> =
-            serde_json::from_str(&row.content).unwrap_or_default();
-        let mut text = |name: &str| {
-            content
-                .remove(name)
-                .and_then(|value| value.as_str().map(str::to_owned))
-                .unwrap_or_default()
-        };
-        let (at, recipient_id, kind) = (text("recordedAt"), text("recipient"), text("event"));
-        content.remove("number");
-        if let Some(serde_json::Value::Object(field)) = content.remove("field") {
-            content.extend(field);
-        }
-        let report: Option<serde_json::Value> =
-            row.report.as_deref().and_then(|report| serde_json::from_str(report).ok());
-        let (mut precision, mut precision_parts) = (BTreeMap::new(), BTreeMap::new());
-        for (field, Statement { statement, statement_parts }) in row.precision {
-            precision.insert(field.clone(), statement);
-            precision_parts.insert(field, statement_parts);
-        }
-        Self {
-            sequence: row.number,
-            at,
-            recipient_id,
-            kind,
-            content,
-            value: report.and_then(|report| report.get("Payload").cloned()),
-            precision,
-            precision_parts,
-            left_in_message: row.message_id,
-            sent_at: row.sent_at.map(|at| at.to_string()),
-            delivered_at: row.delivered_at.map(|at| at.to_string()),
-            hash: row.hash,
-        }
-    }
 }
 
 /// Lists the entries of a recipient's chain, newest first, with the values that left. Without a

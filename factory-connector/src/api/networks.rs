@@ -3,7 +3,7 @@
 use asi_model::{
     FieldKey, OperationNetworkId,
     difference::{NetworkDifference, difference},
-    messages::MappingState,
+    messages::{MappingState, OperationNetworkMessage},
     network::OperationNetwork,
 };
 use axum::{Json, extract::State};
@@ -85,8 +85,7 @@ pub async fn list_operation_networks(
 #[serde(rename_all = "camelCase")]
 pub struct NetworkView {
     /// The message as received; none once withdrawn.
-    #[schema(value_type = Option<Object>)]
-    message: Option<serde_json::Value>,
+    message: Option<OperationNetworkMessage>,
     revision: u64,
     requests: Vec<RequestView>,
 }
@@ -109,10 +108,7 @@ pub async fn show_operation_network(
         .coordinator
         .read(move |state| {
             state.networks().get(&wanted).map(|network| NetworkView {
-                message: network
-                    .message
-                    .as_ref()
-                    .and_then(|message| serde_json::to_value(&**message).ok()),
+                message: network.message.as_deref().cloned(),
                 revision: network.revision,
                 requests: requests(state, &wanted, now()),
             })

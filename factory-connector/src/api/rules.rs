@@ -170,6 +170,7 @@ pub async fn apply_rules(_: Engineer, State(api): State<Api>) -> Result<Json<App
 #[into_params(parameter_in = Query)]
 pub struct DecisionsQuery {
     /// `nextCursor` of the page before.
+    #[param(value_type = Option<String>)]
     cursor: Option<i64>,
     /// Decisions per page, at most 100.
     limit: Option<u32>,

@@ -28,14 +28,13 @@ const CHILDREN_MAX: usize = 1000;
 pub struct SourceView {
     /// Configuration without the password.
     #[serde(flatten)]
-    #[schema(value_type = Object)]
-    config: serde_json::Value,
+    config: SourceConfig,
     /// Status of the connection.
     #[serde(flatten)]
     status: SourceStatus,
 }
 
-/// Lists the sources with their state.
+/// Lists the stored sources with their state.
 #[utoipa::path(
     get,
     path = "/sources",
@@ -51,11 +50,10 @@ pub async fn list_sources(
         .shop_floor
         .states()
         .into_iter()
-        .map(|status| {
-            let row = configs.iter().find(|row| row.source_id == status.source_id.as_str());
-            let config =
-                row.and_then(|row| serde_json::from_str(&row.config).ok()).unwrap_or_default();
-            SourceView { config, status }
+        .filter_map(|status| {
+            let row = configs.iter().find(|row| row.source_id == status.source_id.as_str())?;
+            let config = serde_json::from_str(&row.config).ok()?;
+            Some(SourceView { config, status })
         })
         .collect();
     Ok(Json(Page::whole(items)))
@@ -67,7 +65,7 @@ pub async fn list_sources(
     path = "/sources",
     tag = "sources",
     request_body = SourceConfig,
-    responses((status = 201, body = Object), Problems)
+    responses((status = 201, body = SourceConfig), Problems)
 )]
 pub async fn add_source(
     _: Engineer,
@@ -88,7 +86,7 @@ pub async fn add_source(
     tag = "sources",
     params(("sourceId" = String, Path)),
     request_body = SourceConfig,
-    responses((status = 200, body = Object), Problems)
+    responses((status = 200, body = SourceConfig), Problems)
 )]
 pub async fn change_source(
     _: Engineer,
@@ -144,6 +142,7 @@ pub struct NodesQuery {
     /// Node whose children are listed; the Objects folder without it.
     parent: Option<NodeId>,
     /// `nextCursor` of the page before.
+    #[param(value_type = Option<String>)]
     cursor: Option<usize>,
     /// Children per page, 500 without it, at most 1000.
     limit: Option<usize>,

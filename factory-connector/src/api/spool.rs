@@ -2,6 +2,7 @@
 
 use axum::{Json, extract::State};
 use daemon::web::{ApiQuery, Problem};
+use messaging::Backlog;
 use serde::Deserialize;
 use utoipa::IntoParams;
 
@@ -16,14 +17,10 @@ const PAGE: u32 = 100;
     get,
     path = "/spool",
     tag = "spool",
-    responses((status = 200, body = Object), Problems)
+    responses((status = 200, body = Backlog), Problems)
 )]
-pub async fn show_spool(
-    _: Viewer,
-    State(api): State<Api>,
-) -> Result<Json<serde_json::Value>, Problem> {
-    let backlog = api.store().await?.spool().backlog().await?;
-    Ok(Json(serde_json::to_value(backlog).unwrap_or_default()))
+pub async fn show_spool(_: Viewer, State(api): State<Api>) -> Result<Json<Backlog>, Problem> {
+    Ok(Json(api.store().await?.spool().backlog().await?))
 }
 
 /// Page of dead letters.
@@ -31,6 +28,7 @@ pub async fn show_spool(
 #[into_params(parameter_in = Query)]
 pub struct DeadLettersQuery {
     /// `nextCursor` of the page before.
+    #[param(value_type = Option<String>)]
     cursor: Option<i64>,
 }
 

@@ -3,12 +3,14 @@
 use asi_model::DateTime;
 use axum::{Json, extract::State};
 use daemon::web::Problem;
+use messaging::{Backlog, LinkPhase, LinkState};
 use serde::Serialize;
 use shop_floor::SourceStatus;
+use time::OffsetDateTime;
 use utoipa::ToSchema;
 
 use super::{context::Api, problems::Problems, roles::Viewer};
-use crate::clock::now;
+use crate::{clock::now, lease::LeaseStatus};
 
 /// Status of the connector, with evidence.
 #[derive(Serialize, ToSchema)]
@@ -19,21 +21,72 @@ pub struct Status {
     started_at: DateTime,
     /// Clock of the connector; pages compute ages from it.
     now: DateTime,
-    /// Link to the platform: `state` (connecting, up, down, stopped), `since` and `reason`.
-    #[schema(value_type = Object)]
-    link: serde_json::Value,
-    /// Lease to speak for the factory: `state` (`ASKING`, `HELD`, `REFUSED`), `since`, and the other
-    /// connector with the factory's credential (`holder`, `contender`).
-    #[schema(value_type = Object)]
-    lease: serde_json::Value,
-    /// OPC UA server: `endpointUrl`.
-    #[schema(value_type = Object)]
-    twin: serde_json::Value,
+    /// Link to the platform; none where the connector runs without one.
+    link: Option<LinkStatus>,
+    /// Lease to speak for the factory.
+    lease: LeaseStatus,
+    /// OPC UA server.
+    twin: TwinStatus,
     /// Backlog of the spool.
-    #[schema(value_type = Object)]
-    spool: serde_json::Value,
+    spool: Backlog,
     /// Status of each local server.
     sources: Vec<SourceStatus>,
+}
+
+/// Link to the platform, with evidence.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct LinkStatus {
+    #[serde(flatten)]
+    phase: LinkPhase,
+    /// Time at which the state was entered.
+    #[serde(with = "time::serde::rfc3339")]
+    #[schema(value_type = String, format = DateTime)]
+    since: OffsetDateTime,
+    /// Address of the broker.
+    broker: String,
+    /// Time at which the broker last accepted a message.
+    #[serde(with = "time::serde::rfc3339::option")]
+    #[schema(value_type = Option<String>, format = DateTime)]
+    last_accepted_at: Option<OffsetDateTime>,
+    /// Time at which the last receipt of the platform arrived.
+    #[serde(with = "time::serde::rfc3339::option")]
+    #[schema(value_type = Option<String>, format = DateTime)]
+    last_receipted_at: Option<OffsetDateTime>,
+    /// Time at which the last message was received.
+    #[serde(with = "time::serde::rfc3339::option")]
+    #[schema(value_type = Option<String>, format = DateTime)]
+    last_received_at: Option<OffsetDateTime>,
+    /// Number of messages that wait to be sent; the spool's status has the rest.
+    backlog: u64,
+    /// Cause for which the link is not up, or an obstacle though it is; a sentence for people.
+    reason: Option<String>,
+    /// Number of connections established since the start.
+    connects: u64,
+}
+
+impl From<LinkState> for LinkStatus {
+    fn from(state: LinkState) -> Self {
+        Self {
+            phase: state.phase,
+            since: state.since,
+            broker: state.broker,
+            last_accepted_at: state.last_accepted_at,
+            last_receipted_at: state.last_receipted_at,
+            last_received_at: state.last_received_at,
+            backlog: state.backlog.waiting,
+            reason: state.reason,
+            connects: state.connects,
+        }
+    }
+}
+
+/// OPC UA server of the connector.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct TwinStatus {
+    /// Address for clients; none while it does not listen.
+    endpoint_url: Option<String>,
 }
 
 /// Shows the status of the connector.
@@ -44,28 +97,18 @@ pub struct Status {
     responses((status = 200, body = Status), Problems)
 )]
 pub async fn show_status(_: Viewer, State(api): State<Api>) -> Result<Json<Status>, Problem> {
-    let link = api.link.as_ref().map(|link| link.state().borrow().clone());
-    let mut link = link.and_then(|state| serde_json::to_value(state).ok()).unwrap_or_default();
-    // The phase is an object `{state, ...}`: its members belong to the link itself.
-    if let Some(members) = link.as_object_mut()
-        && let Some(serde_json::Value::Object(phase)) = members.remove("phase")
-    {
-        members.extend(phase);
-    }
-    // Pages need one number here; `spool` has the rest.
-    if let Some(waiting) = link.pointer("/backlog/waiting").cloned() {
-        link["backlog"] = waiting;
-    }
-    let backlog = api.store().await?.spool().backlog().await?;
+    let spool = api.store().await?.spool().backlog().await?;
     Ok(Json(Status {
         factory_id: api.instance.factory_id.to_string(),
         version: env!("CARGO_PKG_VERSION"),
         started_at: api.instance.started_at,
         now: now(),
-        link,
-        lease: serde_json::to_value(&*api.lease.borrow()).unwrap_or_default(),
-        twin: serde_json::json!({ "endpointUrl": api.twin.endpoint().borrow().clone() }),
-        spool: serde_json::to_value(backlog).unwrap_or_default(),
+        link: api.link.as_ref().map(|link| link.state().borrow().clone().into()),
+        lease: api.lease.borrow().clone(),
+        twin: TwinStatus {
+            endpoint_url: api.twin.endpoint().borrow().as_deref().map(str::to_owned),
+        },
+        spool,
         sources: api.shop_floor.states(),
     }))
 }

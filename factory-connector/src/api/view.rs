@@ -182,8 +182,7 @@ impl RuleOfferView {
 pub struct RequestView {
     pub key: RequestKey,
     /// Operation that it is about, without requests.
-    #[schema(value_type = Object)]
-    pub operation: serde_json::Value,
+    pub operation: Operation,
     pub network_name: Option<String>,
     /// Organisation that asks.
     pub requester_id: String,
@@ -264,7 +263,7 @@ impl RequestView {
         let has_ended = request.valid_until.is_some_and(|until| until <= now);
         let open_since = Some(network.received_at).filter(|_| is_open && !has_ended);
         Self {
-            operation: serde_json::to_value(&short).unwrap_or_default(),
+            operation: short,
             network_name: message.operation_network.name.clone(),
             requester_id: request.requester_id.to_string(),
             recipient_list: request.recipient_list.clone(),

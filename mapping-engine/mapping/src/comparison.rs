@@ -19,11 +19,11 @@ pub struct MappingChange {
     pub pointer: String,
     /// Value in the earlier version; absent where it is new.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<Value>)]
+    #[schema(value_type = asi_model::openapi::PlainValue, required = false)]
     pub before: Option<Json>,
     /// Value in the later version; absent where it was taken away.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<Value>)]
+    #[schema(value_type = asi_model::openapi::PlainValue, required = false)]
     pub after: Option<Json>,
 }
 

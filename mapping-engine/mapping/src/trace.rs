@@ -54,7 +54,7 @@ pub struct TracedValue {
     #[serde(rename = "type", skip_serializing_if = "Option::is_none")]
     pub value_type: Option<TypeName>,
     /// Value as plain JSON.
-    #[schema(value_type = Value)]
+    #[schema(value_type = asi_model::openapi::PlainValue)]
     pub value: Json,
     /// The status code.
     pub status: u32,

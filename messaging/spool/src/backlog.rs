@@ -6,6 +6,7 @@ use time::OffsetDateTime;
 /// Numbers of rows and bytes in a spool, for the link's state and metrics. Parked rows are not
 /// counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct Backlog {
     /// Rows that wait to be sent.
@@ -16,5 +17,6 @@ pub struct Backlog {
     pub bytes: u64,
     /// Creation time of the oldest waiting or sent row.
     #[serde(with = "time::serde::rfc3339::option")]
+    #[cfg_attr(feature = "openapi", schema(value_type = Option<String>, format = DateTime))]
     pub oldest_at: Option<OffsetDateTime>,
 }

@@ -7,22 +7,27 @@ use crate::spool::Backlog;
 
 /// State of a link and the evidence for it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct LinkState {
     pub phase: LinkPhase,
     /// Time at which the phase was entered.
     #[serde(with = "time::serde::rfc3339")]
+    #[cfg_attr(feature = "openapi", schema(value_type = String, format = DateTime))]
     pub since: OffsetDateTime,
     /// Address of the broker that the phase is about.
     pub broker: String,
     /// Time at which the broker last accepted a message.
     #[serde(with = "time::serde::rfc3339::option")]
+    #[cfg_attr(feature = "openapi", schema(value_type = Option<String>, format = DateTime))]
     pub last_accepted_at: Option<OffsetDateTime>,
     /// Time at which the last receipt of the platform arrived, as the owner reported.
     #[serde(with = "time::serde::rfc3339::option")]
+    #[cfg_attr(feature = "openapi", schema(value_type = Option<String>, format = DateTime))]
     pub last_receipted_at: Option<OffsetDateTime>,
     /// Time at which the last message was received.
     #[serde(with = "time::serde::rfc3339::option")]
+    #[cfg_attr(feature = "openapi", schema(value_type = Option<String>, format = DateTime))]
     pub last_received_at: Option<OffsetDateTime>,
     /// Waiting and sent rows, as last counted.
     pub backlog: Backlog,
@@ -34,6 +39,7 @@ pub struct LinkState {
 
 /// Phase of a link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(tag = "state", rename_all = "camelCase")]
 pub enum LinkPhase {
     /// A connection is being established.
@@ -41,9 +47,11 @@ pub enum LinkPhase {
     /// Connected and signed in.
     Up,
     #[serde(rename_all = "camelCase")]
+    #[cfg_attr(feature = "openapi", schema(rename_all = "camelCase"))]
     Down {
         /// Time of the next attempt.
         #[serde(with = "time::serde::rfc3339")]
+        #[cfg_attr(feature = "openapi", schema(value_type = String, format = DateTime))]
         retry_at: OffsetDateTime,
         /// True when a person must act (credentials, permissions, certificates) before an attempt
         /// can succeed.

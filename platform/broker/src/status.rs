@@ -9,8 +9,10 @@ use crate::address::QueueName;
 
 /// Counters of one queue at the moment of the call.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct QueueStatus {
+    #[cfg_attr(feature = "openapi", schema(value_type = String))]
     pub queue: QueueName,
     /// Messages that wait for a consumer.
     pub ready: u64,
@@ -23,13 +25,16 @@ pub struct QueueStatus {
 
 /// A connected peer.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct ConnectionStatus {
     /// Name of the signed-in user.
     pub user_name: String,
     /// Remote address of the TCP connection.
+    #[cfg_attr(feature = "openapi", schema(value_type = String))]
     pub peer: SocketAddr,
     /// Time of the sign-in.
     #[serde(with = "time::serde::rfc3339")]
+    #[cfg_attr(feature = "openapi", schema(value_type = String, format = DateTime))]
     pub since: OffsetDateTime,
 }

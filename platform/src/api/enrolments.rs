@@ -28,7 +28,6 @@ pub struct Enrolment {
     /// The broker's address.
     broker_url: String,
     /// Names of logical addresses at this broker.
-    #[schema(value_type = Object)]
     profile: BrokerProfile,
     /// The name to sign in with.
     user_name: String,

@@ -25,6 +25,7 @@ pub struct Query {
     /// Only of this request.
     request: Option<DynamicDataRequestId>,
     /// Only those that arrived after the report with this number; `nextCursor` of the page before.
+    #[param(value_type = Option<String>)]
     after: Option<u64>,
     /// Most entries wanted, 1 to 1000.
     limit: Option<u32>,

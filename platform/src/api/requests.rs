@@ -20,7 +20,7 @@ use crate::{
 #[utoipa::path(post, operation_id = "addDynamicDataRequest", path = "/operation-networks/{operationNetworkId}/operations/{operationId}/requests",
     tag = "networks", security(("session" = [])),
     params(("operationNetworkId" = String, Path), ("operationId" = String, Path)),
-    request_body(content = Object, description = "A dynamic data request (wire contract)"),
+    request_body = DynamicDataRequest,
     responses((status = 200, body = Changed), ChangeProblems))]
 pub async fn add(
     State(app): State<Application>,

@@ -2,7 +2,9 @@
 
 use asi_model::DateTime;
 use axum::{Json, extract::State};
+use broker::{ConnectionStatus, QueueStatus};
 use daemon::web::session::SignedIn;
+use messaging::LinkState;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -20,30 +22,26 @@ pub struct Status {
     /// Its own clock, to tell ages by.
     now: DateTime,
     /// State of the link to the broker.
-    #[schema(value_type = Option<Object>)]
-    link: Option<serde_json::Value>,
+    link: Option<LinkState>,
     /// The queues of the embedded broker; for administrators.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<Vec<Object>>)]
-    queues: Option<serde_json::Value>,
+    queues: Option<Vec<QueueStatus>>,
     /// Connections of the embedded broker; for administrators.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<Vec<Object>>)]
-    connections: Option<serde_json::Value>,
+    connections: Option<Vec<ConnectionStatus>>,
 }
 
 /// Shows the status of the platform.
 #[utoipa::path(get, operation_id = "showStatus", path = "/status", tag = "status", security(("session" = [])),
     responses((status = 200, body = Status), ReadProblems))]
 pub async fn show(State(app): State<Application>, who: SignedIn<Principal>) -> Json<Status> {
-    let link = app.broker_access.link().map(|link| link.state().borrow().clone());
     let broker = app.broker_access.broker().filter(|_| who.principal.is_administrator());
     Json(Status {
         version: env!("CARGO_PKG_VERSION"),
         started_at: app.started_at,
         now: app.clock.now(),
-        link: link.and_then(|state| serde_json::to_value(state).ok()),
-        queues: broker.as_ref().and_then(|broker| serde_json::to_value(broker.queues()).ok()),
-        connections: broker.and_then(|broker| serde_json::to_value(broker.connections()).ok()),
+        link: app.broker_access.link().map(|link| link.state().borrow().clone()),
+        queues: broker.as_ref().map(|broker| broker.queues()),
+        connections: broker.map(|broker| broker.connections()),
     })
 }

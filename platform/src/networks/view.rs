@@ -81,7 +81,7 @@ pub struct FieldView {
     /// Time of the decision.
     pub decided_at: Option<DateTime>,
     /// The newest value; 64-bit integers are texts.
-    #[schema(value_type = Option<Object>)]
+    #[schema(value_type = asi_model::openapi::PlainValue, required = false)]
     pub value: Option<serde_json::Value>,
     /// Its OPC UA built-in type, by name.
     pub value_type: Option<String>,

@@ -1,6 +1,7 @@
 //! Reports: the history of values that factories disclosed.
 
 use asi_model::{DateTime, DynamicDataRequestId, FactoryId, OperationNetworkId, RequestKey};
+use indexmap::IndexMap;
 use serde::Serialize;
 use sqlx::QueryBuilder;
 use utoipa::ToSchema;
@@ -11,6 +12,7 @@ use super::{
     row::{Columns, DatabaseRow, document},
     scope::Scope,
 };
+use crate::value_json::ReportedValue;
 
 /// A DataSetMessage to store.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,8 +34,8 @@ pub struct NewReport {
     pub received_at: DateTime,
     /// True if it belongs to the backlog after an outage.
     pub is_replay: bool,
-    /// The fields as the API shows them: name to value, status and source time.
-    pub fields: serde_json::Value,
+    /// The fields by their names, in the order of the payload.
+    pub fields: IndexMap<String, ReportedValue>,
 }
 
 /// A report as its recipients see it.
@@ -60,9 +62,9 @@ pub struct Report {
     pub received_at: DateTime,
     /// True if it came late, after newer ones.
     pub is_replay: bool,
-    /// Field name to `{value, status, sourceTimestamp}`.
-    #[schema(value_type = Object)]
-    pub fields: serde_json::Value,
+    /// The fields by their names.
+    #[schema(value_type = std::collections::BTreeMap<String, ReportedValue>)]
+    pub fields: IndexMap<String, ReportedValue>,
 }
 
 /// Filter and page of the history.

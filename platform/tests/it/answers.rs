@@ -1,8 +1,10 @@
-//! One answer of every operation, as a snapshot. A new operation without one fails the test.
+//! One answer of every operation, as a snapshot that the description of the API allows. A new
+//! operation without one fails the test.
 
 use std::collections::BTreeSet;
 
 use serde_json::{Value, json};
+use testkit::Contract;
 
 use crate::{
     harness::{Answer, Api, PASSWORD, World, eventually},
@@ -26,16 +28,28 @@ const VOLATILE: [&str; 12] = [
     "version",
 ];
 
-/// Operations with a snapshot so far.
-#[derive(Default)]
-struct Answers(BTreeSet<String>);
+/// Checks of the answers of one platform.
+struct Answers {
+    contract: Contract,
+    /// Operations with a snapshot so far.
+    seen: BTreeSet<String>,
+    /// Answers that the description does not allow.
+    faults: Vec<String>,
+}
 
 impl Answers {
-    /// Compares an answer with the snapshot of its operation.
+    fn new() -> Self {
+        let description = serde_json::to_value(platform::api::openapi()).expect("it serialises");
+        let contract = Contract::new(&description);
+        Self { contract, seen: BTreeSet::new(), faults: Vec::new() }
+    }
+
+    /// Compares an answer with the description and the snapshot of its operation.
     fn check(&mut self, operation: &str, answer: &Answer) {
+        self.faults.extend(self.contract.faults(operation, answer.status, &answer.body));
         let document = json!({ "status": answer.status, "body": redacted(&answer.body) });
         insta::assert_json_snapshot!(operation, document);
-        assert!(self.0.insert(operation.to_owned()), "{operation} has two answers");
+        assert!(self.seen.insert(operation.to_owned()), "{operation} has two answers");
     }
 
     async fn get(&mut self, api: &Api, operation: &str, path: &str) {
@@ -90,7 +104,7 @@ async fn every_operation_answers_as_in_its_snapshot() {
     })
     .await;
 
-    let mut answers = Answers::default();
+    let mut answers = Answers::new();
     reading(&mut answers, &admin, &buyer).await;
     structure(&mut answers, &admin).await;
     networks(&mut answers, &buyer).await;
@@ -98,10 +112,11 @@ async fn every_operation_answers_as_in_its_snapshot() {
     answers.post(&world.anonymous(), "signIn", "/session", body).await;
     answers.delete(&buyer, "signOut", "/session").await;
 
+    assert!(answers.faults.is_empty(), "the description differs:\n{}", answers.faults.join("\n"));
     // A stream has no single answer.
-    let mut missing = operations();
-    missing.remove("streamLive");
-    assert_eq!(answers.0, missing);
+    let mut operations = answers.contract.operations();
+    operations.remove("streamLive");
+    assert_eq!(answers.seen, operations);
 }
 
 async fn reading(answers: &mut Answers, admin: &Api, buyer: &Api) {
@@ -161,15 +176,4 @@ async fn networks(answers: &mut Answers, buyer: &Api) {
     let body = json!({ "collaborationId": "order", "operationNetwork": story::network() });
     answers.put(buyer, "putOperationNetwork", &story::network_path(), body).await;
     answers.delete(buyer, "withdrawOperationNetwork", &story::network_path()).await;
-}
-
-/// Ids of all operations of the description.
-fn operations() -> BTreeSet<String> {
-    let description: Value = serde_json::to_value(platform::api::openapi()).expect("it serialises");
-    let paths = description["paths"].as_object().expect("paths").values();
-    paths
-        .filter_map(Value::as_object)
-        .flat_map(|methods| methods.values())
-        .map(|operation| operation["operationId"].as_str().expect("an id").to_owned())
-        .collect()
 }

@@ -2,11 +2,14 @@
 //!
 //! - [`wait`]: polling with a deadline.
 //! - [`ApiClient`]: a client of a daemon's web API, as a browser is one.
+//! - [`Contract`]: an API's description, which answers are compared with.
 //! - [`EventStream`]: server-sent events, one by one.
 
 mod api_client;
+mod contract;
 mod event_stream;
 pub mod wait;
 
 pub use api_client::{Answer, ApiClient};
+pub use contract::Contract;
 pub use event_stream::{Event, EventStream};

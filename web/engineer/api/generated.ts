@@ -12,54 +12,12 @@ export interface paths {
          * Shows the OPC UA server's own certificate.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description The certificate that the OPC UA server shows its clients. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["ApplicationCertificateView"];
-                    };
-                };
-            };
-        };
+        get: operations["showApplicationCertificate"];
         /**
          * Installs an issued certificate; the server shows it from the next connection on.
          * @description Least role: ENGINEER.
          */
-        put: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["IssuedCertificateBody"];
-                };
-            };
-            responses: {
-                /** @description The certificate that the OPC UA server shows its clients. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["ApplicationCertificateView"];
-                    };
-                };
-            };
-        };
+        put: operations["installApplicationCertificate"];
         post?: never;
         delete?: never;
         options?: never;
@@ -81,30 +39,7 @@ export interface paths {
          *     stays here.
          * @description Least role: ENGINEER.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["CertificateRequestBody"];
-                };
-            };
-            responses: {
-                /** @description A request to be given to an authority. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["CertificateRequestView"];
-                    };
-                };
-            };
-        };
+        post: operations["requestApplicationCertificate"];
         delete?: never;
         options?: never;
         head?: never;
@@ -123,26 +58,7 @@ export interface paths {
          *     clients' certificates.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_ClientAuthorityView"];
-                    };
-                };
-            };
-        };
+        get: operations["listClientAuthorities"];
         put?: never;
         post?: never;
         delete?: never;
@@ -165,26 +81,7 @@ export interface paths {
          * Removes an authority: its clients stay outside from the next connection on.
          * @description Least role: ENGINEER.
          */
-        delete: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    thumbprint: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Removed */
-                204: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content?: never;
-                };
-            };
-        };
+        delete: operations["removeClientAuthority"];
         options?: never;
         head?: never;
         patch?: never;
@@ -202,53 +99,13 @@ export interface paths {
          *     discovery server's is among them.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_ClientCertificateView"];
-                    };
-                };
-            };
-        };
+        get: operations["listClientCertificates"];
         put?: never;
         /**
          * Adds a certificate or a revocation list to the trust list.
          * @description Least role: ENGINEER.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["TrustFileBody"];
-                };
-            };
-            responses: {
-                /** @description Added */
-                201: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content?: never;
-                };
-            };
-        };
+        post: operations["addClientCertificate"];
         delete?: never;
         options?: never;
         head?: never;
@@ -267,32 +124,7 @@ export interface paths {
          * Trusts or rejects a client's certificate.
          * @description Least role: ENGINEER.
          */
-        put: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    thumbprint: string;
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["ClientTrustBody"];
-                };
-            };
-            responses: {
-                /** @description A certificate that the OPC UA server has seen or was given. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["ClientCertificateView"];
-                    };
-                };
-            };
-        };
+        put: operations["trustClientCertificate"];
         post?: never;
         delete?: never;
         options?: never;
@@ -311,26 +143,7 @@ export interface paths {
          * Lists the authorities' lists of revoked certificates.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_ClientRevocationListView"];
-                    };
-                };
-            };
-        };
+        get: operations["listClientRevocationLists"];
         put?: never;
         post?: never;
         delete?: never;
@@ -354,26 +167,7 @@ export interface paths {
          *     new one.
          * @description Least role: ENGINEER.
          */
-        delete: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    revocationListId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Removed */
-                204: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content?: never;
-                };
-            };
-        };
+        delete: operations["removeClientRevocationList"];
         options?: never;
         head?: never;
         patch?: never;
@@ -390,26 +184,7 @@ export interface paths {
          * Lists every setting with its meaning, default and value, and who set it. Secrets are not shown.
          * @description Least role: ENGINEER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_Setting"];
-                    };
-                };
-            };
-        };
+        get: operations["showConfiguration"];
         put?: never;
         post?: never;
         delete?: never;
@@ -429,29 +204,7 @@ export interface paths {
          * Lists messages that were received or sent and rejected, newest first.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: {
-                    /** @description `nextCursor` of the page before. */
-                    cursor?: string;
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_DeadLetter"];
-                    };
-                };
-            };
-        };
+        get: operations["listDeadLetters"];
         put?: never;
         post?: never;
         delete?: never;
@@ -476,26 +229,7 @@ export interface paths {
          *     and the page must load again.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description OK */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "text/event-stream": string;
-                    };
-                };
-            };
-        };
+        get: operations["streamEvents"];
         put?: never;
         post?: never;
         delete?: never;
@@ -515,31 +249,7 @@ export interface paths {
          * Shows a field with its decision and its newest disclosed value.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-                    fieldName: components["schemas"]["FieldName"];
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A requested field with its decision and value. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["FieldView"];
-                    };
-                };
-            };
-        };
+        get: operations["showField"];
         put?: never;
         post?: never;
         delete?: never;
@@ -560,31 +270,7 @@ export interface paths {
          *     period would add.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-                    fieldName: components["schemas"]["FieldName"];
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Disclosure that the consent for a field begins with. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["ConsentOffer"];
-                    };
-                };
-            };
-        };
+        get: operations["showConsentOffer"];
         put?: never;
         post?: never;
         delete?: never;
@@ -605,35 +291,7 @@ export interface paths {
          * Decides about a field. The partner is notified; values flow or stop at once.
          * @description Least role: ENGINEER.
          */
-        put: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-                    fieldName: components["schemas"]["FieldName"];
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["DecisionBody"];
-                };
-            };
-            responses: {
-                /** @description A requested field with its decision and value. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["FieldView"];
-                    };
-                };
-            };
-        };
+        put: operations["decideField"];
         post?: never;
         delete?: never;
         options?: never;
@@ -652,31 +310,7 @@ export interface paths {
          * Shows the status of a field's mapping: last values in and out, counts, faults, time spent.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-                    fieldName: components["schemas"]["FieldName"];
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Status of a mapping, for its page. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["MappingStatus"];
-                    };
-                };
-            };
-        };
+        get: operations["showMappingStatus"];
         put?: never;
         post?: never;
         delete?: never;
@@ -699,31 +333,7 @@ export interface paths {
          *     once.
          * @description Least role: ENGINEER.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-                    fieldName: components["schemas"]["FieldName"];
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Status of a mapping, for its page. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["MappingStatus"];
-                    };
-                };
-            };
-        };
+        post: operations["restartMapping"];
         delete?: never;
         options?: never;
         head?: never;
@@ -743,35 +353,7 @@ export interface paths {
          * Runs a draft on the live values of its inputs; nothing is changed and nothing leaves.
          * @description Least role: ENGINEER.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-                    fieldName: components["schemas"]["FieldName"];
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["Draft"];
-                };
-            };
-            responses: {
-                /** @description Side by side: machine, mapping, what is disclosed, and the message. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Preview"];
-                    };
-                };
-            };
-        };
+        post: operations["previewDecision"];
         delete?: never;
         options?: never;
         head?: never;
@@ -789,92 +371,18 @@ export interface paths {
          * Shows the shadow mapping, with its values beside those of the published one.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-                    fieldName: components["schemas"]["FieldName"];
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A shadow mapping beside the published one. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["ShadowView"];
-                    };
-                };
-            };
-        };
+        get: operations["showShadowMapping"];
         /**
          * Starts a shadow mapping, in place of the present one.
          * @description Least role: ENGINEER.
          */
-        put: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-                    fieldName: components["schemas"]["FieldName"];
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["MappingDraft"];
-                };
-            };
-            responses: {
-                /** @description A shadow mapping beside the published one. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["ShadowView"];
-                    };
-                };
-            };
-        };
+        put: operations["startShadowMapping"];
         post?: never;
         /**
          * Ends the shadow mapping.
          * @description Least role: ENGINEER.
          */
-        delete: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-                    fieldName: components["schemas"]["FieldName"];
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Ended */
-                204: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content?: never;
-                };
-            };
-        };
+        delete: operations["endShadowMapping"];
         options?: never;
         head?: never;
         patch?: never;
@@ -893,31 +401,7 @@ export interface paths {
          * Publishes the shadow mapping as the next version, under the consent in force, and ends it.
          * @description Least role: ENGINEER.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-                    fieldName: components["schemas"]["FieldName"];
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A requested field with its decision and value. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["FieldView"];
-                    };
-                };
-            };
-        };
+        post: operations["publishShadowMapping"];
         delete?: never;
         options?: never;
         head?: never;
@@ -935,34 +419,7 @@ export interface paths {
          * Suggests variables for a field, each with its reasons.
          * @description Least role: ENGINEER.
          */
-        get: {
-            parameters: {
-                query?: {
-                    /** @description At most so many, up to 100; 10 without it. */
-                    limit?: number;
-                };
-                header?: never;
-                path: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-                    fieldName: components["schemas"]["FieldName"];
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Variables that might be meant, best first, and where they were looked for. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Suggestions"];
-                    };
-                };
-            };
-        };
+        get: operations["listSuggestions"];
         put?: never;
         post?: never;
         delete?: never;
@@ -984,35 +441,7 @@ export interface paths {
          * Makes a template of a field's mapping without storing it.
          * @description Least role: ENGINEER.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-                    fieldName: components["schemas"]["FieldName"];
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["TemplateDraft"];
-                };
-            };
-            responses: {
-                /** @description A mapping with gaps. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["MappingTemplate"];
-                    };
-                };
-            };
-        };
+        post: operations["makeMappingTemplate"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1033,35 +462,7 @@ export interface paths {
          *     and nothing leaves.
          * @description Least role: ENGINEER.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-                    fieldName: components["schemas"]["FieldName"];
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["DryRunBody"];
-                };
-            };
-            responses: {
-                /** @description Result of a dry run. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["DryRun"];
-                    };
-                };
-            };
-        };
+        post: operations["dryRunMapping"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1080,35 +481,7 @@ export interface paths {
          * Enters a value for a field that was decided Manual. It goes through the same gate as any other.
          * @description Least role: OPERATOR.
          */
-        put: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-                    fieldName: components["schemas"]["FieldName"];
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["EnteredValue"];
-                };
-            };
-            responses: {
-                /** @description Outcome of an entered value. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Entered"];
-                    };
-                };
-            };
-        };
+        put: operations["enterValue"];
         post?: never;
         delete?: never;
         options?: never;
@@ -1127,36 +500,7 @@ export interface paths {
          * Compares two versions of a field's mapping.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query: {
-                    /** @description The earlier version. */
-                    from: number;
-                    /** @description The later version; the present mapping without it. */
-                    to?: number;
-                };
-                header?: never;
-                path: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-                    fieldName: components["schemas"]["FieldName"];
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Difference between two versions. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Difference"];
-                    };
-                };
-            };
-        };
+        get: operations["compareMappingVersions"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1176,31 +520,7 @@ export interface paths {
          * Lists the last hundred versions of a field's mapping, newest first.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-                    fieldName: components["schemas"]["FieldName"];
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_VersionView"];
-                    };
-                };
-            };
-        };
+        get: operations["listMappingVersions"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1222,32 +542,7 @@ export interface paths {
          * Publishes a version again as the newest one, under the consent in force.
          * @description Least role: ENGINEER.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-                    fieldName: components["schemas"]["FieldName"];
-                    version: number;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A requested field with its decision and value. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["FieldView"];
-                    };
-                };
-            };
-        };
+        post: operations["rollMappingBack"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1266,44 +561,7 @@ export interface paths {
          *     their addresses.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: {
-                    /**
-                     * @description `nextCursor` of the page before. Requests behind its last one follow, also if others came or
-                     *     went meanwhile.
-                     */
-                    cursor?: string;
-                    /** @description Requests per page, at most 200. */
-                    limit?: number;
-                    /** @description Requests with a field in this state: `PENDING`, `MAPPED` or `REFUSED`. */
-                    state?: components["schemas"]["MappingState"];
-                    /** @description Requests of this requester. */
-                    partner?: string;
-                    /** @description Requests of this network. */
-                    operationNetworkId?: string;
-                    /** @description Requests in whose ids, names, purpose, fields or partners all these words occur. */
-                    search?: string;
-                    /** @description Requests that have been open for longer than the time after which the inbox reminds. */
-                    isOverdue?: boolean;
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of the inbox, and totals. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["InboxPage"];
-                    };
-                };
-            };
-        };
+        get: operations["listInbox"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1324,29 +582,7 @@ export interface paths {
          *     they permit together.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: {
-                    /** @description One organisation only. */
-                    partner?: string;
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_PartnerLeaks"];
-                    };
-                };
-            };
-        };
+        get: operations["listLeakBudgets"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1367,29 +603,7 @@ export interface paths {
          *     resolution, and number of conclusions.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: {
-                    /** @description One organisation only. */
-                    partner?: string;
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_PartnerSummary"];
-                    };
-                };
-            };
-        };
+        get: operations["summariseLeakBudgets"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1410,53 +624,7 @@ export interface paths {
          *     recipient, of the first one by name.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: {
-                    /** @description Entries of this recipient's chain. */
-                    recipient?: components["schemas"]["OrganisationId"];
-                    /** @description Entries recorded at this time or later. */
-                    from?: components["schemas"]["DateTime"];
-                    /** @description Entries recorded before this time. */
-                    until?: components["schemas"]["DateTime"];
-                    /**
-                     * @description Entries of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or
-                     *     `REVOKED`.
-                     */
-                    kind?: "CONSENT" | "QUEUED" | "SENT" | "RECEIPTED" | "COALESCED" | "EXPIRED" | "PURGED" | "REVOKED";
-                    /**
-                     * @description Entries about this network: decisions about its fields, reports that carried them, and the
-                     *     delivery of those.
-                     */
-                    operationNetworkId?: components["schemas"]["OperationNetworkId"];
-                    /** @description Of them, those about this operation. */
-                    operationId?: components["schemas"]["OperationId"];
-                    /** @description Of them, those about this request. */
-                    dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"];
-                    /** @description Of them, those about this field. */
-                    fieldName?: components["schemas"]["FieldName"];
-                    /** @description `nextCursor` of the page before. */
-                    after?: string;
-                    /** @description Entries on the page, 1 to 500; 100 without it. */
-                    limit?: number;
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Entries of one chain, newest first. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["LedgerView"];
-                    };
-                };
-            };
-        };
+        get: operations["listLedgerEntries"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1476,31 +644,7 @@ export interface paths {
          * Lists the signed checkpoints over all chains, newest first.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: {
-                    /** @description `nextCursor` of the page before. */
-                    cursor?: string;
-                    /** @description Checkpoints per page, at most 200; 20 without it. */
-                    limit?: number;
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_CheckpointView"];
-                    };
-                };
-            };
-        };
+        get: operations["listCheckpoints"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1521,53 +665,7 @@ export interface paths {
          *     the chains.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query: {
-                    /** @description Entries of this recipient's chain. */
-                    recipient?: components["schemas"]["OrganisationId"];
-                    /** @description Entries recorded at this time or later. */
-                    from?: components["schemas"]["DateTime"];
-                    /** @description Entries recorded before this time. */
-                    until?: components["schemas"]["DateTime"];
-                    /**
-                     * @description Entries of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or
-                     *     `REVOKED`.
-                     */
-                    kind?: "CONSENT" | "QUEUED" | "SENT" | "RECEIPTED" | "COALESCED" | "EXPIRED" | "PURGED" | "REVOKED";
-                    /**
-                     * @description Entries about this network: decisions about its fields, reports that carried them, and the
-                     *     delivery of those.
-                     */
-                    operationNetworkId?: components["schemas"]["OperationNetworkId"];
-                    /** @description Of them, those about this operation. */
-                    operationId?: components["schemas"]["OperationId"];
-                    /** @description Of them, those about this request. */
-                    dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"];
-                    /** @description Of them, those about this field. */
-                    fieldName?: components["schemas"]["FieldName"];
-                    /** @description `jsonl`, `csv` or `html`. */
-                    format: "jsonl" | "csv" | "html";
-                    /** @description Language of a page to print: `en` or `de`. */
-                    language?: "en" | "de";
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description OK */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "text/csv": string;
-                    };
-                };
-            };
-        };
+        get: operations["exportLedger"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1588,31 +686,7 @@ export interface paths {
          *     ended requests included.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: {
-                    /** @description Fields in whose ids all these words occur. */
-                    search?: string;
-                    /** @description Most fields, at most 200; 20 without it. */
-                    limit?: number;
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_LedgerField"];
-                    };
-                };
-            };
-        };
+        get: operations["searchLedgerFields"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1634,26 +708,7 @@ export interface paths {
          * Reads every chain from its beginning and finds any change, deletion or reordering.
          * @description Least role: VIEWER.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description The outcome of a verification. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["VerificationView"];
-                    };
-                };
-            };
-        };
+        post: operations["verifyLedger"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1671,26 +726,7 @@ export interface paths {
          * Lists the templates.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_TemplateView"];
-                    };
-                };
-            };
-        };
+        get: operations["listMappingTemplates"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1711,57 +747,13 @@ export interface paths {
          * Stores a template, in place of the one with the same id.
          * @description Least role: ENGINEER.
          */
-        put: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    templateId: string;
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["MappingTemplate"];
-                };
-            };
-            responses: {
-                /** @description A mapping with gaps. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["MappingTemplate"];
-                    };
-                };
-            };
-        };
+        put: operations["putMappingTemplate"];
         post?: never;
         /**
          * Removes a template; mappings made from it stay.
          * @description Least role: ENGINEER.
          */
-        delete: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    templateId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Removed */
-                204: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content?: never;
-                };
-            };
-        };
+        delete: operations["removeMappingTemplate"];
         options?: never;
         head?: never;
         patch?: never;
@@ -1780,35 +772,7 @@ export interface paths {
          * Fills a template once per member of a series and imports the mappings, all or none.
          * @description Least role: ENGINEER.
          */
-        post: {
-            parameters: {
-                query?: {
-                    /** @description True to change nothing and return the outcome that there would be. */
-                    dryRun?: boolean;
-                };
-                header?: never;
-                path: {
-                    templateId: string;
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["Series"];
-                };
-            };
-            responses: {
-                /** @description Outcome of an import, or of its dry run. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["ImportOutcome"];
-                    };
-                };
-            };
-        };
+        post: operations["fillMappingTemplate"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1827,30 +791,7 @@ export interface paths {
          *     the templates too.
          * @description Least role: ENGINEER.
          */
-        get: {
-            parameters: {
-                query?: {
-                    /** @description `file` (the default) or `csv`. */
-                    form?: "file" | "csv";
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Mappings and templates as one JSON document. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["MappingFile"];
-                        "text/csv": string;
-                    };
-                };
-            };
-        };
+        get: operations["exportMappings"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1874,34 +815,7 @@ export interface paths {
          *     as they are: mappings of fields that are not mapped are proposals.
          * @description Least role: ENGINEER.
          */
-        post: {
-            parameters: {
-                query?: {
-                    /** @description True to change nothing and return the outcome that there would be. */
-                    dryRun?: boolean;
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["MappingFile"];
-                    "text/csv": string;
-                };
-            };
-            responses: {
-                /** @description Outcome of an import, or of its dry run. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["ImportOutcome"];
-                    };
-                };
-            };
-        };
+        post: operations["importMappings"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1919,31 +833,7 @@ export interface paths {
          * Surveys all published mappings: numbers by condition, and the worst of them.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: {
-                    /** @description Mappings in this condition only. */
-                    health?: components["schemas"]["MappingHealth"];
-                    /** @description Up to 500; 50 without it, none with 0. */
-                    limit?: number;
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Health of the published mappings, without shadow mappings. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["MappingSurvey"];
-                    };
-                };
-            };
-        };
+        get: operations["surveyMappings"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1963,26 +853,7 @@ export interface paths {
          * Lists all networks, withdrawn ones included.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_NetworkSummary"];
-                    };
-                };
-            };
-        };
+        get: operations["listOperationNetworks"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2002,28 +873,7 @@ export interface paths {
          * Shows a network as received, and the state of its requests and fields.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A network with its requests. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["NetworkView"];
-                    };
-                };
-            };
-        };
+        get: operations["showOperationNetwork"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2043,57 +893,13 @@ export interface paths {
          * Lists the comments about a network, oldest first.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_StoredComment"];
-                    };
-                };
-            };
-        };
+        get: operations["listComments"];
         put?: never;
         /**
          * Sends a comment to the partners of a network.
          * @description Least role: OPERATOR.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: string;
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["NewComment"];
-                };
-            };
-            responses: {
-                /** @description Stored and queued */
-                204: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content?: never;
-                };
-            };
-        };
+        post: operations["addComment"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2111,28 +917,7 @@ export interface paths {
          * Compares the revision in force of a network with the one before.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Difference between the revision in force and the one before. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["RevisionDifference"];
-                    };
-                };
-            };
-        };
+        get: operations["showRevisionDifference"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2152,59 +937,14 @@ export interface paths {
          * Lists the last 200 entries about an operation, newest first.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_OperatorEntry"];
-                    };
-                };
-            };
-        };
+        get: operations["listOperatorEntries"];
         put?: never;
         /**
          * Accepts entries. They are stored together before the answer is sent; a page without an answer
          *     delivers them again.
          * @description Least role: OPERATOR.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["Delivery"];
-                };
-            };
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_EntryResult"];
-                    };
-                };
-            };
-        };
+        post: operations["deliverOperatorEntries"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2223,31 +963,7 @@ export interface paths {
          *     interrupted.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: {
-                    /** @description Begin of the day; that of the present day in UTC without it. */
-                    from?: components["schemas"]["DateTime"];
-                    /** @description End of the day; 24 hours after its begin without it. */
-                    until?: components["schemas"]["DateTime"];
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_OperatorOperation"];
-                    };
-                };
-            };
-        };
+        get: operations["listOperatorOperations"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2267,26 +983,7 @@ export interface paths {
          * Lists the named policies in their newest version, retired ones included.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_PolicyView"];
-                    };
-                };
-            };
-        };
+        get: operations["listPolicies"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2309,34 +1006,7 @@ export interface paths {
          *     read (`"0"` for a new one) keeps two engineers from overwriting each other.
          * @description Least role: ENGINEER.
          */
-        put: {
-            parameters: {
-                query?: never;
-                header?: {
-                    "If-Match"?: string | null;
-                };
-                path: {
-                    policyId: string;
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["NamedPolicy"];
-                };
-            };
-            responses: {
-                /** @description One version of a policy or rule. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["DocumentVersion"];
-                    };
-                };
-            };
-        };
+        put: operations["putPolicy"];
         post?: never;
         delete?: never;
         options?: never;
@@ -2357,32 +1027,7 @@ export interface paths {
          * Lists the mapped fields that a draft of a named policy would change, at most 500. Changes nothing.
          * @description Least role: ENGINEER.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    policyId: string;
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["NamedPolicy"];
-                };
-            };
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_PolicyUse"];
-                    };
-                };
-            };
-        };
+        post: operations["previewPolicy"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2400,28 +1045,7 @@ export interface paths {
          * Lists every version of a named policy, newest first.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    policyId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_Versioned_NamedPolicy"];
-                    };
-                };
-            };
-        };
+        get: operations["listPolicyVersions"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2441,26 +1065,7 @@ export interface paths {
          * Lists every organisation that may get values, with the policy set for it.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_RecipientView"];
-                    };
-                };
-            };
-        };
+        get: operations["listRecipients"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2482,34 +1087,7 @@ export interface paths {
          *     values, so the strictest of the field's and of all its recipients' policies applies, at once.
          * @description Least role: ENGINEER.
          */
-        put: {
-            parameters: {
-                query?: never;
-                header?: {
-                    "If-Match"?: string | null;
-                };
-                path: {
-                    recipient: string;
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["RecipientBody"];
-                };
-            };
-            responses: {
-                /** @description Version of a recipient's policy. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["RecipientVersion"];
-                    };
-                };
-            };
-        };
+        put: operations["putRecipientPolicy"];
         post?: never;
         delete?: never;
         options?: never;
@@ -2528,30 +1106,7 @@ export interface paths {
          * Shows one request of an active network with its fields.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: components["schemas"]["OperationNetworkId"];
-                    operationId: components["schemas"]["OperationId"];
-                    dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A request of a partner. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["RequestView"];
-                    };
-                };
-            };
-        };
+        get: operations["showRequest"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2571,61 +1126,14 @@ export interface paths {
          * Lists the receipts of ended consents, newest first.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: {
-                    /** @description `nextCursor` of the page before. */
-                    cursor?: string;
-                    /** @description Receipts per page, at most 50. */
-                    limit?: number;
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_StoredRevocation"];
-                    };
-                };
-            };
-        };
+        get: operations["listRevocations"];
         put?: never;
         /**
          * Revokes consents. Values stop at once, waiting reports are taken back, the partner is notified,
          *     and the receipt lists what had left.
          * @description Least role: ENGINEER.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["RevocationBody"];
-                };
-            };
-            responses: {
-                /** @description A receipt with its signature, and the arrivals since of reports that were on their way. */
-                201: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["StoredRevocation"];
-                    };
-                };
-            };
-        };
+        post: operations["revokeConsents"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2643,28 +1151,7 @@ export interface paths {
          * Shows one receipt.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    revocationId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A receipt with its signature, and the arrivals since of reports that were on their way. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["StoredRevocation"];
-                    };
-                };
-            };
-        };
+        get: operations["showRevocation"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2684,31 +1171,7 @@ export interface paths {
          * Prints a receipt as a page.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: {
-                    /** @description `en` or `de`. */
-                    language?: "en" | "de";
-                };
-                header?: never;
-                path: {
-                    revocationId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description OK */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "text/html": string;
-                    };
-                };
-            };
-        };
+        get: operations["printRevocation"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2728,31 +1191,7 @@ export interface paths {
          * Lists the decisions that rules made, newest first.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: {
-                    /** @description `nextCursor` of the page before. */
-                    cursor?: string;
-                    /** @description Decisions per page, at most 100. */
-                    limit?: number;
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_RuleDecision"];
-                    };
-                };
-            };
-        };
+        get: operations["listRuleDecisions"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2775,26 +1214,7 @@ export interface paths {
          *     conflict if something else was decided since.
          * @description Least role: ENGINEER.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    id: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Undone */
-                204: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content?: never;
-                };
-            };
-        };
+        post: operations["undoRuleDecision"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2812,26 +1232,7 @@ export interface paths {
          * Lists the standing rules in their newest version.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_Versioned_Rule"];
-                    };
-                };
-            };
-        };
+        get: operations["listRules"];
         put?: never;
         post?: never;
         delete?: never;
@@ -2853,26 +1254,7 @@ export interface paths {
          * Applies the enabled rules to all undecided fields; what an engineer left open stays open.
          * @description Least role: ENGINEER.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Result of applying the rules. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Applied"];
-                    };
-                };
-            };
-        };
+        post: operations["applyRules"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2892,30 +1274,7 @@ export interface paths {
          * Lists the fields that a draft of a rule matches. Changes nothing.
          * @description Least role: ENGINEER.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["Rule"];
-                };
-            };
-            responses: {
-                /** @description Matches of a draft of a rule. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["RulePreview"];
-                    };
-                };
-            };
-        };
+        post: operations["previewRule"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2935,34 +1294,7 @@ export interface paths {
          *     there already are decided by `POST /rules/apply`. `If-Match` as for policies.
          * @description Least role: ENGINEER.
          */
-        put: {
-            parameters: {
-                query?: never;
-                header?: {
-                    "If-Match"?: string | null;
-                };
-                path: {
-                    ruleId: string;
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["Rule"];
-                };
-            };
-            responses: {
-                /** @description One version of a policy or rule. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["DocumentVersion"];
-                    };
-                };
-            };
-        };
+        put: operations["putRule"];
         post?: never;
         delete?: never;
         options?: never;
@@ -2981,28 +1313,7 @@ export interface paths {
          * Lists every version of a rule, newest first.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    ruleId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_Versioned_Rule"];
-                    };
-                };
-            };
-        };
+        get: operations["listRuleVersions"];
         put?: never;
         post?: never;
         delete?: never;
@@ -3022,74 +1333,15 @@ export interface paths {
          * Shows the session of the caller.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Session of a person. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Session"];
-                    };
-                };
-            };
-        };
+        get: operations["showSession"];
         put?: never;
         /** Signs in; the answer sets the session's cookie. */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["SignIn"];
-                };
-            };
-            responses: {
-                /** @description Session of a person. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Session"];
-                    };
-                };
-            };
-        };
+        post: operations["signIn"];
         /**
          * Signs out.
          * @description Least role: VIEWER.
          */
-        delete: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Signed out */
-                204: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content?: never;
-                };
-            };
-        };
+        delete: operations["signOut"];
         options?: never;
         head?: never;
         patch?: never;
@@ -3106,26 +1358,7 @@ export interface paths {
          * Lists the certificates that servers have shown.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_PeerCertificate"];
-                    };
-                };
-            };
-        };
+        get: operations["listSourceCertificates"];
         put?: never;
         post?: never;
         delete?: never;
@@ -3146,32 +1379,7 @@ export interface paths {
          * Trusts or rejects a server's certificate.
          * @description Least role: ENGINEER.
          */
-        put: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    thumbprint: string;
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["TrustBody"];
-                };
-            };
-            responses: {
-                /** @description Certificate that a server has presented. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["PeerCertificate"];
-                    };
-                };
-            };
-        };
+        put: operations["trustSourceCertificate"];
         post?: never;
         delete?: never;
         options?: never;
@@ -3187,58 +1395,16 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Lists the sources with their state.
+         * Lists the stored sources with their state.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_SourceView"];
-                    };
-                };
-            };
-        };
+        get: operations["listSources"];
         put?: never;
         /**
          * Adds a source; the connector connects to it at once.
          * @description Least role: ENGINEER.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["SourceConfig"];
-                };
-            };
-            responses: {
-                /** @description Created */
-                201: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": unknown;
-                    };
-                };
-            };
-        };
+        post: operations["addSource"];
         delete?: never;
         options?: never;
         head?: never;
@@ -3257,57 +1423,13 @@ export interface paths {
          * Changes a source; mappings that use it go on under the new settings.
          * @description Least role: ENGINEER.
          */
-        put: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    sourceId: string;
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["SourceConfig"];
-                };
-            };
-            responses: {
-                /** @description OK */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": unknown;
-                    };
-                };
-            };
-        };
+        put: operations["changeSource"];
         post?: never;
         /**
          * Removes a source; mappings that use it keep their last value with a status that says so.
          * @description Least role: ENGINEER.
          */
-        delete: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    sourceId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Removed */
-                204: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content?: never;
-                };
-            };
-        };
+        delete: operations["removeSource"];
         options?: never;
         head?: never;
         patch?: never;
@@ -3324,35 +1446,7 @@ export interface paths {
          * Browses a source's address space.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: {
-                    /** @description Node whose children are listed; the Objects folder without it. */
-                    parent?: components["schemas"]["NodeId"];
-                    /** @description `nextCursor` of the page before. */
-                    cursor?: string;
-                    /** @description Children per page, 500 without it, at most 1000. */
-                    limit?: number;
-                };
-                header?: never;
-                path: {
-                    sourceId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_BrowsedNode"];
-                    };
-                };
-            };
-        };
+        get: operations["browseSource"];
         put?: never;
         post?: never;
         delete?: never;
@@ -3372,33 +1466,7 @@ export interface paths {
          * Searches the connector's list of a server's variables for words of their paths.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query: {
-                    /** @description Words that all occur in the variable's path, in any order, without regard to case. */
-                    text: string;
-                    /** @description At most so many, up to 200; 50 without it. */
-                    limit?: number;
-                };
-                header?: never;
-                path: {
-                    sourceId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Variables that were found. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["FoundVariables"];
-                    };
-                };
-            };
-        };
+        get: operations["searchSource"];
         put?: never;
         post?: never;
         delete?: never;
@@ -3418,31 +1486,7 @@ export interface paths {
          * Reads a variable of a source.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query: {
-                    /** @description Node id of the variable. */
-                    node: components["schemas"]["NodeId"];
-                };
-                header?: never;
-                path: {
-                    sourceId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Value in the form that pages show. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["ShownValue"];
-                    };
-                };
-            };
-        };
+        get: operations["readSourceValue"];
         put?: never;
         post?: never;
         delete?: never;
@@ -3462,26 +1506,7 @@ export interface paths {
          * Shows the backlog of the spool.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description OK */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": unknown;
-                    };
-                };
-            };
-        };
+        get: operations["showSpool"];
         put?: never;
         post?: never;
         delete?: never;
@@ -3501,26 +1526,7 @@ export interface paths {
          * Shows the status of the connector.
          * @description Least role: VIEWER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Status of the connector, with evidence. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Status"];
-                    };
-                };
-            };
-        };
+        get: operations["showStatus"];
         put?: never;
         post?: never;
         delete?: never;
@@ -3540,26 +1546,7 @@ export interface paths {
          * Lists all users.
          * @description Least role: ENGINEER.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_UserView"];
-                    };
-                };
-            };
-        };
+        get: operations["listUsers"];
         put?: never;
         post?: never;
         delete?: never;
@@ -3581,57 +1568,13 @@ export interface paths {
          *     except the one in which the person did it; those of OPC UA clients also end with another role.
          * @description Least role: ENGINEER.
          */
-        put: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    userName: string;
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["UserBody"];
-                };
-            };
-            responses: {
-                /** @description A person who may sign in. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["UserView"];
-                    };
-                };
-            };
-        };
+        put: operations["putUser"];
         post?: never;
         /**
          * Removes a person; the person's sessions end.
          * @description Least role: ENGINEER.
          */
-        delete: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    userName: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Removed */
-                204: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content?: never;
-                };
-            };
-        };
+        delete: operations["removeUser"];
         options?: never;
         head?: never;
         patch?: never;
@@ -3641,6 +1584,11 @@ export interface paths {
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
+        /**
+         * @description Acceptance of an entry; in each case the page must not deliver it again.
+         * @enum {string}
+         */
+        Acceptance: "TAKEN" | "REPEATED" | "REFUSED";
         /** @description Action that an operator entered. */
         Action: {
             /** @enum {string} */
@@ -3669,7 +1617,7 @@ export interface components {
             dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
             fieldName: components["schemas"]["FieldName"];
             /** @description As plain JSON; 64-bit integers may be texts. */
-            value: unknown;
+            value: components["schemas"]["PlainValue"];
         };
         /**
          * @description Function over the values in a window.
@@ -3706,6 +1654,34 @@ export interface components {
         Applied: {
             /** @description Number of fields that were decided. */
             decidedCount: number;
+        };
+        /** @description A concrete asset of a factory, as in its status data sets (OPC 10000-100 AssetId). */
+        AssetId: string;
+        /**
+         * @description Numbers of rows and bytes in a spool, for the link's state and metrics. Parked rows are not
+         *     counted.
+         */
+        Backlog: {
+            /**
+             * Format: int64
+             * @description Bytes of waiting and sent rows.
+             */
+            bytes: number;
+            /**
+             * Format: date-time
+             * @description Creation time of the oldest waiting or sent row.
+             */
+            oldestAt?: string | null;
+            /**
+             * Format: int64
+             * @description Rows that are sent and wait for the receipt.
+             */
+            sent: number;
+            /**
+             * Format: int64
+             * @description Rows that wait to be sent.
+             */
+            waiting: number;
         };
         /** @description One bit of an integer, as Boolean. */
         Bit: {
@@ -3990,11 +1966,20 @@ export interface components {
          * @example 06:00
          */
         ClockTime: string;
+        /** @description A collaboration on the platform, under whose agreement networks are exchanged. */
+        CollaborationId: string;
         /**
          * @description Conclusion from fields that are disclosed together.
          * @enum {string}
          */
         Conclusion: "CYCLE_TIME" | "UTILISATION" | "ORDER_QUANTITY" | "YIELD";
+        /** @description A condition of a relation, unique within its network. */
+        ConditionId: string;
+        /**
+         * @description The kinds of condition.
+         * @enum {string}
+         */
+        ConditionKind: "START_NO_EARLIER_THAN" | "START_NO_LATER_THAN" | "FINISH_NO_EARLIER_THAN" | "FINISH_NO_LATER_THAN" | "MINIMUM_GAP" | "MAXIMUM_GAP";
         /**
          * @description Effect of a difference on the engineer's consent.
          * @enum {string}
@@ -4025,6 +2010,21 @@ export interface components {
              * @description Values per hour at that period.
              */
             valuesPerHour?: number | null;
+        };
+        /** @description Decision about a field. */
+        ConsentView: components["schemas"]["FieldKey"] & {
+            /** @description Name of the person or rule that decided. */
+            decidedBy?: string | null;
+            grounds?: components["schemas"]["DecisionBasis"] | null;
+            mappingState: components["schemas"]["MappingState"];
+            /** @description Coarsening of values as decided. */
+            policy: components["schemas"]["DisclosurePolicy"];
+            valueSource?: components["schemas"]["ValueSource"] | null;
+            /**
+             * Format: int32
+             * @description Number of the consent of the field, from 1.
+             */
+            version: number;
         };
         /** @description Yields the same value whatever comes in; with no input before it, once. */
         Constant: {
@@ -4113,14 +2113,14 @@ export interface components {
              *     consents only.
              * @default []
              */
-            policies: components["schemas"]["DocumentVersion"][];
+            policies?: components["schemas"]["DocumentVersion"][];
             /** @default null */
-            policyId: components["schemas"]["DocumentId"] | null;
+            policyId?: components["schemas"]["DocumentId"] | null;
             /**
              * @description The rules that decided, each in its version at that time.
              * @default []
              */
-            rules: components["schemas"]["DocumentVersion"][];
+            rules?: components["schemas"]["DocumentVersion"][];
         };
         /** @description A decision about a field. */
         DecisionBody: {
@@ -4163,40 +2163,57 @@ export interface components {
          *     intervals and rates, the time step and the working hours.
          */
         DisclosurePolicy: {
+            /** @default null */
             aggregate?: components["schemas"]["WindowAggregate"] | null;
             /**
              * @description Numbers are replaced by the greatest of these bounds not above them (by the lowest, if below
              *     all); ascending.
+             * @default []
              */
             bands?: number[];
             /**
              * Format: int64
              * @description Delay of every value, in milliseconds.
+             * @default null
              */
             delayMs?: number | null;
-            /** @description Values are released only within all of these hours, too. */
+            /**
+             * @description Values are released only within all of these hours, too.
+             * @default []
+             */
             furtherHours?: components["schemas"]["WorkingHours"][];
             /**
              * Format: int64
              * @description Shortest time between two released values, in milliseconds; the latest value wins.
+             * @default null
              */
             minimumIntervalMs?: number | null;
-            /** @description Most released values per period; all of these limits apply. */
+            /**
+             * @description Most released values per period; all of these limits apply.
+             * @default []
+             */
             rateLimits?: components["schemas"]["RateLimit"][];
+            /** @default null */
             roundingStep?: components["schemas"]["RoundingStep"] | null;
             /**
              * Format: int32
              * @description Most significant digits of numbers, 1 to 15.
+             * @default null
              */
             significantDigits?: number | null;
             /**
              * Format: int64
              * @description Times are rounded down to multiples of this many milliseconds since 1970, and values are
              *     released only at these times.
+             * @default null
              */
             timeStepMs?: number | null;
-            /** @description No value is released while one of these conditions is met; candidates of that time never are. */
+            /**
+             * @description No value is released while one of these conditions is met; candidates of that time never are.
+             * @default []
+             */
             withholdWhile?: components["schemas"]["WithholdCondition"][];
+            /** @default null */
             workingHours?: components["schemas"]["WorkingHours"] | null;
         };
         /** @description The id of a policy or rule, chosen by its author. */
@@ -4246,6 +2263,32 @@ export interface components {
          * @enum {string}
          */
         DryRunValues: "LIVE" | "HISTORY";
+        /** @description A partner's request for data about an operation. One request is one DataSetWriter. */
+        DynamicDataRequest: {
+            /** @description The buffer or store the request is about. */
+            bufferId?: string | null;
+            /** @description More about the request. */
+            description?: string | null;
+            /** @description Unique within the network. */
+            dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+            dynamicDataRequestPublisherId?: components["schemas"]["ToolId"] | null;
+            /** @description Purpose of the data in words, for the factory's engineer. */
+            purpose: string;
+            /** @description The organisations that may see the answers, and no others. */
+            recipientList: components["schemas"]["OrganisationId"][];
+            /** @description The composition of the report. */
+            reportDataFormat: components["schemas"]["ReportDataFormat"];
+            /** @description The organisation that asks. */
+            requesterId: components["schemas"]["OrganisationId"];
+            /**
+             * Format: int32
+             * @description Number of reports wanted per [`Self::update_frequency_unit`].
+             */
+            updateFrequency?: number | null;
+            updateFrequencyUnit?: components["schemas"]["UpdateFrequencyUnit"] | null;
+            validFrom?: components["schemas"]["DateTime"] | null;
+            validUntil?: components["schemas"]["DateTime"] | null;
+        };
         /** @description A dynamic data request, unique within its network. One request is one DataSetWriter. */
         DynamicDataRequestId: string;
         /** @description Lets a Boolean (or a number: not zero is true) pass only when it changes. */
@@ -4273,6 +2316,8 @@ export interface components {
          * @enum {string}
          */
         EffectKind: "WITHHELD" | "AGGREGATED" | "BANDED" | "ROUNDED" | "DIGITS" | "TIME_STEP" | "DELAYED" | "INTERVAL" | "RATE" | "HOURS";
+        /** @description A value in the OPC UA JSON encoding (OPC 10000-6 §5.4) of the message that carried it: plain, a Variant, or a DataValue. */
+        EncodedValue: unknown;
         /** @description Outcome of an entered value. */
         Entered: {
             /** @description Less than was entered is disclosed. */
@@ -4287,7 +2332,7 @@ export interface components {
         /** @description A value that a person enters. */
         EnteredValue: {
             /** @description The value as plain JSON; 64-bit integers may be texts. */
-            value: unknown;
+            value: components["schemas"]["PlainValue"];
         };
         /** @description An entry's id, made where it was entered: 1 to 64 letters, digits, `-` or `_`. */
         EntryId: string;
@@ -4300,23 +2345,10 @@ export interface components {
             fields: components["schemas"]["FieldResult"][];
             /** @description For `REFUSED`: the reason in words, and what to do. */
             message?: string | null;
-            /** @enum {string} */
-            result: "TAKEN" | "REPEATED" | "REFUSED";
+            result: components["schemas"]["Acceptance"];
         };
-        EntryView: {
-            operationNetworkId?: string | null;
-            operationId?: string | null;
-            dynamicDataRequestId?: string | null;
-            fieldName?: string | null;
-            policy?: components["schemas"]["DisclosurePolicy"] | null;
-            mappingState?: components["schemas"]["MappingState"] | null;
-            decidedBy?: string | null;
-            dataSetWriterId?: number | null;
-            epoch?: number | null;
-            firstSequence?: number | null;
-            lastSequence?: number | null;
-            lastDeliveredSequence?: number | null;
-        } & {
+        /** @description An entry of a chain. */
+        EntryView: components["schemas"]["EventView"] & {
             /** @description Time of recording, RFC 3339. */
             at: string;
             /**
@@ -4326,8 +2358,6 @@ export interface components {
             deliveredAt?: string | null;
             /** @description Hash of the entry, hexadecimal. */
             hash: string;
-            /** @description `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or `REVOKED`. */
-            kind: string;
             /** @description For a report: id of the message that carried it last. */
             leftInMessage?: string | null;
             /**
@@ -4353,8 +2383,9 @@ export interface components {
              * @description Position in the chain, from 1.
              */
             sequence: number;
+            /** @description For a report: the values that left, by field, while they are retained. */
             value?: {
-                [key: string]: unknown;
+                [key: string]: components["schemas"]["EncodedValue"];
             } | null;
         };
         /** @description From the numbers of an enumeration to texts. */
@@ -4373,6 +2404,52 @@ export interface components {
              * @description Number of the enumeration.
              */
             value: number;
+        };
+        /** @description Equipment that an operation needs. */
+        EquipmentRequirement: {
+            assetId?: components["schemas"]["AssetId"] | null;
+            /** @description IRI of a capability the equipment must have. */
+            capability?: string | null;
+            /** @description Unique within the network. */
+            equipmentRequirementId: components["schemas"]["EquipmentRequirementId"];
+            /** @description The class of equipment, as `ROBOT`. */
+            equipmentType: string;
+            /**
+             * Format: double
+             * @description Number of pieces of equipment, not negative.
+             */
+            quantity?: number | null;
+        };
+        /** @description An equipment requirement, unique within its network. */
+        EquipmentRequirementId: string;
+        /** @description Event that an entry records. */
+        EventView: (components["schemas"]["ConsentView"] & {
+            /** @enum {string} */
+            kind: "CONSENT";
+        }) | (components["schemas"]["QueuedView"] & {
+            /** @enum {string} */
+            kind: "QUEUED";
+        }) | (components["schemas"]["SentView"] & {
+            /** @enum {string} */
+            kind: "SENT";
+        }) | (components["schemas"]["SequenceRange"] & {
+            /** @enum {string} */
+            kind: "RECEIPTED";
+        }) | (components["schemas"]["SequenceRange"] & {
+            /** @enum {string} */
+            kind: "COALESCED";
+        }) | (components["schemas"]["SequenceRange"] & {
+            /** @enum {string} */
+            kind: "EXPIRED";
+        }) | (components["schemas"]["SequenceRange"] & {
+            /** @enum {string} */
+            kind: "PURGED";
+        }) | (components["schemas"]["RevokedView"] & {
+            /** @enum {string} */
+            kind: "REVOKED";
+        }) | {
+            /** @enum {string} */
+            kind: "UNREADABLE";
         };
         /**
          * @description An arithmetic expression over `value` and the inputs by name.
@@ -4459,6 +2536,8 @@ export interface components {
         FieldResult: components["schemas"]["Entered"] & {
             key: components["schemas"]["FieldKey"];
         };
+        /** @description An OPC UA built-in type: its id (1 to 25) or its name. */
+        FieldType: number | ("Boolean" | "SByte" | "Byte" | "Int16" | "UInt16" | "Int32" | "UInt32" | "Int64" | "UInt64" | "Float" | "Double" | "String" | "DateTime" | "Guid" | "ByteString" | "XmlElement" | "NodeId" | "ExpandedNodeId" | "StatusCode" | "QualifiedName" | "LocalizedText" | "ExtensionObject" | "DataValue" | "Variant" | "DiagnosticInfo");
         /** @description A requested field with its decision and value. */
         FieldView: {
             /** @description Name of the person or rule that decided. */
@@ -4558,8 +2637,8 @@ export interface components {
         } | {
             /** @enum {string} */
             kind: "userName";
+            password?: components["schemas"]["Password"];
             userName: string;
-            password?: string;
         } | {
             /** @description The certificate, DER or PEM. */
             certificatePath: string;
@@ -4655,6 +2734,15 @@ export interface components {
             /** @description Its name in the mapping. */
             name: string;
         };
+        /** @description A running connector: a new id at every start. */
+        InstanceId: string;
+        /**
+         * Format: duration
+         * @description An ISO 8601 duration of fixed length: weeks, days, hours, minutes, seconds (`PT8H`, `P1DT30M`).
+         *     Years and months have no fixed length and are refused. Digits beyond the microsecond are dropped
+         *     on reading: as OPC UA's Duration, a Double of milliseconds, a hundred years stay exact to that.
+         */
+        IsoDuration: string;
         /** @description The certificate that an authority made of the request. */
         IssuedCertificateBody: {
             /**
@@ -4745,6 +2833,35 @@ export interface components {
             /** @description English text, with the remedy. */
             text: string;
         };
+        /** @description A connector that holds the lease or asked for it. */
+        LeaseParty: {
+            /** @description Its machine and folder. */
+            host: string;
+            instanceId: components["schemas"]["InstanceId"];
+            /** @description Time of its last request, by the platform's clock. */
+            lastHeardAt: components["schemas"]["DateTime"];
+            /** @description Since when it holds the lease, or when it asked first. */
+            since: components["schemas"]["DateTime"];
+        };
+        /**
+         * @description The state of a lease.
+         * @enum {string}
+         */
+        LeaseState: "ASKING" | "HELD" | "REFUSED";
+        /** @description State of the lease, as pages show it. */
+        LeaseStatus: {
+            contender?: components["schemas"]["LeaseParty"] | null;
+            holder?: components["schemas"]["LeaseParty"] | null;
+            /** @description This connector's machine and folder, as the platform knows it. */
+            host: string;
+            /**
+             * Format: int64
+             * @description Number of the lease that it has; `None` unless granted.
+             */
+            leaseNumber?: number | null;
+            since: components["schemas"]["DateTime"];
+            state: components["schemas"]["LeaseState"];
+        };
         /** @description A difference from what was written. */
         LedgerFault: {
             /** @description Description of the fault. */
@@ -4770,12 +2887,73 @@ export interface components {
             /** @description Every recipient that has a chain. */
             recipients: string[];
         };
+        /** @description Phase of a link. */
+        LinkPhase: {
+            /** @enum {string} */
+            state: "connecting";
+        } | {
+            /** @enum {string} */
+            state: "up";
+        } | {
+            /**
+             * @description True when a person must act (credentials, permissions, certificates) before an attempt
+             *     can succeed.
+             */
+            isPermanent: boolean;
+            /**
+             * Format: date-time
+             * @description Time of the next attempt.
+             */
+            retryAt: string;
+            /** @enum {string} */
+            state: "down";
+        } | {
+            /** @enum {string} */
+            state: "stopped";
+        };
+        /** @description Link to the platform, with evidence. */
+        LinkStatus: components["schemas"]["LinkPhase"] & {
+            /**
+             * Format: int64
+             * @description Number of messages that wait to be sent; the spool's status has the rest.
+             */
+            backlog: number;
+            /** @description Address of the broker. */
+            broker: string;
+            /**
+             * Format: int64
+             * @description Number of connections established since the start.
+             */
+            connects: number;
+            /**
+             * Format: date-time
+             * @description Time at which the broker last accepted a message.
+             */
+            lastAcceptedAt?: string | null;
+            /**
+             * Format: date-time
+             * @description Time at which the last receipt of the platform arrived.
+             */
+            lastReceiptedAt?: string | null;
+            /**
+             * Format: date-time
+             * @description Time at which the last message was received.
+             */
+            lastReceivedAt?: string | null;
+            /** @description Cause for which the link is not up, or an obstacle though it is; a sentence for people. */
+            reason?: string | null;
+            /**
+             * Format: date-time
+             * @description Time at which the state was entered.
+             */
+            since: string;
+        };
         /** @description A value: plain text, Boolean or number, or an object with its type. */
         Literal: string | boolean | number | {
             /** @description The built-in type. */
             type: components["schemas"]["TypeName"];
             /** @description The value; 64-bit integers as text. */
-            value: unknown;
+            value: components["schemas"]["PlainValue"];
         };
         /** @description From values to values by a table. */
         Lookup: {
@@ -4817,9 +2995,9 @@ export interface components {
         /** @description One difference. */
         MappingChange: {
             /** @description Value in the later version; absent where it was taken away. */
-            after?: unknown;
+            after?: components["schemas"]["PlainValue"];
             /** @description Value in the earlier version; absent where it is new. */
-            before?: unknown;
+            before?: components["schemas"]["PlainValue"];
             /**
              * @description JSON pointer into the mapping: of the later version, or of the earlier one where something
              *     was taken away.
@@ -4972,7 +3150,7 @@ export interface components {
             /** @description Purpose, for people. */
             description?: string | null;
             /** @description The JSON of a mapping with placeholders. */
-            mapping: unknown;
+            mapping: components["schemas"]["TemplateContent"];
             /** @description Name for people. */
             name?: string | null;
             /** @description The parameters, for the form that asks for them. */
@@ -5013,6 +3191,8 @@ export interface components {
          * @enum {string}
          */
         MergeRule: "newest" | "firstGood" | "minimum" | "maximum" | "sum" | "mean" | "all" | "any" | "join" | "array";
+        /** @description A message id, unique per message; written as a UUIDv7 by our own senders. */
+        MessageId: string;
         /**
          * @description Protection of messages.
          * @enum {string}
@@ -5020,19 +3200,25 @@ export interface components {
         MessageSecurity: "none" | "sign" | "signAndEncrypt";
         /** @description Options of a monitored variable. */
         MonitorOptions: {
+            /** @default null */
             browsePath?: components["schemas"]["BrowsePath"] | null;
-            /** @description Only a part of an array, as OPC 10000-4 §7.27 writes it: `2` or `1:3`. */
+            /**
+             * @description Only a part of an array, as OPC 10000-4 §7.27 writes it: `2` or `1:3`.
+             * @default null
+             */
             indexRange?: string | null;
             /**
              * Format: int32
              * @description Changes that the server queues between two publishings. Default: enough for the sampling and
              *     publishing interval, so that no change is lost.
+             * @default null
              */
             queueSize?: number | null;
             /**
              * Format: double
              * @description Sampling interval of the server, in milliseconds. 0: on every change. Default: the
              *     publishing interval of the source.
+             * @default null
              */
             samplingIntervalMs?: number | null;
         };
@@ -5075,8 +3261,7 @@ export interface components {
         };
         /** @description A network with its requests. */
         NetworkView: {
-            /** @description The message as received; none once withdrawn. */
-            message?: unknown;
+            message?: components["schemas"]["OperationNetworkMessage"] | null;
             requests: components["schemas"]["RequestView"][];
             /** Format: int64 */
             revision: number;
@@ -5120,6 +3305,31 @@ export interface components {
          * @enum {string}
          */
         OnDecrease: "reset" | "set" | "subtract";
+        /** @description A production, inspection or transportation step. */
+        Operation: components["schemas"]["OperationKind"] & {
+            /** @description More about it. */
+            description?: string | null;
+            /** @description Data that partners request about the operation. */
+            dynamicDataRequestList?: components["schemas"]["DynamicDataRequest"][];
+            /** @description Equipment that the operation needs. */
+            equipmentRequirementList?: components["schemas"]["EquipmentRequirement"][];
+            /** @description Name for people, at most 256 characters. */
+            name?: string | null;
+            /** @description Unique within the network. */
+            operationId: components["schemas"]["OperationId"];
+            owningFactoryId?: components["schemas"]["FactoryId"] | null;
+            plannedEnd?: components["schemas"]["DateTime"] | null;
+            /**
+             * Format: double
+             * @description Planned quantity in [`Self::quantity_unit`], not negative.
+             */
+            plannedQuantity?: number | null;
+            plannedStart?: components["schemas"]["DateTime"] | null;
+            /** @description The unit of the planned quantity: a UNECE common code or one of its aliases (`PIECE`). */
+            quantityUnit?: string | null;
+            /** @description A neighbour's operation that a relation names: only type, id, name and owner. */
+            stub?: boolean;
+        };
         /** @description An operation, unique within its network. */
         OperationId: string;
         /** @description An operation of a network. */
@@ -5127,8 +3337,71 @@ export interface components {
             operationId: components["schemas"]["OperationId"];
             operationNetworkId: components["schemas"]["OperationNetworkId"];
         };
+        /** @description The three kinds of operation. */
+        OperationKind: {
+            /** @enum {string} */
+            operationType: "PRODUCTION";
+            /** @description Product, by the partners' own id. */
+            productId?: string | null;
+        } | {
+            /** @description Characteristic that is measured or judged. */
+            characteristic?: string | null;
+            inspectedOperationId?: components["schemas"]["OperationId"] | null;
+            /** @enum {string} */
+            operationType: "INSPECTION";
+        } | {
+            /** @description Place that the material is brought to. */
+            destination?: string | null;
+            /** @enum {string} */
+            operationType: "TRANSPORTATION";
+            /** @description Place that the material leaves. */
+            origin?: string | null;
+        };
+        /** @description A network of operations, or the part of it that concerns one factory. */
+        OperationNetwork: {
+            /** @description More about it. */
+            description?: string | null;
+            /** @description Name for people, at most 256 characters. */
+            name?: string | null;
+            /** @description The operations, stubs of neighbours included. */
+            operationList: components["schemas"]["Operation"][];
+            /** @description Unique on a platform. */
+            operationNetworkId: components["schemas"]["OperationNetworkId"];
+            /** @description The relations between them. */
+            operationRelationList?: components["schemas"]["OperationRelation"][];
+        };
         /** @description An operation network, unique on a platform. */
         OperationNetworkId: string;
+        /** @description The whole part of a network that concerns the factory. A higher revision replaces a lower one. */
+        OperationNetworkMessage: {
+            /** @description The collaboration it belongs to. */
+            collaborationId: components["schemas"]["CollaborationId"];
+            /** @description The factory it is for. */
+            factoryId: components["schemas"]["FactoryId"];
+            /** @description Unique per message. */
+            messageId: components["schemas"]["MessageId"];
+            operationNetwork: components["schemas"]["OperationNetwork"];
+            /**
+             * Format: int64
+             * @description Counts up with every change.
+             */
+            revision: number;
+        };
+        /** @description "The successor's start or finish depends on the predecessor's." */
+        OperationRelation: {
+            /** @description Bounds on the dependency. */
+            conditionList?: components["schemas"]["RelationCondition"][];
+            /** @description Unique within the network. */
+            operationRelationId: components["schemas"]["OperationRelationId"];
+            /** @description The operation that comes first. */
+            predecessorOperationId: components["schemas"]["OperationId"];
+            /** @description Ends of the two operations that the relation connects. */
+            relationType: components["schemas"]["RelationType"];
+            /** @description The operation that waits. */
+            successorOperationId: components["schemas"]["OperationId"];
+        };
+        /** @description A relation between two operations, unique within its network. */
+        OperationRelationId: string;
         /**
          * @description The state of an operation after the ISA-95 job states (OPC 10031-4).
          * @enum {string}
@@ -5167,7 +3440,7 @@ export interface components {
         OperatorField: {
             description?: string | null;
             /** @description Last entered value, before the disclosure gate. */
-            entered?: unknown;
+            entered?: components["schemas"]["PlainValue"];
             enteredAt?: components["schemas"]["DateTime"] | null;
             /** @description True if the value follows from the buttons; it can be typed all the same. */
             hasButton: boolean;
@@ -5400,6 +3673,11 @@ export interface components {
             /** @description The organisation: a requester or a recipient. */
             partner: components["schemas"]["OrganisationId"];
         };
+        /**
+         * Format: password
+         * @description A password: not printed, not serialised, wiped from memory.
+         */
+        Password: string;
         /** @description Certificate that a server has presented. */
         PeerCertificate: {
             /** @description The length of its RSA key in bits. */
@@ -5417,6 +3695,8 @@ export interface components {
          * @enum {string}
          */
         Piece: "GOOD" | "SCRAP";
+        /** @description A value as plain JSON of any kind: number, text, truth value, list, object, or null where there is none. 64-bit integers are texts. */
+        PlainValue: unknown;
         /** @description Effect of a changed policy on a field. */
         PolicyUse: components["schemas"]["Statement"] & {
             key: components["schemas"]["FieldKey"];
@@ -5495,6 +3775,15 @@ export interface components {
             /** @description JSON pointer (RFC 6901) into the document that was sent. */
             pointer: string;
         };
+        /** @description Commitment to the values of a DataSetMessage. */
+        QueuedView: components["schemas"]["SequenceRange"] & {
+            /** @description The consent of each field, by its number. */
+            consents: {
+                [key: string]: number;
+            };
+            /** @description Root over the salted hashes of its members, hexadecimal. */
+            values: string;
+        };
         /** @description Change per time, by the source's times, as Double. The first value yields nothing. */
         Rate: {
             /** @description Time that the rate refers to. */
@@ -5565,6 +3854,44 @@ export interface components {
             recipient: components["schemas"]["OrganisationId"];
             set?: components["schemas"]["RecipientPolicy"] | null;
         };
+        /** @description A bound: absolute for the first four kinds (`time`), relative for the gaps (`duration`). */
+        RelationCondition: {
+            /** @description Unique within the network. */
+            conditionId: components["schemas"]["ConditionId"];
+            /** @description Kind of bound, which tells whether a time or a duration is needed. */
+            conditionKind: components["schemas"]["ConditionKind"];
+            duration?: components["schemas"]["IsoDuration"] | null;
+            time?: components["schemas"]["DateTime"] | null;
+        };
+        /**
+         * @description Dependency between an end of the predecessor and an end of the successor.
+         * @enum {string}
+         */
+        RelationType: "FINISH_TO_START" | "START_TO_START" | "FINISH_TO_FINISH" | "START_TO_FINISH";
+        /** @description The fields of a report, under its name. */
+        ReportDataFormat: {
+            /** @description The fields, in payload order. */
+            reportFieldList: components["schemas"]["ReportField"][];
+            /** @description The report's name; the first payload member. */
+            reportName: string;
+        };
+        /** @description One value that a partner requests. */
+        ReportField: {
+            /** @description More about the field. */
+            description?: string | null;
+            /** @description The field's name; unique within the report. */
+            name: components["schemas"]["FieldName"];
+            semantic?: components["schemas"]["Semantic"] | null;
+            /** @description Its built-in type: id 1 to 25 or name. */
+            type: components["schemas"]["FieldType"];
+            /** @description The unit: a UNECE common code or one of its aliases (`PIECE`). */
+            unit?: string | null;
+            /**
+             * Format: int32
+             * @description OPC UA ValueRank: -1 scalar, 1 array, n matrix of n dimensions.
+             */
+            valueRank?: number;
+        };
         /** @description One dynamic data request, addressed through its network and operation. */
         RequestKey: {
             /** @description The request itself. */
@@ -5590,7 +3917,8 @@ export interface components {
             key: components["schemas"]["RequestKey"];
             networkName?: string | null;
             openSince?: components["schemas"]["DateTime"] | null;
-            operation: components["schemas"]["OperationSummary"];
+            /** @description Operation that it is about, without requests. */
+            operation: components["schemas"]["Operation"];
             /** @description Purpose in the requester's words. */
             purpose: string;
             /** @description Arrival of this revision of the network. */
@@ -5671,6 +3999,31 @@ export interface components {
             consentVersion: number;
             field: components["schemas"]["FieldKey"];
         };
+        /** @description End of a consent. */
+        RevokedView: {
+            /**
+             * Format: int32
+             * @description The writer of the fields' reports.
+             */
+            dataSetWriterId: number;
+            /**
+             * Format: int32
+             * @description The writer's epoch until then.
+             */
+            epoch: number;
+            /**
+             * Format: int32
+             * @description The last sequence number that the platform confirmed.
+             */
+            lastDeliveredSequence?: number | null;
+            /**
+             * Format: int32
+             * @description The last sequence number that the broker accepted.
+             */
+            lastSentSequence?: number | null;
+            /** @description Id of the receipt that states it. */
+            revocationId: string;
+        };
         /** @description Delivery of a data set until the end of the consent. */
         RevokedWriter: {
             /** Format: int32 */
@@ -5746,24 +4099,28 @@ export interface components {
              * @description Built-in types by name.
              * @default []
              */
-            dataTypes: string[];
+            dataTypes?: string[];
+            /**
+             * @description Pattern of the field's name, in which `*` matches any text; case does not matter.
+             * @default null
+             */
             namePattern?: string | null;
             /**
              * @description Organisations. A rule that accepts or pre-fills matches requests of which the requester and
              *     *every* recipient are listed; a rule that refuses, requests of which any is.
              * @default []
              */
-            partners: components["schemas"]["OrganisationId"][];
+            partners?: components["schemas"]["OrganisationId"][];
             /**
              * @description Semantics as requested.
              * @default []
              */
-            semantics: string[];
+            semantics?: string[];
             /**
              * @description Units as requested.
              * @default []
              */
-            units: string[];
+            units?: string[];
         };
         /** @description A decision of standing rules, with its undoing if there was one. */
         RuleDecision: {
@@ -5881,6 +4238,23 @@ export interface components {
             /** @description Field names and 0-based indexes, as `Axes[2].Position` or `[0]`. */
             path: string;
         };
+        /** @description Meaning of a field: one of the names, or an IRI. */
+        Semantic: ("PRODUCED_QUANTITY" | "GOOD_QUANTITY" | "SCRAP_QUANTITY" | "PERCENT_COMPLETE" | "OPERATION_STATE" | "ACTUAL_START" | "ACTUAL_END" | "EXPECTED_END") | string;
+        /** @description DataSetMessages with the NetworkMessage that contained them. */
+        SentView: components["schemas"]["SequenceRange"] & {
+            messageId?: components["schemas"]["MessageId"] | null;
+        };
+        /** @description Sequence numbers of one writer and epoch. */
+        SequenceRange: {
+            /** Format: int32 */
+            dataSetWriterId: number;
+            /** Format: int32 */
+            epoch: number;
+            /** Format: int32 */
+            firstSequence: number;
+            /** Format: int32 */
+            lastSequence: number;
+        };
         /** @description A range of consecutive sequence numbers. */
         Sequences: {
             /** Format: int32 */
@@ -5968,7 +4342,7 @@ export interface components {
             /** @description The status, by its name where it has one. */
             status: string;
             /** @description The value as plain JSON; 64-bit integers as text; null where there is none. */
-            value: unknown;
+            value: components["schemas"]["PlainValue"];
         };
         /** @description Credentials of a person. */
         SignIn: {
@@ -6060,6 +4434,7 @@ export interface components {
             sourceId: components["schemas"]["SourceId"];
             state: components["schemas"]["SourceState"];
         };
+        /** @description A source with its configuration and status. */
         SourceView: components["schemas"]["SourceConfig"] & components["schemas"]["SourceStatus"];
         /** @description A state as a JSON value. */
         StateValue: boolean | number | string;
@@ -6149,14 +4524,17 @@ export interface components {
         /** @description Status of the connector, with evidence. */
         Status: {
             factoryId: string;
+            /** @description Lease to speak for the factory. */
             lease: components["schemas"]["LeaseStatus"];
-            link: components["schemas"]["LinkStatus"] | null;
+            link?: components["schemas"]["LinkStatus"] | null;
             /** @description Clock of the connector; pages compute ages from it. */
             now: components["schemas"]["DateTime"];
             /** @description Status of each local server. */
             sources: components["schemas"]["SourceStatus"][];
-            spool: components["schemas"]["SpoolStatus"];
+            /** @description Backlog of the spool. */
+            spool: components["schemas"]["Backlog"];
             startedAt: components["schemas"]["DateTime"];
+            /** @description OPC UA server. */
             twin: components["schemas"]["TwinStatus"];
             version: string;
         };
@@ -6326,6 +4704,13 @@ export interface components {
             /** @description Counters, inputs and last candidate. */
             status: components["schemas"]["MappingStatus"];
         };
+        /**
+         * @description The JSON of a mapping with placeholders: any object, since a placeholder may stand in the place
+         *     of a number or of a truth value.
+         */
+        TemplateContent: {
+            [key: string]: components["schemas"]["Value"];
+        };
         /** @description Draft of a template of a field's mapping. */
         TemplateDraft: {
             /** @description Name for people. */
@@ -6360,6 +4745,8 @@ export interface components {
             limit: components["schemas"]["Number"];
             release?: components["schemas"]["Number"] | null;
         };
+        /** @description A partner's tool that asks for data and receives reports. */
+        ToolId: string;
         /** @description Result of a dry run. */
         Trace: {
             /** @description All diagnostics of the mapping; with an error there are no runs. */
@@ -6421,7 +4808,7 @@ export interface components {
             statusName?: string | null;
             type?: components["schemas"]["TypeName"] | null;
             /** @description Value as plain JSON. */
-            value: unknown;
+            value: components["schemas"]["PlainValue"];
         };
         /** @description Approval of a server's certificate. */
         TrustBody: {
@@ -6444,6 +4831,11 @@ export interface components {
          * @enum {string}
          */
         TrustState: "trusted" | "rejected";
+        /** @description OPC UA server of the connector. */
+        TwinStatus: {
+            /** @description Address for clients; none while it does not listen. */
+            endpointUrl?: string | null;
+        };
         /**
          * @description An OPC UA built-in type by its name.
          * @enum {string}
@@ -6463,6 +4855,11 @@ export interface components {
             /** @description Symbol for people: `mm/s`. */
             displayName: string;
         };
+        /**
+         * @description The period of an update frequency.
+         * @enum {string}
+         */
+        UpdateFrequencyUnit: "SECOND" | "MINUTE" | "HOUR" | "DAY" | "WEEK";
         /** @description Role and password of a user. */
         UserBody: {
             /**
@@ -6477,6 +4874,7 @@ export interface components {
             role: components["schemas"]["Role"];
             userName: string;
         };
+        Value: unknown;
         /**
          * @description Source of a mapped field's values.
          * @enum {string}
@@ -6566,6 +4964,26 @@ export interface components {
             /** @description User of the last change. */
             changedBy: string;
         };
+        /** @description A document with its version, author and time. */
+        Versioned_Rule: components["schemas"]["DocumentVersion"] & {
+            action: components["schemas"]["RuleAction"];
+            /** @description The precision, with `ACCEPT` and `PREFILL`. */
+            disclosure?: components["schemas"]["DisclosurePolicy"];
+            /** @description True when it is applied to new requests. */
+            isEnabled?: boolean;
+            /** @description Name for people, 1 to 120 characters. */
+            name: string;
+            policyId?: components["schemas"]["DocumentId"] | null;
+            /** @description Reason for the partner, with `REFUSE`. */
+            reason?: string | null;
+            valueSource?: components["schemas"]["ValueSource"] | null;
+            /** @description Selection of fields. */
+            when: components["schemas"]["RuleCondition"];
+        } & {
+            changedAt: components["schemas"]["DateTime"];
+            /** @description User of the last change. */
+            changedBy: string;
+        };
         /**
          * @description A day of the week.
          * @enum {string}
@@ -6623,49 +5041,6 @@ export interface components {
              * @description Offset of the plant's clock from UTC, in minutes; positive to the east.
              */
             utcOffsetMinutes?: number;
-        };
-        OperationSummary: {
-            operationId: string;
-            operationType: string;
-            name?: string | null;
-            plannedStart?: string | null;
-            plannedEnd?: string | null;
-        };
-        LinkStatus: {
-            state: string;
-            since?: string | null;
-            lastAcceptedAt?: string | null;
-            lastReceiptedAt?: string | null;
-            backlog?: number;
-            reason?: string | null;
-        };
-        LeaseParty: {
-            instanceId: string;
-            host: string;
-            since: string;
-            lastHeardAt: string;
-        };
-        LeaseStatus: {
-            /** @enum {string} */
-            state: "ASKING" | "HELD" | "REFUSED";
-            since: string;
-            host: string;
-            leaseNumber?: number | null;
-            holder?: components["schemas"]["LeaseParty"] | null;
-            contender?: components["schemas"]["LeaseParty"] | null;
-        };
-        SpoolStatus: {
-            waiting: number;
-            sent: number;
-            bytes: number;
-            oldestAt?: string | null;
-        };
-        TwinStatus: {
-            endpointUrl?: string | null;
-        };
-        Versioned_Rule: components["schemas"]["DocumentVersion"] & components["schemas"]["Rule"] & {
-            changedBy: string;
-            changedAt: string;
         };
     };
     responses: {
@@ -6739,4 +5114,2775 @@ export interface components {
     pathItems: never;
 }
 export type $defs = Record<string, never>;
-export type operations = Record<string, never>;
+export interface operations {
+    showApplicationCertificate: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The certificate that the OPC UA server shows its clients. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ApplicationCertificateView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    installApplicationCertificate: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["IssuedCertificateBody"];
+            };
+        };
+        responses: {
+            /** @description The certificate that the OPC UA server shows its clients. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ApplicationCertificateView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    requestApplicationCertificate: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["CertificateRequestBody"];
+            };
+        };
+        responses: {
+            /** @description A request to be given to an authority. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CertificateRequestView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listClientAuthorities: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_ClientAuthorityView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    removeClientAuthority: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                thumbprint: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Removed */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listClientCertificates: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_ClientCertificateView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    addClientCertificate: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["TrustFileBody"];
+            };
+        };
+        responses: {
+            /** @description Added */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    trustClientCertificate: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                thumbprint: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ClientTrustBody"];
+            };
+        };
+        responses: {
+            /** @description A certificate that the OPC UA server has seen or was given. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ClientCertificateView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listClientRevocationLists: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_ClientRevocationListView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    removeClientRevocationList: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                revocationListId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Removed */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    showConfiguration: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_Setting"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listDeadLetters: {
+        parameters: {
+            query?: {
+                /** @description `nextCursor` of the page before. */
+                cursor?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_DeadLetter"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    streamEvents: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description OK */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/event-stream": string;
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    showField: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                fieldName: components["schemas"]["FieldName"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A requested field with its decision and value. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FieldView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    showConsentOffer: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                fieldName: components["schemas"]["FieldName"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Disclosure that the consent for a field begins with. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ConsentOffer"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    decideField: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                fieldName: components["schemas"]["FieldName"];
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["DecisionBody"];
+            };
+        };
+        responses: {
+            /** @description A requested field with its decision and value. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FieldView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    showMappingStatus: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                fieldName: components["schemas"]["FieldName"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Status of a mapping, for its page. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MappingStatus"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    restartMapping: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                fieldName: components["schemas"]["FieldName"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Status of a mapping, for its page. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MappingStatus"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    previewDecision: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                fieldName: components["schemas"]["FieldName"];
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Draft"];
+            };
+        };
+        responses: {
+            /** @description Side by side: machine, mapping, what is disclosed, and the message. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Preview"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    showShadowMapping: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                fieldName: components["schemas"]["FieldName"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A shadow mapping beside the published one. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ShadowView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    startShadowMapping: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                fieldName: components["schemas"]["FieldName"];
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MappingDraft"];
+            };
+        };
+        responses: {
+            /** @description A shadow mapping beside the published one. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ShadowView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    endShadowMapping: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                fieldName: components["schemas"]["FieldName"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Ended */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    publishShadowMapping: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                fieldName: components["schemas"]["FieldName"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A requested field with its decision and value. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FieldView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listSuggestions: {
+        parameters: {
+            query?: {
+                /** @description At most so many, up to 100; 10 without it. */
+                limit?: number;
+            };
+            header?: never;
+            path: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                fieldName: components["schemas"]["FieldName"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Variables that might be meant, best first, and where they were looked for. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Suggestions"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    makeMappingTemplate: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                fieldName: components["schemas"]["FieldName"];
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["TemplateDraft"];
+            };
+        };
+        responses: {
+            /** @description A mapping with gaps. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MappingTemplate"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    dryRunMapping: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                fieldName: components["schemas"]["FieldName"];
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["DryRunBody"];
+            };
+        };
+        responses: {
+            /** @description Result of a dry run. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DryRun"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    enterValue: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                fieldName: components["schemas"]["FieldName"];
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["EnteredValue"];
+            };
+        };
+        responses: {
+            /** @description Outcome of an entered value. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Entered"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    compareMappingVersions: {
+        parameters: {
+            query: {
+                /** @description The earlier version. */
+                from: number;
+                /** @description The later version; the present mapping without it. */
+                to?: number;
+            };
+            header?: never;
+            path: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                fieldName: components["schemas"]["FieldName"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Difference between two versions. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Difference"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listMappingVersions: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                fieldName: components["schemas"]["FieldName"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_VersionView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    rollMappingBack: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+                fieldName: components["schemas"]["FieldName"];
+                version: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A requested field with its decision and value. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FieldView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listInbox: {
+        parameters: {
+            query?: {
+                /**
+                 * @description `nextCursor` of the page before. Requests behind its last one follow, also if others came or
+                 *     went meanwhile.
+                 */
+                cursor?: string;
+                /** @description Requests per page, at most 200. */
+                limit?: number;
+                /** @description Requests with a field in this state: `PENDING`, `MAPPED` or `REFUSED`. */
+                state?: components["schemas"]["MappingState"];
+                /** @description Requests of this requester. */
+                partner?: string;
+                /** @description Requests of this network. */
+                operationNetworkId?: string;
+                /** @description Requests in whose ids, names, purpose, fields or partners all these words occur. */
+                search?: string;
+                /** @description Requests that have been open for longer than the time after which the inbox reminds. */
+                isOverdue?: boolean;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of the inbox, and totals. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["InboxPage"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listLeakBudgets: {
+        parameters: {
+            query?: {
+                /** @description One organisation only. */
+                partner?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_PartnerLeaks"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    summariseLeakBudgets: {
+        parameters: {
+            query?: {
+                /** @description One organisation only. */
+                partner?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_PartnerSummary"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listLedgerEntries: {
+        parameters: {
+            query?: {
+                /** @description Entries of this recipient's chain. */
+                recipient?: components["schemas"]["OrganisationId"];
+                /** @description Entries recorded at this time or later. */
+                from?: components["schemas"]["DateTime"];
+                /** @description Entries recorded before this time. */
+                until?: components["schemas"]["DateTime"];
+                /**
+                 * @description Entries of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or
+                 *     `REVOKED`.
+                 */
+                kind?: "CONSENT" | "QUEUED" | "SENT" | "RECEIPTED" | "COALESCED" | "EXPIRED" | "PURGED" | "REVOKED";
+                /**
+                 * @description Entries about this network: decisions about its fields, reports that carried them, and the
+                 *     delivery of those.
+                 */
+                operationNetworkId?: components["schemas"]["OperationNetworkId"];
+                /** @description Of them, those about this operation. */
+                operationId?: components["schemas"]["OperationId"];
+                /** @description Of them, those about this request. */
+                dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"];
+                /** @description Of them, those about this field. */
+                fieldName?: components["schemas"]["FieldName"];
+                /** @description `nextCursor` of the page before. */
+                after?: string;
+                /** @description Entries on the page, 1 to 500; 100 without it. */
+                limit?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Entries of one chain, newest first. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LedgerView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listCheckpoints: {
+        parameters: {
+            query?: {
+                /** @description `nextCursor` of the page before. */
+                cursor?: string;
+                /** @description Checkpoints per page, at most 200; 20 without it. */
+                limit?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_CheckpointView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    exportLedger: {
+        parameters: {
+            query: {
+                /** @description Entries of this recipient's chain. */
+                recipient?: components["schemas"]["OrganisationId"];
+                /** @description Entries recorded at this time or later. */
+                from?: components["schemas"]["DateTime"];
+                /** @description Entries recorded before this time. */
+                until?: components["schemas"]["DateTime"];
+                /**
+                 * @description Entries of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or
+                 *     `REVOKED`.
+                 */
+                kind?: "CONSENT" | "QUEUED" | "SENT" | "RECEIPTED" | "COALESCED" | "EXPIRED" | "PURGED" | "REVOKED";
+                /**
+                 * @description Entries about this network: decisions about its fields, reports that carried them, and the
+                 *     delivery of those.
+                 */
+                operationNetworkId?: components["schemas"]["OperationNetworkId"];
+                /** @description Of them, those about this operation. */
+                operationId?: components["schemas"]["OperationId"];
+                /** @description Of them, those about this request. */
+                dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"];
+                /** @description Of them, those about this field. */
+                fieldName?: components["schemas"]["FieldName"];
+                /** @description `jsonl`, `csv` or `html`. */
+                format: "jsonl" | "csv" | "html";
+                /** @description Language of a page to print: `en` or `de`. */
+                language?: "en" | "de";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description OK */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/csv": string;
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    searchLedgerFields: {
+        parameters: {
+            query?: {
+                /** @description Fields in whose ids all these words occur. */
+                search?: string;
+                /** @description Most fields, at most 200; 20 without it. */
+                limit?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_LedgerField"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    verifyLedger: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The outcome of a verification. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["VerificationView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listMappingTemplates: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_TemplateView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    putMappingTemplate: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                templateId: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MappingTemplate"];
+            };
+        };
+        responses: {
+            /** @description A mapping with gaps. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MappingTemplate"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    removeMappingTemplate: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                templateId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Removed */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    fillMappingTemplate: {
+        parameters: {
+            query?: {
+                /** @description True to change nothing and return the outcome that there would be. */
+                dryRun?: boolean;
+            };
+            header?: never;
+            path: {
+                templateId: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Series"];
+            };
+        };
+        responses: {
+            /** @description Outcome of an import, or of its dry run. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ImportOutcome"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    exportMappings: {
+        parameters: {
+            query?: {
+                /** @description `file` (the default) or `csv`. */
+                form?: "file" | "csv";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Mappings and templates as one JSON document. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MappingFile"];
+                    "text/csv": string;
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    importMappings: {
+        parameters: {
+            query?: {
+                /** @description True to change nothing and return the outcome that there would be. */
+                dryRun?: boolean;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["MappingFile"];
+                "text/csv": string;
+            };
+        };
+        responses: {
+            /** @description Outcome of an import, or of its dry run. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ImportOutcome"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    surveyMappings: {
+        parameters: {
+            query?: {
+                /** @description Mappings in this condition only. */
+                health?: components["schemas"]["MappingHealth"];
+                /** @description Up to 500; 50 without it, none with 0. */
+                limit?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Health of the published mappings, without shadow mappings. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MappingSurvey"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listOperationNetworks: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_NetworkSummary"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    showOperationNetwork: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A network with its requests. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NetworkView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listComments: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_StoredComment"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    addComment: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewComment"];
+            };
+        };
+        responses: {
+            /** @description Stored and queued */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    showRevisionDifference: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Difference between the revision in force and the one before. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RevisionDifference"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listOperatorEntries: {
+        parameters: {
+            query: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_OperatorEntry"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    deliverOperatorEntries: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Delivery"];
+            };
+        };
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_EntryResult"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listOperatorOperations: {
+        parameters: {
+            query?: {
+                /** @description Begin of the day; that of the present day in UTC without it. */
+                from?: components["schemas"]["DateTime"];
+                /** @description End of the day; 24 hours after its begin without it. */
+                until?: components["schemas"]["DateTime"];
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_OperatorOperation"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listPolicies: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_PolicyView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    putPolicy: {
+        parameters: {
+            query?: never;
+            header?: {
+                "If-Match"?: string | null;
+            };
+            path: {
+                policyId: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NamedPolicy"];
+            };
+        };
+        responses: {
+            /** @description One version of a policy or rule. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DocumentVersion"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    previewPolicy: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                policyId: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NamedPolicy"];
+            };
+        };
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_PolicyUse"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listPolicyVersions: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                policyId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_Versioned_NamedPolicy"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listRecipients: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_RecipientView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    putRecipientPolicy: {
+        parameters: {
+            query?: never;
+            header?: {
+                "If-Match"?: string | null;
+            };
+            path: {
+                recipient: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RecipientBody"];
+            };
+        };
+        responses: {
+            /** @description Version of a recipient's policy. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecipientVersion"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    showRequest: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                operationId: components["schemas"]["OperationId"];
+                dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A request of a partner. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RequestView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listRevocations: {
+        parameters: {
+            query?: {
+                /** @description `nextCursor` of the page before. */
+                cursor?: string;
+                /** @description Receipts per page, at most 50. */
+                limit?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_StoredRevocation"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    revokeConsents: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RevocationBody"];
+            };
+        };
+        responses: {
+            /** @description A receipt with its signature, and the arrivals since of reports that were on their way. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StoredRevocation"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    showRevocation: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                revocationId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A receipt with its signature, and the arrivals since of reports that were on their way. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StoredRevocation"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    printRevocation: {
+        parameters: {
+            query?: {
+                /** @description `en` or `de`. */
+                language?: "en" | "de";
+            };
+            header?: never;
+            path: {
+                revocationId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description OK */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/html": string;
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listRuleDecisions: {
+        parameters: {
+            query?: {
+                /** @description `nextCursor` of the page before. */
+                cursor?: string;
+                /** @description Decisions per page, at most 100. */
+                limit?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_RuleDecision"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    undoRuleDecision: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Undone */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listRules: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_Versioned_Rule"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    applyRules: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Result of applying the rules. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Applied"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    previewRule: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Rule"];
+            };
+        };
+        responses: {
+            /** @description Matches of a draft of a rule. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RulePreview"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    putRule: {
+        parameters: {
+            query?: never;
+            header?: {
+                "If-Match"?: string | null;
+            };
+            path: {
+                ruleId: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Rule"];
+            };
+        };
+        responses: {
+            /** @description One version of a policy or rule. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DocumentVersion"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listRuleVersions: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                ruleId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_Versioned_Rule"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    showSession: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Session of a person. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Session"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    signIn: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SignIn"];
+            };
+        };
+        responses: {
+            /** @description Session of a person. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Session"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    signOut: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Signed out */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listSourceCertificates: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_PeerCertificate"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    trustSourceCertificate: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                thumbprint: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["TrustBody"];
+            };
+        };
+        responses: {
+            /** @description Certificate that a server has presented. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PeerCertificate"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listSources: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_SourceView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    addSource: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SourceConfig"];
+            };
+        };
+        responses: {
+            /**
+             * @description One OPC UA server to read from. The password is accepted but never serialised; who persists a
+             *     source stores [`Password::expose`] apart.
+             */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SourceConfig"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    changeSource: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                sourceId: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SourceConfig"];
+            };
+        };
+        responses: {
+            /**
+             * @description One OPC UA server to read from. The password is accepted but never serialised; who persists a
+             *     source stores [`Password::expose`] apart.
+             */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SourceConfig"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    removeSource: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                sourceId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Removed */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    browseSource: {
+        parameters: {
+            query?: {
+                /** @description Node whose children are listed; the Objects folder without it. */
+                parent?: components["schemas"]["NodeId"];
+                /** @description `nextCursor` of the page before. */
+                cursor?: string;
+                /** @description Children per page, 500 without it, at most 1000. */
+                limit?: number;
+            };
+            header?: never;
+            path: {
+                sourceId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_BrowsedNode"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    searchSource: {
+        parameters: {
+            query: {
+                /** @description Words that all occur in the variable's path, in any order, without regard to case. */
+                text: string;
+                /** @description At most so many, up to 200; 50 without it. */
+                limit?: number;
+            };
+            header?: never;
+            path: {
+                sourceId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Variables that were found. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FoundVariables"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    readSourceValue: {
+        parameters: {
+            query: {
+                /** @description Node id of the variable. */
+                node: components["schemas"]["NodeId"];
+            };
+            header?: never;
+            path: {
+                sourceId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Value in the form that pages show. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ShownValue"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    showSpool: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /**
+             * @description Numbers of rows and bytes in a spool, for the link's state and metrics. Parked rows are not
+             *     counted.
+             */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Backlog"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    showStatus: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Status of the connector, with evidence. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Status"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listUsers: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_UserView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    putUser: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                userName: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["UserBody"];
+            };
+        };
+        responses: {
+            /** @description A person who may sign in. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["UserView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    removeUser: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                userName: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Removed */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+}

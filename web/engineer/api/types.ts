@@ -3,6 +3,7 @@ import type { components, paths } from './generated'
 
 type Schemas = components['schemas']
 
+export type AggregateFunction = Schemas['AggregateFunction']
 export type ApplicationCertificate = Schemas['ApplicationCertificateView']
 export type BrowsedNode = Schemas['BrowsedNode']
 export type Certificate = Schemas['PeerCertificate']
@@ -17,6 +18,9 @@ export type Decision = Schemas['DecisionBody']
 export type Diagnostic = Schemas['MappingDiagnostic']
 export type Disclosure = Schemas['DisclosurePolicy']
 export type DryRun = Schemas['DryRun']
+/** Action of a person at a machine. */
+export type EntryAction = Schemas['Action']
+export type Entry = Schemas['NewEntry']
 export type EntryOutcome = Schemas['EntryResult']
 export type Field = Schemas['FieldView']
 export type FieldKey = Schemas['FieldKey']
@@ -74,4 +78,5 @@ export type TrustFileKind = Schemas['TrustFileKind']
 export type User = Schemas['UserView']
 export type ValueSource = Schemas['ValueSource']
 export type Verification = Schemas['VerificationView']
+export type Weekday = Schemas['Weekday']
 export type WorkingHours = Schemas['WorkingHours']

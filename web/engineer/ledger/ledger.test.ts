@@ -8,19 +8,20 @@ import LedgerPage from './LedgerPage.svelte'
 
 const CHAIN = 25
 const PAGE = 10
-const entry = (sequence: number, more: Partial<LedgerEntry> = {}): LedgerEntry => ({
-  sequence,
-  at: '2026-11-21T06:00:00Z',
-  recipientId: 'acme',
-  kind: 'SENT',
-  hash: 'ab'.repeat(32),
-  precision: {},
-  precisionParts: {},
-  dataSetWriterId: 3,
-  firstSequence: sequence,
-  lastSequence: sequence,
-  ...more,
-})
+const entry = (sequence: number, more: object = {}): LedgerEntry =>
+  ({
+    sequence,
+    at: '2026-11-21T06:00:00Z',
+    recipientId: 'acme',
+    kind: 'SENT',
+    hash: 'ab'.repeat(32),
+    precision: {},
+    precisionParts: {},
+    dataSetWriterId: 3,
+    firstSequence: sequence,
+    lastSequence: sequence,
+    ...more,
+  }) as LedgerEntry
 const verified = (more: Partial<Verification> = {}): Verification => ({
   valid: true,
   chains: 2,

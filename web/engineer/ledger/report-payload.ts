@@ -9,29 +9,28 @@ const HEADER = [
   'shopfloorTimestamp',
 ]
 
-/**
- * The entry with the payload of its report taken apart: the request that it belongs to, and the
- * fields with their values.
- */
-export function entryOf(entry: LedgerEntry): LedgerEntry {
-  const payload = entry.value ?? {}
+/** Ids of the field or request that an entry is about, from the outside in. */
+export function subjectOf(entry: LedgerEntry): string[] {
+  if (entry.kind === 'CONSENT')
+    return [
+      entry.operationNetworkId,
+      entry.operationId,
+      entry.dynamicDataRequestId,
+      entry.fieldName,
+    ]
+  return ['operationNetworkId', 'operationId', 'dynamicDataRequestId']
+    .map((name) => bare(entry.value?.[name]))
+    .filter((id) => typeof id === 'string')
+}
+
+/** Fields of the report of an entry, each with its bare value. */
+export function fieldsOf({ value }: LedgerEntry): [string, unknown][] {
+  const payload = value ?? {}
   const isField = (name: string): boolean =>
     !HEADER.includes(name) && !(name.endsWith('Unit') && name.slice(0, -4) in payload)
-  const said = (name: string): string | null => {
-    const value = bare(payload[name])
-    return typeof value === 'string' ? value : null
-  }
-  const fields = Object.entries(payload).filter(([name]) => isField(name))
-  return {
-    ...entry,
-    operationNetworkId: entry.operationNetworkId ?? said('operationNetworkId'),
-    operationId: entry.operationId ?? said('operationId'),
-    dynamicDataRequestId: entry.dynamicDataRequestId ?? said('dynamicDataRequestId'),
-    value:
-      fields.length === 0
-        ? null
-        : Object.fromEntries(fields.map(([name, value]) => [name, bare(value)])),
-  }
+  return Object.entries(payload)
+    .filter(([name]) => isField(name))
+    .map(([name, encoded]) => [name, bare(encoded)])
 }
 
 /** A variant without its type. */

@@ -3,7 +3,12 @@ import type { LinkStatus, Status } from '../api/types'
 import { texts } from '../language/texts'
 
 /** Status with a link: one that is not configured until the connector is enrolled. */
-export type LinkedStatus = Omit<Status, 'link'> & { link: LinkStatus }
+export type LinkedStatus = Omit<Status, 'link'> & {
+  link: Partial<Omit<LinkStatus, 'state'>> & {
+    state: LinkStatus['state'] | 'notConfigured'
+    backlog: number
+  }
+}
 
 export function withLink({ link, ...others }: Status): LinkedStatus {
   return { ...others, link: link ?? { state: 'notConfigured', backlog: others.spool.waiting } }

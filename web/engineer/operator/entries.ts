@@ -1,19 +1,4 @@
-import type { OperatorOperation } from '../api/types'
-
-/** Action of a person at a machine. */
-export type EntryAction =
-  | { action: 'START' }
-  | { action: 'DONE' }
-  | { action: 'ADD'; quantity: number; piece: 'GOOD' | 'SCRAP' }
-  | { action: 'PROBLEM'; text: string }
-  | { action: 'VALUE'; dynamicDataRequestId: string; fieldName: string; value: unknown }
-
-export type Entry = EntryAction & {
-  entryId: string
-  operationNetworkId: string
-  operationId: string
-  madeAt: string
-}
+import type { Entry, OperatorOperation } from '../api/types'
 
 /**
  * Entry with its author. On a shared tablet each person's entries are sent in that person's name.
@@ -60,10 +45,12 @@ export function expected(operation: OperatorOperation, waiting: readonly Entry[]
         result.state = 'Interrupted'
         result.problem = entry.text
         break
-      case 'ADD':
-        if (entry.piece === 'GOOD') result.good = Math.max(0, result.good + entry.quantity)
-        else result.scrap = Math.max(0, result.scrap + entry.quantity)
+      case 'ADD': {
+        const { piece = 'GOOD', quantity = 1 } = entry
+        if (piece === 'GOOD') result.good = Math.max(0, result.good + quantity)
+        else result.scrap = Math.max(0, result.scrap + quantity)
         break
+      }
       case 'VALUE':
         break
     }

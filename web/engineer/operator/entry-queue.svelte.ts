@@ -2,8 +2,8 @@ import { clock } from '@/format/clock.svelte'
 import { Problem } from '@/transport/problem'
 import { session } from '@/transport/session.svelte'
 import { connector } from '../api/client'
-import type { EntryOutcome } from '../api/types'
-import { moment, type Entry, type StoredEntry, type EntryAction } from './entries'
+import type { Entry, EntryAction, EntryOutcome } from '../api/types'
+import { moment, type StoredEntry } from './entries'
 import type { EntryStorage } from './entry-storage'
 
 const BATCH = 200

@@ -1,8 +1,8 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { Problem } from '@/transport/problem'
 import { session } from '@/transport/session.svelte'
-import type { EntryOutcome, OperatorOperation } from '../api/types'
-import { expected, today, type Entry, type StoredEntry } from './entries'
+import type { Entry, EntryOutcome, OperatorOperation } from '../api/types'
+import { expected, today, type StoredEntry } from './entries'
 import type { EntryStorage } from './entry-storage'
 import { EntryQueue } from './entry-queue.svelte'
 
@@ -36,8 +36,7 @@ class Connector {
   isReachable = true
   taken: Entry[] = []
   send = (_: string, entries: Entry[]): Promise<EntryOutcome[]> => {
-    if (!this.isReachable)
-      return Promise.reject(new Problem({ title: 'unreachable', status: 0, faults: [] }))
+    if (!this.isReachable) return Promise.reject(Problem.unreached())
     const outcomes = entries.map((entry): EntryOutcome => {
       const isKnown = this.taken.some((known) => known.entryId === entry.entryId)
       if (!isKnown) this.taken.push(entry)

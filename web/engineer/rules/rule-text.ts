@@ -4,12 +4,13 @@ import { texts } from '../language/texts'
 
 /** Text of a rule's conditions on one line. */
 export function conditionText({ when }: Pick<Rule, 'when'>): string {
+  const { partners = [], dataTypes = [], semantics = [], units = [], namePattern } = when
   const parts = [
-    when.partners.length > 0 ? when.partners.join(', ') : texts.rules.anyPartner,
-    ...when.dataTypes,
-    ...when.semantics.map((semantic) => words.semantic[semantic] ?? semantic),
-    ...when.units,
-    ...(when.namePattern ? [when.namePattern] : []),
+    partners.length > 0 ? partners.join(', ') : texts.rules.anyPartner,
+    ...dataTypes,
+    ...semantics.map((semantic) => words.semantic[semantic] ?? semantic),
+    ...units,
+    ...(namePattern ? [namePattern] : []),
   ]
   return parts.join(' · ')
 }

@@ -3,7 +3,7 @@ import userEvent from '@testing-library/user-event'
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { toasts } from '@/design/toasts.svelte'
 import { clock } from '@/format/clock.svelte'
-import { session } from '@/transport/session.svelte'
+import { session, type SignedIn } from '@/transport/session.svelte'
 import { serve, type Asked } from '../../vitest.server'
 import type { ApplicationCertificate } from '../api/types'
 import ApplicationCertificatePanel from './ApplicationCertificatePanel.svelte'
@@ -21,7 +21,7 @@ function twin(): Asked[] {
 }
 const changes = (log: Asked[]): unknown[] =>
   log.filter(({ method }) => method !== 'GET').map(({ body }) => body)
-const signIn = (role: string): void => {
+const signIn = (role: SignedIn['role']): void => {
   session.state = { is: 'signedIn', who: { userName: 'eva', role, csrfToken: 't' } }
 }
 

@@ -3,7 +3,7 @@ import userEvent from '@testing-library/user-event'
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { toasts } from '@/design/toasts.svelte'
 import { clock } from '@/format/clock.svelte'
-import { session } from '@/transport/session.svelte'
+import { session, type SignedIn } from '@/transport/session.svelte'
 import { problem, serve, type Asked } from '../../vitest.server'
 import type { ClientAuthority, ClientCertificate, ClientRevocationList } from '../api/types'
 import ClientCertificates from './ClientCertificates.svelte'
@@ -41,7 +41,7 @@ function twin(): Asked[] {
 const changes = (log: Asked[]): unknown[] =>
   log.filter(({ method }) => method !== 'GET').map(({ body }) => body)
 const inDays = (days: number): string => new Date(clock.now + days * 86_400_000).toISOString()
-const signIn = (role: string): void => {
+const signIn = (role: SignedIn['role']): void => {
   session.state = { is: 'signedIn', who: { userName: 'eva', role, csrfToken: 't' } }
 }
 const row = (subject: string): string =>

@@ -121,7 +121,7 @@ describe('the users page', () => {
   it('keeps what was typed when the connector refuses it', async () => {
     connector(
       problem(422, 'The name is taken.', [
-        { pointer: '/userName', message: 'Choose another one.' },
+        { pointer: '/userName', code: 'TAKEN', message: 'Choose another one.' },
       ]),
     )
     render(UsersPage)

@@ -9,52 +9,10 @@ export interface paths {
             cookie?: never;
         };
         /** Lists the collaborations of the viewer's organisation; administrators see all. */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_Collaboration"];
-                    };
-                };
-            };
-        };
+        get: operations["listCollaborations"];
         put?: never;
         /** Adds a collaboration. */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["NewCollaboration"];
-                };
-            };
-            responses: {
-                /** @description A collaboration with its members and factories. */
-                201: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Collaboration"];
-                    };
-                };
-            };
-        };
+        post: operations["addCollaboration"];
         delete?: never;
         options?: never;
         head?: never;
@@ -70,29 +28,7 @@ export interface paths {
         };
         get?: never;
         /** Adds a factory; has no effect if it takes part. */
-        put: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    collaborationId: string;
-                    factoryId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A collaboration with its members and factories. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Collaboration"];
-                    };
-                };
-            };
-        };
+        put: operations["addCollaborationFactory"];
         post?: never;
         delete?: never;
         options?: never;
@@ -109,29 +45,7 @@ export interface paths {
         };
         get?: never;
         /** Adds a member; has no effect if it is one. */
-        put: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    collaborationId: string;
-                    organisationId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A collaboration with its members and factories. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Collaboration"];
-                    };
-                };
-            };
-        };
+        put: operations["addMember"];
         post?: never;
         delete?: never;
         options?: never;
@@ -150,31 +64,7 @@ export interface paths {
          * Lists dead letters, newest first; those of the embedded broker come with the first page. For
          *     administrators.
          */
-        get: {
-            parameters: {
-                query?: {
-                    /** @description `nextCursor` of the page before; absent for the first page. */
-                    cursor?: string;
-                    /** @description Most entries wanted, 1 to 1000. */
-                    limit?: number;
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_DeadLetterView"];
-                    };
-                };
-            };
-        };
+        get: operations["listDeadLetters"];
         put?: never;
         post?: never;
         delete?: never;
@@ -196,28 +86,7 @@ export interface paths {
          * Tries a dead letter again: one of ingest is taken as if it arrived now, one of the broker goes
          *     back to its queue.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    deadLetterId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Result of a replay. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Replayed"];
-                    };
-                };
-            };
-        };
+        post: operations["replayDeadLetter"];
         delete?: never;
         options?: never;
         head?: never;
@@ -234,30 +103,7 @@ export interface paths {
         get?: never;
         put?: never;
         /** Uses a token up. Of a factory's credentials the newest two are alive. */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["Enrol"];
-                };
-            };
-            responses: {
-                /** @description Endpoint and credential of a connector, shown this once. */
-                201: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Enrolment"];
-                    };
-                };
-            };
-        };
+        post: operations["enrol"];
         delete?: never;
         options?: never;
         head?: never;
@@ -275,52 +121,10 @@ export interface paths {
          * Lists the factories of the viewer's organisation and of its collaborations; administrators see
          *     all.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_Factory"];
-                    };
-                };
-            };
-        };
+        get: operations["listFactories"];
         put?: never;
         /** Adds a factory; its queues are made. */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["NewFactory"];
-                };
-            };
-            responses: {
-                /** @description A factory: one connector, with the evidence of its life. */
-                201: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Factory"];
-                    };
-                };
-            };
-        };
+        post: operations["addFactory"];
         delete?: never;
         options?: never;
         head?: never;
@@ -338,28 +142,7 @@ export interface paths {
         put?: never;
         post?: never;
         /** Takes all credentials of the factory's connector away and cuts its connections. */
-        delete: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    factoryId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Result of a revocation. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Revoked"];
-                    };
-                };
-            };
-        };
+        delete: operations["revokeFactoryCredentials"];
         options?: never;
         head?: never;
         patch?: never;
@@ -375,28 +158,7 @@ export interface paths {
         get?: never;
         put?: never;
         /** Makes a single-use token with which the factory's connector enrols. */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    factoryId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A token to enrol with, shown this once. */
-                201: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["TokenView"];
-                    };
-                };
-            };
-        };
+        post: operations["makeEnrolmentToken"];
         delete?: never;
         options?: never;
         head?: never;
@@ -414,28 +176,7 @@ export interface paths {
          * Shows who speaks for a factory and who else asked to: for its own organisation and
          *     administrators.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    factoryId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Lease of a factory with the connectors that were refused. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["LeaseView"];
-                    };
-                };
-            };
-        };
+        get: operations["showLease"];
         put?: never;
         post?: never;
         delete?: never;
@@ -457,32 +198,7 @@ export interface paths {
          * Gives the lease to a connector that was refused, as when the old machine is gone for good. The
          *     former holder is refused from now on.
          */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    factoryId: string;
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["Handover"];
-                };
-            };
-            responses: {
-                /** @description Lease of a factory with the connectors that were refused. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["LeaseView"];
-                    };
-                };
-            };
-        };
+        post: operations["handLeaseOver"];
         delete?: never;
         options?: never;
         head?: never;
@@ -500,28 +216,7 @@ export interface paths {
          * Lists a factory's data set writers with received sequence numbers: for its own organisation and
          *     administrators.
          */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    factoryId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_WriterView"];
-                    };
-                };
-            };
-        };
+        get: operations["listWriters"];
         put?: never;
         post?: never;
         delete?: never;
@@ -541,32 +236,7 @@ export interface paths {
          * Server-sent events: `value`, `decision`, `part`, `progress`, `network`, `factory`, `comment`,
          *     and `reset` where events were missed and the page must load afresh.
          */
-        get: {
-            parameters: {
-                query?: {
-                    /**
-                     * @description As the header `Last-Event-ID`, for the first connection of a page: `lastEventId` of the view
-                     *     it shows.
-                     */
-                    lastEventId?: string;
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description OK */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "text/event-stream": string;
-                    };
-                };
-            };
-        };
+        get: operations["streamLive"];
         put?: never;
         post?: never;
         delete?: never;
@@ -583,31 +253,7 @@ export interface paths {
             cookie?: never;
         };
         /** Lists the networks of the viewer's collaborations, by id. */
-        get: {
-            parameters: {
-                query?: {
-                    /** @description `nextCursor` of the page before; absent for the first page. */
-                    cursor?: string;
-                    /** @description Most entries wanted, 1 to 1000. */
-                    limit?: number;
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_NetworkSummary"];
-                    };
-                };
-            };
-        };
+        get: operations["listOperationNetworks"];
         put?: never;
         post?: never;
         delete?: never;
@@ -624,85 +270,16 @@ export interface paths {
             cookie?: never;
         };
         /** Shows a network with its parts, progress and the fields that concern the viewer. */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A network with its parts, progress and fields. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["NetworkView"];
-                    };
-                };
-            };
-        };
+        get: operations["showOperationNetwork"];
         /**
          * Puts a whole network in place; each factory whose part differs is sent it. `If-Match` with the
          *     revision guards against overwriting another author's change. The same network again changes
          *     nothing.
          */
-        put: {
-            parameters: {
-                query?: never;
-                header?: {
-                    "If-Match"?: string | null;
-                };
-                path: {
-                    operationNetworkId: string;
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["PutBody"];
-                };
-            };
-            responses: {
-                /** @description Result of a change. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Changed"];
-                    };
-                };
-            };
-        };
+        put: operations["putOperationNetwork"];
         post?: never;
         /** Withdraws a network: its nodes and mappings go at every factory. */
-        delete: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Result of a change. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Changed"];
-                    };
-                };
-            };
-        };
+        delete: operations["withdrawOperationNetwork"];
         options?: never;
         head?: never;
         patch?: never;
@@ -716,61 +293,10 @@ export interface paths {
             cookie?: never;
         };
         /** Lists the comments on a network, oldest first. */
-        get: {
-            parameters: {
-                query?: {
-                    /** @description `nextCursor` of the page before; absent for the first page. */
-                    cursor?: string;
-                    /** @description Most entries wanted, 1 to 1000. */
-                    limit?: number;
-                };
-                header?: never;
-                path: {
-                    operationNetworkId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_CommentEntry"];
-                    };
-                };
-            };
-        };
+        get: operations["listComments"];
         put?: never;
         /** Adds a comment; it is sent to the factory. */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: string;
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["AddComment"];
-                };
-            };
-            responses: {
-                /** @description A comment as members of the collaboration see it. */
-                201: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["CommentEntry"];
-                    };
-                };
-            };
-        };
+        post: operations["addComment"];
         delete?: never;
         options?: never;
         head?: never;
@@ -787,34 +313,7 @@ export interface paths {
         get?: never;
         put?: never;
         /** Adds a dynamic data request to an operation: a new revision goes to its factory. */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                };
-                cookie?: never;
-            };
-            /** @description A dynamic data request (wire contract) */
-            requestBody: {
-                content: {
-                    "application/json": unknown;
-                };
-            };
-            responses: {
-                /** @description Result of a change. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Changed"];
-                    };
-                };
-            };
-        };
+        post: operations["addDynamicDataRequest"];
         delete?: never;
         options?: never;
         head?: never;
@@ -835,30 +334,7 @@ export interface paths {
          * Removes a dynamic data request of the own organisation: nodes and mappings go at the factory,
          *     the history stays.
          */
-        delete: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    operationNetworkId: string;
-                    operationId: string;
-                    dynamicDataRequestId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Result of a change. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Changed"];
-                    };
-                };
-            };
-        };
+        delete: operations["removeDynamicDataRequest"];
         options?: never;
         head?: never;
         patch?: never;
@@ -872,52 +348,10 @@ export interface paths {
             cookie?: never;
         };
         /** Lists the organisations that the viewer shares a collaboration with; administrators see all. */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_Organisation"];
-                    };
-                };
-            };
-        };
+        get: operations["listOrganisations"];
         put?: never;
         /** Adds an organisation. */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["NewOrganisation"];
-                };
-            };
-            responses: {
-                /** @description A company, institute or person that takes part. */
-                201: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Organisation"];
-                    };
-                };
-            };
-        };
+        post: operations["addOrganisation"];
         delete?: never;
         options?: never;
         head?: never;
@@ -932,40 +366,7 @@ export interface paths {
             cookie?: never;
         };
         /** Lists the reports whose recipient the viewer is, in the order of their arrival. */
-        get: {
-            parameters: {
-                query?: {
-                    /** @description Only of this network. */
-                    network?: components["schemas"]["OperationNetworkId"];
-                    /** @description Only of this request. */
-                    request?: components["schemas"]["DynamicDataRequestId"];
-                    /** @description Only those that arrived after the report with this number; `nextCursor` of the page before. */
-                    after?: string;
-                    /** @description Most entries wanted, 1 to 1000. */
-                    limit?: number;
-                    /**
-                     * @description The newest entries instead of the oldest; still in the order of their arrival, and without a
-                     *     next page.
-                     */
-                    newest?: boolean;
-                };
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_Report"];
-                    };
-                };
-            };
-        };
+        get: operations["listReports"];
         put?: never;
         post?: never;
         delete?: never;
@@ -982,71 +383,12 @@ export interface paths {
             cookie?: never;
         };
         /** Says who is signed in. */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description The signed-in user and the token of its session. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Session"];
-                    };
-                };
-            };
-        };
+        get: operations["showSession"];
         put?: never;
         /** Signs in; the answer sets the session's cookie. */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["SignIn"];
-                };
-            };
-            responses: {
-                /** @description The signed-in user and the token of its session. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Session"];
-                    };
-                };
-            };
-        };
+        post: operations["signIn"];
         /** Signs out. */
-        delete: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Signed out */
-                204: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content?: never;
-                };
-            };
-        };
+        delete: operations["signOut"];
         options?: never;
         head?: never;
         patch?: never;
@@ -1060,26 +402,7 @@ export interface paths {
             cookie?: never;
         };
         /** Shows the status of the platform. */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Status of the platform, with evidence. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Status"];
-                    };
-                };
-            };
-        };
+        get: operations["showStatus"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1096,52 +419,10 @@ export interface paths {
             cookie?: never;
         };
         /** Lists the tools of the viewer's organisation; administrators see all. */
-        get: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description A page of a list. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Page_Tool"];
-                    };
-                };
-            };
-        };
+        get: operations["listTools"];
         put?: never;
         /** Adds a tool; its queues are made. */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path?: never;
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["NewTool"];
-                };
-            };
-            responses: {
-                /** @description A tool of an organisation; it may do what a planner of that organisation may do. */
-                201: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Tool"];
-                    };
-                };
-            };
-        };
+        post: operations["addTool"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1158,51 +439,9 @@ export interface paths {
         get?: never;
         put?: never;
         /** Makes a credential for a tool; the newest two are alive. */
-        post: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    toolId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Endpoint and credential of a tool, shown this once. */
-                201: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["ToolCredential"];
-                    };
-                };
-            };
-        };
+        post: operations["makeToolCredential"];
         /** Takes all credentials of a tool away and cuts its connections. */
-        delete: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    toolId: string;
-                };
-                cookie?: never;
-            };
-            requestBody?: never;
-            responses: {
-                /** @description Result of a revocation. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["Revoked"];
-                    };
-                };
-            };
-        };
+        delete: operations["revokeToolCredentials"];
         options?: never;
         head?: never;
         patch?: never;
@@ -1217,33 +456,7 @@ export interface paths {
         };
         get?: never;
         /** Adds or replaces a user; the user's sessions end. */
-        put: {
-            parameters: {
-                query?: never;
-                header?: never;
-                path: {
-                    /** @description The name to sign in with */
-                    userName: string;
-                };
-                cookie?: never;
-            };
-            requestBody: {
-                content: {
-                    "application/json": components["schemas"]["PutUser"];
-                };
-            };
-            responses: {
-                /** @description A user. */
-                200: {
-                    headers: {
-                        [name: string]: unknown;
-                    };
-                    content: {
-                        "application/json": components["schemas"]["UserView"];
-                    };
-                };
-            };
-        };
+        put: operations["putUser"];
         post?: never;
         delete?: never;
         options?: never;
@@ -1279,6 +492,41 @@ export interface components {
         };
         /** @description A concrete asset of a factory, as in its status data sets (OPC 10000-100 AssetId). */
         AssetId: string;
+        /**
+         * @description Numbers of rows and bytes in a spool, for the link's state and metrics. Parked rows are not
+         *     counted.
+         */
+        Backlog: {
+            /**
+             * Format: int64
+             * @description Bytes of waiting and sent rows.
+             */
+            bytes: number;
+            /**
+             * Format: date-time
+             * @description Creation time of the oldest waiting or sent row.
+             */
+            oldestAt?: string | null;
+            /**
+             * Format: int64
+             * @description Rows that are sent and wait for the receipt.
+             */
+            sent: number;
+            /**
+             * Format: int64
+             * @description Rows that wait to be sent.
+             */
+            waiting: number;
+        };
+        /** @description In configuration a profile is a name, or a table of templates. */
+        BrokerProfile: string | components["schemas"]["BrokerTemplates"];
+        /** @description Templates of a profile; each contains `{address}`, `{address:percent}` or `{address:path}`. */
+        BrokerTemplates: {
+            capability?: string | null;
+            consume: string;
+            name: string;
+            produce: string;
+        };
         /** @description Result of a change. */
         Changed: {
             /** @description False where nothing differed. */
@@ -1331,6 +579,18 @@ export interface components {
          * @enum {string}
          */
         ConditionKind: "START_NO_EARLIER_THAN" | "START_NO_LATER_THAN" | "FINISH_NO_EARLIER_THAN" | "FINISH_NO_LATER_THAN" | "MINIMUM_GAP" | "MAXIMUM_GAP";
+        /** @description A connected peer. */
+        ConnectionStatus: {
+            /** @description Remote address of the TCP connection. */
+            peer: string;
+            /**
+             * Format: date-time
+             * @description Time of the sign-in.
+             */
+            since: string;
+            /** @description Name of the signed-in user. */
+            userName: string;
+        };
         /**
          * Format: date-time
          * @description An instant in UTC with a resolution of 100 ns. On the wire an RFC 3339 text.
@@ -1436,7 +696,7 @@ export interface components {
             /** @description The connector's own secret. */
             password: string;
             /** @description Names of logical addresses at this broker. */
-            profile: unknown;
+            profile: components["schemas"]["BrokerProfile"];
             /** @description The authority that vouches for the broker; absent where the system's roots do. */
             rootCertificatePem?: string | null;
             /** @description The name to sign in with. */
@@ -1519,7 +779,8 @@ export interface components {
             sourceTimestamp?: components["schemas"]["DateTime"] | null;
             /** @description Its quality, by the standard's name. */
             status?: string | null;
-            value?: unknown;
+            /** @description The newest value; 64-bit integers are texts. */
+            value?: components["schemas"]["PlainValue"];
             /** @description Its OPC UA built-in type, by name. */
             valueType?: string | null;
         };
@@ -1575,6 +836,65 @@ export interface components {
              * @description Counts up whenever the lease passes to another place; 0 while nobody has asked for it.
              */
             leaseNumber: number;
+        };
+        /** @description Phase of a link. */
+        LinkPhase: {
+            /** @enum {string} */
+            state: "connecting";
+        } | {
+            /** @enum {string} */
+            state: "up";
+        } | {
+            /**
+             * @description True when a person must act (credentials, permissions, certificates) before an attempt
+             *     can succeed.
+             */
+            isPermanent: boolean;
+            /**
+             * Format: date-time
+             * @description Time of the next attempt.
+             */
+            retryAt: string;
+            /** @enum {string} */
+            state: "down";
+        } | {
+            /** @enum {string} */
+            state: "stopped";
+        };
+        /** @description State of a link and the evidence for it. */
+        LinkState: {
+            /** @description Waiting and sent rows, as last counted. */
+            backlog: components["schemas"]["Backlog"];
+            /** @description Address of the broker that the phase is about. */
+            broker: string;
+            /**
+             * Format: int64
+             * @description Number of connections established so far.
+             */
+            connects: number;
+            /**
+             * Format: date-time
+             * @description Time at which the broker last accepted a message.
+             */
+            lastAcceptedAt?: string | null;
+            /**
+             * Format: date-time
+             * @description Time at which the last receipt of the platform arrived, as the owner reported.
+             */
+            lastReceiptedAt?: string | null;
+            /**
+             * Format: date-time
+             * @description Time at which the last message was received.
+             */
+            lastReceivedAt?: string | null;
+            phase: components["schemas"]["LinkPhase"];
+            /** @description Cause for which the link is not up, or an obstacle though it is; a sentence for people. */
+            reason?: string | null;
+            /**
+             * Format: date-time
+             * @description Time at which the phase was entered.
+             */
+            since: string;
         };
         /**
          * @description State of a field's decision.
@@ -1900,6 +1220,8 @@ export interface components {
          *     the operating system lets no more than one of them open the store.
          */
         PlaceId: string;
+        /** @description A value as plain JSON of any kind: number, text, truth value, list, object, or null where there is none. 64-bit integers are texts. */
+        PlainValue: unknown;
         /**
          * @description A problem document. `code` is stable and for programs, `detail` is for people; what went wrong
          *     inside is logged and never shown.
@@ -1951,6 +1273,27 @@ export interface components {
             password: string;
             role: components["schemas"]["Role"];
         };
+        /** @description Counters of one queue at the moment of the call. */
+        QueueStatus: {
+            /**
+             * Format: int64
+             * @description Stored bytes of ready and unsettled messages.
+             */
+            bytes: number;
+            /** Format: int64 */
+            consumers: number;
+            queue: string;
+            /**
+             * Format: int64
+             * @description Messages that wait for a consumer.
+             */
+            ready: number;
+            /**
+             * Format: int64
+             * @description Messages delivered and not settled yet.
+             */
+            unsettled: number;
+        };
         /** @description At most so many values within any period of this length. */
         RateStatement: {
             /**
@@ -1990,6 +1333,7 @@ export interface components {
             /** Format: int32 */
             epoch: number;
             factoryId: components["schemas"]["FactoryId"];
+            /** @description The fields by their names. */
             fields: {
                 [key: string]: components["schemas"]["ReportedValue"];
             };
@@ -2036,6 +1380,13 @@ export interface components {
              */
             valueRank?: number;
         };
+        /** @description A value with its quality and source time. */
+        ReportedValue: {
+            sourceTimestamp?: components["schemas"]["DateTime"] | null;
+            /** @description Quality, by the standard's name. */
+            status: string;
+            value: components["schemas"]["PlainValue"];
+        };
         /** @description One dynamic data request, addressed through its network and operation. */
         RequestKey: {
             /** @description The request itself. */
@@ -2078,13 +1429,12 @@ export interface components {
         /** @description Status of the platform, with evidence. */
         Status: {
             /** @description Connections of the embedded broker; for administrators. */
-            connections?: unknown[] | null;
-            /** @description State of the link to the broker. */
-            link?: unknown;
+            connections?: components["schemas"]["ConnectionStatus"][] | null;
+            link?: components["schemas"]["LinkState"] | null;
             /** @description Its own clock, to tell ages by. */
             now: components["schemas"]["DateTime"];
             /** @description The queues of the embedded broker; for administrators. */
-            queues?: unknown[] | null;
+            queues?: components["schemas"]["QueueStatus"][] | null;
             /** @description Time of the start. */
             startedAt: components["schemas"]["DateTime"];
             /** @description The version of the program. */
@@ -2164,11 +1514,6 @@ export interface components {
              */
             throughSequence?: number | null;
         };
-        ReportedValue: {
-            value: unknown;
-            status?: string | null;
-            sourceTimestamp?: string | null;
-        };
     };
     responses: {
         /** @description The request cannot be understood. */
@@ -2241,4 +1586,1009 @@ export interface components {
     pathItems: never;
 }
 export type $defs = Record<string, never>;
-export type operations = Record<string, never>;
+export interface operations {
+    listCollaborations: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_Collaboration"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    addCollaboration: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewCollaboration"];
+            };
+        };
+        responses: {
+            /** @description A collaboration with its members and factories. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Collaboration"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    addCollaborationFactory: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                collaborationId: string;
+                factoryId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A collaboration with its members and factories. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Collaboration"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    addMember: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                collaborationId: string;
+                organisationId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A collaboration with its members and factories. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Collaboration"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    listDeadLetters: {
+        parameters: {
+            query?: {
+                /** @description `nextCursor` of the page before; absent for the first page. */
+                cursor?: string;
+                /** @description Most entries wanted, 1 to 1000. */
+                limit?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_DeadLetterView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    replayDeadLetter: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                deadLetterId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Result of a replay. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Replayed"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    enrol: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Enrol"];
+            };
+        };
+        responses: {
+            /** @description Endpoint and credential of a connector, shown this once. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Enrolment"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    listFactories: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_Factory"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    addFactory: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewFactory"];
+            };
+        };
+        responses: {
+            /** @description A factory: one connector, with the evidence of its life. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Factory"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    revokeFactoryCredentials: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                factoryId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Result of a revocation. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Revoked"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    makeEnrolmentToken: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                factoryId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A token to enrol with, shown this once. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TokenView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    showLease: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                factoryId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Lease of a factory with the connectors that were refused. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LeaseView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    handLeaseOver: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                factoryId: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Handover"];
+            };
+        };
+        responses: {
+            /** @description Lease of a factory with the connectors that were refused. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LeaseView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    listWriters: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                factoryId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_WriterView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    streamLive: {
+        parameters: {
+            query?: {
+                /**
+                 * @description As the header `Last-Event-ID`, for the first connection of a page: `lastEventId` of the view
+                 *     it shows.
+                 */
+                lastEventId?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description OK */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/event-stream": string;
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    listOperationNetworks: {
+        parameters: {
+            query?: {
+                /** @description `nextCursor` of the page before; absent for the first page. */
+                cursor?: string;
+                /** @description Most entries wanted, 1 to 1000. */
+                limit?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_NetworkSummary"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    showOperationNetwork: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A network with its parts, progress and fields. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NetworkView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    putOperationNetwork: {
+        parameters: {
+            query?: never;
+            header?: {
+                "If-Match"?: string | null;
+            };
+            path: {
+                operationNetworkId: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PutBody"];
+            };
+        };
+        responses: {
+            /** @description Result of a change. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Changed"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    withdrawOperationNetwork: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Result of a change. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Changed"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    listComments: {
+        parameters: {
+            query?: {
+                /** @description `nextCursor` of the page before; absent for the first page. */
+                cursor?: string;
+                /** @description Most entries wanted, 1 to 1000. */
+                limit?: number;
+            };
+            header?: never;
+            path: {
+                operationNetworkId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_CommentEntry"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    addComment: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["AddComment"];
+            };
+        };
+        responses: {
+            /** @description A comment as members of the collaboration see it. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CommentEntry"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    addDynamicDataRequest: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: string;
+                operationId: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["DynamicDataRequest"];
+            };
+        };
+        responses: {
+            /** @description Result of a change. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Changed"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    removeDynamicDataRequest: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                operationNetworkId: string;
+                operationId: string;
+                dynamicDataRequestId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Result of a change. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Changed"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    listOrganisations: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_Organisation"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    addOrganisation: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewOrganisation"];
+            };
+        };
+        responses: {
+            /** @description A company, institute or person that takes part. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Organisation"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    listReports: {
+        parameters: {
+            query?: {
+                /** @description Only of this network. */
+                network?: components["schemas"]["OperationNetworkId"];
+                /** @description Only of this request. */
+                request?: components["schemas"]["DynamicDataRequestId"];
+                /** @description Only those that arrived after the report with this number; `nextCursor` of the page before. */
+                after?: string;
+                /** @description Most entries wanted, 1 to 1000. */
+                limit?: number;
+                /**
+                 * @description The newest entries instead of the oldest; still in the order of their arrival, and without a
+                 *     next page.
+                 */
+                newest?: boolean;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_Report"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    showSession: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The signed-in user and the token of its session. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Session"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    signIn: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SignIn"];
+            };
+        };
+        responses: {
+            /** @description The signed-in user and the token of its session. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Session"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+        };
+    };
+    signOut: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Signed out */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    showStatus: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Status of the platform, with evidence. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Status"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    listTools: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_Tool"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    addTool: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewTool"];
+            };
+        };
+        responses: {
+            /** @description A tool of an organisation; it may do what a planner of that organisation may do. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Tool"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    makeToolCredential: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                toolId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Endpoint and credential of a tool, shown this once. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ToolCredential"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    revokeToolCredentials: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                toolId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Result of a revocation. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Revoked"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    putUser: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The name to sign in with */
+                userName: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PutUser"];
+            };
+        };
+        responses: {
+            /** @description A user. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["UserView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+}

@@ -1,4 +1,5 @@
-import { sentence, type StatementPart } from '@/format/statement'
+import type { AggregateFunction, StatementPart } from '@/engineer/api/types'
+import { isDay, sentence } from '@/format/statement'
 import { en } from '@/language/en'
 import { language } from '@/language/language.svelte'
 import type { DisclosureStatement } from '../api/types'
@@ -22,10 +23,11 @@ function partsOf(
   unit: string | null | undefined,
 ): StatementPart[] {
   const parts: StatementPart[] = []
-  if (told.aggregate)
+  const aggregate = told.aggregate && aggregateOf(told.aggregate.function)
+  if (told.aggregate && aggregate)
     parts.push({
       code: 'AGGREGATED',
-      function: aggregateOf(told.aggregate.function),
+      function: aggregate,
       windowMs: told.aggregate.windowMs,
     })
   if (told.roundingStep != null) parts.push({ code: 'ROUNDED', step: told.roundingStep, unit })
@@ -38,12 +40,13 @@ function partsOf(
   if (told.timeStepMs != null) parts.push({ code: 'TIME_STEP', periodMs: told.timeStepMs })
   if (told.delayMs != null) parts.push({ code: 'DELAYED', periodMs: told.delayMs })
   for (const { dayList, from, until } of told.hoursList ?? [])
-    parts.push({ code: 'HOURS', hours: { days: dayList, from, until } })
+    parts.push({ code: 'HOURS', hours: { days: dayList.filter(isDay), from, until } })
   if (told.isWithheldInStates === true) parts.push({ code: 'WITHHELD' })
   return parts.length === 0 ? [{ code: 'UNCHANGED' }] : parts
 }
 
-/** Code of an aggregate with an English name; an unknown name is returned unchanged. */
-function aggregateOf(words: string): string {
-  return Object.entries(en.statement.aggregates).find(([, known]) => known === words)?.[0] ?? words
+/** Code of an aggregate with an English name; `undefined` if the name is unknown. */
+function aggregateOf(words: string): AggregateFunction | undefined {
+  const known = Object.entries(en.statement.aggregates).find(([, name]) => name === words)
+  return known?.[0] as AggregateFunction | undefined
 }

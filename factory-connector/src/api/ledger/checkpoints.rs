@@ -20,6 +20,7 @@ const PAGE: u32 = 20;
 #[into_params(parameter_in = Query)]
 pub struct CheckpointsQuery {
     /// `nextCursor` of the page before.
+    #[param(value_type = Option<String>)]
     cursor: Option<i64>,
     /// Checkpoints per page, at most 200; 20 without it.
     limit: Option<u32>,

@@ -96,14 +96,25 @@ pub struct NewEntry {
 #[serde(rename_all = "camelCase")]
 pub struct EntryResult {
     entry_id: String,
-    /// `TAKEN`, `REPEATED` or `REFUSED`; in each case the page must not deliver it again.
-    result: &'static str,
+    result: Acceptance,
     /// For `REFUSED`: the reason as a code.
     code: Option<&'static str>,
     /// For `REFUSED`: the reason in words, and what to do.
     message: Option<String>,
     /// Fields that got a value from it.
     fields: Vec<FieldResult>,
+}
+
+/// Acceptance of an entry; in each case the page must not deliver it again.
+#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum Acceptance {
+    /// Stored with this delivery.
+    Taken,
+    /// Stored with an earlier delivery.
+    Repeated,
+    /// Not stored, and never will be.
+    Refused,
 }
 
 /// Result of an entry for one field.
@@ -168,7 +179,7 @@ pub async fn deliver_operator_entries(
 fn unreadable(entry_id: String, error: &serde_json::Error) -> EntryResult {
     EntryResult {
         entry_id,
-        result: "REFUSED",
+        result: Acceptance::Refused,
         code: Some("UNREADABLE"),
         message: Some(format!("The entry cannot be read: {error}.")),
         fields: Vec::new(),
@@ -185,14 +196,14 @@ fn corrected(made_at: DateTime, sent_at: Option<DateTime>, now: DateTime) -> Dat
 
 fn result(entry_id: String, outcome: EntryOutcome) -> EntryResult {
     let (result, code, message, fields) = match outcome {
-        EntryOutcome::Taken(fields) => ("TAKEN", None, None, fields),
-        EntryOutcome::Repeated => ("REPEATED", None, None, Vec::new()),
+        EntryOutcome::Taken(fields) => (Acceptance::Taken, None, None, fields),
+        EntryOutcome::Repeated => (Acceptance::Repeated, None, None, Vec::new()),
         EntryOutcome::Refused(fault) => {
             let mut message = format!("{fault}.");
             if let Some(first) = message.get_mut(..1) {
                 first.make_ascii_uppercase();
             }
-            ("REFUSED", Some(fault.code()), Some(message), Vec::new())
+            (Acceptance::Refused, Some(fault.code()), Some(message), Vec::new())
         }
     };
     let fields = fields

@@ -6,6 +6,7 @@ use asi_model::{
     DateTime, FieldKey,
     messages::ValueSource,
     network::{Operation, OperationState, Semantic},
+    openapi::PlainValue,
 };
 use axum::{Json, extract::State};
 use connector_state::{
@@ -85,7 +86,7 @@ pub struct OperatorField {
     /// True if the value follows from the buttons; it can be typed all the same.
     has_button: bool,
     /// Last entered value, before the disclosure gate.
-    #[schema(value_type = Option<Value>)]
+    #[schema(value_type = PlainValue, required = false)]
     entered: Option<serde_json::Value>,
     entered_at: Option<DateTime>,
     /// Newest disclosed value, which the partner has.

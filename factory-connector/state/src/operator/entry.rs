@@ -95,7 +95,7 @@ pub enum Action {
         dynamic_data_request_id: DynamicDataRequestId,
         field_name: FieldName,
         /// As plain JSON; 64-bit integers may be texts.
-        #[schema(value_type = Value)]
+        #[schema(value_type = asi_model::openapi::PlainValue)]
         value: serde_json::Value,
     },
 }

@@ -155,7 +155,7 @@ struct TypedLiteral {
     /// The built-in type.
     r#type: TypeName,
     /// The value; 64-bit integers as text.
-    #[schema(value_type = Value)]
+    #[schema(value_type = asi_model::openapi::PlainValue)]
     value: Json,
 }
 

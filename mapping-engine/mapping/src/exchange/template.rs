@@ -37,9 +37,15 @@ pub struct MappingTemplate {
     /// The parameters, for the form that asks for them.
     pub parameters: Vec<TemplateParameter>,
     /// The JSON of a mapping with placeholders.
-    #[schema(value_type = Object)]
+    #[schema(value_type = TemplateContent)]
     pub mapping: Json,
 }
+
+/// The JSON of a mapping with placeholders: any object, since a placeholder may stand in the place
+/// of a number or of a truth value.
+#[derive(ToSchema)]
+#[allow(dead_code)]
+struct TemplateContent(BTreeMap<String, Json>);
 
 /// A parameter of a template.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]

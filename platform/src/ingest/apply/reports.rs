@@ -22,7 +22,7 @@ use crate::{
     },
     live::{FieldUpdate, LiveEvent},
     store::{CurrentValue, NewReport, StoreError},
-    value_json::{data_value_json, value_json},
+    value_json::value_json,
 };
 
 /// Messages waiting for one tool beyond which reports are no longer forwarded; the tool can still
@@ -209,8 +209,7 @@ fn new_report(
     incoming: &Incoming,
     report: &IncomingReport,
 ) -> NewReport {
-    let fields =
-        report.fields.iter().map(|(name, value)| (name.clone(), data_value_json(value))).collect();
+    let fields = report.fields.iter().map(|(name, value)| (name.clone(), value.into())).collect();
     NewReport {
         factory_id: factory.clone(),
         data_set_writer_id: report.data_set_writer_id,
@@ -222,7 +221,7 @@ fn new_report(
         report_timestamp: report.report_timestamp,
         received_at: incoming.received_at,
         is_replay: incoming.is_replay,
-        fields: serde_json::Value::Object(fields),
+        fields,
     }
 }
 

@@ -56,6 +56,7 @@ export const ledger: typeof English = {
     keyHint:
       'Alle Unterschriften stammen von diesem Schlüssel. Vergleichen Sie ihn mit dem, den Sie notiert haben.',
     kind: {
+      unreadable: 'Beschädigt',
       queued: 'Eingereiht',
       sent: 'Gesendet',
       receipted: 'Quittiert',

@@ -53,6 +53,7 @@ export const ledger = {
     key: 'Public key',
     keyHint: 'All signatures are made with this key. Compare it with the key that you noted.',
     kind: {
+      unreadable: 'Damaged',
       queued: 'Queued',
       sent: 'Sent',
       receipted: 'Receipted',
