@@ -4709,7 +4709,7 @@ export interface components {
          *     of a number or of a truth value.
          */
         TemplateContent: {
-            [key: string]: components["schemas"]["Value"];
+            [key: string]: unknown;
         };
         /** @description Draft of a template of a field's mapping. */
         TemplateDraft: {
@@ -4874,7 +4874,6 @@ export interface components {
             role: components["schemas"]["Role"];
             userName: string;
         };
-        Value: unknown;
         /**
          * @description Source of a mapped field's values.
          * @enum {string}

@@ -45,7 +45,7 @@ pub struct MappingTemplate {
 /// of a number or of a truth value.
 #[derive(ToSchema)]
 #[allow(dead_code)]
-struct TemplateContent(BTreeMap<String, Json>);
+struct TemplateContent(BTreeMap<String, serde_json::Value>);
 
 /// A parameter of a template.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
