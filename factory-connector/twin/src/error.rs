@@ -2,7 +2,7 @@
 
 use std::{net::SocketAddr, path::PathBuf};
 
-use crate::security::fault::TrustFault;
+use crate::trust_fault::TrustFault;
 
 /// Error for which the twin cannot start, continue or accept a certificate.
 #[derive(Debug, thiserror::Error)]

@@ -16,7 +16,8 @@ use crate::{
     events::EventReporter,
     host::NodeHost,
     provider::NodeProvider,
-    security::{application_certificate::ApplicationCertificate, login::user_of, trust::TrustList},
+    security::{application_certificate::ApplicationCertificate, trust::TrustList},
+    session_token::user_of,
 };
 
 /// A cloneable handle of the twin. All methods but [`Self::ready`] return at once; they may be

@@ -13,6 +13,7 @@
 
 mod access;
 mod asi;
+mod certificate_error;
 mod clock;
 mod config;
 mod discovery;
@@ -25,6 +26,8 @@ mod host_names;
 pub mod provider;
 mod security;
 mod server;
+mod session_token;
+mod trust_fault;
 
 pub use access::{Authenticator, FieldDecision, FieldWriter, Role, TwinUser};
 pub use config::{DiscoveryConfig, SecurityConfig, TwinConfig, TwinLimits};
@@ -33,7 +36,6 @@ pub use error::TwinError;
 pub use handle::TwinHandle;
 pub use security::{
     application_certificate::{ApplicationCertificate, InstalledCertificate, RequestedSubject},
-    fault::TrustFault,
     rejected_clients::{Rejection, RejectionReason},
     trust::{
         Authority, CertificateState, ClientCertificate, RevocationKnowledge, RevocationList,
@@ -41,3 +43,4 @@ pub use security::{
     },
 };
 pub use server::Twin;
+pub use trust_fault::TrustFault;

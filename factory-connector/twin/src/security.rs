@@ -4,7 +4,6 @@ pub(crate) mod application_certificate;
 pub(crate) mod certificate;
 pub(crate) mod certificate_files;
 pub(crate) mod connections;
-pub(crate) mod fault;
 pub(crate) mod issuance;
 pub(crate) mod login;
 pub(crate) mod rejected_clients;

@@ -83,4 +83,7 @@ const WALLS: &[Wall] = &[
     wall("platform", "store", "api", "rows know no HTTP"),
     wall("platform", "ingest", "api", "messages know no HTTP"),
     wall("twin", "asi", "security", "nodes know no certificates"),
+    wall("twin", "events", "security", "the audit trail lies below what it reports about"),
+    wall("twin", "error", "security", "errors lie below what fails"),
+    wall("twin", "error", "events", "errors lie below what fails"),
 ];

@@ -12,7 +12,7 @@ use opcua_stack::opcua::{
 };
 
 use super::{EventReporter, ServerEvent};
-use crate::security::{login::user_of, validation::CertificateError};
+use crate::{certificate_error::CertificateError, session_token::user_of};
 
 /// Longest name of a user or session in an event, in bytes: clients may send any text.
 const NAME_BYTES_MAX: usize = 256;

@@ -20,7 +20,7 @@ use opcua_stack::opcua::{
 use super::{NodeHost, attributes, browse, browse::metadata, paths};
 use crate::{
     provider::{CallOutcome, NodeKind, WriteRequest},
-    security::login::user_of,
+    session_token::user_of,
 };
 
 /// The host behind the interface of the stack.

@@ -22,11 +22,12 @@ use super::{
         CERTIFICATE_FILE, KEY_BITS, KEY_FILE, create_if_missing, is_pair, prepare_folders, restrict,
     },
     certificate_files::{files, replace},
-    fault::TrustFault,
     rejected_clients::thumbprint,
     trust::{faults, refuse, time},
 };
-use crate::{config::TwinConfig, error::TwinError, host_names::certified_names};
+use crate::{
+    config::TwinConfig, error::TwinError, host_names::certified_names, trust_fault::TrustFault,
+};
 
 /// The key of the last request, within the folder.
 const REQUESTED_KEY_FILE: &str = "private/requested.pem";

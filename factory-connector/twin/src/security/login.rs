@@ -20,8 +20,9 @@ use parking_lot::Mutex;
 
 use super::throttle::Throttle;
 use crate::{
-    access::{Authenticator, Role, TwinUser},
+    access::Authenticator,
     config::SecurityConfig,
+    session_token::{token_of, user_of},
 };
 
 /// Time limit of a password check.
@@ -30,20 +31,6 @@ const AUTHENTICATION_TIMEOUT: Duration = Duration::from_secs(10);
 const CREDENTIAL_BYTES_MAX: usize = 1024;
 /// The stack's id of the policy for anonymous users.
 const ANONYMOUS_POLICY_ID: &str = "anonymous";
-/// The name of anonymous users, which only the development setting admits.
-const ANONYMOUS: &str = "anonymous";
-
-/// Returns the user of a session's token. A token of another form is a viewer's, the least role.
-pub(crate) fn user_of(token: &UserToken) -> TwinUser {
-    match token.0.split_once(':').and_then(|(role, name)| Some((Role::from_name(role)?, name))) {
-        Some((role, name)) => TwinUser { name: Arc::from(name), role },
-        None => TwinUser { name: Arc::from(ANONYMOUS), role: Role::Viewer },
-    }
-}
-
-fn token_of(name: &str, role: Role) -> UserToken {
-    UserToken(format!("{role}:{name}"))
-}
 
 /// Authenticates users.
 pub(crate) struct Login {
@@ -140,21 +127,5 @@ impl AuthManager for Login {
 
     fn core_permissions(&self, token: &UserToken) -> CoreServerPermissions {
         CoreServerPermissions { read_diagnostics: user_of(token).role.may_write() }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_token_contains_name_and_role() {
-        for (name, role) in [("anna", Role::Engineer), ("b:c", Role::Operator), ("", Role::Viewer)]
-        {
-            let user = user_of(&token_of(name, role));
-            assert_eq!((user.name.as_ref(), user.role), (name, role));
-        }
-        assert_eq!(user_of(&UserToken("ANONYMOUS".to_owned())).role, Role::Viewer);
-        assert_eq!(user_of(&UserToken("root:anna".to_owned())).role, Role::Viewer);
     }
 }

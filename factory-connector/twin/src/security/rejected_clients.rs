@@ -15,6 +15,7 @@ use opcua_stack::opcua::{crypto::X509, server::CertificateBearer};
 use serde::{Deserialize, Serialize};
 
 use super::certificate_files::replace;
+use crate::certificate_error::CertificateError;
 
 /// The folder within that of the trust list. Its name on disk is older than the words used here.
 pub(crate) const FOLDER: &str = "knocks";
@@ -43,6 +44,20 @@ pub enum RejectionReason {
     Revoked,
     /// There is no current revocation list of its issuer.
     RevocationUnknown,
+}
+
+impl From<CertificateError> for RejectionReason {
+    fn from(error: CertificateError) -> Self {
+        match error {
+            CertificateError::Unreadable => Self::Unreadable,
+            CertificateError::Rejected | CertificateError::Unknown => Self::NotTrusted,
+            CertificateError::OutOfTime => Self::OutOfTime,
+            CertificateError::KeyLength => Self::KeyLength,
+            CertificateError::Usage => Self::Usage,
+            CertificateError::Revoked => Self::Revoked,
+            CertificateError::RevocationUnknown => Self::RevocationUnknown,
+        }
+    }
 }
 
 /// A rejected connection attempt.

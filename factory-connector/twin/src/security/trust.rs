@@ -23,10 +23,9 @@ pub use revocation_lists::RevocationList;
 
 use super::{
     certificate_files::replace,
-    fault::TrustFault,
     rejected_clients::{RejectedClients, Rejection, thumbprint},
 };
-use crate::{error::TwinError, events::EventReporter};
+use crate::{error::TwinError, events::EventReporter, trust_fault::TrustFault};
 
 const TRUSTED: &str = "trusted";
 const REJECTED: &str = "rejected";

@@ -25,48 +25,13 @@ use x509_parser::{
 use super::{
     certificate_files::files,
     issuance::{CHAIN_LENGTH_MAX, is_issued_by, is_signed_by},
-    rejected_clients::{RejectedClients, Rejection, RejectionReason, thumbprint},
+    rejected_clients::{RejectedClients, Rejection, thumbprint},
 };
-use crate::{clock, events::EventReporter};
+use crate::{certificate_error::CertificateError, clock, events::EventReporter};
 
 /// Most certificates that wait for an approval. Beyond, the oldest are removed: any client may send
 /// new ones.
 const REJECTED_MAX: usize = 200;
-
-/// Cause for which a certificate is not accepted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub(crate) enum CertificateError {
-    #[error("it cannot be read")]
-    Unreadable,
-    #[error("it was rejected and waits for an approval")]
-    Rejected,
-    #[error("neither it nor its issuer is trusted; it waits for an approval now")]
-    Unknown,
-    #[error("it is not valid at this time")]
-    OutOfTime,
-    #[error("its key is too short or too long for the security policy")]
-    KeyLength,
-    #[error("it may not be used for signing")]
-    Usage,
-    #[error("its issuer revoked it")]
-    Revoked,
-    #[error("there is no current revocation list of its issuer in the `crl` folder")]
-    RevocationUnknown,
-}
-
-impl CertificateError {
-    const fn reason(self) -> RejectionReason {
-        match self {
-            Self::Unreadable => RejectionReason::Unreadable,
-            Self::Rejected | Self::Unknown => RejectionReason::NotTrusted,
-            Self::OutOfTime => RejectionReason::OutOfTime,
-            Self::KeyLength => RejectionReason::KeyLength,
-            Self::Usage => RejectionReason::Usage,
-            Self::Revoked => RejectionReason::Revoked,
-            Self::RevocationUnknown => RejectionReason::RevocationUnknown,
-        }
-    }
-}
 
 /// Validates client certificates by the folders.
 pub(crate) struct Validator {
@@ -170,7 +135,7 @@ impl Validator {
             |folder: &str| files(&self.folder.join(folder), "der").any(|(_, known)| known == der);
         if is_listed("rejected") || is_listed("trusted") {
             self.rejected_clients
-                .record(certificate, &Rejection::new(clock::now(), error.reason(), bearer));
+                .record(certificate, &Rejection::new(clock::now(), error.into(), bearer));
         }
     }
 }

@@ -6,10 +6,12 @@ use x509_parser::{
     certificate::X509Certificate, extensions::GeneralName, prelude::FromDer, time::ASN1Time,
 };
 
-use crate::security::{
-    fault::TrustFault,
-    issuance::{CHAIN_LENGTH_MAX, is_issued_by},
-    trust::faults,
+use crate::{
+    security::{
+        issuance::{CHAIN_LENGTH_MAX, is_issued_by},
+        trust::faults,
+    },
+    trust_fault::TrustFault,
 };
 
 /// Properties that the certificate must have.

@@ -6,7 +6,7 @@ use x509_parser::{
     revocation_list::CertificateRevocationList, time::ASN1Time,
 };
 
-use crate::security::{fault::TrustFault, issuance::is_signed_by};
+use crate::{security::issuance::is_signed_by, trust_fault::TrustFault};
 
 /// Sizes of a client's RSA key in bits that the security policies accept.
 const KEY_BITS: std::ops::RangeInclusive<usize> = 2048..=4096;
