@@ -12,6 +12,7 @@ mod config;
 mod delivery_progress;
 mod handle;
 mod incoming;
+mod log;
 mod maintenance;
 mod outcomes;
 mod outputs;
@@ -23,7 +24,7 @@ use std::{collections::VecDeque, time::Duration};
 use asi_model::{DateTime, messages::ValueSource};
 pub use config::CoordinatorConfig;
 use connector_state::{
-    ConnectorEvent, ConnectorState,
+    ChangeSet, ConnectorEvent, ConnectorState, Snapshot,
     transaction::{self, DeliveryState},
     use_cases::{seal, validity, values},
 };
@@ -102,13 +103,7 @@ impl Coordinator {
     ) -> Result<Self, StoreError> {
         let is_restored = store.identity().is_restored;
         let snapshot = store.load().await?;
-        let (state, pending) = ConnectorState::load(
-            config.state.clone(),
-            snapshot,
-            clock::id_source(),
-            is_restored,
-            now(),
-        )?;
+        let (state, pending) = load(&config, snapshot, &key, is_restored)?;
         let instant = Instant::now();
         Ok(Self {
             work: UnitOfWork { config, store, state, pending, outputs, key },
@@ -132,7 +127,6 @@ impl Coordinator {
     /// # Errors
     /// [`StoreError`] where the store cannot be read back after a failed transaction.
     pub async fn run(mut self, shutdown: CancellationToken) -> Result<(), StoreError> {
-        self.work.pending.merge(seal::sign_all_heads(&self.work.state, &self.work.key));
         self.commit().await?;
         while !shutdown.is_cancelled() {
             let (commands, batches) = self.wait(&shutdown).await;
@@ -315,18 +309,28 @@ impl Coordinator {
         // A full or failing disk does not recover at once; without a pause this would only repeat.
         tokio::time::sleep(PAUSE_AFTER_FAILURE).await;
         let mut snapshot = self.work.store.load().await?;
-        // Keep-alives and deleted messages may be under way: their numbers must not be given again.
-        snapshot.last_row = snapshot.last_row.max(self.work.state.last_row());
-        let config = self.work.config.state.clone();
-        (self.work.state, self.work.pending) = ConnectorState::load(
-            config,
-            snapshot,
-            clock::id_source(),
-            self.are_epochs_due,
-            self::now(),
-        )?;
+        // Keep-alives and deleted messages may be under way, and candidates of removed fields: their
+        // numbers must not be given again.
+        let UnitOfWork { config, state, pending, key, .. } = &mut self.work;
+        snapshot.last_row = snapshot.last_row.max(state.last_row());
+        snapshot.last_field = state.fields().last_id();
+        (*state, *pending) = load(config, snapshot, key, self.are_epochs_due)?;
         Ok(())
     }
+}
+
+/// Loads the state, with everything that is to be shown, run and signed again.
+fn load(
+    config: &CoordinatorConfig,
+    snapshot: Snapshot,
+    key: &LedgerKey,
+    is_restored: bool,
+) -> Result<(ConnectorState, ChangeSet), StoreError> {
+    let config = config.state.clone();
+    let (state, mut changes) =
+        ConnectorState::load(config, snapshot, clock::id_source(), is_restored, now())?;
+    changes.merge(seal::sign_all_heads(&state, key));
+    Ok((state, changes))
 }
 
 #[cfg(test)]

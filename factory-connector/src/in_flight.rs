@@ -79,12 +79,24 @@ impl InFlight {
         true
     }
 
-    /// Returns the contents of a message that the broker accepted.
+    /// Returns the contents of a message that the broker accepted, as often as it is asked until
+    /// [`Self::recorded`]: where the outcome cannot be written, it is recorded again.
+    #[must_use]
     pub fn accepted(&self, row: i64) -> Option<SentMessage> {
-        let mut inner = self.0.lock();
-        let message_id = inner.sent.remove(&row)?;
+        let inner = self.0.lock();
+        let message_id = inner.sent.get(&row)?.clone();
         let reports = Arc::clone(&inner.fetched.get(&message_id)?.reports);
         Some(SentMessage { row, message_id, reports })
+    }
+
+    /// Notes that the outcomes of these messages are committed.
+    pub fn recorded<'m>(&self, messages: impl IntoIterator<Item = &'m SentMessage>) {
+        let mut inner = self.0.lock();
+        for SentMessage { row, message_id, .. } in messages {
+            if inner.sent.get(row) == Some(message_id) {
+                inner.sent.remove(row);
+            }
+        }
     }
 
     /// Notes that a message was not sent after all.
@@ -151,8 +163,10 @@ mod tests {
         in_flight.fetched(id("remaining"), [2].into_iter());
         assert!(in_flight.may_leave(2, &id("remaining")), "what remains leaves in another form");
         let left = in_flight.accepted(2).expect("it was sent");
-        assert_eq!((left.message_id, &*left.reports), (id("remaining"), &[2_i64][..]));
-        assert_eq!(in_flight.accepted(2), None, "once");
+        assert_eq!((&left.message_id, &*left.reports), (&id("remaining"), &[2_i64][..]));
+        assert_eq!(in_flight.accepted(2).as_ref(), Some(&left), "it could not be written");
+        in_flight.recorded([&left]);
+        assert_eq!(in_flight.accepted(2), None, "it is recorded");
         in_flight.undo_recalls();
         assert!(in_flight.may_leave(2, &id("both")), "the transaction failed");
     }

@@ -137,7 +137,9 @@ impl SpoolStore for ConnectorSpool {
                 }
             }
         }
-        Ok(self.coordinator.record_outcomes(outcomes, sent).await?)
+        self.coordinator.record_outcomes(outcomes, sent.clone()).await?;
+        self.in_flight.recorded(&sent);
+        Ok(())
     }
 
     fn may_leave(&self, row: &SpoolRow) -> bool {

@@ -9,7 +9,7 @@ use asi_model::{
 };
 use async_trait::async_trait;
 use connector_state::{
-    ConnectorState,
+    ConnectorState, Field,
     use_cases::decide::{DecisionCommand, DecisionRequest, decide},
 };
 use daemon::{
@@ -31,9 +31,11 @@ pub struct CoordinatorWriter(pub CoordinatorHandle);
 #[async_trait]
 impl FieldWriter for CoordinatorWriter {
     async fn write(&self, field: &FieldKey, value: DataValue, user: &TwinUser) -> StatusCode {
-        tracing::info!(%field, user.name = %user.name, "An OPC UA client wrote a field.");
         match self.0.write_value(field.clone(), ValueSource::External, value).await {
-            Ok(WriteOutcome::Accepted(outcome)) => status_of(outcome),
+            Ok(WriteOutcome::Accepted(outcome)) => {
+                tracing::info!(%field, user.name = %user.name, "An OPC UA client wrote a field.");
+                status_of(outcome)
+            }
             Ok(WriteOutcome::Rejected(status)) => status,
             Err(error) => failure(error),
         }
@@ -66,7 +68,7 @@ fn decision_request(
     decision: FieldDecision,
     decided_by: String,
 ) -> DecisionRequest {
-    let present = state.field(key).map(|field| &field.decision);
+    let present = state.field(key).map(Field::decision);
     let policy = present.map(|present| (*present.policy).clone()).unwrap_or_default();
     let policy_id = present.and_then(|present| present.basis.policy_id.clone());
     let command = match decision.mapping_state {

@@ -30,12 +30,22 @@ impl ShopFloorHandle {
     /// [`ShopFloorError::LimitReached`], [`ShopFloorError::Invalid`] when the address is no
     /// `opc.tcp://` one, [`ShopFloorError::Stopped`].
     pub fn put_source(&self, config: SourceConfig) -> Result<(), ShopFloorError> {
+        self.check_source(&config)?;
+        self.registry.put(config)
+    }
+
+    /// Checks a source that is to be added or changed, so that it is stored only where it is taken.
+    ///
+    /// # Errors
+    /// [`ShopFloorError::LimitReached`], [`ShopFloorError::Invalid`] when the address is no
+    /// `opc.tcp://` one.
+    pub fn check_source(&self, config: &SourceConfig) -> Result<(), ShopFloorError> {
         if !config.endpoint_url.starts_with("opc.tcp://") || config.endpoint_url.len() > 4096 {
             return Err(ShopFloorError::Invalid(
                 "the endpoint address must start with opc.tcp://".into(),
             ));
         }
-        self.registry.put(config)
+        self.registry.check(&config.source_id)
     }
 
     /// Removes a source. Its inputs stay monitored and yield `BadNotConnected` until the source is

@@ -47,6 +47,11 @@ impl SourceRegistry {
         Ok(())
     }
 
+    /// Checks that a source of this id can be added or changed.
+    pub(crate) fn check(&self, id: &SourceId) -> Result<(), ShopFloorError> {
+        self.entries.read().check(id, self.context.config.sources_max)
+    }
+
     /// Removes a source's configuration. Its record stays while inputs are monitored on it.
     pub(crate) fn remove(&self, id: &SourceId) {
         let mut entries = self.entries.write();
@@ -151,14 +156,19 @@ impl SourceRegistry {
 }
 
 impl Entries {
+    fn check(&self, id: &SourceId, limit: usize) -> Result<(), ShopFloorError> {
+        if !self.sources.contains_key(id) && self.sources.len() >= limit {
+            return Err(ShopFloorError::LimitReached { what: "sources", limit });
+        }
+        Ok(())
+    }
+
     fn get_or_add(
         &mut self,
         id: &SourceId,
         limit: usize,
     ) -> Result<Arc<SourceRecord>, ShopFloorError> {
-        if !self.sources.contains_key(id) && self.sources.len() >= limit {
-            return Err(ShopFloorError::LimitReached { what: "sources", limit });
-        }
+        self.check(id, limit)?;
         let source = self.sources.entry(id.clone());
         Ok(Arc::clone(source.or_insert_with(|| Arc::new(SourceRecord::new(id.clone())))))
     }

@@ -132,9 +132,7 @@ impl Gate {
 
     /// Corrects the state after the clock was set back: times in the future become the present.
     pub fn set_clock_back(&mut self, now: DateTime) {
-        let Self { state, .. } =
-            Self::new(Arc::clone(&self.policy), self.field_type, self.state(), now);
-        self.state = state;
+        self.state = Self::new(Arc::clone(&self.policy), self.field_type, self.state(), now).state;
         self.releasable = None;
     }
 
@@ -218,6 +216,21 @@ impl Gate {
         }
         self.on_time(now);
         before != is_withheld
+    }
+
+    /// Returns whether the state of another field withholds this one; `None` where it is unknown.
+    #[must_use]
+    pub fn known_state(&self, other: &FieldName) -> Option<bool> {
+        self.state.withheld_by.get(other).copied()
+    }
+
+    /// Forgets the state of another field at a restart, and releases nothing by it any more.
+    pub fn forget_state(&mut self, now: DateTime, other: &FieldName) {
+        self.close_windows(now);
+        self.state.withheld_by.remove(other);
+        if self.is_withheld() {
+            self.state.aggregation.pause(now);
+        }
     }
 
     /// Returns true while no value is released because of a state; candidates of this time never are.

@@ -73,7 +73,7 @@ pub(super) async fn mapping_of(
     let key = field.clone();
     let known = api
         .coordinator
-        .read(move |state| state.field(&key).map(|field| (field.id, field.definition.clone())))
+        .read(move |state| state.field(&key).map(|field| (field.id(), field.definition().clone())))
         .await?;
     let (id, definition) = known.ok_or_else(|| Problem::not_found("such field"))?;
     let mapping_id =

@@ -186,7 +186,7 @@ impl RequestSummary {
     ) -> Self {
         let (mut pending, mut mapped, mut refused) = (0, 0, 0);
         for (_, field) in state.fields_in(key, request) {
-            match field.decision.mapping_state {
+            match field.decision().mapping_state {
                 MappingState::Pending => pending += 1,
                 MappingState::Mapped => mapped += 1,
                 MappingState::Refused => refused += 1,

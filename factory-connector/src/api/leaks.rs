@@ -162,10 +162,11 @@ pub async fn show_consent_offer(
                 .map_or_else(|| asked.clone(), |ruled| ruled.disclosure.strictest(&asked));
             #[allow(clippy::cast_precision_loss)]
             let values_per_hour = requested_interval_ms.map(|ms| 3_600_000.0 / ms.max(1) as f64);
-            let measured = Some(field.rate.measured(now)).filter(|_| field.decision.is_mapped());
+            let measured =
+                Some(field.rate().measured(now)).filter(|_| field.decision().is_mapped());
             let every_change = measured.and_then(Measured::candidates_per_hour);
             Some(ConsentOffer {
-                statement: Statement::of(&disclosure, field.definition.unit.as_deref()),
+                statement: Statement::of(&disclosure, field.definition().unit.as_deref()),
                 rules: ruled
                     .map(|ruled| {
                         ruled

@@ -88,7 +88,7 @@ async fn mapping_id_of(api: &Api, field: FieldKey) -> Result<MappingId, Problem>
         .coordinator
         .read(move |state| {
             let field = state.field(&field)?;
-            field.decision.is_open_for(ValueSource::Mapping).then(|| field.mapping_id())
+            field.decision().is_open_for(ValueSource::Mapping).then(|| field.mapping_id())
         })
         .await?;
     known.ok_or_else(|| Problem::not_found("mapping at work for this field"))

@@ -52,9 +52,9 @@ pub async fn list_operation_networks(
                 let document = network.message.as_ref().map(|message| &message.operation_network);
                 let fields = || document.into_iter().flat_map(|document| document.fields());
                 let is_pending = |key: &FieldKey| {
-                    state
-                        .field(key)
-                        .is_some_and(|field| field.decision.mapping_state == MappingState::Pending)
+                    state.field(key).is_some_and(|field| {
+                        field.decision().mapping_state == MappingState::Pending
+                    })
                 };
                 NetworkSummary {
                     operation_network_id: id.to_string(),

@@ -44,7 +44,7 @@ fn view(state: &ConnectorState, policy: Versioned<NamedPolicy>) -> PolicyView {
             .fields()
             .iter()
             .filter(|field| {
-                field.decision.is_mapped() && is_policy(field.decision.basis.policy_id.as_ref())
+                field.decision().is_mapped() && is_policy(field.decision().basis.policy_id.as_ref())
             })
             .count(),
         recipients: state
@@ -202,7 +202,7 @@ pub async fn list_recipients(
                 for (key, _, request) in message.operation_network.requests() {
                     let count = state
                         .fields_of(&key)
-                        .filter(|(_, field)| field.decision.is_mapped())
+                        .filter(|(_, field)| field.decision().is_mapped())
                         .count();
                     for recipient in &request.recipient_list {
                         *found.entry(recipient.clone()).or_default() += count;

@@ -147,7 +147,7 @@ pub async fn preview_decision(
     let shown = api
         .coordinator
         .read(move |state| {
-            let field_type = state.field(&field)?.definition.field_type.0;
+            let field_type = state.field(&field)?.definition().field_type.0;
             let mut gate = queries::draft_gate(state, &field, Arc::clone(&policy), now)?;
             let outcome = gate.on(now, candidate.clone());
             let is_withheld = outcome == GateOutcome::Suppressed;
@@ -226,7 +226,7 @@ async fn statement(
     let key = field.clone();
     let unit = api
         .coordinator
-        .read(move |state| state.field(&key).map(|field| field.definition.unit.clone()))
+        .read(move |state| state.field(&key).map(|field| field.definition().unit.clone()))
         .await?;
     let unit = unit.ok_or_else(|| Problem::not_found("such field"))?;
     Ok(Statement::of(policy, unit.as_deref()))
@@ -293,7 +293,7 @@ async fn current(api: &Api, field: &FieldKey) -> Result<Option<DataValue>, Probl
     let field = field.clone();
     Ok(api
         .coordinator
-        .read(move |state| state.field(&field).and_then(|field| field.gate.disclosed().cloned()))
+        .read(move |state| state.field(&field).and_then(|field| field.gate().disclosed().cloned()))
         .await?)
 }
 
@@ -315,7 +315,7 @@ fn message(
         None => {
             frame.fields.push(PayloadField::with(name, shown));
             if let Some(unit) =
-                state.field(field).and_then(|field| field.definition.unit.as_deref())
+                state.field(field).and_then(|field| field.definition().unit.as_deref())
             {
                 frame.fields.push(PayloadField::new(unit_member(field.field_name.as_str()), unit));
             }

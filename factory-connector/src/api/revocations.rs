@@ -122,8 +122,8 @@ fn selected(state: &ConnectorState, body: &RevocationBody) -> Vec<FieldKey> {
     let mut keys: Vec<FieldKey> = state
         .fields()
         .iter()
-        .filter(|field| field.decision.is_mapped() && is_selected(&field.key))
-        .map(|field| field.key.clone())
+        .filter(|field| field.decision().is_mapped() && is_selected(field.key()))
+        .map(|field| field.key().clone())
         .collect();
     keys.sort();
     keys

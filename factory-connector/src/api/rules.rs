@@ -127,7 +127,7 @@ pub async fn preview_rule(
                 .filter_map(|(key, offer)| {
                     let field = state.field(&key)?;
                     Some(RuleMatch {
-                        mapping_state: field.decision.mapping_state,
+                        mapping_state: field.decision().mapping_state,
                         would_decide: field.is_undecided() && offer.decides(),
                         offer: RuleOfferView::new(&offer, field),
                         key,

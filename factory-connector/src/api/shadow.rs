@@ -111,8 +111,8 @@ pub async fn publish_shadow_mapping(
         .coordinator
         .read(move |state| {
             let field = state.field(&key)?;
-            let shadow = field.versions.shadow.as_ref().map(|shadow| shadow.mapping.clone());
-            Some((shadow, field.decision.is_open_for(ValueSource::Mapping)))
+            let shadow = field.versions().shadow.as_ref().map(|shadow| shadow.mapping.clone());
+            Some((shadow, field.decision().is_open_for(ValueSource::Mapping)))
         })
         .await?;
     let (mapping, is_mapped) = known.ok_or_else(|| Problem::not_found("such field"))?;
@@ -148,11 +148,16 @@ async fn view(api: &Api, field: asi_model::FieldKey) -> Result<Json<ShadowView>,
         .read(move |state| {
             let field = state.field(&field)?;
             let published = field
-                .decision
+                .decision()
                 .mapping
                 .clone()
-                .filter(|_| field.decision.is_open_for(ValueSource::Mapping));
-            Some((field.versions.shadow.clone(), published, field.shadow_id(), field.mapping_id()))
+                .filter(|_| field.decision().is_open_for(ValueSource::Mapping));
+            Some((
+                field.versions().shadow.clone(),
+                published,
+                field.shadow_id(),
+                field.mapping_id(),
+            ))
         })
         .await?;
     let (shadow, published, shadow_id, mapping_id) =

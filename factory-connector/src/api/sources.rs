@@ -111,9 +111,10 @@ async fn put(api: &Api, source: SourceConfig) -> Result<(), Problem> {
     };
     let config = serde_json::to_string(&source).map_err(|error| Problem::internal(&error))?;
     let row = SourceRow { source_id: source.source_id.to_string(), config, password };
-    api.shop_floor.put_source(source).map_err(shop_floor)?;
+    api.shop_floor.check_source(&source).map_err(shop_floor)?;
     api.coordinator.execute(|_, _| configuration::put_source(row)).await?;
-    Ok(())
+    // Connected once it is stored: what the next start does not know has never been in use.
+    api.shop_floor.put_source(source).map_err(shop_floor)
 }
 
 /// Removes a source; mappings that use it keep their last value with a status that says so.

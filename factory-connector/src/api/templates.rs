@@ -135,7 +135,7 @@ pub async fn make_mapping_template(
     let field = path.into_key();
     let mapping = api
         .coordinator
-        .read(move |state| state.field(&field).map(|field| field.decision.mapping.clone()))
+        .read(move |state| state.field(&field).map(|field| field.decision().mapping.clone()))
         .await?;
     let mapping = mapping.ok_or_else(|| Problem::not_found("such field"))?;
     let mapping =

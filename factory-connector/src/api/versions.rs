@@ -154,7 +154,9 @@ async fn versions(
     let known = api
         .coordinator
         .read(move |state| {
-            state.field(&field).map(|field| (field.id, field.decision.mapping.as_deref().cloned()))
+            state
+                .field(&field)
+                .map(|field| (field.id(), field.decision().mapping.as_deref().cloned()))
         })
         .await?;
     let (id, current) = known.ok_or_else(|| Problem::not_found("such field"))?;

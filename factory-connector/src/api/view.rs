@@ -93,10 +93,10 @@ pub struct FieldView {
 impl FieldView {
     /// Returns the view of a field at present.
     pub fn new(state: &ConnectorState, key: FieldKey, field: &Field) -> Self {
-        let (definition, decision) = (&field.definition, &field.decision);
+        let (definition, decision) = (field.definition(), field.decision());
         let statement = decision
             .is_mapped()
-            .then(|| Statement::of(field.gate.policy(), definition.unit.as_deref()));
+            .then(|| Statement::of(field.gate().policy(), definition.unit.as_deref()));
         Self {
             name: definition.name.to_string(),
             field_type: definition.field_type.0.name().to_owned(),
@@ -107,22 +107,22 @@ impl FieldView {
             mapping_state: decision.mapping_state,
             value_source: decision.value_source,
             disclosure: (*decision.policy).clone(),
-            effective_disclosure: (**field.gate.policy()).clone(),
+            effective_disclosure: (**field.gate().policy()).clone(),
             basis: decision.basis.clone(),
             offer: (decision.mapping_state == asi_model::messages::MappingState::Pending)
                 .then(|| queries::rule_offer(state, &key))
                 .flatten()
                 .map(|offer| RuleOfferView::new(&offer, field)),
-            is_withheld: decision.is_mapped() && field.gate.is_withheld(),
+            is_withheld: decision.is_mapped() && field.gate().is_withheld(),
             disclosure_statement: statement.as_ref().map(|told| told.statement.clone()),
             disclosure_parts: statement.map(|told| told.statement_parts).unwrap_or_default(),
             decision_reason: decision.reason.clone(),
             decided_by: decision.decided_by.clone(),
             decision_time: decision.decided_at,
-            value: field.gate.disclosed().map(ShownValue::from),
+            value: field.gate().disclosed().map(ShownValue::from),
             mapping: decision.mapping.as_deref().cloned(),
-            mapping_version: (field.versions.newest > 0).then_some(field.versions.newest),
-            has_shadow: field.versions.shadow.is_some(),
+            mapping_version: (field.versions().newest > 0).then_some(field.versions().newest),
+            has_shadow: field.versions().shadow.is_some(),
             key,
         }
     }
@@ -168,7 +168,7 @@ impl RuleOfferView {
                 .map(|(key, name)| RuleReference { key: key.clone(), name: name.clone() })
                 .collect(),
             disclosure: (*offer.disclosure).clone(),
-            statement: Statement::of(&offer.disclosure, field.definition.unit.as_deref()),
+            statement: Statement::of(&offer.disclosure, field.definition().unit.as_deref()),
             value_source: offer.value_source,
             mapping: offer.mapping.clone(),
             reason: offer.reason.clone(),

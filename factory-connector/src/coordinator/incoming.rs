@@ -90,8 +90,6 @@ fn reject(
     received: ReceivedMessage<'_>,
     now: DateTime,
 ) {
-    metrics::counter!("verbund_messages_rejected_total").increment(1);
-    tracing::warn!(message.id = %received.transport_id, faults = rejection.faults.len(), "A message was rejected and answered.");
     let changes = receive::reject(&mut work.state, rejection, received, now);
     work.pending.merge(changes);
 }

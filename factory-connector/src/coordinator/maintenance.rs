@@ -141,11 +141,6 @@ async fn limit_spool(work: &mut UnitOfWork, now: DateTime) -> Result<(), StoreEr
     if let Some(excess) = excess.filter(|excess| *excess > 0) {
         let newest: HashSet<RowId> = work.store.read().reports().newest_of_writers().await?;
         let removal = coalesce(&rows, &newest, excess);
-        metrics::counter!("verbund_reports_coalesced_total").increment(removal.rows.len() as u64);
-        tracing::warn!(
-            reports = removal.rows.len(),
-            "The spool is full; older reports were dropped for newer ones."
-        );
         drop_chosen(work, &chosen(&waiting, &removal.rows), GapCause::Coalesced, now);
     }
     resend_overdue(work, &waiting, &rows, now);

@@ -1,5 +1,5 @@
-//! Effects of a committed transaction, published to twin, mapping engine, link and open pages, in
-//! this order.
+//! Effects of a committed transaction, published to log, twin, mapping engine, link and open pages,
+//! in this order.
 
 use std::{
     sync::Arc,
@@ -10,7 +10,7 @@ use asi_model::{DataValue, OperationNetworkId, StatusCode};
 use connector_state::{ConnectorState, Effects, Field, TwinUpdate};
 use twin::{AsiDocument, FieldRecord};
 
-use super::outputs::Outputs;
+use super::{log, outputs::Outputs};
 use crate::clock::now;
 
 /// Time for which the twin is brought up to date before other tasks get a turn.
@@ -23,6 +23,7 @@ pub(super) async fn publish_effects(
     mut effects: Effects,
 ) {
     count(&effects);
+    effects.log.iter().for_each(log::write);
     let mut turn = Instant::now();
     for update in effects.twin.drain(..) {
         update_twin(outputs, state, update);
@@ -102,11 +103,11 @@ fn document(state: &ConnectorState, id: &OperationNetworkId) -> Option<AsiDocume
 
 /// Returns a field as the twin shows it.
 fn field_record(field: &Field) -> FieldRecord {
-    let decision = &field.decision;
+    let decision = field.decision();
     FieldRecord {
         mapping_state: decision.mapping_state,
         value_source: decision.value_source,
-        value: field.gate.disclosed().cloned().unwrap_or_else(|| {
+        value: field.gate().disclosed().cloned().unwrap_or_else(|| {
             // No value is disclosed yet: the node shows what the partner has, which is nothing.
             DataValue::status_only(StatusCode::BAD_WAITING_FOR_INITIAL_DATA, decision.decided_at)
         }),

@@ -3,6 +3,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "tests run by the machine's clock")]
 
+mod answers;
 mod crash;
 mod failures;
 mod lease;
@@ -100,6 +101,14 @@ impl Running {
     }
 
     async fn open_in(folder: PathBuf, kept: Option<TempDir>) -> Self {
+        Self::open_with(folder, kept, Duration::from_millis(1)).await
+    }
+
+    async fn open_with(
+        folder: PathBuf,
+        kept: Option<TempDir>,
+        publishing_interval: Duration,
+    ) -> Self {
         let factory_id: asi_model::FactoryId = "F".parse().expect("an id");
         let store = Store::open(&folder, &factory_id, now()).await.expect("a store");
         let readers = store.readers();
@@ -129,7 +138,7 @@ impl Running {
         );
         let config = CoordinatorConfig {
             state: StateConfig { factory_id, encoding: Encoding::Digicor },
-            publishing_interval: Duration::from_millis(1),
+            publishing_interval,
             spool: SpoolLimits::default(),
             retention: RetentionLimits::default(),
         };

@@ -11,6 +11,7 @@ pub(super) async fn load(session: &mut StoreSession) -> Result<Snapshot, StoreEr
         heads: session.ledger().heads().await?,
         last_checkpoint: session.checkpoints().last().await?,
         last_row: session.spool().last_id().await?,
+        last_field: 0,
         operator_entries: session.operator_entries().all().await?,
         mappings: StoredMappings {
             newest_versions: session.mapping_versions().newest().await?,

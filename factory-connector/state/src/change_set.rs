@@ -38,7 +38,10 @@ impl ChangeSet {
     /// Returns true where something is to be committed without waiting for the publishing interval.
     #[must_use]
     pub fn is_urgent(&self) -> bool {
-        !self.purges.is_empty() || !self.to_refresh.is_empty() || !self.writes.is_empty()
+        !self.purges.is_empty()
+            || !self.to_refresh.is_empty()
+            || !self.writes.is_empty()
+            || !self.effects.is_empty()
     }
 
     /// Adds the changes of a later use case of the same transaction.
@@ -71,27 +74,27 @@ impl ChangeSet {
 
     /// Puts a field's decision among the rows to store, and its state among the events.
     pub(crate) fn put_field(&mut self, field: &Field) {
-        self.writes.fields.decided.insert(field.id, field.row());
+        self.writes.fields.decided.insert(field.id(), field.row());
         self.put_event(field);
     }
 
     /// Puts a field's state among the events for open pages.
     pub(crate) fn put_event(&mut self, field: &Field) {
         self.effects.fields.insert(
-            field.id,
+            field.id(),
             FieldEvent {
-                key: field.key.clone(),
-                mapping_state: field.decision.mapping_state,
-                consent_version: field.decision.version,
-                is_withheld: field.decision.is_mapped() && field.gate.is_withheld(),
-                value: field.gate.disclosed().cloned(),
+                key: field.key().clone(),
+                mapping_state: field.decision().mapping_state,
+                consent_version: field.decision().version,
+                is_withheld: field.decision().is_mapped() && field.gate().is_withheld(),
+                value: field.gate().disclosed().cloned(),
             },
         );
     }
 
     /// Counts a decision and shows it in the twin.
     pub(crate) fn count_decision(&mut self, field: &Field) {
-        self.effects.twin.push(TwinUpdate::Decision(field.key.clone()));
+        self.effects.twin.push(TwinUpdate::Decision(field.key().clone()));
         self.effects.decisions.count += 1;
     }
 }

@@ -1,7 +1,5 @@
 //! Consents: each decision is stored, entered in the ledger and sent to the partner.
 
-use std::sync::Arc;
-
 use asi_model::{
     DateTime, FieldKey,
     messages::{Decision, DecisionTarget, FactoryMessage, GapCause, ValueSource},
@@ -28,11 +26,11 @@ pub(crate) fn record(
     now: DateTime,
 ) {
     let Some(field) = state.fields.get(key) else { return };
-    let decision = &field.decision;
+    let decision = field.decision();
     let (_, policies) =
         effective_policy(state, field, &decision.policy, decision.basis.policy_id.as_ref());
     let basis = DecisionBasis { policies, ..decision.basis.clone() };
-    let policy = field.gate.policy();
+    let policy = field.gate().policy();
     changes.writes.fields.consents.push(ConsentRow {
         field: key.to_string(),
         version: decision.version,
@@ -74,7 +72,6 @@ pub(crate) fn record(
     state.ledger.append(&mut changes.writes.ledger, recipients, now, None, &event);
     if let Some(mut field) = state.fields.get_mut(key) {
         field.mark_dirty();
-        field.note_deadlines();
     }
 }
 
@@ -93,8 +90,8 @@ pub(crate) fn end(
     // A writer that ends twice is stated as it was at the first end.
     let known = changes.ended.iter().find_map(|ended| ended.writers.get(&id)).cloned();
     let ended = known.unwrap_or_else(|| EndedWriter {
-        epoch: writer.epoch,
-        next_sequence: writer.next_sequence,
+        epoch: writer.epoch(),
+        next_sequence: writer.next_sequence(),
         request: key.request.clone(),
         recipients: state.networks.recipients(&key.request).to_vec(),
     });
@@ -117,7 +114,7 @@ pub(crate) fn reopen(
 ) {
     let Some(field) = state.fields.get(key) else { return };
     let (was_mapped, writer, version) =
-        (field.decision.is_mapped(), field.writer, field.decision.version);
+        (field.decision().is_mapped(), field.writer(), field.decision().version);
     if was_mapped {
         let ending = Ending {
             cause: GapCause::Revoked,
@@ -140,12 +137,11 @@ pub(crate) fn close(
     now: DateTime,
 ) {
     let Some(mut field) = state.fields.get_mut(key) else { return };
-    if field.decision.is_open_for(ValueSource::Mapping) {
+    if field.decision().is_open_for(ValueSource::Mapping) {
         changes.effects.engine.push(EngineCommand::Remove(field.mapping_id()));
     }
-    field.gate.close();
-    field.newest = None;
-    field.decision.reopen(reason, now);
+    field.close();
+    field.change_decision(|decision| decision.reopen(reason, now));
     dependencies::notify(state, key, now);
     record(state, changes, key, now);
 }
@@ -158,16 +154,11 @@ pub(crate) fn record_version(
     (author, note): (Option<String>, Option<String>),
     now: DateTime,
 ) {
-    let Some(mut field) = state.fields.get_mut(key).filter(|field| !field.versions.is_recorded)
-    else {
-        return;
-    };
-    let Some(mapping) = field.decision.mapping.as_ref().map(Arc::clone) else { return };
-    field.versions.newest += 1;
-    field.versions.is_recorded = true;
+    let Some(mut field) = state.fields.get_mut(key) else { return };
+    let Some((version, mapping)) = field.next_version() else { return };
     changes.writes.mappings.versions.push(crate::writes::VersionRow {
-        field_id: field.id,
-        version: field.versions.newest,
+        field_id: field.id(),
+        version,
         mapping: crate::fields::mapping_json(&mapping),
         author,
         note,

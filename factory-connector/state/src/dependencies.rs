@@ -5,24 +5,25 @@ use std::sync::Arc;
 use asi_model::{DateTime, FieldKey, FieldName, messages::ValueSource};
 
 use crate::{
-    ConnectorState, fields::is_withheld_by, gates::through_gate, queries::fields_named_by,
+    ConnectorState, Field, fields::is_withheld_by, gates::through_gate, queries::fields_named_by,
 };
 
 /// Restores the dependencies at the start. States that machines sent are unknown now; states that
 /// people and OPC UA clients wrote still hold, since only this connector accepts them.
 pub(crate) fn restore(state: &mut ConnectorState, now: DateTime) {
-    let depends = |field: &&crate::Field| fields_named_by(field.gate.policy()).next().is_some();
-    let keys: Vec<FieldKey> =
-        state.fields.iter().filter(depends).map(|field| field.key.clone()).collect();
-    for key in keys {
+    let depends = |field: &&Field| fields_named_by(field.gate().policy()).next().is_some();
+    let fields = state.fields.iter().filter(depends);
+    let fields: Vec<(i64, FieldKey)> =
+        fields.map(|field| (field.id(), field.key().clone())).collect();
+    for (id, key) in fields {
         for other in set(state, &key) {
             let is_from_machine =
-                state.fields.get(&key.request.field(other.clone())).is_none_or(|field| {
-                    !field.decision.is_mapped() || field.decision.is_open_for(ValueSource::Mapping)
+                state.fields.get(&key.request.field(other.clone())).is_none_or(|watched| {
+                    let decision = watched.decision();
+                    !decision.is_mapped() || decision.is_open_for(ValueSource::Mapping)
                 });
-            if let Some(mut field) = state.fields.get_mut(&key).filter(|_| is_from_machine) {
-                field.gate.on_state(now, &other, None);
-                field.note_deadlines();
+            if is_from_machine {
+                through_gate(state, id, now, |gate| gate.forget_state(now, &other));
             }
         }
     }
@@ -32,21 +33,16 @@ pub(crate) fn restore(state: &mut ConnectorState, now: DateTime) {
 pub(crate) fn update(state: &mut ConnectorState, key: &FieldKey, now: DateTime) {
     for other in set(state, key) {
         let Some(field) = state.fields.get(key) else { return };
-        let policy = Arc::clone(field.gate.policy());
+        let (id, policy) = (field.id(), Arc::clone(field.gate().policy()));
         let watched = state.fields.get(&key.request.field(other.clone()));
         let is_withheld = watched.and_then(|field| is_withheld_by(field, &other, &policy));
-        if let Some(mut field) = state.fields.get_mut(key) {
-            field.gate.on_state(now, &other, is_withheld);
-        }
-    }
-    if let Some(mut field) = state.fields.get_mut(key) {
-        field.mark_dirty();
+        through_gate(state, id, now, |gate| gate.on_state(now, &other, is_withheld));
     }
 }
 
 fn set(state: &mut ConnectorState, key: &FieldKey) -> Vec<FieldName> {
     let Some(field) = state.fields.get(key) else { return Vec::new() };
-    let mut others: Vec<FieldName> = fields_named_by(field.gate.policy()).cloned().collect();
+    let mut others: Vec<FieldName> = fields_named_by(field.gate().policy()).cloned().collect();
     others.sort();
     others.dedup();
     state.fields.depend_on(key, others.iter().cloned());
@@ -55,18 +51,16 @@ fn set(state: &mut ConnectorState, key: &FieldKey) -> Vec<FieldName> {
 
 /// Lets the gates that look at a field know its state: it has another value, or none any more.
 pub(crate) fn notify(state: &mut ConnectorState, key: &FieldKey, now: DateTime) {
+    let other = &key.field_name;
     for dependent in state.fields.dependents_of(key) {
-        let Some(policy) =
-            state.fields.get(&dependent).map(|field| Arc::clone(field.gate.policy()))
-        else {
-            continue;
-        };
-        let is_withheld =
-            state.fields.get(key).and_then(|field| is_withheld_by(field, &key.field_name, &policy));
-        let Some(mut field) = state.fields.get_mut(&dependent) else { continue };
-        if field.gate.on_state(now, &key.field_name, is_withheld) {
-            let id = field.id;
-            through_gate(state, id, now, |_| ());
+        let Some(field) = state.fields.get(&dependent) else { continue };
+        let policy = field.gate().policy();
+        let watched = state.fields.get(key);
+        let is_withheld = watched.and_then(|watched| is_withheld_by(watched, other, policy));
+        // Most values of a watched field change nothing for the gates that look at it.
+        if field.gate().known_state(other) != is_withheld {
+            let id = field.id();
+            through_gate(state, id, now, |gate| gate.on_state(now, other, is_withheld));
         }
     }
 }

@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use asi_model::{DataValue, FieldKey, OperationNetworkId, messages::MappingState};
 use mapping::{MappingId, PublishRequest};
 
-use crate::operator::OperationKey;
+use crate::{log_record::LogRecord, operator::OperationKey};
 
-/// Effects on the twin, the mapping engine, the link and open pages, published in this order.
-#[derive(Debug, Default)]
+/// Effects on the log, the twin, the mapping engine, the link and open pages, published in this
+/// order.
+#[derive(Debug, Default, PartialEq)]
 pub struct Effects {
     /// Changes of the twin's nodes.
     pub twin: Vec<TwinUpdate>,
@@ -26,12 +27,29 @@ pub struct Effects {
     pub decisions: DecisionCounts,
     /// Number of reports to send again.
     pub resent_report_count: u64,
+    /// Records for the log, in order.
+    pub log: Vec<LogRecord>,
 }
 
 impl Effects {
+    /// Returns true where nothing is to be published.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
     pub(crate) fn merge(&mut self, later: Self) {
-        let Self { twin, values, engine, link, fields, events, decisions, resent_report_count } =
-            later;
+        let Self {
+            twin,
+            values,
+            engine,
+            link,
+            fields,
+            events,
+            decisions,
+            resent_report_count,
+            log,
+        } = later;
         self.twin.extend(twin);
         self.values.extend(values);
         self.engine.extend(engine);
@@ -43,6 +61,7 @@ impl Effects {
         self.decisions.count += decisions.count;
         self.decisions.rule_count += decisions.rule_count;
         self.resent_report_count += resent_report_count;
+        self.log.extend(log);
     }
 
     /// Takes the events for open pages.
@@ -91,7 +110,7 @@ pub enum TwinUpdate {
 }
 
 /// A command for the mapping engine.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum EngineCommand {
     /// Publish a new or changed mapping, or a shadow mapping.
     Put(PublishRequest),

@@ -4,34 +4,41 @@
 mod deadlines;
 mod dependents;
 mod disclosure_rate;
+mod entry;
 mod field;
+mod field_mut;
+mod index;
 mod interner;
 mod mapping_versions;
+mod policy_index;
 mod validity;
 
 use std::{
     collections::HashMap,
     hash::{BuildHasher as _, RandomState},
-    ops::{Deref, DerefMut},
     sync::Arc,
 };
 
 use asi_model::{DateTime, FieldKey, FieldName};
-use deadlines::Deadlines;
 use dependents::Dependents;
 pub(crate) use dependents::is_withheld_by;
-use disclosure::{DisclosurePolicy, Gate};
+use disclosure::{DisclosurePolicy, DocumentId, Gate};
 pub use disclosure_rate::DisclosureRate;
+use entry::Entry;
 pub use field::{Field, FieldDecision};
-pub(crate) use field::{basis_json, mapping_json, policy_json};
+pub(crate) use field::{StoredField, basis_json, mapping_json, policy_json};
+use field_mut::FieldMut;
 use hashbrown::HashTable;
+use index::Index;
 use interner::Interner;
 use mapping::Mapping;
 pub use mapping_versions::{MappingVersions, ShadowMapping};
 pub use validity::Validity;
 
-/// Owner of all requested fields and of what is known about them as a whole: deadlines, dependents,
-/// and what the next transaction writes.
+use crate::WriterRegistry;
+
+/// Owner of all requested fields and of what is known about them as a whole: deadlines, policies,
+/// dependents, and what the next transaction writes.
 #[derive(Default)]
 pub struct FieldRegistry {
     /// Fields by number, so that a candidate's field is found without hashing a text.
@@ -40,24 +47,23 @@ pub struct FieldRegistry {
     numbers: HashTable<i64>,
     hasher: RandomState,
     last_id: i64,
-    deadlines: Deadlines,
+    index: Index,
     dependents: Dependents,
-    /// Numbers of fields whose gate or transform state the next transaction writes.
-    dirty: Vec<i64>,
     interner: Interner,
 }
 
-/// A field with the registry's own notes about it.
-struct Entry {
-    field: Field,
-    /// Stands in [`FieldRegistry::dirty`].
-    is_dirty: bool,
-    /// Its gate released a value that no report carries yet.
-    has_released: bool,
-    deadlines: deadlines::Noted,
-}
-
 impl FieldRegistry {
+    /// Makes an empty registry, whose next field gets a number after this one.
+    pub(crate) fn after(last_id: i64) -> Self {
+        Self { last_id, ..Self::default() }
+    }
+
+    /// Returns the greatest number that was given to a field.
+    #[must_use]
+    pub const fn last_id(&self) -> i64 {
+        self.last_id
+    }
+
     /// Returns the field with this key.
     #[must_use]
     pub fn get(&self, key: &FieldKey) -> Option<&Field> {
@@ -84,11 +90,11 @@ impl FieldRegistry {
     /// Returns the time at which a gate wants to be asked again or a request begins or ends.
     #[must_use]
     pub fn next_deadline(&self) -> Option<DateTime> {
-        self.deadlines.next()
+        self.index.deadlines.next()
     }
 
     fn id_of(&self, key: &FieldKey) -> Option<i64> {
-        let is_it = |id: &i64| self.entries.get(id).is_some_and(|entry| entry.field.key == *key);
+        let is_it = |id: &i64| self.entries.get(id).is_some_and(|entry| entry.field.key() == key);
         self.numbers.find(self.hasher.hash_one(key), is_it).copied()
     }
 
@@ -100,16 +106,15 @@ impl FieldRegistry {
 
     /// Adds a field. Its key must be new.
     pub(crate) fn insert(&mut self, field: Field) {
-        let Self { entries, numbers, hasher, .. } = self;
-        let (id, hash) = (field.id, hasher.hash_one(&field.key));
+        let Self { entries, numbers, hasher, index, .. } = self;
+        let (id, hash) = (field.id(), hasher.hash_one(field.key()));
         self.last_id = self.last_id.max(id);
-        let deadlines = deadlines::Noted::default();
-        let entry = Entry { field, is_dirty: false, has_released: false, deadlines };
+        let mut entry = Entry::new(field);
+        index.add(&mut entry);
         entries.insert(id, Box::new(entry));
         let rehash =
-            |id: &i64| entries.get(id).map_or(0, |entry| hasher.hash_one(&entry.field.key));
+            |id: &i64| entries.get(id).map_or(0, |entry| hasher.hash_one(entry.field.key()));
         numbers.insert_unique(hash, id, rehash);
-        self.note_deadlines(id);
     }
 
     /// Removes a field with its deadlines and what it depends on.
@@ -120,7 +125,7 @@ impl FieldRegistry {
             found.remove();
         }
         let mut entry = self.entries.remove(&id)?;
-        self.deadlines.forget(id, &mut entry.deadlines);
+        self.index.forget(&mut entry);
         self.dependents.remove(key);
         Some(entry.field)
     }
@@ -133,29 +138,42 @@ impl FieldRegistry {
 
     /// Opens the field with this number for changes.
     pub(crate) fn by_id_mut(&mut self, id: i64) -> Option<FieldMut<'_>> {
-        let Self { entries, deadlines, dirty, .. } = self;
+        let Self { entries, index, .. } = self;
+        Some(FieldMut { entry: entries.get_mut(&id)?, index })
+    }
+
+    /// Changes the gate of the field with this number. This is the only way by which a gate
+    /// releases a value: the field's writer has something to report from then on.
+    pub(crate) fn through_gate<T>(
+        &mut self,
+        writers: &mut WriterRegistry,
+        id: i64,
+        now: DateTime,
+        change: impl FnOnce(&mut Gate) -> T,
+    ) -> Option<T> {
+        let Self { entries, index, .. } = self;
         let entry = entries.get_mut(&id)?;
-        Some(FieldMut { entry, deadlines, dirty })
+        let result = change(&mut entry.field.gate);
+        index.mark_dirty(entry);
+        index.note_release(entry);
+        if entry.field.gate.take_released() {
+            entry.field.rate.count_released(now);
+            if !std::mem::replace(&mut entry.has_released, true) {
+                writers.mark_unreported(entry.field.writer());
+            }
+        }
+        Some(result)
     }
 
-    /// Marks that the next transaction writes the field's gate and transform.
-    pub(crate) fn mark_dirty(&mut self, key: &FieldKey) {
-        if let Some(mut field) = self.get_mut(key) {
-            field.mark_dirty();
-        }
-    }
-
-    /// Brings the field's deadlines up to date.
-    fn note_deadlines(&mut self, id: i64) {
-        if let Some(mut field) = self.by_id_mut(id) {
-            field.note_deadlines();
-        }
+    /// Returns the mapped fields whose decisions name this policy.
+    pub(crate) fn under_policy(&self, id: &DocumentId) -> impl Iterator<Item = &Field> {
+        self.index.policies.of(id).filter_map(move |id| self.by_id(id))
     }
 
     /// Hands out every field whose gate or transform changed since the last call, and whether its
     /// gate released a value, each once.
     pub(crate) fn take_dirty(&mut self, mut take: impl FnMut(&Field, bool)) {
-        for id in std::mem::take(&mut self.dirty) {
+        for id in std::mem::take(&mut self.index.dirty) {
             let Some(entry) = self.entries.get_mut(&id) else { continue };
             entry.is_dirty = false;
             let has_released = std::mem::take(&mut entry.has_released);
@@ -165,7 +183,7 @@ impl FieldRegistry {
 
     /// Removes and returns the number of a field whose gate wanted to be asked by `now`.
     pub(crate) fn pop_release(&mut self, now: DateTime) -> Option<i64> {
-        let id = self.deadlines.pop_release(now)?;
+        let id = self.index.deadlines.pop_release(now)?;
         if let Some(entry) = self.entries.get_mut(&id) {
             entry.deadlines.release = None;
         }
@@ -175,29 +193,27 @@ impl FieldRegistry {
     /// Removes and returns the number of a field whose request began by `now` and that has a value
     /// from before.
     pub(crate) fn pop_beginning(&mut self, now: DateTime) -> Option<i64> {
-        self.deadlines.pop_beginning(now)
-    }
-
-    /// Notes a value that came before its request asks for it.
-    pub(crate) fn note_beginning(&mut self, id: i64, from: DateTime) {
-        self.deadlines.note_beginning(id, from);
+        self.index.deadlines.pop_beginning(now)
     }
 
     /// Returns the mapped fields whose request ended by `now`, sorted by key.
     pub(crate) fn ended(&self, now: DateTime) -> Vec<FieldKey> {
-        let ids = self.deadlines.ended(now);
+        let ids = self.index.deadlines.ended(now);
         let mut keys: Vec<FieldKey> =
-            ids.filter_map(|id| self.by_id(id)).map(|field| field.key.clone()).collect();
+            ids.filter_map(|id| self.by_id(id)).map(|field| field.key().clone()).collect();
         keys.sort();
         keys
     }
 
-    /// Follows the machine's clock where it was set back to `now`.
+    /// Follows the machine's clock where it was set back to `now`. Visits all fields: each gate that
+    /// ever released a value knows the time of it, with or without a deadline, and would let no
+    /// value out before that time comes again. A clock is set back too rarely for an index of these
+    /// times, which every single release would have to keep.
     pub(crate) fn set_clock_back(&mut self, now: DateTime) {
-        let Self { entries, deadlines, .. } = self;
-        for (id, entry) in entries {
+        let Self { entries, index, .. } = self;
+        for entry in entries.values_mut() {
             entry.field.gate.set_clock_back(now);
-            deadlines.note_release(*id, entry.field.gate.due(), &mut entry.deadlines);
+            index.note_release(entry);
         }
     }
 
@@ -208,7 +224,7 @@ impl FieldRegistry {
 
     /// Returns the key of the field with this number where another field's gate looks at its state.
     pub(crate) fn key_with_dependents(&self, id: i64) -> Option<FieldKey> {
-        let key = &self.entries.get(&id)?.field.key;
+        let key = self.entries.get(&id)?.field.key();
         self.dependents.has(key).then(|| key.clone())
     }
 
@@ -240,66 +256,5 @@ impl FieldRegistry {
         own: &Arc<DisclosurePolicy>,
     ) -> Arc<DisclosurePolicy> {
         self.interner.share_policy(policy, own)
-    }
-}
-
-/// A field that is being changed.
-pub(crate) struct FieldMut<'r> {
-    entry: &'r mut Entry,
-    deadlines: &'r mut Deadlines,
-    dirty: &'r mut Vec<i64>,
-}
-
-impl FieldMut<'_> {
-    /// Changes the gate, and notes its deadline and that it is to be written. The flag is true
-    /// where the gate released a value and no earlier one waits for a report.
-    pub(crate) fn through_gate<T>(
-        &mut self,
-        now: DateTime,
-        change: impl FnOnce(&mut Gate) -> T,
-    ) -> (T, bool) {
-        let result = change(&mut self.entry.field.gate);
-        self.mark_dirty();
-        self.note_release();
-        let mut is_first = false;
-        if self.entry.field.gate.take_released() {
-            self.entry.field.rate.count_released(now);
-            is_first = !std::mem::replace(&mut self.entry.has_released, true);
-        }
-        (result, is_first)
-    }
-
-    /// Marks that the next transaction writes the field's gate and transform.
-    pub(crate) fn mark_dirty(&mut self) {
-        if !std::mem::replace(&mut self.entry.is_dirty, true) {
-            self.dirty.push(self.entry.field.id);
-        }
-    }
-
-    /// Brings the deadlines up to date after the gate, the decision or the validity changed.
-    pub(crate) fn note_deadlines(&mut self) {
-        self.note_release();
-        let field = &self.entry.field;
-        let end = field.validity.until.filter(|_| field.decision.is_mapped());
-        self.deadlines.note_end(field.id, end, &mut self.entry.deadlines);
-    }
-
-    fn note_release(&mut self) {
-        let due = self.entry.field.gate.due();
-        self.deadlines.note_release(self.entry.field.id, due, &mut self.entry.deadlines);
-    }
-}
-
-impl Deref for FieldMut<'_> {
-    type Target = Field;
-
-    fn deref(&self) -> &Field {
-        &self.entry.field
-    }
-}
-
-impl DerefMut for FieldMut<'_> {
-    fn deref_mut(&mut self) -> &mut Field {
-        &mut self.entry.field
     }
 }

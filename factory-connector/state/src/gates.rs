@@ -3,7 +3,7 @@
 use asi_model::DateTime;
 use disclosure::Gate;
 
-use crate::{ConnectorState, fields::FieldMut};
+use crate::ConnectorState;
 
 /// Changes a field's gate; where it releases a value, the writer has something to report.
 pub(crate) fn through_gate<T>(
@@ -12,11 +12,5 @@ pub(crate) fn through_gate<T>(
     now: DateTime,
     change: impl FnOnce(&mut Gate) -> T,
 ) -> Option<T> {
-    let mut field: FieldMut<'_> = state.fields.by_id_mut(id)?;
-    let writer = field.writer;
-    let (result, is_first_release) = field.through_gate(now, change);
-    if is_first_release {
-        state.writers.mark_unreported(writer);
-    }
-    Some(result)
+    state.fields.through_gate(&mut state.writers, id, now, change)
 }

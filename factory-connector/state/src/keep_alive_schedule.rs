@@ -6,6 +6,6 @@ use crate::ConnectorState;
 pub(crate) fn schedule_keep_alive(state: &mut ConnectorState, id: u16) {
     let Some(writer) = state.writers.get(id) else { return };
     let period =
-        state.networks.request(&writer.request).and_then(|(_, request)| request.update_interval());
+        state.networks.request(writer.request()).and_then(|(_, request)| request.update_interval());
     state.writers.set_keep_alive(id, period);
 }

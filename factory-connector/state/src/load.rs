@@ -1,16 +1,17 @@
 //! Loading: the state as it was stored.
 
-use std::{collections::HashMap, sync::Arc};
+use std::sync::Arc;
 
-use asi_model::{DateTime, messages::ValueSource};
-use disclosure::{DecisionBasis, DisclosurePolicy, Gate, GateState, gate_from_json};
+use asi_model::{DateTime, FieldKey, messages::ValueSource};
+use disclosure::{DecisionBasis, DisclosurePolicy, GateState, gate_from_json};
 use mapping::{Mapping, TransformState};
 
 use crate::{
-    ChangeSet, ConnectorState, Field, FieldDecision, FieldRegistry, IdSource, LedgerChains,
-    MappingVersions, Network, NetworkRegistry, ShadowMapping, Snapshot, StateConfig,
-    WriterRegistry, dependencies,
+    ChangeSet, ConnectorState, Field, FieldDecision, FieldRegistry, IdSource, JournalRegistry,
+    LedgerChains, LogRecord, MappingVersions, Network, NetworkRegistry, ShadowMapping, Snapshot,
+    StateConfig, WriterRegistry, dependencies,
     effects::TwinUpdate,
+    fields::StoredField,
     keep_alive_schedule::schedule_keep_alive,
     queries::effective_policy,
     snapshot::StoredMappings,
@@ -49,10 +50,10 @@ impl ConnectorState {
         let mut state = Self {
             config,
             networks: NetworkRegistry::default(),
-            fields: FieldRegistry::default(),
+            fields: FieldRegistry::after(snapshot.last_field),
             writers: WriterRegistry::default(),
             policies: snapshot.policies.into(),
-            journals: HashMap::new(),
+            journals: JournalRegistry::default(),
             ledger: LedgerChains::new(snapshot.heads, snapshot.last_checkpoint),
             ids,
             last_row: snapshot.last_row,
@@ -63,7 +64,7 @@ impl ConnectorState {
             state.networks.put(stored.operation_network_id, network);
         }
         for entry in snapshot.operator_entries {
-            state.journals.entry(entry.operation.clone()).or_default().insert(entry);
+            state.journals.insert(entry);
         }
         for (id, row) in snapshot.writers {
             state.writers.load(id, row);
@@ -79,9 +80,7 @@ impl ConnectorState {
         }
         let mut changes = ChangeSet::default();
         if is_restored {
-            tracing::warn!(
-                "The store was restored, moved or copied; every data set writer begins a new epoch."
-            );
+            changes.effects.log.push(LogRecord::EpochsBegun);
             changes.writes.writers.are_epochs_begun = true;
             for id in state.writers.active().collect::<Vec<_>>() {
                 begin_epoch(&mut state, &mut changes, id, now);
@@ -98,9 +97,9 @@ fn publish_everything(state: &ConnectorState, changes: &mut ChangeSet) {
         let id = message.operation_network.operation_network_id.clone();
         effects.twin.push(TwinUpdate::Apply(id));
     }
-    let open = state.fields.iter().filter(|f| f.decision.is_open_for(ValueSource::Mapping));
+    let open = state.fields.iter().filter(|f| f.decision().is_open_for(ValueSource::Mapping));
     effects.engine.extend(open.filter_map(Field::publish_mapping));
-    let with_shadow = state.fields.iter().filter(|field| field.versions.shadow.is_some());
+    let with_shadow = state.fields.iter().filter(|field| field.versions().shadow.is_some());
     effects.engine.extend(with_shadow.map(Field::publish_shadow));
 }
 
@@ -123,11 +122,25 @@ fn load_field(
         });
     };
     let id_and_key = (row.id, request_key.field(definition.name.clone()));
-    let mut field = Field::new(id_and_key, definition.clone(), request.into(), writer, now);
+    let field = Field::new(id_and_key, definition.clone(), request.into(), writer, now);
+    let versions = mappings.newest_versions.remove(&row.id);
+    let shadow = mappings.shadows.remove(&row.id);
+    let decision = load_decision(state, row, field.key())?;
+    let versions = load_versions(versions, decision.mapping.as_deref(), shadow)?;
+    let policy = policy_in_force(state, &field, &decision);
+    let (gate, transform) = load_value(value)?;
+    Ok(field.with_stored(StoredField { decision, versions, policy, gate, transform }, now))
+}
+
+fn load_decision(
+    state: &mut ConnectorState,
+    row: FieldRow,
+    key: &FieldKey,
+) -> Result<FieldDecision, UnreadableState> {
     let policy =
         state.fields.parse_policy(row.policy).map_err(UnreadableState::because("policy"))?;
     let mapping = row.mapping.as_deref().map(parse_mapping).transpose()?.map(|mut mapping| {
-        state.fields.share_mapping(&mut mapping, &field.key);
+        state.fields.share_mapping(&mut mapping, key);
         Arc::new(mapping)
     });
     let basis: Option<DecisionBasis> = row
@@ -136,12 +149,7 @@ fn load_field(
         .map(serde_json::from_str)
         .transpose()
         .map_err(UnreadableState::because("basis of a decision"))?;
-    field.versions = load_versions(
-        mappings.newest_versions.remove(&row.id),
-        mapping.as_deref(),
-        mappings.shadows.remove(&row.id),
-    )?;
-    field.decision = FieldDecision {
+    Ok(FieldDecision {
         mapping_state: row.mapping_state,
         value_source: row.value_source,
         reason: row.reason,
@@ -151,16 +159,14 @@ fn load_field(
         policy,
         basis: basis.unwrap_or_default(),
         version: row.consent_version,
-    };
-    let (gate, transform) = load_value(value)?;
-    field.transform = transform;
-    let in_force = policy_in_force(state, &field);
-    field.gate = Gate::new(in_force, field.definition.field_type.0, gate, now);
-    Ok(field)
+    })
 }
 
-fn policy_in_force(state: &mut ConnectorState, field: &Field) -> Arc<DisclosurePolicy> {
-    let decision = &field.decision;
+fn policy_in_force(
+    state: &mut ConnectorState,
+    field: &Field,
+    decision: &FieldDecision,
+) -> Arc<DisclosurePolicy> {
     let policy_id = decision.basis.policy_id.as_ref();
     let (policy, _) = effective_policy(state, field, &decision.policy, policy_id);
     state.fields.share_policy(policy, &decision.policy)

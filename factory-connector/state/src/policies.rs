@@ -160,7 +160,7 @@ impl PolicyRegistry {
 
 /// Returns a policy as far as it makes sense for a field's type.
 pub(crate) fn fitted(policy: &DisclosurePolicy, field: &Field) -> DisclosurePolicy {
-    policy.fitted_to(field.definition.field_type.0, field.is_array())
+    policy.fitted_to(field.definition().field_type.0, field.is_array())
 }
 
 fn by_id<T>(documents: Vec<Versioned<T>>) -> BTreeMap<DocumentId, Versioned<T>> {

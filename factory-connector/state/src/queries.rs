@@ -15,6 +15,7 @@ pub use mapping_import::{FieldMismatch, ImportEffect, import_effect, validate_fo
 pub use open_fields::{Supposition, open_fields};
 pub use operation_fields::fields_of_operation;
 pub use policies::{PolicyChange, effective_policy, policy_changes};
+pub(crate) use policies::{fields_for_recipient, fields_under_policy};
 pub(crate) use report_frame::fields_of;
 pub use report_frame::{empty_frame, key_frame};
 pub use rule_offers::{RuleOffer, rule_offer, rule_preview};

@@ -161,7 +161,7 @@ impl Scene {
         ms: i64,
     ) -> Option<GateOutcome> {
         let value = DataValue::good(value, at(ms));
-        let id = self.state.field(&field(name))?.id;
+        let id = self.state.field(&field(name))?.id();
         values::receive_candidate(&mut self.state, id, source, value, None, at(ms))
     }
 
@@ -178,10 +178,15 @@ impl Scene {
 
     /// Commits: nothing of what was queued before was sent.
     pub fn commit(&mut self, ms: i64) -> (Writes, Effects) {
+        self.commit_with(DeliveryState::default(), ms)
+    }
+
+    /// Commits with this delivery of earlier reports.
+    pub fn commit_with(&mut self, delivery: DeliveryState, ms: i64) -> (Writes, Effects) {
         let key = LedgerKey::from_secret(&[3; 32]);
         let state = &mut self.state;
         transaction::refresh(state, std::mem::take(&mut self.pending))
-            .take_back(state, DeliveryState::default(), &key, at(ms))
+            .take_back(state, delivery, &key, at(ms))
             .report(state, at(ms), || [7; SALT_BYTES])
             .sign(state, &key)
     }

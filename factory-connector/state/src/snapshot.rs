@@ -60,6 +60,8 @@ pub struct Snapshot {
     pub last_checkpoint: Option<(u64, DateTime)>,
     /// The greatest number ever given in the spool.
     pub last_row: i64,
+    /// The greatest number that is known to have been given to a field; 0 without knowledge.
+    pub last_field: i64,
     pub operator_entries: Vec<OperatorEntry>,
     pub mappings: StoredMappings,
     pub policies: StoredPolicies,

@@ -1,6 +1,6 @@
 //! The whole state: its registries side by side.
 
-use std::{collections::HashMap, sync::Arc};
+use std::sync::Arc;
 
 use asi_model::{
     DateTime, FactoryId, FieldKey, MessageId, RequestKey,
@@ -10,8 +10,8 @@ use asi_model::{
 };
 
 use crate::{
-    ChangeSet, Field, FieldRegistry, IdSource, LedgerChains, NetworkRegistry, PolicyRegistry,
-    WriterRegistry,
+    ChangeSet, Field, FieldRegistry, IdSource, JournalRegistry, LedgerChains, NetworkRegistry,
+    PolicyRegistry, WriterRegistry,
     operator::{Journal, OperationKey},
     writes::ControlRow,
 };
@@ -31,7 +31,7 @@ pub struct ConnectorState {
     pub(crate) fields: FieldRegistry,
     pub(crate) writers: WriterRegistry,
     pub(crate) policies: PolicyRegistry,
-    pub(crate) journals: HashMap<OperationKey, Journal>,
+    pub(crate) journals: JournalRegistry,
     pub(crate) ledger: LedgerChains,
     pub(crate) ids: IdSource,
     /// The greatest number given in the spool.

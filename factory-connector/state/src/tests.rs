@@ -5,6 +5,7 @@ mod entries;
 mod mappings;
 mod policies;
 mod reports;
+mod restart;
 mod revisions;
 mod rules;
 mod transactions;

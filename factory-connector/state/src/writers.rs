@@ -17,21 +17,16 @@ const KEEP_ALIVE_PERIOD_MIN: Duration = Duration::from_secs(1);
 /// A DataSetWriter (OPC UA Part 14).
 #[derive(Debug, Clone)]
 pub struct Writer {
-    /// The request that it reports about.
-    pub request: RequestKey,
-    /// MajorVersion of the metadata.
-    pub epoch: u32,
-    /// MinorVersion of the metadata.
-    pub minor_version: u32,
-    /// Sequence number of the next report.
-    pub next_sequence: u32,
-    /// The mapped fields in payload order, as the metadata in force describes them.
-    pub fields: Vec<FieldName>,
+    request: RequestKey,
+    epoch: u32,
+    minor_version: u32,
+    next_sequence: u32,
+    fields: Vec<FieldName>,
     /// Fields that reports of this epoch carried since the start.
-    pub carried: BTreeSet<FieldName>,
-    pub retired_at: Option<DateTime>,
+    carried: BTreeSet<FieldName>,
+    retired_at: Option<DateTime>,
     /// Time of the last report or keep-alive since the start.
-    pub last_sent_at: DateTime,
+    last_sent_at: DateTime,
     /// Period of its keep-alives; none without mapped fields.
     keep_alive_period: Option<Duration>,
     /// Its entry among the keep-alives; it may be earlier than the keep-alive is due.
@@ -39,6 +34,36 @@ pub struct Writer {
 }
 
 impl Writer {
+    /// Returns the request that it reports about.
+    #[must_use]
+    pub const fn request(&self) -> &RequestKey {
+        &self.request
+    }
+
+    /// Returns the MajorVersion of the metadata.
+    #[must_use]
+    pub const fn epoch(&self) -> u32 {
+        self.epoch
+    }
+
+    /// Returns the sequence number of the next report.
+    #[must_use]
+    pub const fn next_sequence(&self) -> u32 {
+        self.next_sequence
+    }
+
+    /// Returns the mapped fields in payload order, as the metadata in force describes them.
+    #[must_use]
+    pub fn fields(&self) -> &[FieldName] {
+        &self.fields
+    }
+
+    /// Returns true once no request has it any more.
+    #[must_use]
+    pub const fn is_retired(&self) -> bool {
+        self.retired_at.is_some()
+    }
+
     /// Returns the writer as stored.
     #[must_use]
     pub fn row(&self) -> WriterRow {
@@ -59,7 +84,7 @@ impl Writer {
     }
 
     /// Begins a new epoch: its sequence numbers start at 0.
-    pub(crate) fn begin_epoch(&mut self, now: DateTime) {
+    fn begin_epoch(&mut self, now: DateTime) {
         self.epoch = now.version_time().max(self.epoch.saturating_add(1));
         self.minor_version = self.epoch;
         self.next_sequence = 0;
@@ -129,10 +154,6 @@ impl WriterRegistry {
         self.by_request.get_key_value(request).map(|(key, id)| (key, *id))
     }
 
-    pub(crate) fn get_mut(&mut self, id: u16) -> Option<&mut Writer> {
-        self.writers.get_mut(&id)
-    }
-
     pub(crate) fn load(&mut self, id: u16, row: WriterRow) {
         match row.retired_at {
             None => drop(self.by_request.insert(row.request.clone(), id)),
@@ -193,6 +214,45 @@ impl WriterRegistry {
         Some(id)
     }
 
+    /// Sets the fields that a writer's metadata describes. Fields that only follow those of before
+    /// make a new minor version, in which its sequence numbers go on; returns whether that is so.
+    pub(crate) fn append_fields(&mut self, id: u16, fields: Vec<FieldName>, now: DateTime) -> bool {
+        let Some(writer) = self.writers.get_mut(&id) else { return false };
+        if !fields.starts_with(&writer.fields) {
+            return false;
+        }
+        writer.fields = fields;
+        writer.minor_version = now.version_time().max(writer.minor_version.saturating_add(1));
+        true
+    }
+
+    /// Begins a new epoch of a writer, with other fields where they are given.
+    pub(crate) fn begin_epoch(&mut self, id: u16, fields: Option<Vec<FieldName>>, now: DateTime) {
+        let Some(writer) = self.writers.get_mut(&id) else { return };
+        if let Some(fields) = fields {
+            writer.fields = fields;
+        }
+        writer.begin_epoch(now);
+    }
+
+    /// Takes the sequence number of a writer's next report, which carries these fields. Returns the
+    /// epoch, the number, and the fields that no report of the epoch carried before.
+    pub(crate) fn take_sequence<'n>(
+        &mut self,
+        id: u16,
+        carried: impl Iterator<Item = &'n FieldName>,
+        now: DateTime,
+    ) -> Option<(u32, u32, Vec<FieldName>)> {
+        let writer = self.writers.get_mut(&id)?;
+        let sequence = writer.next_sequence;
+        writer.next_sequence = sequence.wrapping_add(1);
+        writer.last_sent_at = now;
+        let new: Vec<FieldName> =
+            carried.filter(|name| !writer.carried.contains(*name)).cloned().collect();
+        writer.carried.extend(new.iter().cloned());
+        Some((writer.epoch, sequence, new))
+    }
+
     /// Notes that a writer has a released value to report.
     pub(crate) fn mark_unreported(&mut self, id: u16) {
         self.unreported.insert(id);
@@ -231,13 +291,14 @@ impl WriterRegistry {
         silent
     }
 
-    /// Follows the machine's clock where it was set back to `now`.
+    /// Follows the machine's clock where it was set back to `now`. Visits all writers that are not
+    /// retired: each knows when it sent last, with or without keep-alives.
     pub(crate) fn set_clock_back(&mut self, now: DateTime) {
-        for writer in self.writers.values_mut() {
-            writer.last_sent_at = writer.last_sent_at.min(now);
-        }
         let ids: Vec<u16> = self.active().collect();
         for id in ids {
+            if let Some(writer) = self.writers.get_mut(&id) {
+                writer.last_sent_at = writer.last_sent_at.min(now);
+            }
             self.schedule_keep_alive(id);
         }
     }
@@ -269,6 +330,10 @@ mod tests {
         (writers, id)
     }
 
+    fn map_made(writers: &mut WriterRegistry, id: u16) {
+        assert!(writers.append_fields(id, vec![field("made").field_name], at(0)));
+    }
+
     #[test]
     fn ids_stay_in_quarantine_after_their_request_is_gone() {
         let (mut writers, first) = registry();
@@ -295,12 +360,12 @@ mod tests {
         let second = Duration::from_secs(1);
         writers.set_keep_alive(id, Some(second));
         assert!(writers.take_silent(at(10_000)).is_empty(), "nothing is mapped");
-        writers.get_mut(id).expect("a writer").fields = vec![field("made").field_name];
+        map_made(&mut writers, id);
         writers.set_keep_alive(id, Some(second / 10));
         assert!(writers.take_silent(at(999)).is_empty(), "a second is the shortest period");
         assert_eq!(writers.take_silent(at(1000)), [id]);
         assert!(writers.take_silent(at(1999)).is_empty());
-        writers.get_mut(id).expect("a writer").last_sent_at = at(1999);
+        writers.take_sequence(id, std::iter::empty(), at(1999)).expect("a writer");
         assert!(writers.take_silent(at(2500)).is_empty(), "a report is a sign of life, too");
         assert_eq!(writers.take_silent(at(2999)), [id]);
         writers.set_clock_back(at(0));
@@ -313,7 +378,7 @@ mod tests {
     #[test]
     fn a_period_finer_than_the_clocks_ticks_comes_to_an_end() {
         let (mut writers, id) = registry();
-        writers.get_mut(id).expect("a writer").fields = vec![field("made").field_name];
+        map_made(&mut writers, id);
         let period = Duration::from_secs(60) / 7;
         writers.set_keep_alive(id, Some(period));
         for _ in 0..3 {

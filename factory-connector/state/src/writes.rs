@@ -20,6 +20,8 @@ pub use reports::{
 };
 pub use sources::{SourceRow, SourceWrites};
 
+use asi_model::OperationNetworkId;
+
 use crate::operator::OperatorEntry;
 
 /// Rows of one transaction, by noun. Of two rows about the same thing the later one holds.
@@ -78,6 +80,12 @@ impl Writes {
         for id in &fields.removed {
             self.mappings.forget_field(*id);
         }
+        // A withdrawal removes the entries that were made before it.
+        let withdrawn = |id: &OperationNetworkId| {
+            let mut rows = networks.iter().filter(|row| row.operation_network_id == *id);
+            rows.any(|row| row.message.is_none())
+        };
+        self.operator_entries.retain(|entry| !withdrawn(&entry.operation.operation_network_id));
         self.networks.extend(networks);
         self.fields.merge(fields);
         self.writers.merge(writers);

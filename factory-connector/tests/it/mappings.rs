@@ -209,3 +209,28 @@ async fn a_script_is_checked_published_and_corrected_without_losing_its_count() 
         "{survey:#}"
     );
 }
+
+/// A source that is removed takes its values along, and brings them back when it is added again:
+/// the mapping needs no decision in between.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_source_that_is_removed_and_added_again_brings_its_mappings_back() {
+    let plant = Plant::start(json!([{ "name": "temperature", "type": 11 }])).await;
+    let node = plant.node("Mill1", "Spindle.Temperature");
+    let mapped = plant.map("temperature", mapping(&node, json!([]))).await;
+    let path = field("temperature");
+    let is_good = |view: &serde_json::Value| view["value"]["status"] == "Good";
+    plant.until("a value came", &path, is_good).await;
+
+    let (status, _) = plant.call(reqwest::Method::DELETE, "/sources/Mill1", None).await;
+    assert_eq!(status, 204);
+    plant.until("the value is gone", &path, |view| !is_good(view)).await;
+
+    let endpoint = plant.machines.machine("Mill1").expect("a machine").endpoint_url().to_owned();
+    let source =
+        json!({ "sourceId": "Mill1", "endpointUrl": endpoint, "security": { "choice": "none" } });
+    plant.post("/sources", source).await;
+    let view = plant.until("values come again", &path, is_good).await;
+    for member in ["mappingState", "decisionTime", "mappingVersion"] {
+        assert_eq!(view[member], mapped[member], "{member} of {view:#}");
+    }
+}

@@ -167,11 +167,15 @@ fn operation_view(
 ) -> OperatorOperation {
     let fields: Vec<(FieldKey, &Field)> = queries::fields_of_operation(state, &key)
         .into_iter()
-        .filter(|(_, field)| field.decision.is_open_for(ValueSource::Manual))
+        .filter(|(_, field)| field.decision().is_open_for(ValueSource::Manual))
         .collect();
     let has_any = |semantics: &[Semantic]| {
         fields.iter().any(|(_, field)| {
-            field.definition.semantic.as_ref().is_some_and(|semantic| semantics.contains(semantic))
+            field
+                .definition()
+                .semantic
+                .as_ref()
+                .is_some_and(|semantic| semantics.contains(semantic))
         })
     };
     let buttons = Buttons {
@@ -212,7 +216,7 @@ fn field_view(
     key: FieldKey,
     field: &Field,
 ) -> OperatorField {
-    let definition = &field.definition;
+    let definition = field.definition();
     let semantic = definition.semantic.as_ref();
     let answer = state
         .journal(operation)
@@ -227,7 +231,7 @@ fn field_view(
             .is_some_and(|semantic| !matches!(semantic, Semantic::ExpectedEnd | Semantic::Iri(_))),
         entered: answer.as_ref().and_then(|(answer, _)| answer.json(definition.field_type.0)),
         entered_at: answer.map(|(_, at)| at),
-        value: field.gate.disclosed().map(ShownValue::from),
+        value: field.gate().disclosed().map(ShownValue::from),
         key,
     }
 }

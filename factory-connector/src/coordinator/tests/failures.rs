@@ -39,19 +39,88 @@ async fn no_number_comes_again_after_a_failure() {
     running.close().await;
 }
 
+/// The link records an outcome again that could not be written: the ledger states the message in
+/// which the reports left all the same.
+#[tokio::test]
+async fn an_outcome_that_is_recorded_again_keeps_its_message() {
+    let running = Running::with_two_open_fields().await;
+    running.enter_both(1).await;
+    let rows = running.fetch(Lane::Reports).await;
+    assert!(rows.iter().all(|row| running.spool.may_leave(row)), "on the wire");
+    let accepted = || {
+        let outcome = |row: &SpoolRow| RowOutcome {
+            id: row.id,
+            outcome: SendOutcome::Accepted,
+            at: OffsetDateTime::now_utc(),
+        };
+        rows.iter().map(outcome).collect::<Vec<_>>()
+    };
+    let mut beside = connect(&running.folder).await;
+    break_table(&mut beside, "ledger_entry").await;
+    running.spool.record(accepted()).await.expect_err("it cannot be written");
+    mend_table(&mut beside).await;
+    running.spool.record(accepted()).await.expect("recorded");
+    let entries = running.entries("acme").await;
+    let sent: Vec<_> = entries.iter().filter(|entry| entry["event"] == "SENT").collect();
+    assert!(
+        !sent.is_empty() && sent.iter().all(|entry| entry["messageId"].is_string()),
+        "{sent:?}"
+    );
+    running.close().await;
+}
+
+/// The heads of all chains are signed at every start, also where its first transaction fails.
+#[tokio::test]
+async fn heads_are_signed_after_a_start_whose_first_transaction_failed() {
+    let folder = Running::with_two_open_fields().await.close().await;
+    let mut beside = connect(folder.path()).await;
+    sqlx::query("UPDATE ledger_head SET signature = x'00'")
+        .execute(&mut beside)
+        .await
+        .expect("set");
+    break_table(&mut beside, "ledger_head").await;
+    let running = Running::open_in(folder.path().to_owned(), Some(folder)).await;
+    running.coordinator.read(|_| ()).await.expect("it goes on after the failure");
+    mend_table(&mut beside).await;
+    let begun = std::time::Instant::now();
+    loop {
+        let unsigned: i64 =
+            sqlx::query_scalar("SELECT count(*) FROM ledger_head WHERE signature = x'00'")
+                .fetch_one(&mut beside)
+                .await
+                .expect("counted");
+        if unsigned == 0 {
+            break;
+        }
+        assert!(begun.elapsed() < DEADLINE, "{unsigned} heads are not signed");
+        tokio::time::sleep(PAUSE).await;
+    }
+    running.close().await;
+}
+
 /// Enters something while nothing can be written to a table.
 async fn fail(running: &Running, table: &str, entries: Vec<OperatorEntry>) {
     let mut beside = connect(&running.folder).await;
+    break_table(&mut beside, table).await;
+    assert_eq!(running.enter(entries).await, Err(CoordinatorError::NotWritten), "{table}");
+    mend_table(&mut beside).await;
+}
+
+/// Lets every write to a table fail.
+async fn break_table(beside: &mut SqliteConnection, table: &str) {
     for event in ["INSERT", "UPDATE"] {
         let sql = format!(
             "CREATE TRIGGER broken_{event} BEFORE {event} ON {table} BEGIN SELECT RAISE(ABORT, 'disk full'); END"
         );
-        sqlx::query(sqlx::AssertSqlSafe(sql)).execute(&mut beside).await.expect("made");
+        sqlx::query(sqlx::AssertSqlSafe(sql)).execute(&mut *beside).await.expect("made");
     }
-    assert_eq!(running.enter(entries).await, Err(CoordinatorError::NotWritten), "{table}");
+}
+
+/// Lets writes succeed again.
+async fn mend_table(beside: &mut SqliteConnection) {
     for event in ["INSERT", "UPDATE"] {
         let sql = format!("DROP TRIGGER broken_{event}");
-        sqlx::query(sqlx::AssertSqlSafe(sql)).execute(&mut beside).await.expect("dropped");
+        sqlx::query(sqlx::AssertSqlSafe(sql)).execute(&mut *beside).await.expect("dropped");
     }
 }
 

@@ -118,7 +118,7 @@ impl Gateway {
                 let lost = DataValue { status: StatusCode::BAD_NO_DATA, ..value() };
                 let value = if matches!(way, Way::LostSource) { lost } else { value() };
                 let number = |state: &ConnectorState| {
-                    state.field(&field("made")).map(|field| TargetKey(field.id))
+                    state.field(&field("made")).map(|field| TargetKey(field.id()))
                 };
                 let target =
                     self.handle.read(number).await.expect("read").expect("the field is requested");
@@ -166,7 +166,7 @@ impl Gateway {
     /// Returns the value that the twin's node shows.
     async fn shown(&self) -> Option<DataValue> {
         self.handle
-            .read(|state| state.field(&field("made")).and_then(|f| f.gate.disclosed().cloned()))
+            .read(|state| state.field(&field("made")).and_then(|f| f.gate().disclosed().cloned()))
             .await
             .expect("read")
     }

@@ -56,7 +56,7 @@ pub(crate) fn is_withheld_by(
     name: &FieldName,
     policy: &DisclosurePolicy,
 ) -> Option<bool> {
-    let value: &DataValue = field.newest.as_ref().filter(|_| field.decision.is_mapped())?;
+    let value: &DataValue = field.newest().filter(|_| field.decision().is_mapped())?;
     let mut is_any = false;
     for condition in
         policy.withhold_while.iter().filter(|condition| condition.field.as_ref() == Some(name))

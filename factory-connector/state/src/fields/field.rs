@@ -8,7 +8,8 @@ use asi_model::{
     network::ReportField,
 };
 use disclosure::{
-    DecisionBasis, DisclosurePolicy, Gate, GateState, disclosure_statement, gate_to_json,
+    DecisionBasis, DisclosurePolicy, DocumentId, Gate, GateState, disclosure_statement,
+    gate_to_json,
 };
 use mapping::{Mapping, MappingId, PublishRequest, TargetKey, TransformState};
 
@@ -21,27 +22,29 @@ use crate::{
 /// A report field that a partner requested.
 #[derive(Debug, Clone)]
 pub struct Field {
-    pub key: FieldKey,
-    /// Number within this store; candidates, mappings and store rows refer to it.
-    pub id: i64,
-    /// The field as its request states it.
-    pub definition: ReportField,
-    /// The decision in force.
-    pub decision: FieldDecision,
-    /// Lets values out as the policy in force says.
-    pub gate: Gate,
-    /// Candidates and released values per hour.
-    pub rate: DisclosureRate,
-    /// The time span in which the request asks for values.
-    pub validity: Validity,
-    /// The newest candidate, before the gate; lost at a restart.
-    pub newest: Option<DataValue>,
-    /// State of the mapping's functions.
-    pub transform: Option<TransformState>,
-    /// Versions of the mapping, and its shadow mapping.
-    pub versions: MappingVersions,
-    /// DataSetWriterId of the field's request.
-    pub writer: u16,
+    key: FieldKey,
+    id: i64,
+    pub(super) definition: ReportField,
+    pub(super) decision: FieldDecision,
+    /// Changed by [`FieldRegistry::through_gate`](super::FieldRegistry::through_gate), which reports
+    /// what it releases, and closed where a consent ends or begins.
+    pub(super) gate: Gate,
+    pub(super) rate: DisclosureRate,
+    pub(super) validity: Validity,
+    pub(super) newest: Option<DataValue>,
+    pub(super) transform: Option<TransformState>,
+    pub(super) versions: MappingVersions,
+    writer: u16,
+}
+
+/// Stored parts of a field beside its key and definition.
+pub(crate) struct StoredField {
+    pub(crate) decision: FieldDecision,
+    pub(crate) versions: MappingVersions,
+    /// The policy in force.
+    pub(crate) policy: Arc<DisclosurePolicy>,
+    pub(crate) gate: GateState,
+    pub(crate) transform: Option<TransformState>,
 }
 
 /// The decision about a field.
@@ -72,6 +75,12 @@ impl FieldDecision {
     #[must_use]
     pub fn is_mapped(&self) -> bool {
         self.mapping_state == MappingState::Mapped
+    }
+
+    /// Returns the named policy that applies to the field by this decision, while it is mapped.
+    #[must_use]
+    pub fn named_policy(&self) -> Option<&DocumentId> {
+        self.basis.policy_id.as_ref().filter(|_| self.is_mapped())
     }
 
     /// Returns true while values flow from this source.
@@ -116,6 +125,79 @@ impl Field {
             versions: MappingVersions::default(),
             writer,
         }
+    }
+
+    /// Takes over what was stored about the field.
+    pub(crate) fn with_stored(self, stored: StoredField, now: DateTime) -> Self {
+        let StoredField { decision, versions, policy, gate, transform } = stored;
+        let gate = Gate::new(policy, self.definition.field_type.0, gate, now);
+        Self { decision, versions, gate, transform, ..self }
+    }
+
+    /// Returns the field's key.
+    #[must_use]
+    pub const fn key(&self) -> &FieldKey {
+        &self.key
+    }
+
+    /// Returns the number within this store; candidates, mappings and store rows refer to it.
+    #[must_use]
+    pub const fn id(&self) -> i64 {
+        self.id
+    }
+
+    /// Returns the field as its request states it.
+    #[must_use]
+    pub const fn definition(&self) -> &ReportField {
+        &self.definition
+    }
+
+    /// Returns the decision in force.
+    #[must_use]
+    pub const fn decision(&self) -> &FieldDecision {
+        &self.decision
+    }
+
+    /// Returns the gate, which lets values out as the policy in force says.
+    #[must_use]
+    pub const fn gate(&self) -> &Gate {
+        &self.gate
+    }
+
+    /// Returns candidates and released values per hour.
+    #[must_use]
+    pub const fn rate(&self) -> &DisclosureRate {
+        &self.rate
+    }
+
+    /// Returns the time span in which the request asks for values.
+    #[must_use]
+    pub const fn validity(&self) -> Validity {
+        self.validity
+    }
+
+    /// Returns the newest candidate, before the gate; lost at a restart.
+    #[must_use]
+    pub const fn newest(&self) -> Option<&DataValue> {
+        self.newest.as_ref()
+    }
+
+    /// Returns the state of the mapping's functions.
+    #[must_use]
+    pub const fn transform(&self) -> Option<&TransformState> {
+        self.transform.as_ref()
+    }
+
+    /// Returns the versions of the mapping, and its shadow mapping.
+    #[must_use]
+    pub const fn versions(&self) -> &MappingVersions {
+        &self.versions
+    }
+
+    /// Returns the DataSetWriterId of the field's request.
+    #[must_use]
+    pub const fn writer(&self) -> u16 {
+        self.writer
     }
 
     /// Returns the mapping's id in the engine.

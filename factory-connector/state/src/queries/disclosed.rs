@@ -16,7 +16,7 @@ pub fn draft_gate(
     now: DateTime,
 ) -> Option<Gate> {
     let field = state.field(key)?;
-    let field_type = field.definition.field_type.0;
+    let field_type = field.definition().field_type.0;
     let mut gate = Gate::new(Arc::clone(&policy), field_type, GateState::default(), now);
     for other in fields_named_by(&policy) {
         let watched = state.field(&key.request.field(other.clone()));
@@ -55,8 +55,8 @@ pub fn write_refusal(
 ) -> Option<StatusCode> {
     match state.field(key) {
         None => Some(StatusCode::BAD_NODE_ID_UNKNOWN),
-        Some(field) if !field.validity.contains(now) => Some(StatusCode::BAD_INVALID_STATE),
-        Some(field) if field.decision.is_open_for(source) => None,
+        Some(field) if !field.validity().contains(now) => Some(StatusCode::BAD_INVALID_STATE),
+        Some(field) if field.decision().is_open_for(source) => None,
         Some(_) => Some(StatusCode::BAD_NOT_WRITABLE),
     }
 }

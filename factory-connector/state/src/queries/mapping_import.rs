@@ -38,7 +38,7 @@ pub fn validate_for_field(
         let message = format!("no partner asks for a field {}: correct the target", mapping.target);
         return Err(vec![FieldMismatch { member: "target", message }]);
     };
-    let definition = &field.definition;
+    let definition = field.definition();
     let mut mismatches = Vec::new();
     if mapping.target_type.0 != definition.field_type.0 {
         let expected = definition.field_type.0.name();
@@ -72,7 +72,7 @@ pub fn validate_for_field(
 /// Returns the effect of importing a mapping; `None` where its field does not exist.
 #[must_use]
 pub fn import_effect(state: &ConnectorState, mapping: &Mapping) -> Option<ImportEffect> {
-    let decision = &state.field(&mapping.target)?.decision;
+    let decision = state.field(&mapping.target)?.decision();
     Some(if decision.mapping.as_deref() == Some(mapping) {
         ImportEffect::Unchanged
     } else if decision.is_open_for(ValueSource::Mapping) {

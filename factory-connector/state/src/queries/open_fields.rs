@@ -38,11 +38,11 @@ pub fn open_fields<'s>(
                     continue;
                 };
                 let supposed =
-                    supposition.filter(|(key, _)| **key == field.key).map(|(_, policy)| policy);
-                let in_force = || field.decision.is_mapped().then(|| field.gate.policy());
+                    supposition.filter(|(key, _)| *key == field.key()).map(|(_, policy)| policy);
+                let in_force = || field.decision().is_mapped().then(|| field.gate().policy());
                 let Some(policy) = supposed.or_else(in_force) else { continue };
-                let measured = field.rate.measured(now);
-                let entry = OpenField { key: &field.key, definition, operation, policy, measured };
+                let measured = field.rate().measured(now);
+                let entry = OpenField { key: field.key(), definition, operation, policy, measured };
                 for partner in &partners {
                     open.entry(partner).or_default().push(entry);
                 }

@@ -17,20 +17,20 @@ pub fn key_frame(
     id: u16,
     now: DateTime,
 ) -> Option<(DataSetMessage, BTreeMap<FieldName, u32>)> {
-    let writer = state.writers.get(id).filter(|writer| !writer.fields.is_empty())?;
-    let (_, request) = state.request(&writer.request)?;
-    let mut values = Vec::with_capacity(writer.fields.len() * 2);
+    let writer = state.writers.get(id).filter(|writer| !writer.fields().is_empty())?;
+    let (_, request) = state.request(writer.request())?;
+    let mut values = Vec::with_capacity(writer.fields().len() * 2);
     let mut consents = BTreeMap::new();
     let mut newest: Option<DateTime> = None;
     let mut step = std::time::Duration::ZERO;
     for (name, field) in fields_of(state, writer) {
-        step = step.max(field.gate.policy().time_step());
-        let Some(value) = field.gate.disclosed() else { continue };
+        step = step.max(field.gate().policy().time_step());
+        let Some(value) = field.gate().disclosed() else { continue };
         newest = newest.max(value.source_timestamp);
-        consents.insert(name.clone(), field.decision.version);
+        consents.insert(name.clone(), field.decision().version);
         let shown = DataValue { source_timestamp: None, server_timestamp: None, ..value.clone() };
         values.push(PayloadField::with(Arc::from(name.as_str()), shown));
-        if let Some(unit) = &field.definition.unit {
+        if let Some(unit) = &field.definition().unit {
             values.push(PayloadField::new(unit_member(name.as_str()), unit.as_str()));
         }
     }
@@ -39,14 +39,14 @@ pub fn key_frame(
     }
     let header = ReportHeader {
         report_name: &request.report_data_format.report_name,
-        request: &writer.request,
+        request: writer.request(),
         shopfloor_timestamp: newest.unwrap_or(now).floor_to(step),
     };
     let mut fields = Vec::from(header.payload_fields());
     fields.append(&mut values);
     let frame = DataSetMessage {
         data_set_writer_id: Some(id),
-        sequence_number: Some(writer.next_sequence),
+        sequence_number: Some(writer.next_sequence()),
         meta_data_version: Some(writer.version()),
         timestamp: Some(now.floor_to(step)),
         fields,
@@ -59,18 +59,18 @@ pub fn key_frame(
 #[must_use]
 pub fn empty_frame(state: &ConnectorState, id: u16, now: DateTime) -> DataSetMessage {
     let writer = state.writers.get(id);
-    let document = writer.and_then(|writer| Some((writer, state.request(&writer.request)?.1)));
+    let document = writer.and_then(|writer| Some((writer, state.request(writer.request())?.1)));
     let fields = document.map_or_else(Vec::new, |(writer, request)| {
         let header = ReportHeader {
             report_name: &request.report_data_format.report_name,
-            request: &writer.request,
+            request: writer.request(),
             shopfloor_timestamp: now,
         };
         Vec::from(header.payload_fields())
     });
     DataSetMessage {
         data_set_writer_id: Some(id),
-        sequence_number: writer.map(|writer| writer.next_sequence),
+        sequence_number: writer.map(Writer::next_sequence),
         meta_data_version: writer.map(Writer::version),
         timestamp: Some(now),
         fields,
@@ -83,7 +83,7 @@ pub(crate) fn fields_of<'s>(
     state: &'s ConnectorState,
     writer: &'s Writer,
 ) -> impl Iterator<Item = (&'s FieldName, &'s Field)> {
-    writer.fields.iter().filter_map(|name| {
-        state.fields.get(&writer.request.field(name.clone())).map(|field| (name, field))
+    writer.fields().iter().filter_map(|name| {
+        state.fields.get(&writer.request().field(name.clone())).map(|field| (name, field))
     })
 }

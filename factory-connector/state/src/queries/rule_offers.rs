@@ -51,7 +51,7 @@ pub fn rule_preview(state: &ConnectorState, rule: &Rule) -> Vec<(FieldKey, RuleO
     let draft = DocumentVersion { id: "draft".parse().expect("an id"), version: 0 };
     let offer = |field: &Field| {
         let offer = offer_of(state, field, std::iter::once((&draft, rule)))?;
-        Some((field.key.clone(), offer))
+        Some((field.key().clone(), offer))
     };
     let mut offers: Vec<(FieldKey, RuleOffer)> = state.fields.iter().filter_map(offer).collect();
     offers.sort_by(|left, right| left.0.cmp(&right.0));
@@ -63,12 +63,12 @@ fn offer_of<'r>(
     field: &Field,
     rules: impl Iterator<Item = (&'r DocumentVersion, &'r Rule)>,
 ) -> Option<RuleOffer> {
-    let (_, request) = state.request(&field.key.request)?;
+    let (_, request) = state.request(&field.key().request)?;
     let named = |id: &DocumentId| {
         state.policies.applicable(id).map(|policy| policy.document.disclosure.clone())
     };
     let found: RuleOutcome<'_, DocumentVersion> =
-        outcome(rules, named, request, &field.definition)?;
+        outcome(rules, named, request, field.definition())?;
     let (_, first) = found.rules.first()?;
     let value_source = first.value_source.filter(|_| found.action != RuleAction::Refuse);
     let mapping =
@@ -98,35 +98,35 @@ fn offer_of<'r>(
 
 /// Returns true where a policy makes sense for a field.
 fn can_hold(state: &ConnectorState, field: &Field, policy: &DisclosurePolicy) -> bool {
-    policy.faults(field.definition.field_type.0, field.is_array()).is_empty()
-        && withholding_faults(state, &field.key, policy).is_empty()
+    policy.faults(field.definition().field_type.0, field.is_array()).is_empty()
+        && withholding_faults(state, field.key(), policy).is_empty()
 }
 
 /// Returns the mapping that a field had, or that of an equal field of the same operation.
 fn known_mapping(state: &ConnectorState, field: &Field) -> Option<Mapping> {
-    let definition = &field.definition;
+    let definition = field.definition();
     let is_alike = |mapping: &Mapping| {
         mapping.target_type.0 == definition.field_type.0
             && mapping.target_unit == definition.unit
             && mapping.target_value_rank == definition.value_rank
     };
-    let own = field.decision.mapping.as_deref().filter(|mapping| is_alike(mapping));
+    let own = field.decision().mapping.as_deref().filter(|mapping| is_alike(mapping));
     let equal = || {
         let operation = state.operation(&OperationKey {
-            operation_network_id: field.key.request.operation_network_id.clone(),
-            operation_id: field.key.request.operation_id.clone(),
+            operation_network_id: field.key().request.operation_network_id.clone(),
+            operation_id: field.key().request.operation_id.clone(),
         })?;
         operation.dynamic_data_request_list.iter().find_map(|request| {
-            let mut other = field.key.clone();
+            let mut other = field.key().clone();
             other.request.dynamic_data_request_id = request.dynamic_data_request_id.clone();
             let other = state.field(&other)?;
-            let is_equal = other.definition.semantic == definition.semantic
-                && other.decision.is_open_for(ValueSource::Mapping);
-            other.decision.mapping.as_deref().filter(|mapping| is_equal && is_alike(mapping))
+            let is_equal = other.definition().semantic == definition.semantic
+                && other.decision().is_open_for(ValueSource::Mapping);
+            other.decision().mapping.as_deref().filter(|mapping| is_equal && is_alike(mapping))
         })
     };
     let mut mapping = own.or_else(equal)?.clone();
     mapping.mapping_id = field.mapping_id();
-    mapping.target = field.key.clone();
+    mapping.target = field.key().clone();
     Some(mapping)
 }

@@ -21,7 +21,7 @@ pub fn wanted_field(state: &ConnectorState, key: &FieldKey) -> Option<WantedFiel
         operation_id: key.request.operation_id.clone(),
     })?;
     let texts = [
-        field.definition.description.as_deref(),
+        field.definition().description.as_deref(),
         request.description.as_deref(),
         Some(request.report_data_format.report_name.as_str()),
         operation.name.as_deref(),
@@ -29,11 +29,11 @@ pub fn wanted_field(state: &ConnectorState, key: &FieldKey) -> Option<WantedFiel
         subject(operation),
     ];
     Some(WantedField {
-        name: field.definition.name.to_string(),
-        value_type: field.definition.field_type.0,
-        value_rank: field.definition.value_rank,
-        unit: field.definition.unit.clone(),
-        semantic: field.definition.semantic.clone(),
+        name: field.definition().name.to_string(),
+        value_type: field.definition().field_type.0,
+        value_rank: field.definition().value_rank,
+        unit: field.definition().unit.clone(),
+        semantic: field.definition().semantic.clone(),
         descriptions: texts.into_iter().flatten().map(str::to_owned).collect(),
         asset: operation
             .equipment_requirement_list
@@ -45,19 +45,19 @@ pub fn wanted_field(state: &ConnectorState, key: &FieldKey) -> Option<WantedFiel
 /// Returns the mappings of all fields, in force or proposed, in no order.
 #[must_use]
 pub fn all_mappings(state: &ConnectorState) -> Vec<Mapping> {
-    state.fields.iter().filter_map(|field| field.decision.mapping.as_deref().cloned()).collect()
+    state.fields.iter().filter_map(|field| field.decision().mapping.as_deref().cloned()).collect()
 }
 
 /// Returns the variables that were chosen for fields, whether or not they are still in use.
 #[must_use]
 pub fn past_decisions(state: &ConnectorState) -> Vec<PastDecision> {
     let decided =
-        state.fields.iter().filter_map(|field| Some((field, field.decision.mapping.as_ref()?)));
+        state.fields.iter().filter_map(|field| Some((field, field.decision().mapping.as_ref()?)));
     decided
         .flat_map(|(field, mapping)| {
             mapping.inputs.iter().map(|input| PastDecision {
-                field_name: field.key.field_name.to_string(),
-                semantic: field.definition.semantic.clone(),
+                field_name: field.key().field_name.to_string(),
+                semantic: field.definition().semantic.clone(),
                 source_id: input.source_id.clone(),
                 node_id: input.node_id.clone(),
             })

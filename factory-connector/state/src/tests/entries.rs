@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use crate::{
     operator::{OperationKey, OperatorEntry},
-    scene::{Scene, at, field},
+    scene::{Scene, at, field, network},
     use_cases::{
         enter::{EntryOutcome, enter},
         revise::receive_withdrawal,
@@ -34,7 +34,7 @@ fn enter_at(scene: &mut Scene, entry: OperatorEntry, ms: i64) -> EntryOutcome {
 
 fn made(scene: &Scene) -> Option<Variant> {
     let field = scene.state.field(&field("made"))?;
-    field.gate.disclosed().map(|value| value.value.clone())
+    field.gate().disclosed().map(|value| value.value.clone())
 }
 
 fn taken(outcome: EntryOutcome) -> usize {
@@ -83,10 +83,30 @@ fn entries_go_through_the_gate_once() {
 #[test]
 fn entries_about_a_withdrawn_network_are_refused() {
     let mut scene = Scene::default();
-    let withdrawal = json!({ "messageId": "w", "factoryId": "F", "operationNetworkId": "n",
-        "revision": 9 });
-    let withdrawal = serde_json::from_value(withdrawal).expect("a withdrawal");
-    scene.run(|state| receive_withdrawal(state, withdrawal, at(8)));
+    withdraw(&mut scene, 9);
     let done = enter_at(&mut scene, entry("f", json!({ "action": "DONE" }), 8), 8);
     assert_eq!(refused(done), "UNKNOWN_OPERATION");
+}
+
+fn withdraw(scene: &mut Scene, revision: u64) {
+    let withdrawal = json!({ "messageId": "w", "factoryId": "F", "operationNetworkId": "n",
+        "revision": revision });
+    let withdrawal = serde_json::from_value(withdrawal).expect("a withdrawal");
+    scene.run(|state| receive_withdrawal(state, withdrawal, at(8)));
+}
+
+/// The store removes a network's entries before it writes new ones.
+#[test]
+fn of_one_transaction_entries_after_a_withdrawal_stay() {
+    let mut scene = Scene::default();
+    let start = |id: &str| entry(id, json!({ "action": "START" }), 1);
+    enter_at(&mut scene, start("before"), 1);
+    withdraw(&mut scene, 9);
+    scene.arrive(network(10, |_| ()));
+    enter_at(&mut scene, start("after"), 2);
+    let (writes, _) = scene.commit(2);
+    let [stored] = &writes.operator_entries[..] else { panic!("{:?}", writes.operator_entries) };
+    assert_eq!(stored.entry_id.as_str(), "after");
+    let journal = scene.state.journal(&stored.operation).expect("a journal");
+    assert_eq!(journal.newest().count(), 1, "the state is as it is stored");
 }

@@ -53,14 +53,14 @@ fn a_corrected_mapping_is_a_version_and_no_consent() {
 
     let counter = r#"[{"function":"counter","total":5,"last":15,"level":null}]"#;
     let counter: TransformState = serde_json::from_str(counter).expect("a state");
-    let id = scene.state.field(&field("made")).expect("a field").id;
+    let id = scene.state.field(&field("made")).expect("a field").id();
     let value = DataValue::good(5_u64, at(3));
     receive_candidate(&mut scene.state, id, ValueSource::Mapping, value, Some(counter), at(3));
     let scaled = json!([{ "function": "counter" }, { "function": "scale", "factor": 2 }]);
     assert_eq!(import(&mut scene, &scaled), (vec![2], 0, 1));
     assert_eq!(import(&mut scene, &scaled), (vec![], 0, 0));
-    let transform = &scene.state.field(&field("made")).expect("a field").transform;
-    let transform = serde_json::to_string(transform).expect("serialises");
+    let transform = scene.state.field(&field("made")).expect("a field").transform();
+    let transform = serde_json::to_string(&transform).expect("serialises");
     assert!(transform.contains(r#""total":5"#), "a counter goes on through a correction");
 }
 

@@ -6,7 +6,7 @@ use serde_json::json;
 
 use crate::{
     DocumentError,
-    queries::policy_changes,
+    queries::{fields_under_policy, policy_changes},
     scene::{Scene, at, decision, field},
     use_cases::{
         decide::{DecisionCommand, DecisionError, DecisionRequest},
@@ -53,7 +53,7 @@ fn the_strictest_of_field_and_recipients_holds() {
         |text: &str| writes.controls.queued.iter().any(|control| control.body.contains(text));
     assert!(tells_partner("multiples of 100"), "the partner is told");
     assert_eq!(scene.offer("made", 249_u64, 3)[0]["Payload"]["made"]["Body"], "200");
-    let decision = &scene.state.field(&field("made")).expect("a field").decision;
+    let decision = scene.state.field(&field("made")).expect("a field").decision();
     let consented = decision.policy.rounding_step.map(|step| step.to_string());
     assert_eq!(consented.as_deref(), Some("10"), "what was consented to stays");
 
@@ -83,6 +83,54 @@ fn a_named_policy_takes_its_fields_along() {
     assert_eq!(policy_changes(&scene.state, &id("p"), &draft).len(), 1);
     let refused = scene.decide("made", with_policy("q"), 0);
     assert_eq!(refused, Err(DecisionError::UnknownPolicy(id("q"))));
+}
+
+/// Returns the names of the fields that a change of a named policy visits.
+fn visited(scene: &Scene, name: &str) -> Vec<String> {
+    let id = id(name);
+    let fields = fields_under_policy(&scene.state, &id);
+    let mut names: Vec<String> = fields.map(|field| field.key().field_name.to_string()).collect();
+    names.sort();
+    names
+}
+
+/// The cost of a changed policy follows the fields under it, not all that are mapped.
+#[test]
+fn a_changed_policy_visits_the_fields_that_it_concerns() {
+    let mut scene = Scene::default();
+    for name in ["p", "q"] {
+        put(&mut scene, name, json!({ "delayMs": 1000 }), None).expect("stored");
+    }
+    let command = DecisionCommand::Map {
+        value_source: ValueSource::Manual,
+        mapping: None,
+        policy: DisclosurePolicy::default(),
+    };
+    let named = |name: &str| DecisionRequest {
+        basis: DecisionBasis { policy_id: Some(id(name)), ..DecisionBasis::default() },
+        ..decision(command.clone())
+    };
+    scene.decide("made", named("p"), 0).expect("decided");
+    scene.map("note", ValueSource::Manual, "{}");
+    assert_eq!((visited(&scene, "p"), visited(&scene, "q")), (vec!["made".to_owned()], vec![]));
+    scene.commit(0);
+
+    put(&mut scene, "q", json!({ "delayMs": 2000 }), Some(1)).expect("stored");
+    let (writes, _) = scene.commit(1);
+    assert!(writes.fields.consents.is_empty() && writes.fields.values.is_empty(), "{writes:?}");
+    put(&mut scene, "p", json!({ "delayMs": 2000 }), Some(1)).expect("stored");
+    let (writes, _) = scene.commit(2);
+    assert_eq!((writes.fields.consents.len(), writes.fields.values.len()), (1, 1));
+
+    let q = Some(id("q"));
+    scene
+        .attempt(|state| set_recipient_policy(state, &acme(), q, None, "eve", at(3)))
+        .expect("set");
+    assert_eq!(visited(&scene, "q"), ["made", "note"]);
+    scene.decide("made", named("q"), 4).expect("decided");
+    assert_eq!((visited(&scene, "p").len(), visited(&scene, "q").len()), (0, 3));
+    scene.decide("made", decision(DecisionCommand::LeavePending), 5).expect("decided");
+    assert_eq!(visited(&scene, "q"), ["note"], "what is not mapped is not concerned");
 }
 
 #[test]

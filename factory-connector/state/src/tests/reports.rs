@@ -168,7 +168,7 @@ fn values_flow_within_the_requests_validity_only() {
     assert_eq!(scene.offer("made", 2_u64, 1_500).len(), 1);
     assert_eq!(scene.state.fields().next_deadline(), Some(until));
     scene.run(|state| end_requests(state, until));
-    assert!(!scene.state.field(&field("made")).expect("a field").decision.is_mapped());
+    assert!(!scene.state.field(&field("made")).expect("a field").decision().is_mapped());
     assert_eq!(scene.state.fields().next_deadline(), None);
     assert_eq!(scene.offer("made", 3_u64, 2_001).len(), 0);
     let command = DecisionCommand::Map {

@@ -12,7 +12,7 @@ fn a_revision_takes_consent_back_only_where_more_is_asked_for() {
         scene.map("made", ValueSource::Manual, "{}");
         scene.arrive(network(2, change));
         let field = scene.state.field(&field("made"));
-        assert_eq!(field.map(|field| field.decision.mapping_state), expected);
+        assert_eq!(field.map(|field| field.decision().mapping_state), expected);
         scene
     };
     check(|request| request["description"] = json!("more words"), Some(MappingState::Mapped));

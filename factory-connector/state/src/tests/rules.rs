@@ -29,7 +29,7 @@ fn apply(scene: &mut Scene, ms: i64) -> usize {
 }
 
 fn mapping_state(scene: &Scene, name: &str) -> MappingState {
-    scene.state.field(&field(name)).expect("a field").decision.mapping_state
+    scene.state.field(&field(name)).expect("a field").decision().mapping_state
 }
 
 #[test]

@@ -26,25 +26,20 @@ pub(super) fn refresh_writers(state: &mut ConnectorState, changes: &mut ChangeSe
 
 /// Appended fields change the minor version only; any other change begins a new epoch.
 fn refresh_writer(state: &mut ConnectorState, changes: &mut ChangeSet, id: u16, now: DateTime) {
-    let Some(writer) = state.writers.get(id).filter(|writer| writer.retired_at.is_none()) else {
+    let Some(writer) = state.writers.get(id).filter(|writer| !writer.is_retired()) else {
         return;
     };
     let fields: Vec<FieldName> = state
-        .fields_of(&writer.request)
-        .filter(|(_, field)| field.decision.is_mapped())
+        .fields_of(writer.request())
+        .filter(|(_, field)| field.decision().is_mapped())
         .map(|(key, _)| key.field_name)
         .collect();
     // A consent that ended and was given again within one transaction ended nevertheless.
     let is_ended = changes.purges.contains_key(&id);
-    let Some(writer) = state.writers.get_mut(id) else { return };
-    let is_appended = !is_ended && fields.starts_with(&writer.fields);
-    writer.fields = fields;
-    if is_appended {
-        writer.minor_version = now.version_time().max(writer.minor_version.saturating_add(1));
-        describe(state, changes, id, now);
-    } else {
-        begin_epoch(state, changes, id, now);
+    if is_ended || !state.writers.append_fields(id, fields.clone(), now) {
+        state.writers.begin_epoch(id, Some(fields), now);
     }
+    describe(state, changes, id, now);
     schedule_keep_alive(state, id);
 }
 
@@ -55,9 +50,7 @@ pub(crate) fn begin_epoch(
     id: u16,
     now: DateTime,
 ) {
-    if let Some(writer) = state.writers.get_mut(id) {
-        writer.begin_epoch(now);
-    }
+    state.writers.begin_epoch(id, None, now);
     describe(state, changes, id, now);
 }
 
@@ -65,10 +58,10 @@ pub(crate) fn begin_epoch(
 fn describe(state: &mut ConnectorState, changes: &mut ChangeSet, id: u16, now: DateTime) {
     let Some(writer) = state.writers.get(id) else { return };
     changes.writes.writers.changed.insert(id, writer.row());
-    if writer.fields.is_empty() {
+    if writer.fields().is_empty() {
         return;
     }
-    let has_values = fields_of(state, writer).any(|(_, field)| field.gate.disclosed().is_some());
+    let has_values = fields_of(state, writer).any(|(_, field)| field.gate().disclosed().is_some());
     let Some(meta_data) = meta_data(state, writer) else { return };
     let message_id = state.ids.next_message_id(now);
     let message = MetaDataMessage {
@@ -100,14 +93,14 @@ fn describe(state: &mut ConnectorState, changes: &mut ChangeSet, id: u16, now: D
 
 /// Returns the metadata of a writer, in the payload's order.
 fn meta_data(state: &ConnectorState, writer: &Writer) -> Option<DataSetMetaData> {
-    let (_, document) = state.request(&writer.request)?;
-    let field_id = |name: &str| field_id(&writer.request, name);
+    let (_, document) = state.request(writer.request())?;
+    let field_id = |name: &str| field_id(writer.request(), name);
     let mut fields = Vec::from(ReportHeader::meta_data(field_id));
     for (name, field) in fields_of(state, writer) {
         let id = field_id(name.as_str());
         let statement = field.statement();
-        fields.push(FieldMetaData::of_report_field(&field.definition, statement.as_ref(), id));
-        if field.definition.unit.is_some() {
+        fields.push(FieldMetaData::of_report_field(field.definition(), statement.as_ref(), id));
+        if field.definition().unit.is_some() {
             let unit = unit_member(name.as_str());
             let unit_id = field_id(&unit);
             fields.push(FieldMetaData::new(unit, BuiltInType::String, unit_id));

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use asi_model::{
-    DateTime, FieldName, RequestKey,
+    DateTime, FieldName,
     pubsub::{DataSetMessage, json::encode_data_set_message},
 };
 use ledger::{Event, SALT_BYTES, values_root};
 
 use crate::{
-    ChangeSet, ConnectorState, Writer,
+    ChangeSet, ConnectorState,
     ledger_chains::single,
     queries::key_frame,
     writes::{CarriedFieldRow, NewReport},
@@ -47,12 +47,15 @@ fn queue(
 ) -> Option<NewReport> {
     let body = encode_data_set_message(frame, state.config.encoding);
     let row = state.next_row();
-    let writer = state.writers.get_mut(id)?;
-    let (epoch, sequence) = (writer.epoch, writer.next_sequence);
-    writer.next_sequence = writer.next_sequence.wrapping_add(1);
-    writer.last_sent_at = now;
-    let request = writer.request.clone();
-    carry(changes, (id, writer), consents.keys(), sequence, &request);
+    let (epoch, sequence, carried) = state.writers.take_sequence(id, consents.keys(), now)?;
+    let writer = state.writers.get(id)?;
+    let request = writer.request().clone();
+    changes.writes.writers.carried_fields.extend(carried.into_iter().map(|name| CarriedFieldRow {
+        field: request.field(name),
+        data_set_writer_id: id,
+        epoch,
+        first_sequence: sequence,
+    }));
     changes.writes.writers.changed.insert(id, writer.row());
     let root = values_root(&body, &salt).expect("our own encoder writes a JSON object");
     let range = single(id, epoch, sequence);
@@ -70,28 +73,6 @@ fn queue(
         body,
         salt,
     })
-}
-
-/// Notes the fields that this report carries for the first time in its epoch.
-fn carry<'n>(
-    changes: &mut ChangeSet,
-    (id, writer): (u16, &mut Writer),
-    names: impl Iterator<Item = &'n FieldName>,
-    first_sequence: u32,
-    request: &RequestKey,
-) {
-    for name in names {
-        if writer.carried.contains(name) {
-            continue;
-        }
-        writer.carried.insert(name.clone());
-        changes.writes.writers.carried_fields.push(CarriedFieldRow {
-            field: request.field(name.clone()),
-            data_set_writer_id: id,
-            epoch: writer.epoch,
-            first_sequence,
-        });
-    }
 }
 
 /// Reports that are sent in one NetworkMessage.
@@ -124,10 +105,10 @@ impl SharedMessage {
 /// was released, as partners get it, not each of them.
 fn collect_fields(state: &mut ConnectorState, changes: &mut ChangeSet) {
     state.fields.take_dirty(|field, has_released| {
-        if let Some(value) = field.gate.disclosed().filter(|_| has_released) {
-            changes.effects.values.push((field.key.clone(), value.clone()));
+        if let Some(value) = field.gate().disclosed().filter(|_| has_released) {
+            changes.effects.values.push((field.key().clone(), value.clone()));
             changes.put_event(field);
         }
-        changes.writes.fields.values.insert(field.id, field.value_row());
+        changes.writes.fields.values.insert(field.id(), field.value_row());
     });
 }

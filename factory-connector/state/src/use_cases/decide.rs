@@ -10,10 +10,11 @@ use disclosure::{DecisionBasis, DisclosurePolicy, DocumentId, PolicyFault};
 use mapping::Mapping;
 
 use crate::{
-    ChangeSet, ConnectorState, DisclosureRate, Field,
+    ChangeSet, ConnectorState, Field,
     change_set::Ending,
     consents, dependencies,
     effects::EngineCommand,
+    gates::through_gate,
     queries::{effective_policy, withholding_faults},
 };
 
@@ -104,7 +105,7 @@ pub(super) fn decide_in(
     check(state, key, &request, now)?;
     let Some(field) = state.field(key) else { return Err(DecisionError::UnknownField) };
     let (was_mapped, writer, version) =
-        (field.decision.is_mapped(), field.writer, field.decision.version);
+        (field.decision().is_mapped(), field.writer(), field.decision().version);
     let DecisionRequest { command, reason, decided_by, basis } = request;
     let policy_id = basis.policy_id.clone();
     match command {
@@ -116,14 +117,14 @@ pub(super) fn decide_in(
         DecisionCommand::Refuse => close(state, changes, key, MappingState::Refused),
     }
     let Some(mut field) = state.fields.get_mut(key) else { return Ok(()) };
-    let decision = &mut field.decision;
-    decision.reason = reason.clone();
-    decision.basis = basis;
-    decision.decided_by = Some(decided_by.clone());
-    decision.decided_at = Some(now);
-    decision.version += 1;
-    let (is_mapped, has_mapping) =
-        (decision.is_mapped(), decision.is_open_for(ValueSource::Mapping));
+    let (is_mapped, has_mapping) = field.change_decision(|decision| {
+        decision.reason.clone_from(&reason);
+        decision.basis = basis;
+        decision.decided_by = Some(decided_by.clone());
+        decision.decided_at = Some(now);
+        decision.version += 1;
+        (decision.is_mapped(), decision.is_open_for(ValueSource::Mapping))
+    });
     if was_mapped && !is_mapped {
         let ending = Ending {
             cause: GapCause::Revoked,
@@ -164,13 +165,13 @@ fn check(
             if !faults.is_empty() {
                 return Err(DecisionError::Policy(faults));
             }
-            if field.validity.has_ended(now) {
+            if field.validity().has_ended(now) {
                 return Err(DecisionError::Ended);
             }
             if *value_source == ValueSource::Mapping && mapping.is_none() {
                 return Err(DecisionError::NoMapping);
             }
-            let faults = policy.faults(field.definition.field_type.0, field.is_array());
+            let faults = policy.faults(field.definition().field_type.0, field.is_array());
             if faults.is_empty() { Ok(()) } else { Err(DecisionError::Policy(faults)) }
         }
         DecisionCommand::Refuse if request.reason.is_none() => Err(DecisionError::NoReason),
@@ -196,7 +197,7 @@ fn open(
     let Opening { value_source, mapping, policy, policy_id } = opening;
     let Some(field) = state.fields.get(key) else { return };
     let (effective, _) = effective_policy(state, field, &policy, policy_id.as_ref());
-    let policy_before = Arc::clone(field.gate.policy());
+    let policy_before = Arc::clone(field.gate().policy());
     let policy = state.fields.share_policy(Arc::new(policy), &policy_before);
     let effective = state.fields.share_policy(effective, &policy);
     let mapping = mapping.map(|mut mapping| {
@@ -204,25 +205,29 @@ fn open(
         Arc::new(*mapping)
     });
     let Some(mut field) = state.fields.get_mut(key) else { return };
-    let was_mapped = field.decision.is_mapped();
-    let had_mapping_source = field.decision.value_source == Some(ValueSource::Mapping);
-    let is_other_source = field.decision.value_source != Some(value_source)
-        || field.decision.mapping.as_deref() != mapping.as_deref();
+    let was_mapped = field.decision().is_mapped();
+    let had_mapping_source = field.decision().value_source == Some(ValueSource::Mapping);
+    let is_other_source = field.decision().value_source != Some(value_source)
+        || field.decision().mapping.as_deref() != mapping.as_deref();
     if is_other_source {
-        field.transform = transform_after(&field, mapping.as_deref());
-        field.newest = None;
+        let transform = transform_after(&field, mapping.as_deref());
+        field.begin_source(transform);
     }
-    field.versions.is_recorded &=
-        mapping.is_none() || field.decision.mapping.as_deref() == mapping.as_deref();
-    field.decision.mapping_state = MappingState::Mapped;
-    field.decision.value_source = Some(value_source);
-    field.decision.mapping = mapping.or_else(|| field.decision.mapping.take());
-    field.decision.policy = policy;
+    let is_recorded = field.versions().is_recorded
+        && (mapping.is_none() || field.decision().mapping.as_deref() == mapping.as_deref());
+    field.set_recorded(is_recorded);
+    field.change_decision(|decision| {
+        decision.mapping_state = MappingState::Mapped;
+        decision.value_source = Some(value_source);
+        decision.mapping = mapping.or_else(|| decision.mapping.take());
+        decision.policy = policy;
+    });
     if !was_mapped {
-        field.gate.close();
-        field.rate = DisclosureRate::new(now);
+        field.begin_consent(now);
     }
-    field.gate.change_policy(effective, now);
+    let id = field.id();
+    through_gate(state, id, now, |gate| gate.change_policy(effective, now));
+    let Some(field) = state.fields.get(key) else { return };
     if value_source == ValueSource::Mapping {
         let is_new = is_other_source || !was_mapped;
         changes.effects.engine.extend(field.publish_mapping().filter(|_| is_new));
@@ -234,7 +239,7 @@ fn open(
 /// Returns the state with which another mapping continues: a counter goes on through a correction,
 /// but does not reveal what was counted while nothing was open.
 fn transform_after(field: &Field, mapping: Option<&Mapping>) -> Option<mapping::TransformState> {
-    mapping.filter(|_| field.decision.is_mapped()).and_then(|mapping| field.state_for(mapping))
+    mapping.filter(|_| field.decision().is_mapped()).and_then(|mapping| field.state_for(mapping))
 }
 
 fn close(
@@ -244,11 +249,12 @@ fn close(
     mapping_state: MappingState,
 ) {
     let Some(mut field) = state.fields.get_mut(key) else { return };
-    if field.decision.is_open_for(ValueSource::Mapping) {
+    if field.decision().is_open_for(ValueSource::Mapping) {
         changes.effects.engine.push(EngineCommand::Remove(field.mapping_id()));
     }
-    field.decision.mapping_state = mapping_state;
-    field.decision.value_source = None;
-    field.newest = None;
-    field.gate.close();
+    field.change_decision(|decision| {
+        decision.mapping_state = mapping_state;
+        decision.value_source = None;
+    });
+    field.close();
 }

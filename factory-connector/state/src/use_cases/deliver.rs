@@ -10,7 +10,7 @@ use ledger::Event;
 use spool::{ReceiptEffect, RowId, RowOutcome, SendOutcome, SequenceGap, gaps_of};
 
 use crate::{
-    ChangeSet, ConnectorState,
+    ChangeSet, ConnectorState, LogRecord,
     writes::{DeadLetterRow, ReportMove, WaitingRow},
 };
 
@@ -137,6 +137,9 @@ pub fn drop_reports(
 ) -> ChangeSet {
     let mut changes = ChangeSet::default();
     end_reports(state, &mut changes, rows, cause, now);
+    if cause == GapCause::Coalesced {
+        changes.effects.log.push(LogRecord::ReportsCoalesced { report_count: rows.len() });
+    }
     changes
 }
 

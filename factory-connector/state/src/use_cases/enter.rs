@@ -40,14 +40,15 @@ pub fn enter(
         return (EntryOutcome::Refused(fault), changes);
     }
     let operation = entry.operation.clone();
-    let journal = state.journals.entry(operation.clone()).or_default();
-    if journal.has(&entry.entry_id) {
-        return (EntryOutcome::Repeated, changes);
+    if let Some(journal) = state.journals.get(&operation) {
+        if journal.has(&entry.entry_id) {
+            return (EntryOutcome::Repeated, changes);
+        }
+        if journal.is_full() {
+            return (EntryOutcome::Refused(EntryFault::TooMany), changes);
+        }
     }
-    if journal.is_full() {
-        return (EntryOutcome::Refused(EntryFault::TooMany), changes);
-    }
-    journal.insert(entry.clone());
+    state.journals.insert(entry.clone());
     changes.writes.operator_entries.push(entry);
     changes.effects.events.push(ConnectorEvent::Operator(operation.clone()));
     let mut taken = Vec::new();
@@ -85,9 +86,9 @@ fn check(state: &ConnectorState, entry: &OperatorEntry, now: DateTime) -> Result
         let key = entry.action.field(&entry.operation);
         let field = key
             .and_then(|key| state.fields.get(&key))
-            .filter(|field| field.decision.is_open_for(ValueSource::Manual))
+            .filter(|field| field.decision().is_open_for(ValueSource::Manual))
             .ok_or(EntryFault::NotManual)?;
-        typed_value(value, field.definition.field_type.0, entry.made_at)
+        typed_value(value, field.definition().field_type.0, entry.made_at)
             .map_err(EntryFault::WrongType)?;
     }
     Ok(())
@@ -100,10 +101,10 @@ fn answers(state: &ConnectorState, operation: &OperationKey) -> Vec<(i64, FieldK
     };
     let manual = fields_of_operation(state, operation)
         .into_iter()
-        .filter(|(_, field)| field.decision.is_open_for(ValueSource::Manual));
+        .filter(|(_, field)| field.decision().is_open_for(ValueSource::Manual));
     let answer = |(key, field): (FieldKey, &crate::Field)| {
         let (semantic, field_type) =
-            (field.definition.semantic.as_ref(), field.definition.field_type.0);
+            (field.definition().semantic.as_ref(), field.definition().field_type.0);
         let (answer, at) = journal.answer(&key, semantic, document.planned_quantity)?;
         let value = match answer.json(field_type) {
             None => DataValue::status_only(StatusCode::BAD_NO_DATA, Some(at)),
@@ -111,7 +112,7 @@ fn answers(state: &ConnectorState, operation: &OperationKey) -> Vec<(i64, FieldK
             // when it came.
             Some(json) => typed_value(&json, field_type, at).ok()?,
         };
-        Some((field.id, key, value))
+        Some((field.id(), key, value))
     };
     manual.filter_map(answer).collect()
 }

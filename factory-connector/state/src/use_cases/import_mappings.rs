@@ -49,17 +49,17 @@ fn import_one(
     now: DateTime,
 ) {
     let MappingImport { mut mapping, author, note } = import;
-    let Some(key) = state.field(&mapping.target).map(|field| field.key.clone()) else { return };
+    let Some(key) = state.field(&mapping.target).map(|field| field.key().clone()) else { return };
     state.fields.share_mapping(&mut mapping, &key);
     let is_published = match import_effect(state, &mapping) {
         None | Some(ImportEffect::Unchanged) => return,
         Some(outcome) => outcome == ImportEffect::Published,
     };
     let Some(mut field) = state.fields.get_mut(&key) else { return };
-    field.transform = field.state_for(&mapping).filter(|_| is_published);
-    field.decision.mapping = Some(Arc::new(mapping));
-    field.versions.is_recorded = false;
-    field.mark_dirty();
+    let transform = field.state_for(&mapping).filter(|_| is_published);
+    field.set_transform(transform);
+    field.change_decision(|decision| decision.mapping = Some(Arc::new(mapping)));
+    field.set_recorded(false);
     changes.put_field(&field);
     if is_published {
         changes.effects.engine.extend(field.publish_mapping());
@@ -88,9 +88,9 @@ pub fn set_shadow(
         author: shadow.author.clone(),
         started_at: now,
     });
-    field.versions.shadow = shadow;
+    field.set_shadow(shadow);
     let mut changes = ChangeSet::default();
-    changes.writes.mappings.shadows.push((field.id, row));
+    changes.writes.mappings.shadows.push((field.id(), row));
     changes.effects.engine.push(field.publish_shadow());
     changes.put_event(&field);
     Ok(changes)

@@ -33,7 +33,7 @@ fn keep_alive(state: &mut ConnectorState, id: u16, now: DateTime) -> KeepAlive {
         publisher_id: Some(state.config.factory_id.as_str().into()),
         messages: vec![DataSetMessage {
             data_set_writer_id: Some(id),
-            sequence_number: writer.map(|writer| writer.next_sequence),
+            sequence_number: writer.map(Writer::next_sequence),
             meta_data_version: writer.map(Writer::version),
             timestamp: Some(now),
             kind: DataSetMessageKind::KeepAlive,

@@ -1,16 +1,15 @@
-//! Named policies and the policies of recipients. A change applies to all mapped fields at once,
-//! and each field whose precision changes gets a consent of its own.
-
-use std::{collections::BTreeSet, sync::Arc};
+//! Named policies and the policies of recipients. A change applies at once to all mapped fields that
+//! it concerns, and each field whose precision changes gets a consent of its own.
 
 use asi_model::{DateTime, FieldKey, OrganisationId};
-use disclosure::{
-    DisclosurePolicy, DocumentId, DocumentVersion, NAME_CHARS_MAX, NamedPolicy, RuleFault,
-};
+use disclosure::{DocumentId, DocumentVersion, NAME_CHARS_MAX, NamedPolicy, RuleFault};
 
 use crate::{
-    ChangeSet, ConnectorState, DocumentError, consents, dependencies, effects::ConnectorEvent,
-    gates::through_gate, queries::effective_policy, writes::RecipientPolicyRow,
+    ChangeSet, ConnectorState, DocumentError, Field, consents, dependencies,
+    effects::ConnectorEvent,
+    gates::through_gate,
+    queries::{effective_policy, fields_for_recipient, fields_under_policy},
+    writes::RecipientPolicyRow,
 };
 
 /// Stores a new version of a named policy, and applies it.
@@ -38,7 +37,8 @@ pub fn put_policy(
     let mut changes = ChangeSet::default();
     let version = row.key.clone();
     changes.writes.policies.named.push(row);
-    apply(state, &mut changes, by, now);
+    let fields = keys_of(fields_under_policy(state, id));
+    apply(state, &mut changes, fields, by, now);
     Ok((version, changes))
 }
 
@@ -60,36 +60,46 @@ pub fn set_recipient_policy(
     let version = set.version;
     let row = RecipientPolicyRow { recipient: recipient.clone(), set };
     changes.writes.policies.recipients.push(row);
-    apply(state, &mut changes, by, now);
+    let fields = keys_of(fields_for_recipient(state, recipient));
+    apply(state, &mut changes, fields, by, now);
     Ok((version, changes))
 }
 
-/// Brings every mapped field to the precision that holds now.
-fn apply(state: &mut ConnectorState, changes: &mut ChangeSet, by: &str, now: DateTime) {
+/// Brings these fields to the precision that holds now. Only a changed policy changes it: a revision
+/// with other recipients takes the consent back.
+fn apply(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    fields: Vec<FieldKey>,
+    by: &str,
+    now: DateTime,
+) {
     changes.effects.events.push(ConnectorEvent::Policies);
-    let mut writers = BTreeSet::new();
-    for (key, policy) in changed_fields(state) {
-        let Some(mut field) = state.fields.get_mut(&key) else { continue };
-        let id = field.id;
-        field.gate.change_policy(policy, now);
-        field.decision.decided_by = Some(by.to_owned());
-        field.decision.decided_at = Some(now);
-        field.decision.version += 1;
-        writers.insert(field.writer);
-        dependencies::update(state, &key, now);
-        consents::record(state, changes, &key, now);
-        through_gate(state, id, now, |_| ());
-    }
-    changes.to_refresh.extend(writers.into_iter().map(|writer| (writer, now)));
-}
-
-fn changed_fields(state: &ConnectorState) -> Vec<(FieldKey, Arc<DisclosurePolicy>)> {
-    let mapped = state.fields.iter().filter(|field| field.decision.is_mapped());
-    let changed = mapped.filter_map(|field| {
-        let decision = &field.decision;
+    for key in fields {
+        let Some(field) = state.fields.get(&key) else { continue };
+        let (id, writer, decision) = (field.id(), field.writer(), field.decision());
         let policy_id = decision.basis.policy_id.as_ref();
         let (policy, _) = effective_policy(state, field, &decision.policy, policy_id);
-        (policy != *field.gate.policy()).then(|| (field.key.clone(), policy))
-    });
-    changed.collect()
+        if policy == *field.gate().policy() {
+            continue;
+        }
+        through_gate(state, id, now, |gate| gate.change_policy(policy, now));
+        if let Some(mut field) = state.fields.get_mut(&key) {
+            field.change_decision(|decision| {
+                decision.decided_by = Some(by.to_owned());
+                decision.decided_at = Some(now);
+                decision.version += 1;
+            });
+        }
+        dependencies::update(state, &key, now);
+        consents::record(state, changes, &key, now);
+        changes.to_refresh.insert(writer, now);
+    }
+}
+
+fn keys_of<'s>(fields: impl Iterator<Item = &'s Field>) -> Vec<FieldKey> {
+    let mut keys: Vec<FieldKey> = fields.map(|field| field.key().clone()).collect();
+    keys.sort();
+    keys.dedup();
+    keys
 }

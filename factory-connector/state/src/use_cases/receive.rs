@@ -6,7 +6,7 @@ use asi_model::{
     validation::InvalidMessage,
 };
 
-use crate::{ChangeSet, ConnectorState, writes::DeadLetterRow};
+use crate::{ChangeSet, ConnectorState, LogRecord, writes::DeadLetterRow};
 
 /// Bytes of a rejected message that are stored.
 const DEAD_LETTER_BYTES_MAX: usize = 256 * 1024;
@@ -47,6 +47,10 @@ pub fn reject(
         reason: first.map_or_else(String::new, |fault| fault.message.clone()),
         body: body[..body.len().min(DEAD_LETTER_BYTES_MAX)].to_vec(),
         occurred_at: now,
+    });
+    changes.effects.log.push(LogRecord::MessageRejected {
+        message_id: transport_id.clone(),
+        fault_count: rejection.faults.len(),
     });
     let answer = Answer {
         correlation_id: rejection.message_id.unwrap_or_else(|| transport_id.clone()),

@@ -18,7 +18,7 @@ use super::{
     rules::apply_rules_in,
 };
 use crate::{
-    ChangeSet, ConnectorState, Network, Writer,
+    ChangeSet, ConnectorState, LogRecord, Network, Writer,
     effects::{ConnectorEvent, TwinUpdate},
     keep_alive_schedule::schedule_keep_alive,
     writes::NetworkRow,
@@ -49,7 +49,7 @@ pub fn receive_network(
         changes.writes.networks.push(row);
         changes.effects.twin.push(TwinUpdate::Apply(id.clone()));
         changes.effects.events.push(ConnectorEvent::Inbox(id.clone()));
-        tracing::info!(operation.network = %id, revision, "An operation network is in effect.");
+        changes.effects.log.push(LogRecord::NetworkReceived { network: id.clone(), revision });
     }
     let network = Some((id.clone(), revision));
     let answer = Answer { correlation_id, network, result: result_of(is_new), faults: Vec::new() };
@@ -57,7 +57,7 @@ pub fn receive_network(
     if is_new {
         let count = apply_rules_in(state, &mut changes, Some(&id), now);
         if count > 0 {
-            tracing::info!(operation.network = %id, fields = count, "Standing rules decided about new fields.");
+            changes.effects.log.push(LogRecord::RulesDecided { network: id, field_count: count });
         }
     }
     changes
@@ -85,7 +85,7 @@ pub fn receive_withdrawal(
             received_at: now,
         });
         changes.effects.events.push(ConnectorEvent::Inbox(id.clone()));
-        tracing::info!(operation.network = %id, revision, "An operation network was withdrawn.");
+        changes.effects.log.push(LogRecord::NetworkWithdrawn { network: id.clone(), revision });
     }
     let answer = Answer {
         correlation_id: message.message_id,
@@ -118,8 +118,7 @@ fn withdraw(
     for (key, ..) in network.fields() {
         remove_field(state, changes, &key, now);
     }
-    // Also journals of operations that an earlier revision removed.
-    state.journals.retain(|operation, _| operation.operation_network_id != *id);
+    state.journals.remove(id);
     for (request, ..) in network.requests() {
         retire_writer(state, changes, &request, now);
     }
@@ -199,7 +198,7 @@ fn assign_writer(
         }
         Ok(None) => {}
         Err(_) => {
-            tracing::error!(%request, "A request has no data set writer: all 65 535 are taken.");
+            changes.effects.log.push(LogRecord::WriterMissing { request: request.clone() });
         }
     }
 }

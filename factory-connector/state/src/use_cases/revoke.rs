@@ -38,8 +38,8 @@ pub fn revoke(
     let mapped: Vec<FieldKey> = known
         .ok_or(DecisionError::UnknownField)?
         .into_iter()
-        .filter(|field| field.decision.is_mapped())
-        .map(|field| field.key.clone())
+        .filter(|field| field.decision().is_mapped())
+        .map(|field| field.key().clone())
         .collect();
     if mapped.is_empty() {
         return Err(DecisionError::NothingToRevoke);

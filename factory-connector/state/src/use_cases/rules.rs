@@ -5,8 +5,8 @@ use disclosure::{DecisionBasis, DocumentId, DocumentVersion, Rule, RuleAction, R
 
 use super::decide::{DecisionCommand, DecisionError, DecisionRequest, decide_in};
 use crate::{
-    ChangeSet, ConnectorState, DocumentError, Field, effects::ConnectorEvent, queries::rule_offer,
-    writes::RuleDecisionRow,
+    ChangeSet, ConnectorState, DocumentError, Field, LogRecord, effects::ConnectorEvent,
+    queries::rule_offer, writes::RuleDecisionRow,
 };
 
 /// Name under which rules decide.
@@ -69,12 +69,12 @@ pub(super) fn apply_rules_in(
     // A field that an engineer left open stays with the engineer.
     let undecided = |field: &&Field| field.is_undecided();
     let mut keys: Vec<FieldKey> = match network {
-        None => state.fields.iter().filter(undecided).map(|field| field.key.clone()).collect(),
+        None => state.fields.iter().filter(undecided).map(|field| field.key().clone()).collect(),
         Some(network) => {
             let message = state.networks.get(network).and_then(|known| known.message.as_ref());
             let requested = message.iter().flat_map(|message| message.operation_network.fields());
             let fields = requested.filter_map(|(key, ..)| state.fields.get(&key));
-            fields.filter(undecided).map(|field| field.key.clone()).collect()
+            fields.filter(undecided).map(|field| field.key().clone()).collect()
         }
     };
     keys.sort();
@@ -109,7 +109,8 @@ fn apply_offer(
         },
     };
     if let Err(error) = decide_in(state, changes, key, request, false, now) {
-        tracing::warn!(field = %key, error = &error as &dyn std::error::Error, "A standing rule could not be applied; the field waits for an engineer.");
+        let reason = error.to_string();
+        changes.effects.log.push(LogRecord::RuleNotApplied { field: key.clone(), reason });
         return false;
     }
     changes.effects.decisions.rule_count += 1;
@@ -118,7 +119,7 @@ fn apply_offer(
         field: key.clone(),
         action: offer.action,
         rules,
-        consent_version: state.field(key).map_or(0, |field| field.decision.version),
+        consent_version: state.field(key).map_or(0, |field| field.decision().version),
         decided_at: now,
     });
     true
@@ -138,7 +139,7 @@ pub fn undo_rule_decision(
     now: DateTime,
 ) -> Result<ChangeSet, DecisionError> {
     let field = state.field(key).ok_or(DecisionError::UnknownField)?;
-    if field.decision.version != consent_version || field.decision.basis.rules.is_empty() {
+    if field.decision().version != consent_version || field.decision().basis.rules.is_empty() {
         return Err(DecisionError::DecidedSince);
     }
     let mut changes = ChangeSet::default();

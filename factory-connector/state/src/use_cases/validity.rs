@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use asi_model::DateTime;
 
 use super::values::receive_candidate;
-use crate::{ChangeSet, ConnectorState, consents};
+use crate::{ChangeSet, ConnectorState, Field, LogRecord, consents};
 
 /// Reason that a partner reads when its request has ended.
 const ENDED: &str = "The request's validity has ended.";
@@ -14,7 +14,7 @@ const ENDED: &str = "The request's validity has ended.";
 pub fn begin_requests(state: &mut ConnectorState, now: DateTime) {
     while let Some(id) = state.fields.pop_beginning(now) {
         let Some(mut field) = state.fields.by_id_mut(id) else { continue };
-        if let Some((value, source)) = field.newest.take().zip(field.decision.value_source) {
+        if let Some((value, source)) = field.take_newest().zip(field.decision().value_source) {
             receive_candidate(state, id, source, value, None, now);
         }
     }
@@ -27,8 +27,8 @@ pub fn end_requests(state: &mut ConnectorState, now: DateTime) -> ChangeSet {
     let mut writers = BTreeSet::new();
     for key in state.fields.ended(now) {
         consents::close(state, &mut changes, &key, ENDED, now);
-        writers.extend(state.field(&key).map(|field| field.writer));
-        tracing::info!(field = %key, "The request's validity has ended; nothing of the field is disclosed any more.");
+        writers.extend(state.field(&key).map(Field::writer));
+        changes.effects.log.push(LogRecord::RequestEnded { field: key });
     }
     changes.to_refresh.extend(writers.into_iter().map(|writer| (writer, now)));
     changes

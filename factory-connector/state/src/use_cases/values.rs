@@ -4,7 +4,7 @@ use asi_model::{DataValue, DateTime, FieldKey, StatusCode, messages::ValueSource
 use disclosure::GateOutcome;
 use mapping::TransformState;
 
-use crate::{ConnectorState, dependencies, gates::through_gate, queries::write_refusal};
+use crate::{ConnectorState, Field, dependencies, gates::through_gate, queries::write_refusal};
 
 /// Offers a candidate to the field with this number. `None` where the field accepts none from this
 /// source, or none now.
@@ -17,19 +17,14 @@ pub fn receive_candidate(
     now: DateTime,
 ) -> Option<GateOutcome> {
     let mut field =
-        state.fields.by_id_mut(id).filter(|field| field.decision.is_open_for(source))?;
-    if !field.validity.contains(now) {
-        if let Some(from) = field.validity.from.filter(|from| *from > now) {
-            field.newest = Some(value);
-            state.fields.note_beginning(id, from);
+        state.fields.by_id_mut(id).filter(|field| field.decision().is_open_for(source))?;
+    if !field.validity().contains(now) {
+        if let Some(from) = field.validity().from.filter(|from| *from > now) {
+            field.keep_until(value, from);
         }
         return None;
     }
-    if transform.is_some() {
-        field.transform = transform;
-    }
-    field.newest = Some(value.clone());
-    field.rate.count_candidate(now);
+    field.receive(value.clone(), transform, now);
     // Dependent gates learn a new state before anything of theirs is released.
     if let Some(key) = state.fields.key_with_dependents(id) {
         dependencies::notify(state, &key, now);
@@ -49,7 +44,7 @@ pub fn write_value(
     now: DateTime,
 ) -> Result<GateOutcome, StatusCode> {
     let refusal = write_refusal(state, key, source, now);
-    let id = state.field(key).map(|field| field.id);
+    let id = state.field(key).map(Field::id);
     id.and_then(|id| receive_candidate(state, id, source, value, None, now))
         .ok_or(refusal.unwrap_or(StatusCode::BAD_NOT_WRITABLE))
 }

@@ -1,13 +1,10 @@
 //! Fields that a revision adds, changes or removes.
 
-use std::sync::Arc;
-
 use asi_model::{
     DateTime, FieldKey,
     difference::{ConsentEffect, FieldDifference, MappingEffect},
     messages::{GapCause, MappingState},
 };
-use disclosure::{Gate, GateState};
 
 use crate::{
     ChangeSet, ConnectorState, Field, Validity, change_set::Ending, consents, dependencies,
@@ -33,9 +30,11 @@ pub(super) fn add_field(
     let validity = validity_of(state, key);
     let id_and_key = (state.fields.next_id(), key.clone());
     let field = Field::new(id_and_key, definition, validity, writer, now);
-    changes.writes.fields.decided.insert(field.id, field.row());
+    changes.writes.fields.decided.insert(field.id(), field.row());
     state.fields.insert(field);
-    state.fields.mark_dirty(key);
+    if let Some(mut field) = state.fields.get_mut(key) {
+        field.mark_dirty();
+    }
 }
 
 /// Changes a field as its request now states it. Returns true where the data set of the request
@@ -53,23 +52,15 @@ pub(super) fn change_field(
         add_field(state, changes, key, now);
         return false;
     };
-    let was_mapped = field.decision.is_mapped();
-    let has_other_type = field.definition.field_type != definition.field_type;
-    field.definition = definition;
-    field.validity = validity;
-    if has_other_type {
-        let policy = Arc::clone(field.gate.policy());
-        let field_type = field.definition.field_type.0;
-        field.gate = Gate::new(policy, field_type, GateState::default(), now);
-    }
+    let was_mapped = field.decision().is_mapped();
+    field.change_definition(definition, validity, now);
     if difference.mapping == MappingEffect::Suggested {
-        field.transform = None;
+        field.set_transform(None);
     }
-    field.note_deadlines();
     if difference.consent == ConsentEffect::Kept {
         field.mark_dirty();
-        changes.writes.fields.decided.insert(field.id, field.row());
-    } else if field.decision.mapping_state != MappingState::Pending {
+        changes.writes.fields.decided.insert(field.id(), field.row());
+    } else if field.decision().mapping_state != MappingState::Pending {
         consents::reopen(state, changes, key, REQUEST_CHANGED, now);
     }
     was_mapped
@@ -84,15 +75,15 @@ pub(super) fn remove_field(
 ) -> bool {
     let Some(field) = state.fields.remove(key) else { return false };
     dependencies::notify(state, key, now);
-    changes.writes.remove_field(field.id);
+    changes.writes.remove_field(field.id());
     let engine = &mut changes.effects.engine;
-    if field.versions.shadow.is_some() {
+    if field.versions().shadow.is_some() {
         engine.push(EngineCommand::Remove(field.shadow_id()));
     }
-    if field.decision.mapping.is_some() {
+    if field.decision().mapping.is_some() {
         engine.push(EngineCommand::Remove(field.mapping_id()));
     }
-    field.decision.is_mapped()
+    field.decision().is_mapped()
 }
 
 /// Ends the consent to a mapped field that the partner does not ask for any more.
@@ -102,7 +93,7 @@ pub(super) fn end_withdrawn_consent(
     key: &FieldKey,
     now: DateTime,
 ) {
-    let decision = state.field(key).map(|field| &field.decision);
+    let decision = state.field(key).map(Field::decision);
     let Some(decision) = decision.filter(|decision| decision.is_mapped()) else { return };
     let version = decision.version;
     let ending = Ending {

@@ -1,0 +1,43 @@
+//! Log of what committed transactions did.
+
+use connector_state::LogRecord;
+
+/// Writes a record of a committed transaction to the log, and counts it where it is counted.
+pub(super) fn write(record: &LogRecord) {
+    match record {
+        LogRecord::NetworkReceived { network, revision } => {
+            tracing::info!(operation.network = %network, revision, "An operation network is in effect.");
+        }
+        LogRecord::NetworkWithdrawn { network, revision } => {
+            tracing::info!(operation.network = %network, revision, "An operation network was withdrawn.");
+        }
+        LogRecord::MessageRejected { message_id, fault_count } => {
+            metrics::counter!("verbund_messages_rejected_total").increment(1);
+            tracing::warn!(message.id = %message_id, faults = fault_count, "A message was rejected and answered.");
+        }
+        LogRecord::RulesDecided { network, field_count } => {
+            tracing::info!(operation.network = %network, fields = field_count, "Standing rules decided about new fields.");
+        }
+        LogRecord::RuleNotApplied { field, reason } => {
+            tracing::warn!(%field, reason, "A standing rule could not be applied; the field waits for an engineer.");
+        }
+        LogRecord::RequestEnded { field } => {
+            tracing::info!(%field, "The request's validity has ended; nothing of the field is disclosed any more.");
+        }
+        LogRecord::WriterMissing { request } => {
+            tracing::error!(%request, "A request has no data set writer: all 65 535 are taken.");
+        }
+        LogRecord::EpochsBegun => {
+            tracing::warn!(
+                "The store was restored, moved or copied; every data set writer began a new epoch."
+            );
+        }
+        LogRecord::ReportsCoalesced { report_count } => {
+            metrics::counter!("verbund_reports_coalesced_total").increment(*report_count as u64);
+            tracing::warn!(
+                reports = report_count,
+                "The spool is full; older reports were dropped for newer ones."
+            );
+        }
+    }
+}

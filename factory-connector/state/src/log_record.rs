@@ -1,0 +1,26 @@
+//! Records for the log: what a transaction did, written once it is committed.
+
+use asi_model::{FieldKey, MessageId, OperationNetworkId, RequestKey};
+
+/// A record for the log (OpenTelemetry's LogRecord). It has no values of the plant.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum LogRecord {
+    /// A network is in effect in a revision.
+    NetworkReceived { network: OperationNetworkId, revision: u64 },
+    /// A network was withdrawn by a revision.
+    NetworkWithdrawn { network: OperationNetworkId, revision: u64 },
+    /// A message of the platform was rejected and answered.
+    MessageRejected { message_id: MessageId, fault_count: usize },
+    /// Standing rules decided about fields of a network.
+    RulesDecided { network: OperationNetworkId, field_count: usize },
+    /// A standing rule could not be applied to a field, which waits for an engineer.
+    RuleNotApplied { field: FieldKey, reason: String },
+    /// The validity of a field's request has ended.
+    RequestEnded { field: FieldKey },
+    /// A request has no data set writer: all DataSetWriterIds are taken.
+    WriterMissing { request: RequestKey },
+    /// Every data set writer began a new epoch: the store was restored, moved or copied.
+    EpochsBegun,
+    /// Reports were dropped for newer ones: the spool is full.
+    ReportsCoalesced { report_count: usize },
+}

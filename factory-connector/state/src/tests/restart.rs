@@ -1,0 +1,183 @@
+//! Restarts: what is loaded is what was stored, and what was in effect.
+
+use std::collections::BTreeMap;
+
+use asi_model::messages::ValueSource;
+use disclosure::Versioned;
+use ledger::{Head, Heads};
+use serde_json::json;
+
+use crate::{
+    ConnectorState, IdSource, RecipientPolicy, Snapshot, StateConfig, StoredNetwork,
+    StoredPolicies, Writes,
+    scene::{Scene, at, decision, field, network},
+    use_cases::{
+        decide::{DecisionCommand, DecisionRequest},
+        policies::{put_policy, set_recipient_policy},
+        values::release_due,
+    },
+    writes::{DocumentRow, FieldRow, FieldValueRow, WriterRow},
+};
+
+/// Rows as a store has them after some transactions.
+#[derive(Default)]
+struct Stored {
+    networks: BTreeMap<String, StoredNetwork>,
+    fields: BTreeMap<i64, (FieldRow, Option<FieldValueRow>)>,
+    writers: BTreeMap<u16, WriterRow>,
+    heads: BTreeMap<asi_model::OrganisationId, Head>,
+    named: BTreeMap<String, DocumentRow>,
+    recipients: BTreeMap<asi_model::OrganisationId, RecipientPolicy>,
+}
+
+impl Stored {
+    fn write(&mut self, writes: Writes) {
+        for row in writes.networks {
+            let message = row.message.map(|json| serde_json::from_str(&json).expect("a network"));
+            let stored = StoredNetwork {
+                operation_network_id: row.operation_network_id.clone(),
+                revision: row.revision,
+                message,
+                received_at: row.received_at,
+            };
+            self.networks.insert(row.operation_network_id.to_string(), stored);
+        }
+        for (id, row) in writes.fields.decided {
+            let (stored, _) = self.fields.entry(id).or_insert_with(|| (row.clone(), None));
+            *stored = row;
+        }
+        for (id, row) in writes.fields.values {
+            self.fields.get_mut(&id).expect("a field").1 = Some(row);
+        }
+        for id in writes.fields.removed {
+            self.fields.remove(&id);
+        }
+        self.writers.extend(writes.writers.changed);
+        for (entry, _) in writes.ledger.entries {
+            self.heads.insert(entry.recipient, Head { number: entry.number, hash: entry.hash });
+        }
+        let named = writes.policies.named.into_iter();
+        self.named.extend(named.map(|row| (row.key.id.as_str().to_owned(), row)));
+        let recipients = writes.policies.recipients.into_iter();
+        self.recipients.extend(recipients.map(|row| (row.recipient, row.set)));
+    }
+
+    fn load(&self, ms: i64) -> Scene {
+        let named = self.named.values().cloned().map(|row| Versioned {
+            key: row.key,
+            document: serde_json::from_str(&row.document).expect("a policy"),
+            changed_by: row.changed_by,
+            changed_at: row.changed_at,
+        });
+        let snapshot = Snapshot {
+            networks: self.networks.values().cloned().collect(),
+            fields: self.fields.values().cloned().collect(),
+            writers: self.writers.clone().into_iter().collect(),
+            heads: Heads::new(self.heads.clone()),
+            policies: StoredPolicies {
+                named: named.collect(),
+                recipients: self.recipients.clone().into_iter().collect(),
+                ..StoredPolicies::default()
+            },
+            ..Snapshot::default()
+        };
+        let config = StateConfig {
+            factory_id: "F".parse().expect("an id"),
+            encoding: asi_model::pubsub::json::Encoding::Digicor,
+        };
+        let (state, pending) =
+            ConnectorState::load(config, snapshot, IdSource::new([8; 32]), false, at(ms))
+                .expect("it can be read");
+        Scene { state, pending }
+    }
+}
+
+/// Everything that a restart must bring back, as text.
+fn description(state: &ConnectorState) -> String {
+    let mut fields: Vec<_> = state.fields().iter().collect();
+    fields.sort_by_key(|field| field.id());
+    let fields: Vec<_> = fields
+        .iter()
+        .map(|field| {
+            let in_force = Some(field.gate().policy()).filter(|_| field.decision().is_mapped());
+            (field.row(), field.value_row(), in_force, field.gate().due())
+        })
+        .collect();
+    let mut active: Vec<u16> = state.writers().active().collect();
+    active.sort_unstable();
+    let writers: Vec<_> =
+        active.iter().map(|id| state.writers().get(*id).map(crate::Writer::row)).collect();
+    format!("{fields:#?}\n{writers:#?}\n{:#?}", state.ledger().heads())
+}
+
+#[test]
+fn a_restart_brings_the_same_state_back() {
+    let (mut scene, mut stored) = (Scene::default(), Stored::default());
+    let mut check = |scene: &mut Scene, ms: i64| {
+        stored.write(scene.commit(ms).0);
+        let loaded = stored.load(ms);
+        assert_eq!(description(&loaded.state), description(&scene.state));
+        assert_eq!(loaded.state.fields().next_deadline(), scene.state.fields().next_deadline());
+        assert!(loaded.pending.is_urgent(), "what is shown and run again does not wait");
+    };
+    check(&mut scene, 0);
+    let policy = |step: u32| {
+        let json = json!({ "name": "n", "disclosure": { "roundingStep": step } });
+        serde_json::from_value(json).expect("a policy")
+    };
+    let coarse: disclosure::DocumentId = "coarse".parse().expect("an id");
+    scene
+        .attempt(|state| put_policy(state, &coarse, policy(100), None, "eve", at(1)))
+        .expect("stored");
+    scene.map("made", ValueSource::Manual, r#"{"roundingStep":10,"delayMs":1000}"#);
+    scene.map("note", ValueSource::Manual, "{}");
+    scene.candidate("made", ValueSource::Manual, 149_u64, 2);
+    scene.candidate("note", ValueSource::Manual, "a", 2);
+    check(&mut scene, 2);
+    let (hull, set) = ("hull".parse().expect("an id"), Some(coarse.clone()));
+    scene
+        .attempt(|state| set_recipient_policy(state, &hull, set, None, "eve", at(3)))
+        .expect("set");
+    check(&mut scene, 3);
+    release_due(&mut scene.state, at(1002));
+    check(&mut scene, 1002);
+    let refusal =
+        DecisionRequest { reason: Some("no".to_owned()), ..decision(DecisionCommand::Refuse) };
+    scene.decide("note", refusal, 1003).expect("refused");
+    scene
+        .attempt(|state| put_policy(state, &coarse, policy(1000), None, "eve", at(1004)))
+        .expect("stored");
+    check(&mut scene, 1004);
+    scene.arrive(network(2, |request| {
+        request["recipientList"] = json!(["acme"]);
+        request["reportDataFormat"]["reportFieldList"].as_array_mut().expect("fields").pop();
+    }));
+    check(&mut scene, 1005);
+}
+
+/// A machine's state is unknown after a restart: it must not let a value out that fell due while
+/// nobody looked, neither to the partner nor to the nodes.
+#[test]
+fn a_state_from_before_a_restart_releases_nothing() {
+    let (mut scene, mut stored) = (Scene::default(), Stored::default());
+    scene.map("note", ValueSource::Mapping, "{}");
+    let policy = r#"{"delayMs":1000,"withholdWhile":[{"field":"note","states":["SETUP"]}]}"#;
+    scene.map("made", ValueSource::Manual, policy);
+    scene.candidate("note", ValueSource::Mapping, "RUN", 1);
+    scene.candidate("made", ValueSource::Manual, 7_u64, 2);
+    stored.write(scene.commit(3).0);
+    let mut scene = stored.load(5000);
+    release_due(&mut scene.state, at(5000));
+    let disclosed = |scene: &Scene| {
+        let field = scene.state.field(&field("made")).expect("a field");
+        field.gate().disclosed().is_some()
+    };
+    assert!(!disclosed(&scene), "the state is unknown");
+    let reported = |scene: &mut Scene, ms| {
+        let (writes, _) = scene.commit(ms);
+        writes.reports.queued.iter().any(|report| report.body.contains("\"made\""))
+    };
+    assert!(!reported(&mut scene, 5001));
+    scene.candidate("note", ValueSource::Mapping, "RUN", 5002);
+    assert!(disclosed(&scene) && reported(&mut scene, 5003), "it is known again");
+}
