@@ -10,7 +10,9 @@ mod to_factory;
 
 pub use asset::{AssetKind, AssetOffer, AssetRequest};
 pub use comment::Comment;
-pub use disclosure::{AggregateStatement, DisclosureStatement, HoursStatement, RateStatement};
+pub use disclosure::{
+    AggregateStatement, DisclosureStatement, HoursStatement, RateStatement, StatusResolution,
+};
 pub use from_factory::{
     Acknowledgement, AcknowledgementResult, Decision, DecisionTarget, FactoryMessage, Fault, Gap,
     GapCause, MappingState, ValueSource,

@@ -85,6 +85,8 @@ function partText(part: StatementPart, code: LanguageCode): string | undefined {
       )
     case 'WITHHELD':
       return statement.withheld
+    case 'STATUS_CODES':
+      return statement.statusCodes[part.resolution]
     default:
       return undefined
   }

@@ -139,6 +139,11 @@ export const de: Words = {
     delayed: (delay: string) => `${delay} später`,
     hours: (days: string, from: string, until: string) => `nur ${days} von ${from} bis ${until}`,
     withheld: 'in bestimmten Zuständen zurückgehalten',
+    statusCodes: {
+      FULL: 'mit jedem Statuscode, wie er ist',
+      COMMON: 'mit den üblichen Statuscodes',
+      SEVERITY: 'von Statuscodes nur gut, unsicher oder schlecht',
+    } as Record<string, string>,
   },
   value: { none: 'kein Wert', yes: 'wahr', no: 'falsch', noData: 'Noch keine Daten' },
   action: {

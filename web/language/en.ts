@@ -145,6 +145,11 @@ export const en = {
     hours: (days: string, from: string, until: string) =>
       `only ${days} from ${from} until ${until}`,
     withheld: 'withheld in certain states',
+    statusCodes: {
+      FULL: 'with every status code as it is',
+      COMMON: 'with the common status codes',
+      SEVERITY: 'of status codes only good, uncertain or bad',
+    } as Record<string, string>,
   },
   value: { none: 'no value', yes: 'true', no: 'false', noData: 'No data yet' },
   action: {

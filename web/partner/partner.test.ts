@@ -222,14 +222,15 @@ describe('a precision', () => {
     [
       {
         description:
-          'In bands from -5, 0.5 PIECE; only Mon, Fri from 06:00 until 22:00; withheld in certain states.',
+          'In bands from -5, 0.5 PIECE; only Mon, Fri from 06:00 until 22:00; withheld in certain states; with every status code as it is.',
         bandList: [-5, 0.5],
         hoursList: [
           { dayList: ['MONDAY', 'FRIDAY'], from: '06:00', until: '22:00', utcOffsetMinutes: 0 },
         ],
         isWithheldInStates: true,
+        statusCodes: 'FULL',
       },
-      'In Bändern ab -5; 0,5 PIECE; nur Mo, Fr von 06:00 bis 22:00; in bestimmten Zuständen zurückgehalten.',
+      'In Bändern ab -5; 0,5 PIECE; nur Mo, Fr von 06:00 bis 22:00; in bestimmten Zuständen zurückgehalten; mit jedem Statuscode, wie er ist.',
     ],
   ])('%j is said in the language of the reader', (told, text) => {
     language.choose('de')

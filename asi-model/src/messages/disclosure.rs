@@ -40,6 +40,20 @@ pub struct DisclosureStatement {
     /// Nothing leaves in certain states; the states themselves are not disclosed.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_withheld_in_states: bool,
+    /// Resolution of status codes; when absent, a small fixed set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub status_codes: Option<StatusResolution>,
+}
+
+/// Resolution in which status codes leave their factory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum StatusResolution {
+    /// Every status code as it is.
+    Full,
+    /// Only Good, Uncertain and Bad.
+    Severity,
 }
 
 /// Hours of the plant's clock.

@@ -6,7 +6,9 @@ use super::{
 };
 use crate::{
     json::Node,
-    messages::{AggregateStatement, DisclosureStatement, HoursStatement, RateStatement},
+    messages::{
+        AggregateStatement, DisclosureStatement, HoursStatement, RateStatement, StatusResolution,
+    },
 };
 
 /// Most limits of the rate that one disclosure states.
@@ -24,6 +26,8 @@ const DAYS: [(&str, &str); 7] = [
     ("SATURDAY", "SATURDAY"),
     ("SUNDAY", "SUNDAY"),
 ];
+const STATUS_RESOLUTIONS: [(&str, StatusResolution); 2] =
+    [("FULL", StatusResolution::Full), ("SEVERITY", StatusResolution::Severity)];
 
 pub(super) fn disclosure(reader: &mut Reader, node: Node<'_, '_>) -> Option<DisclosureStatement> {
     if !reader.is_object(node, "A disclosure") {
@@ -46,6 +50,8 @@ pub(super) fn disclosure(reader: &mut Reader, node: Node<'_, '_>) -> Option<Disc
         is_withheld_in_states: reader
             .optional(node, "isWithheldInStates", Reader::boolean)
             .unwrap_or_default(),
+        status_codes: reader
+            .optional(node, "statusCodes", |reader, node| reader.choice(node, &STATUS_RESOLUTIONS)),
     })
 }
 

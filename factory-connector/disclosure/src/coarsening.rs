@@ -1,4 +1,4 @@
-//! Coarsening of one value: rounding, banding, significant digits and time steps.
+//! Coarsening of one value: rounding, banding, significant digits, status codes and time steps.
 
 use std::sync::Arc;
 
@@ -13,7 +13,8 @@ pub(super) struct Coarsened {
 }
 
 /// Coarsens a candidate for a field of a type. A value of another type than the field's is never
-/// released: a rounding step may not apply to its digits. A Bad value has only its status.
+/// released: a rounding step may not apply to its digits. A Bad value has only its status, in the
+/// resolution of the policy.
 pub(super) fn coarsen(
     policy: &DisclosurePolicy,
     field_type: BuiltInType,
@@ -26,21 +27,14 @@ pub(super) fn coarsen(
     } else {
         (coarsen_variant(policy, &candidate.value), candidate.status)
     };
+    let status = policy.status_codes.coarsen(status);
     let source_timestamp = candidate.source_timestamp.map(|time| time.floor_to(policy.time_step()));
-    let is_coarsened = value != candidate.value || source_timestamp != candidate.source_timestamp;
+    let is_coarsened = value != candidate.value
+        || status != candidate.status
+        || source_timestamp != candidate.source_timestamp;
     // Only the source's time is released. A server's time or a finer clock would reveal more.
-    let source_picoseconds =
-        if policy.time_step_ms.is_some() { 0 } else { candidate.source_picoseconds };
-    Coarsened {
-        value: DataValue {
-            value,
-            status,
-            source_timestamp,
-            source_picoseconds,
-            ..DataValue::default()
-        },
-        is_coarsened,
-    }
+    let value = DataValue { value, status, source_timestamp, ..DataValue::default() };
+    Coarsened { value, is_coarsened }
 }
 
 fn coarsen_variant(policy: &DisclosurePolicy, value: &Variant) -> Variant {
@@ -63,6 +57,9 @@ fn coarsen_scalar(policy: &DisclosurePolicy, scalar: &Scalar) -> Scalar {
     match scalar {
         Scalar::DateTime(time) => Scalar::DateTime(time.floor_to(policy.time_step())),
         scalar if !scalar.built_in_type().is_numeric() => scalar.clone(),
+        // The maker of a value chooses the bits of "not a number".
+        Scalar::Double(value) if value.is_nan() => Scalar::Double(f64::NAN),
+        Scalar::Float(value) if value.is_nan() => Scalar::Float(f32::NAN),
         scalar => {
             let coarse = if policy.bands.is_empty() {
                 policy.rounding_step.map_or_else(|| scalar.clone(), |step| round(scalar, step))
@@ -132,8 +129,6 @@ fn band(scalar: &Scalar, bounds: &[f64]) -> Scalar {
     let below =
         |value: f64| bounds.iter().rev().find(|bound| **bound <= value).copied().unwrap_or(lowest);
     match *scalar {
-        Scalar::Double(value) if value.is_nan() => Scalar::Double(value),
-        Scalar::Float(value) if value.is_nan() => Scalar::Float(value),
         Scalar::Double(value) => Scalar::Double(below(value)),
         Scalar::Float(value) => Scalar::Float(below(value.into()) as f32),
         _ => {

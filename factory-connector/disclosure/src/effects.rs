@@ -21,6 +21,8 @@ pub enum EffectKind {
     Rounded,
     /// Few significant digits.
     Digits,
+    /// Status codes in another resolution than the usual one.
+    StatusCodes,
     /// Times in steps.
     TimeStep,
     /// Released with a delay.
@@ -56,10 +58,8 @@ pub fn effects(
     is_withheld: bool,
     now: DateTime,
 ) -> Vec<Effect> {
-    let alone = |part: DisclosurePolicy| {
-        let coarse = coarsen(&part, field_type, candidate.clone()).value;
-        coarse.value != candidate.value || coarse.source_timestamp != candidate.source_timestamp
-    };
+    let alone = |part: DisclosurePolicy| coarsen(&part, field_type, candidate.clone()).value;
+    let without = alone(DisclosurePolicy::default());
     let open = DisclosurePolicy::default;
     let mut effects = Vec::new();
     let mut add = |kind, part: DisclosurePolicy, is_felt: bool| {
@@ -78,9 +78,10 @@ pub fn effects(
             EffectKind::Digits,
             DisclosurePolicy { significant_digits: policy.significant_digits, ..open() },
         ),
+        (EffectKind::StatusCodes, DisclosurePolicy { status_codes: policy.status_codes, ..open() }),
         (EffectKind::TimeStep, DisclosurePolicy { time_step_ms: policy.time_step_ms, ..open() }),
     ] {
-        let is_felt = alone(part.clone());
+        let is_felt = alone(part.clone()) != without;
         add(kind, part, is_felt);
     }
     add(EffectKind::Delayed, DisclosurePolicy { delay_ms: policy.delay_ms, ..open() }, true);

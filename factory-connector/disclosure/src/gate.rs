@@ -55,6 +55,16 @@ pub struct GateState {
 }
 
 /// Decides which of a field's candidates are released, and at which time.
+impl GateState {
+    /// Coarsens the status codes of a state that may be from a time when all were disclosed.
+    fn coarsen_statuses(&mut self, policy: &DisclosurePolicy) {
+        let waiting = self.waiting.iter_mut().map(|(_, value)| value);
+        for value in waiting.chain(&mut self.disclosed) {
+            value.status = policy.status_codes.coarsen(value.status);
+        }
+    }
+}
+
 ///
 /// `now` must never decrease for one gate; [`Gate::new`] corrects a state from a clock that was set
 /// back.
@@ -91,6 +101,7 @@ impl Gate {
         }
         state.aggregation.set_clock_back(now);
         let is_immediate = policy.is_immediate();
+        state.coarsen_statuses(&policy);
         Self {
             policy,
             is_immediate,

@@ -5,14 +5,16 @@ use std::time::Duration;
 use asi_model::{DataValue, DateTime};
 use serde::{Deserialize, Serialize};
 
-use super::{RateLimit, RoundingStep, WindowAggregate, WithholdCondition, WorkingHours};
+use super::{
+    RateLimit, RoundingStep, StatusCodes, WindowAggregate, WithholdCondition, WorkingHours,
+};
 
 /// Coarsening of a field's values before they are released. Empty: every change is released
 /// unchanged.
 ///
 /// In this order: values in a withheld state are dropped, each window is aggregated, the number is
-/// banded or rounded and then cut to its significant digits; the result waits for its delay, the
-/// intervals and rates, the time step and the working hours.
+/// banded or rounded and then cut to its significant digits, and the status code is coarsened; the
+/// result waits for its delay, the intervals and rates, the time step and the working hours.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 pub struct DisclosurePolicy {
@@ -51,6 +53,9 @@ pub struct DisclosurePolicy {
     /// No value is released while one of these conditions is met; candidates of that time never are.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub withhold_while: Vec<WithholdCondition>,
+    /// Resolution of status codes; a small fixed set when absent.
+    #[serde(skip_serializing_if = "StatusCodes::is_common")]
+    pub status_codes: StatusCodes,
 }
 
 /// Longest interval, time step or delay: a year.

@@ -3,13 +3,15 @@
 mod part;
 mod words;
 
-use asi_model::messages::{AggregateStatement, DisclosureStatement, RateStatement};
+use asi_model::messages::{
+    AggregateStatement, DisclosureStatement, RateStatement, StatusResolution,
+};
 pub use part::StatementPart;
 use serde::Serialize;
 pub(super) use words::describe_period;
 use words::sentence;
 
-use super::{DisclosurePolicy, Language, WorkingHours};
+use super::{DisclosurePolicy, Language, StatusCodes, WorkingHours};
 
 /// A precision as published to the partner.
 #[derive(Debug, Clone, PartialEq, Serialize, utoipa::ToSchema)]
@@ -61,6 +63,11 @@ pub fn disclosure_statement(policy: &DisclosurePolicy, unit: Option<&str>) -> Di
         band_list: policy.bands.clone(),
         hours_list: policy.hours().map(WorkingHours::statement).collect(),
         is_withheld_in_states: !policy.withhold_while.is_empty(),
+        status_codes: match policy.status_codes {
+            StatusCodes::Full => Some(StatusResolution::Full),
+            StatusCodes::Common => None,
+            StatusCodes::Severity => Some(StatusResolution::Severity),
+        },
     }
 }
 
@@ -93,6 +100,12 @@ mod tests {
                 None,
                 "At most 3 values per 1 h; withheld in certain states.",
             ),
+            (
+                r#"{"roundingStep":5,"statusCodes":"SEVERITY"}"#,
+                None,
+                "Rounded to multiples of 5; of status codes only good, uncertain or bad.",
+            ),
+            (r#"{"statusCodes":"FULL"}"#, None, "With every status code as it is."),
         ] {
             let policy: DisclosurePolicy = serde_json::from_str(json).expect("a policy");
             assert_eq!(disclosure_statement(&policy, unit).description, text);
@@ -105,7 +118,7 @@ mod tests {
         let policy: DisclosurePolicy = serde_json::from_str(
             r#"{"roundingStep":10,"bands":[0.5,50.0],"significantDigits":2,"aggregate":{"function":"MEAN","windowMs":3600000},
             "minimumIntervalMs":60000,"rateLimits":[{"values":3,"periodMs":3600000}],"timeStepMs":1000,"delayMs":5,
-            "workingHours":{"days":["MONDAY"],"from":"06:00","until":"22:00"},"withholdWhile":[{"states":["SETUP"]}]}"#,
+            "workingHours":{"days":["MONDAY"],"from":"06:00","until":"22:00"},"withholdWhile":[{"states":["SETUP"]}],"statusCodes":"SEVERITY"}"#,
         )
         .expect("a policy");
         let stated = Statement::of(&policy, Some("PIECE"));
@@ -117,11 +130,13 @@ mod tests {
             ("MONDAY", "06:00", "22:00")
         );
         assert_eq!((statement.band_list, statement.is_withheld_in_states), (vec![0.5, 50.0], true));
+        assert_eq!(statement.status_codes, Some(StatusResolution::Severity));
         assert_eq!(
             stated.in_language(Language::De),
             "Ein Wert je 1 h: zeitlicher Mittelwert; gerundet auf Vielfache von 10 PIECE; in Bändern ab 0,5; 50 PIECE; mit 2 \
              gültigen Ziffern; höchstens einmal je 1 min; höchstens 3 Werte je 1 h; Zeiten in Schritten von 1 s; 5 ms \
-             später; nur Mo von 06:00 bis 22:00; in bestimmten Zuständen zurückgehalten."
+             später; nur Mo von 06:00 bis 22:00; in bestimmten Zuständen zurückgehalten; von Statuscodes nur gut, \
+             unsicher oder schlecht."
         );
         let parts = serde_json::to_value(&stated.statement_parts).expect("serialises");
         let expected = serde_json::json!([
@@ -135,6 +150,7 @@ mod tests {
             { "code": "DELAYED", "periodMs": 5 },
             { "code": "HOURS", "hours": { "days": ["MONDAY"], "from": "06:00", "until": "22:00", "utcOffsetMinutes": 0 } },
             { "code": "WITHHELD" },
+            { "code": "STATUS_CODES", "resolution": "SEVERITY" },
         ]);
         assert_eq!(parts, expected);
         assert_eq!(

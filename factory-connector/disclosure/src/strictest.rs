@@ -14,7 +14,8 @@ impl DisclosurePolicy {
     /// Combines two policies to the strictest, dimension by dimension.
     ///
     /// The longer of two steps, intervals, windows and delays applies, and the smaller number of
-    /// digits; all rate limits, hours and withheld states apply. Of two lists of bands the common
+    /// digits; all rate limits, hours and withheld states apply, and the coarser status codes: a policy
+    /// that says nothing about them allows no finer ones. Of two lists of bands the common
     /// bounds remain; beside a rounding step the bands that are at least as wide. Of two aggregates
     /// with the same window, the function that reveals less of a single value applies.
     #[must_use]
@@ -49,6 +50,7 @@ impl DisclosurePolicy {
                 conditions.extend(further.cloned());
                 conditions
             },
+            status_codes: self.status_codes.max(other.status_codes),
         }
     }
 
@@ -256,6 +258,14 @@ mod tests {
             r#"{"aggregate":{"function":"LAST","windowMs":20}}"#,
             r#"{"aggregate":{"function":"LAST","windowMs":20}}"#,
         );
+        // Saying nothing about status codes allows the common ones only.
+        check(r#"{"statusCodes":"FULL"}"#, "{}", "{}");
+        check(
+            r#"{"statusCodes":"FULL"}"#,
+            r#"{"statusCodes":"FULL"}"#,
+            r#"{"statusCodes":"FULL"}"#,
+        );
+        check("{}", r#"{"statusCodes":"SEVERITY"}"#, r#"{"statusCodes":"SEVERITY"}"#);
         let (day, night) = (
             r#"{"days":["MONDAY"],"from":"06:00","until":"14:00"}"#,
             r#"{"days":["MONDAY","SUNDAY"],"from":"12:00","until":"22:00","utcOffsetMinutes":60}"#,

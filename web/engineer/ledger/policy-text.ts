@@ -34,5 +34,9 @@ export function policyText(policy: Disclosure): string {
         condition.states.map(String).join(', '),
       ),
     )
+  if (policy.statusCodes != null && policy.statusCodes !== 'COMMON')
+    parts.push(
+      `${texts.policy.statusCodes}: ${texts.policy.statusResolutions[policy.statusCodes] ?? policy.statusCodes}`,
+    )
   return parts.length === 0 ? texts.decision.everyChange : parts.join(' · ')
 }

@@ -42,6 +42,7 @@ function partsOf(
   for (const { dayList, from, until } of told.hoursList ?? [])
     parts.push({ code: 'HOURS', hours: { days: dayList.filter(isDay), from, until } })
   if (told.isWithheldInStates === true) parts.push({ code: 'WITHHELD' })
+  if (told.statusCodes != null) parts.push({ code: 'STATUS_CODES', resolution: told.statusCodes })
   return parts.length === 0 ? [{ code: 'UNCHANGED' }] : parts
 }
 

@@ -2,6 +2,7 @@ mod fast_path;
 mod properties;
 mod strategies;
 
+mod statuses;
 use asi_model::{Scalar, StatusCode};
 
 use super::*;

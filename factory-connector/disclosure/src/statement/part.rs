@@ -3,7 +3,8 @@
 use serde::Serialize;
 
 use crate::{
-    AggregateFunction, DisclosurePolicy, RateLimit, RoundingStep, WindowAggregate, WorkingHours,
+    AggregateFunction, DisclosurePolicy, RateLimit, RoundingStep, StatusCodes, WindowAggregate,
+    WorkingHours,
 };
 
 /// Part of a policy as published to the partner: a code with parameters, for texts in another
@@ -64,6 +65,8 @@ pub enum StatementPart {
     Hours { hours: WorkingHours },
     /// Withheld in certain states, which are not published.
     Withheld,
+    /// Status codes in another resolution than the usual one.
+    StatusCodes { resolution: StatusCodes },
 }
 
 impl StatementPart {
@@ -91,6 +94,9 @@ impl StatementPart {
         parts.extend(policy.hours().map(|hours| Self::Hours { hours: hours.clone() }));
         if !policy.withhold_while.is_empty() {
             parts.push(Self::Withheld);
+        }
+        if !policy.status_codes.is_common() {
+            parts.push(Self::StatusCodes { resolution: policy.status_codes });
         }
         if parts.is_empty() {
             parts.push(Self::Unchanged);

@@ -1,7 +1,7 @@
 //! Sentences for a precision: English for the partner, German for people in the plant.
 
 use super::part::StatementPart;
-use crate::{AggregateFunction, Language, working_hours::Weekday};
+use crate::{AggregateFunction, Language, StatusCodes, working_hours::Weekday};
 
 /// Joins parts to one sentence.
 pub(super) fn sentence(parts: &[StatementPart], language: Language) -> String {
@@ -47,6 +47,12 @@ fn in_english(part: &StatementPart) -> String {
         StatementPart::Delayed { period_ms } => format!("{} late", describe_period(*period_ms)),
         StatementPart::Hours { hours } => hours.describe(),
         StatementPart::Withheld => "withheld in certain states".to_owned(),
+        StatementPart::StatusCodes { resolution } => match resolution {
+            StatusCodes::Full => "with every status code as it is",
+            StatusCodes::Common => "with the common status codes",
+            StatusCodes::Severity => "of status codes only good, uncertain or bad",
+        }
+        .to_owned(),
     }
 }
 
@@ -91,6 +97,12 @@ fn in_german(part: &StatementPart) -> String {
             format!("nur {} von {} bis {}", days.join(", "), hours.from, hours.until)
         }
         StatementPart::Withheld => "in bestimmten Zuständen zurückgehalten".to_owned(),
+        StatementPart::StatusCodes { resolution } => match resolution {
+            StatusCodes::Full => "mit jedem Statuscode, wie er ist",
+            StatusCodes::Common => "mit den üblichen Statuscodes",
+            StatusCodes::Severity => "von Statuscodes nur gut, unsicher oder schlecht",
+        }
+        .to_owned(),
     }
 }
 

@@ -38,6 +38,13 @@ export const disclosure: typeof English = {
     states: 'Zustände',
     statesExample: 'Interrupted; 3; true',
     withholdText: (what: string, states: string) => `nicht, solange ${what} ${states} ist`,
+    statusCodes: 'Statuscodes',
+    statusCodesHint: 'Untercodes benennen Ursachen im Werk; ein Skript kann jede Zahl hineinlegen.',
+    statusResolutions: {
+      COMMON: 'Die üblichen',
+      SEVERITY: 'Nur gut, unsicher oder schlecht',
+      FULL: 'Jeder, wie er ist',
+    } as Record<string, string>,
   },
   rules: {
     page: 'Freigaben und Regeln',

@@ -36,6 +36,14 @@ export const disclosure = {
     states: 'States',
     statesExample: 'Interrupted; 3; true',
     withholdText: (what: string, states: string) => `not while ${what} is ${states}`,
+    statusCodes: 'Status codes',
+    statusCodesHint:
+      'Sub-codes name causes within the plant; a script can put any number into them.',
+    statusResolutions: {
+      COMMON: 'The common ones',
+      SEVERITY: 'Only good, uncertain or bad',
+      FULL: 'Every one as it is',
+    } as Record<string, string>,
   },
   rules: {
     page: 'Policies and rules',
