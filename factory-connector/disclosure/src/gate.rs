@@ -1,6 +1,7 @@
 //! Gate of one field: a state machine over candidates and time.
 
 mod document;
+mod transition;
 
 use std::{
     collections::{BTreeMap, VecDeque},
@@ -319,39 +320,6 @@ impl Gate {
         let ends_at =
             self.policy.aggregate.and_then(|aggregate| self.state.aggregation.ends_at(aggregate));
         [self.release_at(), releasable_at, ends_at].into_iter().flatten().min()
-    }
-
-    /// Replaces the policy. Waiting values were coarsened under the old one and are coarsened again
-    /// under the new one; the minimum interval continues. Values that were part of an aggregate are
-    /// never released individually.
-    pub fn change_policy(&mut self, policy: Arc<DisclosurePolicy>, now: DateTime) {
-        if self.policy.aggregate != policy.aggregate {
-            self.state.aggregation = Aggregation::default();
-        }
-        if self.policy.withhold_while != policy.withhold_while {
-            self.state.is_in_withheld_state = false;
-            self.state.withheld_by.clear();
-        }
-        self.not_before = None;
-        self.is_immediate = policy.is_immediate();
-        self.policy = policy;
-        let again = |value: DataValue| coarsen(&self.policy, self.field_type, value).value;
-        self.releasable = self.releasable.take().map(|(at, value)| (at, again(value)));
-        self.state.waiting = std::mem::take(&mut self.state.waiting)
-            .into_iter()
-            .map(|(at, v)| (at, again(v)))
-            .collect();
-        self.on_time(now);
-    }
-
-    /// Closes the gate because the consent ended: waiting values are dropped, and none is shown.
-    pub fn close(&mut self) {
-        self.releasable = None;
-        self.not_before = None;
-        self.state.waiting.clear();
-        self.state.aggregation = Aggregation::default();
-        self.state.disclosed = None;
-        self.has_released = false;
     }
 
     fn wait(&mut self, now: DateTime, value: DataValue) {

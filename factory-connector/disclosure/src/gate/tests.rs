@@ -4,6 +4,7 @@ mod strategies;
 
 mod statuses;
 use asi_model::{Scalar, StatusCode};
+mod transitions;
 
 use super::*;
 

@@ -92,9 +92,11 @@ impl FieldMut<'_> {
         self.entry.field.newest.take()
     }
 
-    /// Begins another source of values: its functions start in this state.
+    /// Begins another source of values: its functions start in this state, and nothing of the former
+    /// source leaves, neither what waited nor what was disclosed.
     pub(crate) fn begin_source(&mut self, transform: Option<TransformState>) {
         self.entry.field.newest = None;
+        self.close_gate();
         self.set_transform(transform);
     }
 

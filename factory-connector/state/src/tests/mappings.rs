@@ -12,7 +12,7 @@ use crate::{
     use_cases::{
         decide::DecisionCommand,
         import_mappings::{MappingImport, import_mappings, set_shadow},
-        values::receive_candidate,
+        values::{receive_candidate, release_due},
     },
 };
 
@@ -96,4 +96,99 @@ fn a_shadow_mapping_ends_with_its_field() {
     let (writes, effects) = scene.commit(2);
     assert!(writes.mappings.is_empty(), "of a removed field nothing is stored");
     assert!(effects.engine.iter().any(|command| matches!(command, EngineCommand::Remove(_))));
+}
+
+/// Returns the command that maps `made` with these functions and a delay of an hour.
+fn late(scene: &Scene, steps: &Value) -> DecisionCommand {
+    DecisionCommand::Map {
+        value_source: ValueSource::Mapping,
+        mapping: Some(Box::new(mapping(scene, steps))),
+        policy: serde_json::from_value(json!({ "delayMs": 3_600_000 })).expect("a policy"),
+    }
+}
+
+/// Returns the values of `made` in the reports of a transaction.
+fn left(scene: &mut Scene, ms: i64) -> Vec<Value> {
+    release_due(&mut scene.state, at(ms));
+    let (writes, _) = scene.commit(ms);
+    let bodies = writes.reports.queued.iter().map(|report| &report.body);
+    let reports = bodies.map(|body| serde_json::from_str::<Value>(body).expect("JSON"));
+    reports.map(|report| report["Payload"]["made"]["Body"].clone()).collect()
+}
+
+#[test]
+fn a_corrected_mapping_never_lets_out_values_of_the_former_one() {
+    const HOUR: i64 = 3_600_000;
+    let (first, second) = (json!([]), json!([{ "function": "scale", "factor": 2 }]));
+    for way in ["decision", "import", "other source"] {
+        let mut scene = Scene::default();
+        let command = late(&scene, &first);
+        scene.decide("made", decision(command), 0).expect("decided");
+        scene.candidate("made", ValueSource::Mapping, 41_u64, 0);
+        assert_eq!(left(&mut scene, HOUR), ["41"]);
+        scene.candidate("made", ValueSource::Mapping, 42_u64, HOUR + 1);
+        let mut source = ValueSource::Mapping;
+        match way {
+            "decision" => {
+                let command = late(&scene, &second);
+                scene.decide("made", decision(command), HOUR + 60_000).expect("decided");
+            }
+            "import" => {
+                let mapping = mapping(&scene, &second);
+                let import = MappingImport { mapping, author: "eve".to_owned(), note: None };
+                scene.run(|state| import_mappings(state, vec![import], at(HOUR + 60_000)));
+            }
+            _ => {
+                source = ValueSource::Manual;
+                let DecisionCommand::Map { policy, .. } = late(&scene, &first) else {
+                    panic!("a mapped field")
+                };
+                let command = DecisionCommand::Map { value_source: source, mapping: None, policy };
+                scene.decide("made", decision(command), HOUR + 60_000).expect("decided");
+            }
+        }
+        assert!(left(&mut scene, HOUR + 60_000).is_empty(), "{way}: the former value is repeated");
+        scene.candidate("made", source, 84_u64, HOUR + 120_000);
+        assert!(left(&mut scene, 2 * HOUR + 119_999).is_empty(), "{way}: the waiting value left");
+        assert_eq!(left(&mut scene, 2 * HOUR + 120_000), ["84"], "{way}");
+    }
+}
+
+#[test]
+fn a_new_policy_under_the_same_mapping_keeps_what_waits() {
+    let mut scene = Scene::default();
+    let command = late(&scene, &json!([]));
+    scene.decide("made", decision(command.clone()), 0).expect("decided");
+    scene.candidate("made", ValueSource::Mapping, 42_u64, 0);
+    scene.decide("made", decision(command), 1).expect("decided");
+    assert_eq!(left(&mut scene, 3_600_000), ["42"]);
+}
+
+/// A batch of the former mapping may still be on its way when the next one is decided.
+#[test]
+fn candidates_that_a_former_mapping_sent_are_not_accepted() {
+    let mut scene = Scene::default();
+    let bring = |scene: &mut Scene, target: TargetKey, ms| {
+        let candidate = FieldCandidate {
+            field: target.field,
+            source: ValueSource::Mapping,
+            mapping_version: Some(target.version),
+            value: DataValue::good(42_u64, at(ms)),
+            transform: None,
+        };
+        receive_candidates(&mut scene.state, vec![candidate], at(ms))[0].is_some()
+    };
+    let key = |scene: &Scene| scene.state.field(&field("made")).expect("a field").target_key();
+    for (version, steps) in
+        [json!([]), json!([{ "function": "scale", "factor": 2 }])].iter().enumerate()
+    {
+        let former = key(&scene);
+        let command = late(&scene, steps);
+        scene.decide("made", decision(command), 0).expect("decided");
+        let (_, effects) = scene.commit(0);
+        let [EngineCommand::Put(published)] = &effects.engine[..] else { panic!("published") };
+        assert_eq!(published.target, key(&scene), "what the engine brings is what is accepted");
+        assert_eq!(bring(&mut scene, former, 1), version == 0, "nothing was published before");
+        assert!(bring(&mut scene, key(&scene), 2));
+    }
 }

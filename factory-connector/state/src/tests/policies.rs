@@ -52,7 +52,10 @@ fn the_strictest_of_field_and_recipients_holds() {
     let tells_partner =
         |text: &str| writes.controls.queued.iter().any(|control| control.body.contains(text));
     assert!(tells_partner("multiples of 100"), "the partner is told");
-    assert_eq!(scene.offer("made", 249_u64, 3)[0]["Payload"]["made"]["Body"], "200");
+    let [report] = &writes.reports.queued[..] else { panic!("{:?}", writes.reports) };
+    let report: serde_json::Value = serde_json::from_str(&report.body).expect("JSON");
+    assert_eq!(report["Payload"]["made"]["Body"], "200", "the finer 150 is not sent again");
+    assert_eq!(scene.offer("made", 349_u64, 3)[0]["Payload"]["made"]["Body"], "300");
     let decision = scene.state.field(&field("made")).expect("a field").decision();
     let consented = decision.policy.rounding_step.map(|step| step.to_string());
     assert_eq!(consented.as_deref(), Some("10"), "what was consented to stays");

@@ -208,7 +208,8 @@ fn open(
     let was_mapped = field.decision().is_mapped();
     let had_mapping_source = field.decision().value_source == Some(ValueSource::Mapping);
     let is_other_source = field.decision().value_source != Some(value_source)
-        || field.decision().mapping.as_deref() != mapping.as_deref();
+        || (value_source == ValueSource::Mapping
+            && field.decision().mapping.as_deref() != mapping.as_deref());
     if is_other_source {
         let transform = transform_after(&field, mapping.as_deref());
         field.begin_source(transform);

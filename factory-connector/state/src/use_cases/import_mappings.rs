@@ -1,8 +1,8 @@
 //! Mappings of fields: imported without a new consent, and run as shadow mappings.
 //!
 //! A mapping says where values come from; the consent says how much of them is disclosed. So a
-//! corrected mapping of a mapped field is a new version under the same consent, and the gate stays
-//! as it is.
+//! corrected mapping of a mapped field is a new version under the same consent. What waited at the
+//! gate came from the former mapping and is dropped.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use mapping::Mapping;
 
 use super::decide::DecisionError;
 use crate::{
-    ChangeSet, ConnectorState, ShadowMapping, consents,
+    ChangeSet, ConnectorState, ShadowMapping, consents, dependencies,
     fields::mapping_json,
     queries::{ImportEffect, import_effect},
     writes::ShadowRow,
@@ -57,12 +57,17 @@ fn import_one(
     };
     let Some(mut field) = state.fields.get_mut(&key) else { return };
     let transform = field.state_for(&mapping).filter(|_| is_published);
-    field.set_transform(transform);
+    if is_published {
+        field.begin_source(transform);
+    } else {
+        field.set_transform(transform);
+    }
     field.change_decision(|decision| decision.mapping = Some(Arc::new(mapping)));
     field.set_recorded(false);
     changes.put_field(&field);
     if is_published {
         changes.effects.engine.extend(field.publish_mapping());
+        dependencies::notify(state, &key, now);
         consents::record_version(state, changes, &key, (Some(author), note), now);
     }
 }
