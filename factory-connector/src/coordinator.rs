@@ -26,7 +26,10 @@ pub use config::CoordinatorConfig;
 use connector_state::{
     ChangeSet, ConnectorEvent, ConnectorState, Snapshot,
     transaction::{self, DeliveryState},
-    use_cases::{seal, validity, values},
+    use_cases::{
+        seal, validity,
+        values::{self, FieldCandidate},
+    },
 };
 use handle::Reply;
 pub use handle::{CoordinatorCommand, CoordinatorError, CoordinatorHandle, WriteOutcome};
@@ -203,15 +206,16 @@ impl Coordinator {
 
     fn receive_candidates(&mut self, batches: Vec<Vec<Candidate>>) {
         let now = now();
-        let mut count = 0_u64;
-        for candidate in batches.into_iter().flatten() {
-            count += 1;
-            let Candidate { target: TargetKey(id), value, state } = candidate;
-            let source = ValueSource::Mapping;
-            values::receive_candidate(&mut self.work.state, id, source, value, state, now);
-        }
-        if count > 0 {
-            metrics::counter!("verbund_candidates_total").increment(count);
+        let candidates = batches.into_iter().flatten().map(|candidate| {
+            let Candidate { target: TargetKey { field, version }, value, state: transform } =
+                candidate;
+            let (source, mapping_version) = (ValueSource::Mapping, Some(version));
+            FieldCandidate { field, source, mapping_version, value, transform }
+        });
+        let candidates: Vec<FieldCandidate> = candidates.collect();
+        if !candidates.is_empty() {
+            metrics::counter!("verbund_candidates_total").increment(candidates.len() as u64);
+            values::receive_candidates(&mut self.work.state, candidates, now);
             self.timing.oldest_unwritten.get_or_insert_with(Instant::now);
         }
     }

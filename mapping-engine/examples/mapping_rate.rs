@@ -57,7 +57,7 @@ impl Running {
 
     async fn put(&self, count: usize, steps: &serde_json::Value) {
         let mappings = (0..)
-            .map(TargetKey)
+            .map(|field| TargetKey { field, version: 1 })
             .zip(0..count)
             .map(|(target, index)| PublishRequest::new(mapping(index, steps), target));
         for result in self.handle.put_many(mappings.collect()).await.expect("the engine runs") {

@@ -2,10 +2,13 @@
 
 use std::sync::Arc;
 
-use asi_model::{DateTime, FieldKey, FieldName, messages::ValueSource};
+use asi_model::{DataValue, DateTime, FieldKey, FieldName, messages::ValueSource};
 
 use crate::{
-    ConnectorState, Field, fields::is_withheld_by, gates::through_gate, queries::fields_named_by,
+    ConnectorState, Field,
+    fields::{is_withheld_by, is_withheld_in},
+    gates::through_gate,
+    queries::fields_named_by,
 };
 
 /// Restores the dependencies at the start. States that machines sent are unknown now; states that
@@ -47,6 +50,36 @@ fn set(state: &mut ConnectorState, key: &FieldKey) -> Vec<FieldName> {
     others.dedup();
     state.fields.depend_on(key, others.iter().cloned());
     others
+}
+
+/// Returns true where a value of a field withholds any of the fields that look at its state.
+pub(crate) fn is_withholding(state: &ConnectorState, key: &FieldKey, value: &DataValue) -> bool {
+    state.fields.dependents_of(key).iter().any(|dependent| {
+        state.fields.get(dependent).is_some_and(|field| {
+            is_withheld_in(value, &key.field_name, field.gate().policy()) != Some(false)
+        })
+    })
+}
+
+/// Lets gates know a state that comes with other values, before these are judged: the state that
+/// withholds, and (unless one of the same batch withholds) the first one that is known.
+pub(crate) fn announce(
+    state: &mut ConnectorState,
+    key: &FieldKey,
+    value: &DataValue,
+    is_any_withholding: bool,
+    now: DateTime,
+) {
+    let name = &key.field_name;
+    for dependent in state.fields.dependents_of(key) {
+        let Some(field) = state.fields.get(&dependent) else { continue };
+        let is_withheld = is_withheld_in(value, name, field.gate().policy());
+        let is_unknown = field.gate().known_state(name).is_none();
+        if is_withheld != Some(false) || (!is_any_withholding && is_unknown) {
+            let id = field.id();
+            through_gate(state, id, now, |gate| gate.on_state(now, name, is_withheld));
+        }
+    }
 }
 
 /// Lets the gates that look at a field know its state: it has another value, or none any more.

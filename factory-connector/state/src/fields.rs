@@ -21,7 +21,7 @@ use std::{
 
 use asi_model::{DateTime, FieldKey, FieldName};
 use dependents::Dependents;
-pub(crate) use dependents::is_withheld_by;
+pub(crate) use dependents::{is_withheld_by, is_withheld_in};
 use disclosure::{DisclosurePolicy, DocumentId, Gate};
 pub use disclosure_rate::DisclosureRate;
 use entry::Entry;

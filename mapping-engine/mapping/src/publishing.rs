@@ -10,7 +10,12 @@ use crate::{document::Mapping, state::TransformState};
 /// Key that the consumer gives the field of a mapping. It comes back with each of the mapping's
 /// candidates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub struct TargetKey(pub i64);
+pub struct TargetKey {
+    /// Number of the field.
+    pub field: i64,
+    /// Number of the mapping's version, which tells its candidates from those of a former one.
+    pub version: u32,
+}
 
 /// Value for the disclosure gate.
 #[derive(Debug, Clone, PartialEq)]

@@ -201,7 +201,7 @@ pub fn published(mapping: Mapping) -> PublishRequest {
 pub fn target_of(id: &MappingId) -> TargetKey {
     let mut hasher = DefaultHasher::new();
     id.as_str().hash(&mut hasher);
-    TargetKey(hasher.finish().cast_signed())
+    TargetKey { field: hasher.finish().cast_signed(), version: 1 }
 }
 
 pub fn mapping_id(id: &str) -> MappingId {

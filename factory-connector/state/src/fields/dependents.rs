@@ -56,7 +56,17 @@ pub(crate) fn is_withheld_by(
     name: &FieldName,
     policy: &DisclosurePolicy,
 ) -> Option<bool> {
-    let value: &DataValue = field.newest().filter(|_| field.decision().is_mapped())?;
+    let value = field.newest().filter(|_| field.decision().is_mapped())?;
+    is_withheld_in(value, name, policy)
+}
+
+/// Returns whether a value of the field called `name` withholds values under a policy; `None` where
+/// that cannot be determined.
+pub(crate) fn is_withheld_in(
+    value: &DataValue,
+    name: &FieldName,
+    policy: &DisclosurePolicy,
+) -> Option<bool> {
     let mut is_any = false;
     for condition in
         policy.withhold_while.iter().filter(|condition| condition.field.as_ref() == Some(name))

@@ -206,6 +206,12 @@ impl Field {
         MappingId::new(format!("field-{}", self.id)).expect("short and without control characters")
     }
 
+    /// Returns the key that candidates of the mapping in force bring.
+    #[must_use]
+    pub const fn target_key(&self) -> TargetKey {
+        TargetKey { field: self.id, version: self.versions.of_decision() }
+    }
+
     /// Returns the shadow mapping's id in the engine.
     #[must_use]
     pub fn shadow_id(&self) -> MappingId {
@@ -273,7 +279,7 @@ impl Field {
     /// Publishes the mapping in force, with the state that its functions had.
     pub(crate) fn publish_mapping(&self) -> Option<EngineCommand> {
         let mapping = Arc::clone(self.decision.mapping.as_ref()?);
-        let request = PublishRequest::new(mapping, TargetKey(self.id));
+        let request = PublishRequest::new(mapping, self.target_key());
         Some(EngineCommand::Put(PublishRequest { state: self.transform.clone(), ..request }))
     }
 
@@ -284,7 +290,7 @@ impl Field {
             Some(shadow) => EngineCommand::Put(PublishRequest {
                 state: self.state_for(&shadow.mapping),
                 is_shadow: true,
-                ..PublishRequest::new(shadow.mapping.clone(), TargetKey(self.id))
+                ..PublishRequest::new(shadow.mapping.clone(), self.target_key())
             }),
             None => EngineCommand::Remove(self.shadow_id()),
         }

@@ -14,6 +14,14 @@ pub struct MappingVersions {
     pub shadow: Option<Box<ShadowMapping>>,
 }
 
+impl MappingVersions {
+    /// Returns the number of the decision's mapping, which it gets when it is recorded.
+    #[must_use]
+    pub const fn of_decision(&self) -> u32 {
+        if self.is_recorded { self.newest } else { self.newest + 1 }
+    }
+}
+
 /// A mapping that is observed beside the published one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShadowMapping {

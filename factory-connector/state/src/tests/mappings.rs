@@ -2,7 +2,7 @@
 
 use asi_model::{DataValue, messages::ValueSource};
 use disclosure::DisclosurePolicy;
-use mapping::{Mapping, PublishRequest, TransformState};
+use mapping::{Mapping, PublishRequest, TargetKey, TransformState};
 use serde_json::{Value, json};
 
 use crate::{
@@ -12,7 +12,7 @@ use crate::{
     use_cases::{
         decide::DecisionCommand,
         import_mappings::{MappingImport, import_mappings, set_shadow},
-        values::{receive_candidate, release_due},
+        values::{FieldCandidate, receive_candidate, receive_candidates, release_due},
     },
 };
 
@@ -189,6 +189,7 @@ fn candidates_that_a_former_mapping_sent_are_not_accepted() {
         let [EngineCommand::Put(published)] = &effects.engine[..] else { panic!("published") };
         assert_eq!(published.target, key(&scene), "what the engine brings is what is accepted");
         assert_eq!(bring(&mut scene, former, 1), version == 0, "nothing was published before");
-        assert!(bring(&mut scene, key(&scene), 2));
+        let present = key(&scene);
+        assert!(bring(&mut scene, present, 2));
     }
 }

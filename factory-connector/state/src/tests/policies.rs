@@ -1,6 +1,6 @@
 //! Named policies and policies of recipients.
 
-use asi_model::{OrganisationId, messages::ValueSource};
+use asi_model::{DataValue, OrganisationId, messages::ValueSource};
 use disclosure::{DecisionBasis, DisclosurePolicy, DocumentId, GateOutcome, NamedPolicy};
 use serde_json::json;
 
@@ -11,6 +11,7 @@ use crate::{
     use_cases::{
         decide::{DecisionCommand, DecisionError, DecisionRequest},
         policies::{put_policy, set_recipient_policy},
+        values::{FieldCandidate, receive_candidates},
     },
 };
 
@@ -162,4 +163,44 @@ fn a_state_of_one_field_withholds_another() {
     assert!(
         matches!(refused, Err(DecisionError::Policy(faults)) if faults[0].member == "withholdWhile")
     );
+}
+
+const WITHHELD_IN_SETUP: &str = r#"{"withholdWhile":[{"field":"note","states":["SETUP"]}]}"#;
+
+/// Offers candidates for `made` (numbers) and `note` (texts) that come together. Returns the
+/// numbers that left.
+fn together(scene: &mut Scene, batch: &[Result<u64, &str>], ms: i64) -> Vec<serde_json::Value> {
+    let candidate = |value: &Result<u64, &str>| {
+        let (name, value) = match value {
+            Ok(number) => ("made", DataValue::good(*number, at(ms))),
+            Err(text) => ("note", DataValue::good(*text, at(ms))),
+        };
+        let id = scene.state.field(&field(name)).expect("a field").id;
+        let source = ValueSource::Mapping;
+        FieldCandidate { field: id, source, mapping_version: None, value, transform: None }
+    };
+    let candidates = batch.iter().map(candidate).collect();
+    receive_candidates(&mut scene.state, candidates, at(ms));
+    let (writes, _) = scene.commit(ms);
+    let bodies = writes.reports.queued.iter().map(|report| &report.body);
+    let reports = bodies.map(|body| serde_json::from_str::<serde_json::Value>(body).expect("JSON"));
+    reports
+        .filter_map(|report| report["Payload"].get("made").map(|made| made["Body"].clone()))
+        .collect()
+}
+
+#[test]
+fn a_state_that_withholds_is_judged_before_the_values_of_its_batch() {
+    let mut scene = Scene::default();
+    scene.map("note", ValueSource::Mapping, "{}");
+    scene.map("made", ValueSource::Mapping, WITHHELD_IN_SETUP);
+    // The state of the first batch holds for its values, in any order.
+    assert_eq!(together(&mut scene, &[Ok(1), Err("RUN")], 1), ["1"]);
+    assert_eq!(together(&mut scene, &[Ok(2), Err("SETUP")], 2), ["1"], "it came before its state");
+    assert_eq!(together(&mut scene, &[Ok(3), Err("RUN")], 3), ["1"], "it came in the state before");
+    assert_eq!(together(&mut scene, &[Ok(4)], 4), ["4"]);
+    let through = [Ok(5), Err("SETUP"), Ok(6), Err("RUN"), Ok(7)];
+    assert_eq!(together(&mut scene, &through, 5), ["4"], "a state between counts, too");
+    assert_eq!(together(&mut scene, &[Err("SETUP")], 6), ["4"]);
+    assert_eq!(together(&mut scene, &[Ok(8), Err("RUN"), Ok(9)], 7), ["9"]);
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use asi_model::{DataValue, DateTime, FieldKey, StatusCode, messages::ValueSource};
 use disclosure::GateOutcome;
 
-use super::values::receive_candidate;
+use super::values::{FieldCandidate, receive_candidates};
 use crate::{
     ChangeSet, ConnectorState,
     effects::ConnectorEvent,
@@ -51,13 +51,11 @@ pub fn enter(
     state.journals.insert(entry.clone());
     changes.writes.operator_entries.push(entry);
     changes.effects.events.push(ConnectorEvent::Operator(operation.clone()));
-    let mut taken = Vec::new();
-    for (id, key, value) in answers(state, &operation) {
-        if let Some(outcome) = receive_candidate(state, id, ValueSource::Manual, value, None, now) {
-            taken.push((key, outcome));
-        }
-    }
-    (EntryOutcome::Taken(taken), changes)
+    let (keys, candidates): (Vec<FieldKey>, Vec<FieldCandidate>) =
+        answers(state, &operation).into_iter().unzip();
+    let outcomes = receive_candidates(state, candidates, now);
+    let taken = keys.into_iter().zip(outcomes).filter_map(|(key, taken)| Some((key, taken?)));
+    (EntryOutcome::Taken(taken.collect()), changes)
 }
 
 /// Stores entries in any order, and returns their outcomes in the same order.
@@ -95,7 +93,7 @@ fn check(state: &ConnectorState, entry: &OperatorEntry, now: DateTime) -> Result
 }
 
 /// Returns what an operation's journal says about those of its fields that are decided Manual.
-fn answers(state: &ConnectorState, operation: &OperationKey) -> Vec<(i64, FieldKey, DataValue)> {
+fn answers(state: &ConnectorState, operation: &OperationKey) -> Vec<(FieldKey, FieldCandidate)> {
     let Some((document, journal)) = state.operation(operation).zip(state.journal(operation)) else {
         return Vec::new();
     };
@@ -112,7 +110,14 @@ fn answers(state: &ConnectorState, operation: &OperationKey) -> Vec<(i64, FieldK
             // when it came.
             Some(json) => typed_value(&json, field_type, at).ok()?,
         };
-        Some((field.id(), key, value))
+        let candidate = FieldCandidate {
+            field: field.id(),
+            source: ValueSource::Manual,
+            mapping_version: None,
+            value,
+            transform: None,
+        };
+        Some((key, candidate))
     };
     manual.filter_map(answer).collect()
 }

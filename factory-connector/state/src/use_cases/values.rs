@@ -6,8 +6,66 @@ use mapping::TransformState;
 
 use crate::{ConnectorState, Field, dependencies, gates::through_gate, queries::write_refusal};
 
-/// Offers a candidate to the field with this number. `None` where the field accepts none from this
-/// source, or none now.
+/// A candidate for the gate of a field.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FieldCandidate {
+    /// Number of the field.
+    pub field: i64,
+    pub source: ValueSource,
+    /// Number of the mapping's version; none for people and OPC UA clients.
+    pub mapping_version: Option<u32>,
+    pub value: DataValue,
+    /// State of the mapping's functions after this value.
+    pub transform: Option<TransformState>,
+}
+
+/// Offers candidates that came together to their fields. States in which other fields are withheld
+/// are judged first, wherever they stand among the candidates: no value of the same batch is
+/// released. `None` where a field accepts no candidate from its source, or none now.
+pub fn receive_candidates(
+    state: &mut ConnectorState,
+    candidates: Vec<FieldCandidate>,
+    now: DateTime,
+) -> Vec<Option<GateOutcome>> {
+    // True for states that withhold some field, at any place of the batch.
+    let mut states: Vec<(FieldKey, bool)> = Vec::new();
+    for candidate in &candidates {
+        let Some(key) = state.fields.key_with_dependents(candidate.field) else { continue };
+        if !is_accepted(state, candidate, now) {
+            continue;
+        }
+        let is_withholding = dependencies::is_withholding(state, &key, &candidate.value);
+        match states.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, is_any)) => *is_any |= is_withholding,
+            None => states.push((key, is_withholding)),
+        }
+    }
+    for candidate in candidates.iter().filter(|_| !states.is_empty()) {
+        let key = state.fields.key_with_dependents(candidate.field);
+        let known = key.and_then(|key| states.iter().find(|(state, _)| *state == key));
+        if let Some((key, is_withholding)) = known.filter(|_| is_accepted(state, candidate, now)) {
+            dependencies::announce(state, key, &candidate.value, *is_withholding, now);
+        }
+    }
+    let outcomes = candidates.into_iter().map(|candidate| {
+        let id = candidate.field;
+        let outcome = take(state, candidate, now);
+        if !states.is_empty()
+            && let Some(key) = state.fields.key_with_dependents(id)
+            && states.contains(&(key.clone(), false))
+        {
+            dependencies::notify(state, &key, now);
+        }
+        outcome
+    });
+    let outcomes = outcomes.collect();
+    for (key, _) in states {
+        dependencies::notify(state, &key, now);
+    }
+    outcomes
+}
+
+/// Offers one candidate to its field, as [`receive_candidates`] does.
 pub fn receive_candidate(
     state: &mut ConnectorState,
     id: i64,
@@ -16,8 +74,34 @@ pub fn receive_candidate(
     transform: Option<TransformState>,
     now: DateTime,
 ) -> Option<GateOutcome> {
+    let mapping_version = None;
+    let candidate = FieldCandidate { field: id, source, mapping_version, value, transform };
+    receive_candidates(state, vec![candidate], now).pop().flatten()
+}
+
+fn is_accepted(state: &ConnectorState, candidate: &FieldCandidate, now: DateTime) -> bool {
+    let FieldCandidate { field, source, mapping_version, .. } = candidate;
+    let field = state.fields.by_id(*field);
+    field.is_some_and(|field| {
+        is_open_for(field, *source, *mapping_version) && field.validity().contains(now)
+    })
+}
+
+/// Returns true while values flow from this source. Candidates of a former mapping may still be on
+/// their way.
+fn is_open_for(field: &Field, source: ValueSource, mapping_version: Option<u32>) -> bool {
+    field.decision().is_open_for(source)
+        && mapping_version.is_none_or(|version| version == field.versions().of_decision())
+}
+
+fn take(
+    state: &mut ConnectorState,
+    candidate: FieldCandidate,
+    now: DateTime,
+) -> Option<GateOutcome> {
+    let FieldCandidate { field: id, source, mapping_version, value, transform } = candidate;
     let mut field =
-        state.fields.by_id_mut(id).filter(|field| field.decision().is_open_for(source))?;
+        state.fields.by_id_mut(id).filter(|field| is_open_for(field, source, mapping_version))?;
     if !field.validity().contains(now) {
         if let Some(from) = field.validity().from.filter(|from| *from > now) {
             field.keep_until(value, from);
@@ -25,10 +109,6 @@ pub fn receive_candidate(
         return None;
     }
     field.receive(value.clone(), transform, now);
-    // Dependent gates learn a new state before anything of theirs is released.
-    if let Some(key) = state.fields.key_with_dependents(id) {
-        dependencies::notify(state, &key, now);
-    }
     through_gate(state, id, now, |gate| gate.on(now, value))
 }
 
