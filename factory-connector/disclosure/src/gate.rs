@@ -273,9 +273,9 @@ impl Gate {
             self.releasable = None;
         }
         if self.release_at().is_some_and(|at| at <= now) {
-            // Noticed late, for example after a restart: a value that was due within the hours must
-            // not be released after them.
-            match self.first_within_hours(now) {
+            // Noticed late, for example after a restart: a value that was due on the step or within
+            // the hours must not be released between two steps or after the hours.
+            match self.policy.first_punctual(now) {
                 Some(at) if at > now => self.not_before = Some(at),
                 None => {}
                 Some(_) => self.release(now),
@@ -369,15 +369,6 @@ impl Gate {
             at = at.max(limit.next_at(&self.state.released).unwrap_or(at));
         }
         self.policy.first_slot(at.max(self.not_before.unwrap_or(at)))
-    }
-
-    /// Returns the first instant from `at` on within all working hours.
-    fn first_within_hours(&self, at: DateTime) -> Option<DateTime> {
-        if self.policy.has_hours() {
-            self.policy.first_slot_of(at, Duration::ZERO)
-        } else {
-            Some(at)
-        }
     }
 }
 

@@ -60,6 +60,10 @@ pub struct DisclosurePolicy {
 
 /// Longest interval, time step or delay: a year.
 pub(super) const PERIOD_MS_MAX: u64 = 366 * 86_400_000;
+/// Shortest and longest time after a step at which a value counts as released on it: a tenth of the
+/// step within these bounds.
+const LATENESS_MIN: Duration = Duration::from_millis(100);
+const LATENESS_MAX: Duration = Duration::from_secs(5);
 /// Rounds in which a time step and several hours must agree on an instant.
 const SLOT_ROUNDS_MAX: usize = 64;
 
@@ -115,7 +119,16 @@ impl DisclosurePolicy {
         self.first_slot_of(at, self.time_step())
     }
 
-    pub(super) fn first_slot_of(&self, at: DateTime, step: Duration) -> Option<DateTime> {
+    /// Returns `at` where a value may be released then, on the time step up to a lateness that
+    /// timers have, and within all hours; otherwise the next slot; `None` when there is none.
+    pub(super) fn first_punctual(&self, at: DateTime) -> Option<DateTime> {
+        let step = self.time_step();
+        let lateness = (step / 10).clamp(LATENESS_MIN, LATENESS_MAX);
+        let is_late = !step.is_zero() && at.since(at.floor_to(step)) > lateness;
+        if is_late { self.first_slot(at) } else { self.first_slot_of(at, Duration::ZERO) }
+    }
+
+    fn first_slot_of(&self, at: DateTime, step: Duration) -> Option<DateTime> {
         let mut at = ceil_to(at, step);
         for _ in 0..SLOT_ROUNDS_MAX {
             let before = at;

@@ -246,3 +246,21 @@ fn a_clock_set_back_delays_by_one_interval_at_most() {
     gate.on_time(at(6_000));
     assert_eq!(shown(&gate), Some(2));
 }
+
+#[test]
+fn a_late_wake_releases_on_the_step() {
+    let mut gate = gate(r#"{"timeStepMs":60000}"#);
+    gate.on(at(0), candidate(0, 1));
+    assert!(gate.take_released(), "the start is on the step");
+    gate.on(at(1000), candidate(1000, 2));
+    assert_eq!(gate.due(), Some(at(60_000)));
+    // The machine slept: the next thing that happens is a candidate within a step.
+    gate.on(at(83_000), candidate(83_000, 3));
+    assert!(!gate.take_released(), "its time within the step would show");
+    assert_eq!(gate.due(), Some(at(120_000)));
+    // A timer is never exact.
+    gate.on_time(at(120_004));
+    assert!(gate.take_released());
+    assert_eq!(shown(&gate), Some(3));
+    assert_eq!(gate.disclosed().and_then(|value| value.source_timestamp), Some(at(60_000)));
+}

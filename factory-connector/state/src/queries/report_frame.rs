@@ -1,6 +1,6 @@
 //! Key frames: the DataSetMessage that a data set writer would report.
 
-use std::{collections::BTreeMap, sync::Arc};
+use std::{collections::BTreeMap, sync::Arc, time::Duration};
 
 use asi_model::{
     DataValue, DateTime, FieldName,
@@ -22,9 +22,8 @@ pub fn key_frame(
     let mut values = Vec::with_capacity(writer.fields().len() * 2);
     let mut consents = BTreeMap::new();
     let mut newest: Option<DateTime> = None;
-    let mut step = std::time::Duration::ZERO;
+    let step = time_step(state, writer);
     for (name, field) in fields_of(state, writer) {
-        step = step.max(field.gate().policy().time_step());
         let Some(value) = field.gate().disclosed() else { continue };
         newest = newest.max(value.source_timestamp);
         consents.insert(name.clone(), field.decision().version);
@@ -58,6 +57,13 @@ pub fn key_frame(
 /// Returns a writer's report before any of its fields has a value.
 #[must_use]
 pub fn empty_frame(state: &ConnectorState, id: u16, now: DateTime) -> DataSetMessage {
+/// Returns the longest time step of a data set's fields: on it are all times of the writer's
+/// messages.
+pub(crate) fn time_step(state: &ConnectorState, writer: &Writer) -> Duration {
+    let steps = fields_of(state, writer).map(|(_, field)| field.gate().policy().time_step());
+    steps.max().unwrap_or_default()
+}
+
     let writer = state.writers.get(id);
     let document = writer.and_then(|writer| Some((writer, state.request(writer.request())?.1)));
     let fields = document.map_or_else(Vec::new, |(writer, request)| {

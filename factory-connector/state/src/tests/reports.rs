@@ -1,12 +1,13 @@
 //! Reports: values, their ledger entries, and what nodes and pages show.
 
-use asi_model::{FieldName, messages::ValueSource};
+use asi_model::{DateTime, FieldName, messages::ValueSource};
 use serde_json::{Value, json};
 
 use crate::{
     scene::{Scene, at, decision, field},
     use_cases::{
         decide::DecisionCommand,
+        keep_alive::keep_alives,
         validity::{begin_requests, end_requests},
         values::release_due,
     },
@@ -177,4 +178,18 @@ fn values_flow_within_the_requests_validity_only() {
         policy: disclosure::DisclosurePolicy::default(),
     };
     assert_eq!(scene.decide("made", decision(command), 2_002), Err(DecisionError::Ended));
+}
+
+#[test]
+fn a_keep_alive_tells_its_time_on_the_time_step() {
+    const HOUR: i64 = 3_600_000;
+    let mut scene = Scene::default();
+    scene.map("made", ValueSource::Manual, r#"{"timeStepMs":3600000}"#);
+    scene.commit(0);
+    let silent = keep_alives(&mut scene.state, at(HOUR + 1_234_567));
+    let [keep_alive] = &silent[..] else { panic!("{silent:?}") };
+    let body: Value = serde_json::from_slice(&keep_alive.body).expect("JSON");
+    let told: DateTime =
+        serde_json::from_value(body["Messages"][0]["Timestamp"].clone()).expect("a time");
+    assert_eq!(told, at(HOUR));
 }

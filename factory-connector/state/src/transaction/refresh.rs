@@ -13,8 +13,10 @@ use sha2::{Digest as _, Sha256};
 use uuid::Uuid;
 
 use crate::{
-    ChangeSet, ConnectorState, Writer, keep_alive_schedule::schedule_keep_alive,
-    queries::fields_of, writes::ControlRow,
+    ChangeSet, ConnectorState, Writer,
+    keep_alive_schedule::schedule_keep_alive,
+    queries::{fields_of, time_step},
+    writes::ControlRow,
 };
 
 /// Describes each data set about which something was decided once, however many its decisions.
@@ -63,12 +65,13 @@ fn describe(state: &mut ConnectorState, changes: &mut ChangeSet, id: u16, now: D
     }
     let has_values = fields_of(state, writer).any(|(_, field)| field.gate().disclosed().is_some());
     let Some(meta_data) = meta_data(state, writer) else { return };
+    let timestamp = now.floor_to(time_step(state, writer));
     let message_id = state.ids.next_message_id(now);
     let message = MetaDataMessage {
         message_id: Some(message_id.clone()),
         publisher_id: Some(Arc::from(state.config.factory_id.as_str())),
         data_set_writer_id: id,
-        timestamp: Some(now),
+        timestamp: Some(timestamp),
         meta_data,
         ..MetaDataMessage::default()
     };

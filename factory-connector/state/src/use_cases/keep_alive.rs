@@ -5,7 +5,7 @@ use asi_model::{
     pubsub::{DataSetMessage, DataSetMessageKind, NetworkMessage, json::encode},
 };
 
-use crate::{ConnectorState, Writer};
+use crate::{ConnectorState, Writer, queries::time_step};
 
 /// A keep-alive message. It is sent once and never stored.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -35,7 +35,7 @@ fn keep_alive(state: &mut ConnectorState, id: u16, now: DateTime) -> KeepAlive {
             data_set_writer_id: Some(id),
             sequence_number: writer.map(Writer::next_sequence),
             meta_data_version: writer.map(Writer::version),
-            timestamp: Some(now),
+            timestamp: writer.map(|writer| now.floor_to(time_step(state, writer))),
             kind: DataSetMessageKind::KeepAlive,
             ..DataSetMessage::default()
         }],
