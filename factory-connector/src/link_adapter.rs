@@ -2,14 +2,16 @@
 
 use std::sync::Arc;
 
-use asi_model::{FactoryId, MessageId, pubsub::json::NetworkMessageHeader};
+use asi_model::{DateTime, FactoryId, MessageId, pubsub::json::NetworkMessageHeader};
 use async_trait::async_trait;
 use messaging::{
     Backlog, Delivery, Envelope, Inbox, LogicalAddress, RowId, RowOutcome, SendOutcome, Settlement,
     SpoolRow, SpoolStore,
     spool::{Fetch, Lane, SpoolError},
 };
+use serde::Deserialize;
 use sha2::{Digest, Sha256};
+use time::OffsetDateTime;
 
 use crate::{
     coordinator::CoordinatorHandle,
@@ -56,14 +58,23 @@ impl ConnectorSpool {
                 ttl_ms,
                 attempts,
             }) => {
+                // Metadata has a time of its own, on the time step of its data set.
+                let is_of_data_set = subject.starts_with("ua-");
                 let mut envelope = Envelope::new(message_id, subject, body);
                 envelope.correlation_id = correlation_id;
-                envelope.creation_time = Some(created_at.into());
+                envelope.creation_time = if is_of_data_set {
+                    timestamp(&envelope.body)
+                } else {
+                    Some(created_at.into())
+                };
                 envelope.ttl = ttl_ms.map(std::time::Duration::from_millis);
                 SpoolRow { id: RowId(id), address, envelope, attempts }
             }
-            Message::Reports(ReportMessage { id, reports, created_at, attempts }) => {
-                let message_id = self.message_id(id, &reports);
+            Message::Reports(ReportMessage { id, reports, salts, attempts, .. }) => {
+                // The earliest of the times that the reports tell themselves, on their time steps.
+                let told = reports.iter().map(|(_, report)| timestamp(report.as_bytes()));
+                let creation_time = told.min().flatten();
+                let message_id = self.message_id(id, &salts);
                 self.in_flight
                     .fetched(message_id.clone(), reports.iter().map(|(report, _)| *report));
                 let header = NetworkMessageHeader {
@@ -73,25 +84,35 @@ impl ConnectorSpool {
                 };
                 let body = header.wrap(reports.iter().map(|(_, report)| report));
                 let mut envelope = Envelope::new(message_id, "ua-data", body);
-                envelope.creation_time = Some(created_at.into());
+                envelope.creation_time = creation_time;
                 SpoolRow { id: RowId(id), address, envelope, attempts }
             }
         }
     }
 
-    /// Derives the id of a message of reports: the same reports in a message have the same id again,
-    /// so that the platform recognises a repetition.
-    fn message_id(&self, id: i64, reports: &[(i64, String)]) -> MessageId {
+    /// Derives the id of a message of reports from the random bytes that are stored with them: the
+    /// same reports in a message have the same id again, also after a crash, so that the platform
+    /// recognises a repetition; and the id says nothing about what is in them.
+    fn message_id(&self, id: i64, salts: &[u8]) -> MessageId {
         let mut hasher = Sha256::new();
+        hasher.update(b"message id");
         hasher.update(self.factory_id.as_str());
         hasher.update(id.to_be_bytes());
-        for (_, report) in reports {
-            hasher.update(report.as_bytes());
-        }
+        hasher.update(salts);
         let mut bytes = [0_u8; 16];
         bytes.copy_from_slice(&hasher.finalize()[..16]);
         uuid::Builder::from_custom_bytes(bytes).into_uuid().into()
     }
+}
+
+/// Time of an OPC UA message or of a report in it: what else tells its time must not be more exact.
+fn timestamp(json: &[u8]) -> Option<OffsetDateTime> {
+    #[derive(Deserialize)]
+    struct Timed {
+        #[serde(rename = "Timestamp")]
+        timestamp: Option<DateTime>,
+    }
+    serde_json::from_slice::<Timed>(json).ok()?.timestamp.map(OffsetDateTime::from)
 }
 
 #[async_trait]

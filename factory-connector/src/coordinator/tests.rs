@@ -9,6 +9,8 @@ mod failures;
 mod lease;
 mod ledger;
 mod lookup;
+mod message_ids;
+mod message_times;
 mod receipts;
 mod revocation;
 mod ways_to_the_gate;

@@ -56,6 +56,8 @@ pub struct ReportMessage {
     pub id: i64,
     /// Number of each report with its DataSetMessage as JSON.
     pub reports: Vec<(i64, String)>,
+    /// Random bytes of the reports, one after the other; they never leave.
+    pub salts: Vec<u8>,
     /// Time of the first report.
     pub created_at: DateTime,
     /// Number of rejections by the broker.
@@ -211,7 +213,7 @@ impl Reports<'_> {
         fetch: Fetch,
     ) -> Result<Vec<ReportMessage>, StoreError> {
         let sql = format!(
-            "SELECT message, id, body, created_at, attempts FROM report
+            "SELECT message, id, body, salt, created_at, attempts FROM report
              WHERE state = 'WAITING' AND message IN ({messages}) ORDER BY message, id"
         );
         let query = query(sql)
@@ -222,6 +224,7 @@ impl Reports<'_> {
             Ok(ReportMessage {
                 id: row.column("message")?,
                 reports: vec![(row.column("id")?, row.column("body")?)],
+                salts: row.column::<Option<Vec<u8>>>("salt")?.unwrap_or_default(),
                 created_at: row.time("created_at")?,
                 attempts: row.number("attempts")?,
             })
@@ -262,7 +265,10 @@ fn grouped(reports: Vec<ReportMessage>) -> Vec<ReportMessage> {
     let mut messages: Vec<ReportMessage> = Vec::new();
     for report in reports {
         match messages.last_mut() {
-            Some(message) if message.id == report.id => message.reports.extend(report.reports),
+            Some(message) if message.id == report.id => {
+                message.reports.extend(report.reports);
+                message.salts.extend(report.salts);
+            }
             _ => messages.push(report),
         }
     }
