@@ -49,8 +49,10 @@ impl FieldWriter for CoordinatorWriter {
     ) -> StatusCode {
         let (key, by) = (field.clone(), user.name.to_string());
         let decided = self.0.execute(move |state, now: DateTime| {
-            let request = decision_request(state, &key, decision, by);
-            decide(state, &key, request, now)
+            let Some(request) = decision_request(state, &key, decision, by) else {
+                return Err(None);
+            };
+            decide(state, &key, request, now).map_err(Some)
         });
         match decided.await {
             Ok(Ok(())) => StatusCode::GOOD,
@@ -61,26 +63,29 @@ impl FieldWriter for CoordinatorWriter {
 }
 
 /// Returns the decision that an OPC UA client asks for: it opens a field to OPC UA clients, and the
-/// policy stays as it was set on the page.
+/// policy stays as it was set on the page. `None` where no policy was set: a client cannot tell one,
+/// and without one nothing is opened.
 fn decision_request(
     state: &ConnectorState,
     key: &FieldKey,
     decision: FieldDecision,
     decided_by: String,
-) -> DecisionRequest {
-    let present = state.field(key).map(Field::decision);
-    let policy = present.map(|present| (*present.policy).clone()).unwrap_or_default();
-    let policy_id = present.and_then(|present| present.basis.policy_id.clone());
+) -> Option<DecisionRequest> {
+    let present = state.field(key)?.decision();
+    let policy = (*present.policy).clone();
+    let policy_id = present.basis.policy_id.clone();
+    let has_policy = present.is_mapped() || policy_id.is_some() || !policy.is_open();
     let command = match decision.mapping_state {
         MappingState::Pending => DecisionCommand::LeavePending,
         MappingState::Refused => DecisionCommand::Refuse,
+        MappingState::Mapped if !has_policy => return None,
         MappingState::Mapped => {
             let value_source = ValueSource::External;
             DecisionCommand::Map { value_source, mapping: None, policy }
         }
     };
     let basis = DecisionBasis { policy_id, ..DecisionBasis::default() };
-    DecisionRequest { command, reason: decision.reason, decided_by, basis }
+    Some(DecisionRequest { command, reason: decision.reason, decided_by, basis })
 }
 
 const fn status_of(outcome: GateOutcome) -> StatusCode {

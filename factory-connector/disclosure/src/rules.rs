@@ -59,9 +59,10 @@ pub struct Rule {
     /// one the engineer decides.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value_source: Option<ValueSource>,
-    /// The precision, with `ACCEPT` and `PREFILL`.
-    #[serde(default)]
-    pub disclosure: DisclosurePolicy,
+    /// The precision, with `ACCEPT` and `PREFILL`. A rule that accepts needs it, where it may be
+    /// empty, or a named policy.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disclosure: Option<DisclosurePolicy>,
     /// A named policy that applies as well: the strictest of both.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub policy_id: Option<DocumentId>,
@@ -167,7 +168,10 @@ impl Rule {
         if self.reason.as_ref().is_some_and(is_long) {
             fault("/reason", "A reason has at most 400 characters.");
         }
-        for found in self.disclosure.own_faults() {
+        if is_accepting && self.disclosure.is_none() && self.policy_id.is_none() {
+            fault("/disclosure", "A rule that accepts says in which precision.");
+        }
+        for found in self.disclosure.iter().flat_map(DisclosurePolicy::own_faults) {
             faults.push(RuleFault {
                 pointer: format!("/disclosure/{}", found.member),
                 message: format!("{}.", found.message),
@@ -212,13 +216,11 @@ pub fn outcome<'r, K: 'r>(
     let mut matching: Vec<(&K, &Rule)> =
         rules.filter(|(_, rule)| rule.matches(request, field)).collect();
     let action = matching.iter().map(|(_, rule)| rule.action).max()?;
-    let mut disclosure = DisclosurePolicy::default();
-    for (_, rule) in matching.iter().filter(|(_, rule)| rule.action != RuleAction::Refuse) {
-        disclosure = disclosure.strictest(&rule.disclosure);
-        if let Some(policy) = rule.policy_id.as_ref().and_then(&named) {
-            disclosure = disclosure.strictest(&policy);
-        }
-    }
+    let disclosing = matching.iter().filter(|(_, rule)| rule.action != RuleAction::Refuse);
+    let policies = disclosing
+        .flat_map(|(_, rule)| [rule.disclosure.clone(), rule.policy_id.as_ref().and_then(&named)]);
+    let strictest = policies.flatten().reduce(|strict, other| strict.strictest(&other));
+    let disclosure = strictest.unwrap_or_default();
     matching.retain(|(_, rule)| rule.action == action);
     let disclosure = Arc::new(disclosure.fitted_to(field.field_type.0, field.value_rank >= 0));
     Some(RuleOutcome { action, rules: matching, disclosure })
@@ -248,7 +250,8 @@ mod tests {
     }
 
     fn rule(action: &str, when: serde_json::Value) -> Rule {
-        let rule = json!({ "name": "n", "when": when, "action": action, "valueSource": "MANUAL", "reason": "no" });
+        let rule = json!({ "name": "n", "when": when, "action": action, "valueSource": "MANUAL", "reason": "no",
+            "disclosure": {} });
         serde_json::from_value(rule).expect("a rule")
     }
 
@@ -297,8 +300,10 @@ mod tests {
             (2, rule("ACCEPT", json!({ "partners": ["acme", "hull"] }))),
             (3, rule("REFUSE", json!({ "partners": ["spy"] }))),
         ];
-        rules[0].1.disclosure.minimum_interval_ms = Some(5);
-        rules[1].1.disclosure.minimum_interval_ms = Some(9);
+        let interval =
+            |ms| DisclosurePolicy { minimum_interval_ms: Some(ms), ..Default::default() };
+        rules[0].1.disclosure = Some(interval(5));
+        rules[1].1.disclosure = Some(interval(9));
         let asked = |recipients: &[&str]| {
             let rules = rules.iter().map(|(id, rule)| (id, rule));
             outcome(rules, |_| None, &request(recipients), &field).map(|found| {
@@ -316,11 +321,23 @@ mod tests {
         let mut rule = rule("ACCEPT", json!({ "dataTypes": ["Integer"] }));
         rule.name = " ".to_owned();
         rule.value_source = None;
-        rule.disclosure.delay_ms = Some(0);
+        rule.disclosure = Some(DisclosurePolicy { delay_ms: Some(0), ..Default::default() });
         let pointers: Vec<String> = rule.faults().into_iter().map(|fault| fault.pointer).collect();
         assert_eq!(
             pointers,
             ["/name", "/when/dataTypes", "/when/partners", "/valueSource", "/disclosure/delayMs"]
         );
+    }
+
+    #[test]
+    fn a_rule_that_accepts_opens_nothing_without_a_precision() {
+        let accept = rule("ACCEPT", json!({ "partners": ["acme"] }));
+        assert_eq!(accept.faults(), []);
+        let unsaid = Rule { disclosure: None, ..accept };
+        assert_eq!(unsaid.faults().first().map(|fault| &fault.pointer[..]), Some("/disclosure"));
+        let named = Rule { policy_id: Some("coarse".parse().expect("an id")), ..unsaid };
+        assert_eq!(named.faults(), []);
+        let refuse = Rule { disclosure: None, ..rule("REFUSE", json!({})) };
+        assert_eq!(refuse.faults(), []);
     }
 }

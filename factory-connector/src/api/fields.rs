@@ -55,9 +55,9 @@ pub struct DecisionBody {
     value_source: Option<ValueSource>,
     /// Needed with the source `MAPPING`.
     mapping: Option<MappingDraft>,
-    /// Coarsening of the values; without it every change leaves as it is.
-    #[serde(default)]
-    disclosure: DisclosurePolicy,
+    /// Coarsening of the values; needed with `MAPPED` unless there is a named policy. Every change
+    /// leaves as it is only where this is an empty object.
+    disclosure: Option<DisclosurePolicy>,
     /// A named policy that holds beside it, in its newest version from now on.
     policy_id: Option<DocumentId>,
     /// Reason that the partner reads; needed with `REFUSED`.
@@ -147,7 +147,11 @@ pub async fn decide_field(
                 }
                 _ => None,
             };
-            DecisionCommand::Map { value_source, mapping, policy: body.disclosure }
+            let policy = match body.disclosure {
+                None if body.policy_id.is_none() => return Err(missing("disclosure")),
+                policy => policy.unwrap_or_default(),
+            };
+            DecisionCommand::Map { value_source, mapping, policy }
         }
     };
     let request = DecisionRequest {

@@ -11,6 +11,7 @@ mod ledger;
 mod lookup;
 mod message_ids;
 mod message_times;
+mod opc_ua_decisions;
 mod receipts;
 mod revocation;
 mod ways_to_the_gate;

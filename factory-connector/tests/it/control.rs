@@ -313,3 +313,16 @@ async fn a_request_is_read_alone_and_pages_continue_after_it() {
     let (status, problem) = refused(&plant, Method::GET, "/inbox?cursor=40", Value::Null).await;
     assert_eq!((status.as_u16(), &problem["code"]), (400, &json!("INVALID_CURSOR")), "{problem}");
 }
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_decision_without_a_policy_opens_nothing() {
+    let plant = Plant::start(json!([{ "name": "count", "type": 9 }])).await;
+    let path = format!("{}/decision", field("count"));
+    let unsaid = json!({ "mappingState": "MAPPED", "valueSource": "MANUAL" });
+    let (status, problem) = plant.status(Method::PUT, &path, Some(unsaid.to_string())).await;
+    assert_eq!(status, 422, "{problem:#}");
+    assert_eq!(problem["faults"][0]["pointer"], "/disclosure", "{problem:#}");
+    assert_eq!(plant.get(&field("count")).await["mappingState"], "PENDING");
+    let said = json!({ "mappingState": "MAPPED", "valueSource": "MANUAL", "disclosure": {} });
+    assert_eq!(plant.put(&path, said).await["mappingState"], "MAPPED");
+}

@@ -29,7 +29,7 @@ async fn pages_receive_events_of_rule_decisions_the_ledger_and_lost_machines() {
     let plant = Plant::start(fields).await;
     let mut events = plant.events().await;
     let accept = json!({ "name": "Power of acme", "isEnabled": true, "action": "ACCEPT", "valueSource": "MANUAL",
-        "when": { "partners": ["acme"], "units": ["WTT"] } });
+        "disclosure": {}, "when": { "partners": ["acme"], "units": ["WTT"] } });
     plant.put("/rules/power", accept).await;
     assert_eq!(plant.post("/rules/apply", json!({})).await["decidedCount"], 2);
     assert_eq!(

@@ -259,8 +259,8 @@ impl SignedIn {
 
     /// Decides a field with the source MAPPING.
     pub async fn map(&self, name: &str, mapping: Value) -> Value {
-        let body =
-            json!({ "mappingState": "MAPPED", "valueSource": "MAPPING", "mapping": mapping });
+        let body = json!({ "mappingState": "MAPPED", "valueSource": "MAPPING", "mapping": mapping,
+            "disclosure": {} });
         self.put(&format!("{}/decision", field(name)), body).await
     }
 

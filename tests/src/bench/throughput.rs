@@ -127,7 +127,7 @@ async fn map(cast: &Cast) -> anyhow::Result<()> {
     })
     .await?;
     let machine = story::machines(MUNICH)[0];
-    let decision = json!({ "mappingState": "MAPPED", "valueSource": "MAPPING", "mapping": { "inputs": [
+    let decision = json!({ "mappingState": "MAPPED", "valueSource": "MAPPING", "disclosure": {}, "mapping": { "inputs": [
         { "name": "input", "sourceId": machine, "nodeId": story::node(machine, "Spindle.Speed") } ],
         "steps": [ { "function": "convert", "to": "UInt64" } ] } });
     for request in 0..REQUESTS {
