@@ -75,7 +75,14 @@ impl AsiProvider {
             user: user.name.to_string(),
             status,
             old_value: self.values.field(&old).value.unwrap_or_default(),
-            new_value: request.value.value.clone().unwrap_or_default(),
+            // Good without more says that the gate discloses the value as it is; of any other
+            // one subscribers, whatever their role, learn no more than partners.
+            new_value: request
+                .value
+                .value
+                .clone()
+                .filter(|_| status == StatusCode::Good)
+                .unwrap_or_default(),
             message: "A client wrote the value of a report field.".to_owned(),
         });
         status

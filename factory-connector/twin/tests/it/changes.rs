@@ -1,6 +1,6 @@
 //! Notifications of subscribers: values, removals, model changes, the audit trail.
 
-use asi_model::DataValue;
+use asi_model::{DataValue, StatusCode as ModelStatus};
 use opcua_stack::opcua::{
     client::EventCallback,
     types::{
@@ -246,6 +246,7 @@ async fn the_audit_trail_contains_user_and_change() {
     let id = field_id("net", "progressStatus");
     client.write(&id, 5_u64).await;
     let refused = next(&mut heard).await;
+    assert_eq!(refused[5], Variant::Empty, "a refused value was never disclosed");
     assert_eq!(refused[0], NodeId::from(ObjectTypeId::AuditWriteUpdateEventType).into());
     assert_eq!(refused[1], instance(&id).into());
     assert_eq!((&refused[2], &refused[3]), (&"anna".into(), &false.into()));
@@ -258,6 +259,14 @@ async fn the_audit_trail_contains_user_and_change() {
     client.write(&id, 6_u64).await;
     let accepted = next(&mut heard).await;
     assert_eq!((&accepted[3], &accepted[5]), (&true.into(), &6_u64.into()));
+
+    // The gate coarsens the value, or lets it out later.
+    for status in [ModelStatus::GOOD_CLAMPED, ModelStatus::GOOD_COMPLETES_ASYNCHRONOUSLY] {
+        *twin.connector.answer.lock() = Some(status);
+        client.write(&id, 4711_u64).await;
+        let coarsened = next(&mut heard).await;
+        assert_eq!((&coarsened[3], &coarsened[5]), (&true.into(), &Variant::Empty), "{status}");
+    }
 
     // The engine's own updates are no audit events: the next is the sign-in.
     twin.handle
