@@ -5,6 +5,7 @@ mod answers;
 mod control;
 mod events;
 mod ledger;
+mod logs;
 mod mappings;
 mod plant;
 mod roles;

@@ -179,10 +179,12 @@ impl ScriptWorker {
                 let Some(load) = self.scripts.get(&script).cloned() else { continue };
                 if let Err(fault) = self.load_now(&load).await {
                     // It loaded before, but does not from its present state: calls say that it is
-                    // not there.
+                    // not there. The message may be a script's own text, with a value in it.
                     tracing::warn!(
                         script.name = &*load.name,
-                        fault = &*fault.message,
+                        fault.kind = ?fault.kind,
+                        fault.line = fault.line,
+                        fault.column = fault.column,
                         "A script does not load again."
                     );
                     self.scripts.remove(&script);
