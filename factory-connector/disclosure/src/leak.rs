@@ -1,7 +1,8 @@
 //! Leak budget: the information that one partner gets in total, and conclusions from several fields.
 //!
 //! Pure: computes figures and warnings from a list of disclosed fields. The figures are upper bounds
-//! of the information in the values themselves. The warnings name conclusions that the engineer may
+//! of the information in values, statuses and times, for any behaviour of machines and scripts. The
+//! warnings name conclusions that the engineer may
 //! not have intended to allow.
 
 mod bits;
@@ -9,7 +10,7 @@ mod conclusions;
 mod open_field;
 
 use asi_model::FieldKey;
-use bits::bits_per_value;
+use bits::{bits_per_hour, bits_per_value};
 pub use conclusions::{Conclusion, LeakWarning, leak_warnings};
 pub use open_field::{Measured, OpenField};
 use serde::Serialize;
@@ -30,8 +31,12 @@ pub struct FieldLeak {
     /// Most values per hour; none when only the publishing interval limits them.
     pub values_per_hour_max: Option<f64>,
     pub measured: Measured,
-    /// Most information of one value, in bits; none for texts and other values without a bound.
+    /// Most information of one value with its status and source time, in bits; none for texts and
+    /// other values without a bound.
     pub bits_per_value: Option<f64>,
+    /// Most information per hour, in bits: values, statuses, source times and the times of releases;
+    /// none without a limit.
+    pub bits_per_hour_max: Option<f64>,
     /// Resolution of the times of changes, in milliseconds; 0 when every change is released at once.
     pub time_resolution_ms: u64,
 }
@@ -45,7 +50,7 @@ pub struct LeakBudget {
     pub values_per_hour_max: Option<f64>,
     /// Values per hour as measured.
     pub values_per_hour_measured: f64,
-    /// Most bits per hour; none when a field has no limit.
+    /// Most bits per hour in values, statuses and times; none when a field has no limit.
     pub bits_per_hour_max: Option<f64>,
     pub warnings: Vec<LeakWarning>,
 }
@@ -61,17 +66,17 @@ pub fn leak_budget(open: &[OpenField<'_>]) -> LeakBudget {
             values_per_hour_max: values_per_hour_max(field.policy),
             measured: field.measured,
             bits_per_value: bits_per_value(field),
+            bits_per_hour_max: bits_per_hour(field),
             time_resolution_ms: time_resolution_ms(field.policy),
         })
         .collect();
-    let bits = |field: &FieldLeak| Some(field.values_per_hour_max? * field.bits_per_value?);
     LeakBudget {
         values_per_hour_max: fields.iter().map(|field| field.values_per_hour_max).sum(),
         values_per_hour_measured: fields
             .iter()
             .filter_map(|field| field.measured.released_per_hour())
             .sum(),
-        bits_per_hour_max: fields.iter().map(bits).sum(),
+        bits_per_hour_max: fields.iter().map(|field| field.bits_per_hour_max).sum(),
         warnings: leak_warnings(open),
         fields,
     }
@@ -86,7 +91,7 @@ pub struct LeakSummary {
     pub values_per_hour_max: Option<f64>,
     /// Values per hour as measured.
     pub values_per_hour_measured: f64,
-    /// Most bits per hour; none when a field has no limit.
+    /// Most bits per hour in values, statuses and times; none when a field has no limit.
     pub bits_per_hour_max: Option<f64>,
     /// Most information of one value of any field, in bits; none when a field has no bound.
     pub bits_per_value_max: Option<f64>,
@@ -115,7 +120,7 @@ pub fn leak_summary(open: &[OpenField<'_>]) -> LeakSummary {
             .iter()
             .filter_map(|field| field.measured.released_per_hour())
             .sum(),
-        bits_per_hour_max: rates().zip(bits()).map(|(rate, bits)| Some(rate? * bits?)).sum(),
+        bits_per_hour_max: open.iter().map(bits_per_hour).sum(),
         bits_per_value_max: bits().try_fold(0.0, |most: f64, bits| Some(most.max(bits?))),
         time_resolution_ms: open
             .iter()

@@ -105,10 +105,11 @@ pub fn leak_warnings(open: &[OpenField<'_>]) -> Vec<LeakWarning> {
     warnings
 }
 
-/// Returns the longest time within which two changes cannot be distinguished, in milliseconds.
+/// Returns the longest time within which two changes cannot be distinguished, in milliseconds. A
+/// rate of several values does not prevent that they follow each other at once.
 fn granularity_ms(policy: &DisclosurePolicy) -> u64 {
-    let rates =
-        policy.rate_limits.iter().map(|limit| limit.period_ms / u64::from(limit.values.max(1)));
+    let single = policy.rate_limits.iter().filter(|limit| limit.values <= 1);
+    let rates = single.map(|limit| limit.period_ms);
     rates.chain(policy.minimum_interval_ms).fold(time_resolution_ms(policy), u64::max)
 }
 
@@ -138,21 +139,27 @@ fn cycle_time(field: &OpenField<'_>) -> Option<LeakWarning> {
     }
     let step = field.policy.rounding_step.map_or(1.0, |step| step.decimal().to_f64().max(1.0));
     let known = piece_ms(field.operation);
-    // With a rounding step the pieces of a step have one time: only their mean is revealed.
-    let needed = known.unwrap_or(PIECE_MS);
-    let is_single = step < 2.0 && granularity_ms(field.policy) < needed;
-    is_single.then(|| LeakWarning {
+    // The pieces of a rounding step have one time: the time between two steps is that of so many
+    // pieces, which is their mean.
+    let needed = (known.unwrap_or(PIECE_MS) as f64 * step) as u64;
+    let is_mean = step >= 2.0;
+    (granularity_ms(field.policy) < needed).then(|| LeakWarning {
         conclusion: Conclusion::CycleTime,
         text: match known {
-            Some(_) => "Each piece is timed more exactly than it takes by the plan, which tells the cycle time. A \
-                        minimum interval, a time step or a rounding step of several pieces hides it."
-                .to_owned(),
-            None => {
-                "Each piece may be timed as it is made, which tells the cycle time. A minimum interval, a time step \
-                     or a rounding step of several pieces hides it."
-                    .to_owned()
+            _ if is_mean => {
+                "The time between two rounding steps is that of their pieces, which tells the mean cycle time. A \
+                     minimum interval or a time step longer than that hides it."
             }
-        },
+            Some(_) => {
+                "Each piece is timed more exactly than it takes by the plan, which tells the cycle time. A minimum \
+                     interval or a time step hides it; a rounding step leaves the mean."
+            }
+            None => {
+                "Each piece may be timed as it is made, which tells the cycle time. A minimum interval or a time step \
+                     hides it; a rounding step leaves the mean."
+            }
+        }
+        .to_owned(),
         fields: vec![field.key.clone()],
         piece_ms: known,
         needed_ms: Some(needed),

@@ -59,7 +59,14 @@ fn conclusions_follow_from_what_is_open_together() {
     assert_eq!(conclusions(&[(made(), json!({}))]), [C::CycleTime]);
     assert_eq!(conclusions(&[(made(), json!({ "minimumIntervalMs": 300_000 }))]), [C::CycleTime]);
     assert_eq!(conclusions(&[(made(), json!({ "minimumIntervalMs": 360_000 }))]), []);
-    assert_eq!(conclusions(&[(made(), json!({ "roundingStep": 10 }))]), []);
+    // Ten pieces take an hour: the time between two steps is their mean.
+    assert_eq!(conclusions(&[(made(), json!({ "roundingStep": 10 }))]), [C::CycleTime]);
+    let hidden = json!({ "roundingStep": 10, "timeStepMs": 3_600_000 });
+    assert_eq!(conclusions(&[(made(), hidden)]), []);
+    // Ten an hour may be ten in a second.
+    let burst = |values: u32, period_ms: u64| json!({ "rateLimits": [{ "values": values, "periodMs": period_ms }] });
+    assert_eq!(conclusions(&[(made(), burst(10, 3_600_000))]), [C::CycleTime]);
+    assert_eq!(conclusions(&[(made(), burst(1, 360_000))]), []);
     assert_eq!(conclusions(&[(state(), json!({}))]), [C::Utilisation]);
     assert_eq!(conclusions(&[(state(), hourly())]), []);
     assert_eq!(conclusions(&[(made(), hourly()), (share(), hourly())]), [C::OrderQuantity]);
@@ -81,7 +88,17 @@ fn figures_add_up() {
     assert_eq!(found.values_per_hour_max, Some(4.0));
     assert_eq!(found.values_per_hour_measured, 10.0);
     let bits = found.bits_per_hour_max.expect("both are limited");
-    assert!((bits - (5_f64.log2() + 3.0 * 2.0)).abs() < 1e-9, "{bits}");
+    // Nine thousand years in ticks of 100 ns, and the milliseconds of an hour.
+    let (source, slots) = (2_650_467_743_990_000_002_f64.log2(), 3_600_000_f64);
+    // A share is a Double: rounding it bounds nothing. Four usable statuses with a value or without
+    // one, five bad ones.
+    let share_bits = ((64_f64.exp2() + 1.0) * 4.0 + 5.0).log2() + source;
+    let share_times = (std::f64::consts::E * slots).log2();
+    // Four bands and "not a number".
+    let temperature_bits = ((5.0 + 1.0) * 4.0 + 5.0_f64).log2() + source;
+    let temperature_times = 3.0 * (std::f64::consts::E * slots / 3.0).log2();
+    let expected = share_bits + share_times + 3.0 * temperature_bits + temperature_times;
+    assert!((bits - expected).abs() < 1e-6, "{bits} instead of {expected}");
     let found = budget(&[(share, json!({})), (temperature, json!({ "timeStepMs": 60_000 }))]);
     assert_eq!((found.values_per_hour_max, found.bits_per_hour_max), (None, None));
     let text =
@@ -119,4 +136,53 @@ fn a_warning_contains_the_planned_time_of_a_piece() {
     let counter = json!({ "name": "count", "type": 9, "unit": "PIECE" });
     let planned = &budget(&[(counter, json!({}))]).warnings[0];
     assert_eq!((planned.piece_ms, planned.needed_ms), (Some(360_000), Some(360_000)));
+}
+
+/// Returns the bits per hour of a field.
+fn bits(definition: Value, policy: Value) -> Option<f64> {
+    budget(&[(definition, policy)]).bits_per_hour_max
+}
+
+#[test]
+fn the_times_of_releases_are_information() {
+    let running = || json!({ "name": "running", "type": 1 });
+    let by_minute = |more: &str| -> Value {
+        serde_json::from_str(&format!(r#"{{"minimumIntervalMs":60000{more}}}"#)).expect("JSON")
+    };
+    let free = bits(running(), by_minute("")).expect("limited");
+    let seconds = bits(running(), by_minute(r#","timeStepMs":1000"#)).expect("limited");
+    let minutes = bits(running(), by_minute(r#","timeStepMs":60000"#)).expect("limited");
+    assert!(free > 60.0 * 17.0, "sixty events of a resolution of a millisecond: {free}");
+    // Sixty times among 3600 seconds instead of milliseconds, and each source time in seconds.
+    assert!(free - seconds > 60.0 * 10.0 + 500.0, "{free} {seconds}");
+    assert!(minutes < seconds);
+    // The mean over an hour tells one value and status, and whether there is one.
+    let window = json!({ "aggregate": { "function": "LAST", "windowMs": 3_600_000 } });
+    let hourly = bits(running(), window).expect("limited");
+    assert!((hourly - (((2.0 + 1.0) * 4.0 + 5.0_f64).log2() + 1.0)).abs() < 1e-9, "{hourly}");
+}
+
+#[test]
+fn no_meaning_of_a_field_is_trusted_to_bound_it() {
+    let hourly = || json!({ "aggregate": { "function": "LAST", "windowMs": 3_600_000 }, "roundingStep": 25 });
+    for semantic in ["PERCENT_COMPLETE", "PRODUCED_QUANTITY", "SCRAP_QUANTITY"] {
+        let counted = json!({ "name": "a", "type": 9, "semantic": semantic });
+        assert!(bits(counted, hourly()).expect("limited") > 59.0, "{semantic} in 64 bits");
+        let measured = json!({ "name": "a", "type": 11, "semantic": semantic });
+        assert!(bits(measured, hourly()).expect("limited") > 64.0, "{semantic} as a Double");
+    }
+}
+
+#[test]
+fn status_codes_are_information() {
+    let with = |status: &str| {
+        let policy = format!(
+            r#"{{"aggregate":{{"function":"LAST","windowMs":3600000}},"statusCodes":"{status}"}}"#
+        );
+        let policy = serde_json::from_str(&policy).expect("JSON");
+        bits(json!({ "name": "running", "type": 1 }), policy).expect("limited")
+    };
+    let (full, common, severity) = (with("FULL"), with("COMMON"), with("SEVERITY"));
+    assert!(full > 33.0 && full < 35.0, "{full}");
+    assert!(severity < common && common < 6.0, "{severity} {common}");
 }

@@ -9,6 +9,9 @@ use asi_model::{
 
 use crate::{ConnectorState, Field, Writer};
 
+/// Resolution of the times of reports without a time step. The leak budget counts on it.
+const TIMESTAMP_STEP: Duration = Duration::from_millis(1);
+
 /// Returns the newest disclosed values of a writer's data set in payload order, with the number of
 /// the consent for each field; `None` before the first value.
 #[must_use]
@@ -47,16 +50,13 @@ pub fn key_frame(
         data_set_writer_id: Some(id),
         sequence_number: Some(writer.next_sequence()),
         meta_data_version: Some(writer.version()),
-        timestamp: Some(now.floor_to(step)),
+        timestamp: Some(now.floor_to(step.max(TIMESTAMP_STEP))),
         fields,
         ..DataSetMessage::default()
     };
     Some((frame, consents))
 }
 
-/// Returns a writer's report before any of its fields has a value.
-#[must_use]
-pub fn empty_frame(state: &ConnectorState, id: u16, now: DateTime) -> DataSetMessage {
 /// Returns the longest time step of a data set's fields: on it are all times of the writer's
 /// messages.
 pub(crate) fn time_step(state: &ConnectorState, writer: &Writer) -> Duration {
@@ -64,6 +64,9 @@ pub(crate) fn time_step(state: &ConnectorState, writer: &Writer) -> Duration {
     steps.max().unwrap_or_default()
 }
 
+/// Returns a writer's report before any of its fields has a value.
+#[must_use]
+pub fn empty_frame(state: &ConnectorState, id: u16, now: DateTime) -> DataSetMessage {
     let writer = state.writers.get(id);
     let document = writer.and_then(|writer| Some((writer, state.request(writer.request())?.1)));
     let fields = document.map_or_else(Vec::new, |(writer, request)| {

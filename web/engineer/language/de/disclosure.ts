@@ -156,10 +156,10 @@ export const disclosure: typeof English = {
     moreWarnings: (n: number) => (n === 1 ? '1 weiterer Rückschluss' : `${n} weitere Rückschlüsse`),
     conclusions: {
       CYCLE_TIME: {
-        what: 'Taktzeit einzelner Stücke',
-        why: 'Die Zählung ist zeitlich genauer, als ein Stück dauert.',
+        what: 'Taktzeit',
+        why: 'Die Zählung ist zeitlich genauer, als die Stücke dauern, die sie auf einmal nennt.',
         remedy:
-          'Ein Mindestabstand, ein Zeitschritt oder ein Rundungsschritt von mehreren Stücken verbirgt sie.',
+          'Ein Mindestabstand oder ein Zeitschritt verbirgt sie; ein Rundungsschritt lässt das Mittel.',
       },
       UTILISATION: {
         what: 'Auslastung der Maschine',

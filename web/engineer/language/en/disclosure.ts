@@ -152,9 +152,9 @@ export const disclosure = {
     moreWarnings: (n: number) => (n === 1 ? '1 more conclusion' : `${n} more conclusions`),
     conclusions: {
       CYCLE_TIME: {
-        what: 'Cycle time of single pieces',
-        why: 'The count is timed more exactly than a piece takes.',
-        remedy: 'A minimum interval, a time step or a rounding step of several pieces hides it.',
+        what: 'Cycle time',
+        why: 'The count is timed more exactly than the pieces take that it tells at once.',
+        remedy: 'A minimum interval or a time step hides it; a rounding step leaves the mean.',
       },
       UTILISATION: {
         what: 'Utilisation of the machine',
