@@ -55,7 +55,6 @@ pub struct GateState {
     pub withheld_by: BTreeMap<FieldName, bool>,
 }
 
-/// Decides which of a field's candidates are released, and at which time.
 impl GateState {
     /// Coarsens the status codes of a state that may be from a time when all were disclosed.
     fn coarsen_statuses(&mut self, policy: &DisclosurePolicy) {
@@ -66,6 +65,7 @@ impl GateState {
     }
 }
 
+/// Decides which of a field's candidates are released, and at which time.
 ///
 /// `now` must never decrease for one gate; [`Gate::new`] corrects a state from a clock that was set
 /// back.
@@ -101,8 +101,8 @@ impl Gate {
             *released_at = (*released_at).min(now);
         }
         state.aggregation.set_clock_back(now);
-        let is_immediate = policy.is_immediate();
         state.coarsen_statuses(&policy);
+        let is_immediate = policy.is_immediate();
         Self {
             policy,
             is_immediate,

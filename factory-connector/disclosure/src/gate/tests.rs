@@ -1,10 +1,12 @@
+mod explained;
 mod fast_path;
+mod model;
 mod properties;
-mod strategies;
-
 mod statuses;
-use asi_model::{Scalar, StatusCode};
+mod strategies;
 mod transitions;
+
+use asi_model::{Scalar, StatusCode};
 
 use super::*;
 

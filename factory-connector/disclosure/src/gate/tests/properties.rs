@@ -69,7 +69,7 @@ fn significant(number: i128) -> usize {
 }
 
 /// Returns whether a time is within the only hours tested: Monday and Wednesday, 05:00 to 13:30 UTC.
-fn is_working(ms: u64) -> bool {
+pub(super) fn is_working(ms: u64) -> bool {
     let (day, of_day) = (ms / (24 * HOUR_MS) % 7, ms % (24 * HOUR_MS));
     (day == 0 || day == 2) && (5 * HOUR_MS..13 * HOUR_MS + HOUR_MS / 2).contains(&of_day)
 }

@@ -4,7 +4,9 @@ use asi_model::{Scalar, StatusCode, Variant, values::Array};
 use proptest::prelude::*;
 
 use super::*;
-use crate::{RateLimit, StateValue, Weekday, WindowAggregate, WithholdCondition, WorkingHours};
+use crate::{
+    RateLimit, StateValue, StatusCodes, Weekday, WindowAggregate, WithholdCondition, WorkingHours,
+};
 
 /// A Monday, 00:00 UTC.
 pub(super) const START_MS: i64 = 1_799_625_600_000;
@@ -46,6 +48,7 @@ fn candidates() -> impl Strategy<Value = DataValue> {
         8 => Just(StatusCode::GOOD),
         1 => Just(StatusCode::UNCERTAIN_NO_COMMUNICATION_LAST_USABLE_VALUE),
         1 => Just(StatusCode::BAD_NO_DATA),
+        1 => any::<u32>().prop_map(StatusCode),
     ];
     (value, status)
         .prop_map(|(value, status)| DataValue { status, ..DataValue::good(value, at(0)) })
@@ -59,6 +62,10 @@ pub(super) fn steps(pause_ms: u64) -> impl Strategy<Value = Vec<(u64, Step)>> {
         1 => Just(Step::Restart),
     ];
     proptest::collection::vec((0..pause_ms, step), 0..60)
+}
+
+fn status_codes() -> impl Strategy<Value = StatusCodes> {
+    prop_oneof![Just(StatusCodes::Full), Just(StatusCodes::Common), Just(StatusCodes::Severity)]
 }
 
 pub(super) fn policies() -> impl Strategy<Value = DisclosurePolicy> {
@@ -92,7 +99,7 @@ pub(super) fn policies() -> impl Strategy<Value = DisclosurePolicy> {
         proptest::collection::vec(rate, 0..3),
         proptest::option::of(aggregate),
         proptest::collection::vec(condition, 0..2),
-        proptest::option::weighted(0.2, hours),
+        (proptest::option::weighted(0.2, hours), status_codes()),
     )
         .prop_map(
             |(
@@ -101,7 +108,7 @@ pub(super) fn policies() -> impl Strategy<Value = DisclosurePolicy> {
                 rate_limits,
                 aggregate,
                 withhold_while,
-                hours,
+                (hours, status_codes),
             )| {
                 let mut policy = DisclosurePolicy {
                     significant_digits,
@@ -112,6 +119,7 @@ pub(super) fn policies() -> impl Strategy<Value = DisclosurePolicy> {
                     aggregate,
                     withhold_while,
                     working_hours: hours,
+                    status_codes,
                     ..Default::default()
                 };
                 if is_banded {
