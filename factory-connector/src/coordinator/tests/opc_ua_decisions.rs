@@ -15,7 +15,7 @@ async fn map_by_opc_ua(running: &Running) -> StatusCode {
 async fn policy(running: &Running) -> Option<DisclosurePolicy> {
     let read = |state: &connector_state::ConnectorState| {
         let field = state.field(&field("made")).expect("a field");
-        field.decision.is_mapped().then(|| (**field.gate.policy()).clone())
+        field.decision().is_mapped().then(|| (**field.gate().policy()).clone())
     };
     running.coordinator.read(read).await.expect("read")
 }
