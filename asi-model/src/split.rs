@@ -68,8 +68,9 @@ pub fn factory_part(whole: &OperationNetwork, factory_id: &FactoryId) -> Operati
     }
 }
 
-/// The part of an operation that a neighbour may know: type, id, name and owner.
-fn stub(operation: &Operation) -> Operation {
+/// Returns the part of an operation that a neighbour may know: type, id, name and owner.
+#[must_use]
+pub fn stub(operation: &Operation) -> Operation {
     Operation {
         operation_id: operation.operation_id.clone(),
         kind: match operation.kind {

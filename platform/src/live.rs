@@ -50,8 +50,8 @@ pub enum LiveEvent {
     Part {
         operation_network_id: OperationNetworkId,
         factory_id: FactoryId,
-        /// The part's revision.
-        revision: u64,
+        /// The part's revision; absent for those who may know the state alone.
+        revision: Option<u64>,
         /// State of the part.
         state: PartState,
         /// Faults for which it was rejected.
@@ -120,10 +120,8 @@ impl LiveEvent {
     /// Addresses the event to an audience.
     #[must_use]
     pub const fn to(self, audience: Vec<OrganisationId>) -> Notification {
-        let is_structure = matches!(
-            self,
-            Self::Part { .. } | Self::Factory { .. } | Self::Network { .. } | Self::Comment { .. }
-        );
+        let is_structure =
+            matches!(self, Self::Part { .. } | Self::Factory { .. } | Self::Network { .. });
         Notification { event: self, audience, is_structure }
     }
 }

@@ -10,6 +10,7 @@ import { series, takeReport, type Point } from './operation/history'
 import { precisionText } from './operation/precision'
 import { cadenceMs } from './requests/cadence'
 import { RequestDraft } from './requests/request-draft.svelte'
+import { mayChange, mayPlan } from './rights'
 
 const key = {
   operationNetworkId: 'n',
@@ -177,10 +178,28 @@ describe('a request', () => {
       },
     })
   })
+  it('is of the own organisation, whatever others ask', () => {
+    const known = view()
+    const operation = { operationId: 'o', operationType: 'PRODUCTION' } as const
+    const draft = new RequestDraft(known, operation, 'own')
+    expect([draft.requesterId, draft.recipients]).toEqual(['own', 'own'])
+    expect(new RequestDraft(known, operation, 'a').recipients).toBe('a')
+  })
   it('has a period where it has a cadence', () => {
     expect(cadenceMs({ updateFrequency: 2, updateFrequencyUnit: 'MINUTE' })).toBe(30_000)
     expect(cadenceMs({})).toBeUndefined()
   })
+})
+
+it.each([
+  ['VIEWER', 'a', 'a', false, false],
+  ['PLANNER', 'a', 'a', true, true],
+  ['PLANNER', 'a', 'b', true, false],
+  ['PLANNER', null, null, true, false],
+  ['ADMINISTRATOR', null, 'b', true, true],
+])('a %s of %s with what belongs to %s', (role, organisationId, owner, plans, changes) => {
+  const who = { userName: 'u', role, csrfToken: 't', organisationId }
+  expect([mayPlan(who), mayChange(who, owner)]).toEqual([plans, changes])
 })
 
 it('events are told on one line', () => {

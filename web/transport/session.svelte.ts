@@ -6,7 +6,10 @@ import { Problem } from './problem'
 type Session = (Connector | Platform)['schemas']['Session']
 
 /** Person who is signed in on either daemon, with the token for changes. */
-export type SignedIn = Pick<Session, 'userName' | 'role' | 'csrfToken'>
+export type SignedIn = Pick<Session, 'userName' | 'role' | 'csrfToken'> & {
+  /** Organisation for which the person acts; the platform's sessions only. */
+  organisationId?: Platform['schemas']['Session']['organisationId']
+}
 
 type State =
   | { is: 'asking' }

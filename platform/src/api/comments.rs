@@ -1,9 +1,6 @@
 //! Comments on networks.
 
-use asi_model::{
-    DynamicDataRequestId, FactoryId, FieldName, OperationNetworkId,
-    messages::{Comment, PlatformMessage},
-};
+use asi_model::{DynamicDataRequestId, FactoryId, FieldName, OperationNetworkId};
 use axum::{Json, extract::State, http::StatusCode};
 use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem, session::SignedIn};
 use serde::Deserialize;
@@ -15,11 +12,9 @@ use super::{
 };
 use crate::{
     application::Application,
-    clock::new_message_id,
-    live::LiveEvent,
-    networks::outgoing,
+    networks::{Author, CommentError, add_comment},
     principal::Principal,
-    store::{CommentEntry, NewComment, Scope},
+    store::{CommentEntry, NewComment},
 };
 
 /// A comment to add.
@@ -36,7 +31,8 @@ pub struct AddComment {
     text: String,
 }
 
-/// Lists the comments on a network, oldest first.
+/// Lists the comments on a network that the viewer may read, oldest first: about a request for its
+/// requester and the factory, about the network for its drawer and the factory.
 #[utoipa::path(get, operation_id = "listComments", path = "/operation-networks/{operationNetworkId}/comments", tag = "networks",
     security(("session" = [])), params(("operationNetworkId" = String, Path), PageQuery),
     responses((status = 200, body = Page<CommentEntry>), ReadProblems))]
@@ -74,43 +70,23 @@ pub async fn add(
             Vec::new(),
         ));
     }
-    let mut work = app.store.begin().await?;
-    let network = work.networks().lookup(&who.principal.scope(), &id).await?;
-    let network =
-        network.ok_or_else(|| Problem::not_found(format_args!("operation network {id}")))?;
-    if !who.principal.may_plan() {
-        return Err(Problem::forbidden("This needs the role of a planner."));
-    }
-    if !work.parts().of_network(&id).await?.iter().any(|part| part.factory_id == body.factory_id) {
-        return Err(unknown_reference("/factoryId", "part of that factory in the network"));
-    }
     let comment = NewComment {
-        operation_network_id: id.clone(),
-        factory_id: body.factory_id.clone(),
-        dynamic_data_request_id: body.dynamic_data_request_id.clone(),
-        field_name: body.field_name.clone(),
-        author_id: who.principal.user.user_name.clone(),
-        is_from_factory: false,
-        text: body.text.clone(),
-        created_at: now,
-    };
-    let comment_id = work.comments().add(&comment).await?;
-    let message = PlatformMessage::Comment(Comment {
-        message_id: new_message_id(),
-        factory_id: body.factory_id.clone(),
-        operation_network_id: id.clone(),
+        operation_network_id: id,
+        factory_id: body.factory_id,
         dynamic_data_request_id: body.dynamic_data_request_id,
         field_name: body.field_name,
-        author_id: comment.author_id.clone(),
+        author_id: who.principal.user.user_name.clone(),
+        is_from_factory: false,
         text: body.text,
-    });
-    work.outgoing().add(&outgoing(&body.factory_id, &message, now)).await?;
-    let collaboration =
-        work.collaborations().lookup(&Scope::Platform, &network.collaboration_id).await?;
+        created_at: now,
+    };
+    let author = Author::user(&who.principal, now);
+    let mut work = app.store.begin().await?;
+    let added = add_comment(&mut work, &comment, &author).await;
+    let (comment_id, event) = added.map_err(|error| refused(error, &comment))?;
     work.commit().await?;
     app.broker_access.wake_link();
-    let members = collaboration.map(|collaboration| collaboration.members).unwrap_or_default();
-    app.live.publish([LiveEvent::Comment { operation_network_id: id, comment_id }.to(members)]);
+    app.live.publish([event]);
     let entry = CommentEntry {
         comment_id,
         factory_id: comment.factory_id,
@@ -122,4 +98,22 @@ pub async fn add(
         created_at: now,
     };
     Ok((StatusCode::CREATED, Json(entry)))
+}
+
+fn refused(error: CommentError, comment: &NewComment) -> Problem {
+    match error {
+        CommentError::NoNetwork => {
+            Problem::not_found(format_args!("operation network {}", comment.operation_network_id))
+        }
+        CommentError::NotAllowed => Problem::forbidden(
+            "This needs a planner of the organisation that asks, that drew the network, or whose factory it is.",
+        ),
+        CommentError::NoFactory => {
+            unknown_reference("/factoryId", "part of that factory in the network")
+        }
+        CommentError::NoRequest => {
+            unknown_reference("/dynamicDataRequestId", "such request to that factory")
+        }
+        CommentError::Store(error) => Problem::internal(&error),
+    }
 }

@@ -22,12 +22,12 @@ use crate::{
     store::NetworkSummary,
 };
 
-/// A whole network to put in place.
+/// A network to put in place.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct PutBody {
     collaboration_id: CollaborationId,
-    /// The whole network (wire contract `operation-network`), each operation with
+    /// The network as the author sees it (wire contract `operation-network`), each operation with
     /// `owningFactoryId`.
     #[schema(value_type = asi_model::network::OperationNetwork)]
     operation_network: Box<RawValue>,
@@ -41,11 +41,11 @@ pub struct Changed {
     revision: u64,
     /// False where nothing differed.
     is_changed: bool,
-    /// The factories that were sent something.
+    /// The factories that were sent something, as far as the author may know of them.
     sent_to: Vec<FactoryId>,
 }
 
-/// Lists the networks of the viewer's collaborations, by id.
+/// Lists the networks of which the viewer sees anything, by id.
 #[utoipa::path(get, operation_id = "listOperationNetworks", path = "/operation-networks", tag = "networks", security(("session" = [])), params(PageQuery),
     responses((status = 200, body = Page<NetworkSummary>), ReadProblems))]
 pub async fn list(
@@ -64,7 +64,8 @@ pub async fn list(
     Ok(Json(Page::new(networks, page.limit(), |network| network.operation_network_id.to_string())))
 }
 
-/// Shows a network with its parts, progress and the fields that concern the viewer.
+/// Shows what the viewer sees of a network: operations, parts, progress and fields. Its own
+/// operations, those it drew and those it asks about are whole, their neighbours are stubs.
 #[utoipa::path(get, operation_id = "showOperationNetwork", path = "/operation-networks/{operationNetworkId}", tag = "networks", security(("session" = [])),
     params(("operationNetworkId" = String, Path)), responses((status = 200, body = NetworkView), ReadProblems))]
 pub async fn show(
@@ -85,9 +86,10 @@ pub async fn show(
     Ok((headers, Json(view)))
 }
 
-/// Puts a whole network in place; each factory whose part differs is sent it. `If-Match` with the
-/// revision guards against overwriting another author's change. The same network again changes
-/// nothing.
+/// Puts a network in place of what the author sees of it; each factory whose part differs is sent
+/// it. What is hidden stays as it is, and what belongs to others must come back as it was shown: it
+/// is compared member by member. `If-Match` with the revision guards against overwriting another
+/// author's change. The same network again changes nothing.
 #[utoipa::path(put, operation_id = "putOperationNetwork", path = "/operation-networks/{operationNetworkId}", tag = "networks", security(("session" = [])),
     params(("operationNetworkId" = String, Path), ("If-Match" = Option<String>, Header)), request_body = PutBody,
     responses((status = 200, body = Changed), ChangeProblems))]
@@ -119,7 +121,7 @@ pub async fn put(
     Ok(Json(publish(&app, outcome)))
 }
 
-/// Withdraws a network: its nodes and mappings go at every factory.
+/// Withdraws a network of the own organisation: its nodes and mappings go at every factory.
 #[utoipa::path(delete, operation_id = "withdrawOperationNetwork", path = "/operation-networks/{operationNetworkId}", tag = "networks", security(("session" = [])),
     params(("operationNetworkId" = String, Path)), responses((status = 200, body = Changed), ChangeProblems))]
 pub async fn withdraw(

@@ -106,8 +106,9 @@ impl From<ChangeError> for Problem {
             ChangeError::NoCollaboration(id) => Self::not_found(format_args!("collaboration {id}")),
             ChangeError::NotFound(what) => Self::not_found(what),
             ChangeError::NotAllowed => Self::forbidden(
-                "This needs the role of a planner in the organisation that asks, or an administrator.",
+                "This needs the role of a planner in the organisation that asks or drew it, or an administrator.",
             ),
+            ChangeError::Taken => taken("network"),
             ChangeError::OtherCollaboration => Self::conflict(
                 "OTHER_COLLABORATION",
                 "A network with this id belongs to another collaboration.",

@@ -2,16 +2,13 @@
 
 use std::collections::{HashMap, HashSet};
 
-use asi_model::{
-    CollaborationId, DateTime, FactoryId, MessageId, OperationNetworkId, OrganisationId,
-    pubsub::DataSetMetaData,
-};
+use asi_model::{DateTime, FactoryId, MessageId, OperationNetworkId, pubsub::DataSetMetaData};
 use messaging::LogicalAddress;
 
 use super::decode::Incoming;
 use crate::{
     live::Notification,
-    store::{Heard, NewDeadLetter, NewOutgoing, Scope, StoreError, Work, WriterKey, WriterRow},
+    store::{Heard, NewDeadLetter, NewOutgoing, StoreError, Work, WriterKey, WriterRow},
 };
 
 /// Effects of a unit, to be published after its commit.
@@ -92,15 +89,6 @@ impl<'w> IngestUnit<'w> {
             self.writers.insert(key.clone(), row);
         }
         Ok(self.writers.entry(key.clone()).or_insert_with(|| WriterRow::new(key)))
-    }
-
-    /// Returns the members of a collaboration, the audience of its events.
-    pub(super) async fn members(
-        &mut self,
-        id: &CollaborationId,
-    ) -> Result<Vec<OrganisationId>, StoreError> {
-        let collaboration = self.work.collaborations().lookup(&Scope::Platform, id).await?;
-        Ok(collaboration.map(|collaboration| collaboration.members).unwrap_or_default())
     }
 
     /// Adds a message to be sent.

@@ -2,7 +2,10 @@
 
 use asi_model::{DateTime, OrganisationId, ToolId};
 
-use crate::{principal::Principal, store::Scope};
+use crate::{
+    principal::Principal,
+    store::{NetworkRow, Scope},
+};
 
 /// Author of a change: a user or a tool, with its rights.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -31,6 +34,13 @@ impl Author {
             now,
             scope: principal.scope(),
         }
+    }
+
+    /// Returns true for the organisation that drew the network, and for administrators.
+    #[must_use]
+    pub fn owns(&self, network: &NetworkRow) -> bool {
+        let is_drawer = network.drawn_by.is_some() && network.drawn_by == self.organisation_id;
+        self.is_administrator || is_drawer
     }
 
     /// Makes the author of a change by an organisation's tool.

@@ -1,75 +1,34 @@
 //! New revisions and withdrawals.
 
-use std::time::Duration;
+use std::{collections::HashSet, time::Duration};
 
-use asi_model::{
-    CollaborationId, FactoryId, OperationNetworkId, OrganisationId, messages::Fault,
-    network::OperationNetwork,
+use asi_model::{CollaborationId, OperationId, OperationNetworkId, network::OperationNetwork};
+
+use super::{
+    author::Author,
+    effect::{Terms, take_effect},
+    faults::{Context, Revision, conflict, faults},
+    merge::merge,
+    outcome::{ChangeError, Outcome},
 };
+use crate::store::{Collaboration, NetworkOwners, NetworkRow, Scope, Visibility, Work};
 
-use super::{author::Author, faults::faults, parts};
-use crate::{
-    live::{LiveEvent, Notification},
-    store::{Collaboration, NetworkRow, NewField, PartState, Scope, StoreError, Work},
-};
-
-/// A whole network to put in place of what is there.
+/// A document to put in place of what its author sees of a network.
 #[derive(Debug, Clone)]
 pub struct PutNetwork {
     /// The collaboration it belongs to.
     pub collaboration_id: CollaborationId,
-    /// The network, each operation with its owner.
+    /// The network as its author sees it, each operation with its owner.
     pub network: OperationNetwork,
     /// The only revision to replace (`If-Match`); 0 where there must be none.
     pub expected_revision: Option<u64>,
 }
 
-/// Result of a change.
-#[derive(Debug, Clone)]
-pub struct Outcome {
-    /// The revision in effect.
-    pub revision: u64,
-    /// False where nothing differed and the revision is the old one.
-    pub is_changed: bool,
-    /// The factories that were sent something.
-    pub sent_to: Vec<FactoryId>,
-    /// Notifications to publish after the commit.
-    pub notifications: Vec<Notification>,
-}
-
-/// Rejection of a change.
-#[derive(Debug, thiserror::Error)]
-pub enum ChangeError {
-    /// The author does not know such a collaboration.
-    #[error("there is no collaboration {0}")]
-    NoCollaboration(CollaborationId),
-    /// The author does not know such a network, operation or request.
-    #[error("there is no {0}")]
-    NotFound(String),
-    /// The author only looks on.
-    #[error("a viewer changes nothing")]
-    NotAllowed,
-    /// The network belongs to another collaboration.
-    #[error("the network belongs to another collaboration")]
-    OtherCollaboration,
-    /// Another change came first.
-    #[error("the revision in effect is {revision}")]
-    RevisionConflict {
-        /// The revision in effect.
-        revision: u64,
-    },
-    /// The network is wrong.
-    #[error("the network has {} faults", .0.len())]
-    Faulty(Vec<Fault>),
-    /// The store failed.
-    #[error("the store failed")]
-    Store(#[from] StoreError),
-}
-
-/// Puts a whole network in place. The same network again changes nothing.
+/// Puts a document in place of what its author sees of the network; what is hidden stays. The same
+/// document again changes nothing.
 ///
 /// # Errors
-/// [`ChangeError`]; then nothing of it happened once the work is dropped.
+/// [`ChangeError`]; then nothing of it happened.
 pub async fn put(
     work: &mut Work,
     change: PutNetwork,
@@ -84,8 +43,13 @@ pub async fn put(
         .lookup(&author.scope, &change.collaboration_id)
         .await?
         .ok_or_else(|| ChangeError::NoCollaboration(change.collaboration_id.clone()))?;
-    let before =
-        work.networks().lookup(&Scope::Platform, &change.network.operation_network_id).await?;
+    let terms = Terms { author, resend_after };
+    let id = &change.network.operation_network_id;
+    let before = work.networks().lookup(&Scope::Platform, id).await?;
+    let shown = work.networks().lookup(&author.scope, id).await?;
+    if before.is_some() && shown.is_none() {
+        return Err(ChangeError::Taken);
+    }
     if before.as_ref().is_some_and(|before| before.collaboration_id != change.collaboration_id) {
         return Err(ChangeError::OtherCollaboration);
     }
@@ -93,50 +57,136 @@ pub async fn put(
     if change.expected_revision.is_some_and(|expected| expected != revision) {
         return Err(ChangeError::RevisionConflict { revision });
     }
-    let in_effect = before.as_ref().filter(|before| before.withdrawn_at.is_none());
-    if in_effect.is_some_and(|before| before.network == change.network) {
-        return Ok(Outcome {
-            revision,
-            is_changed: false,
-            sent_to: Vec::new(),
-            notifications: Vec::new(),
-        });
+    match (before, shown) {
+        (Some(before), Some(shown)) if before.withdrawn_at.is_none() => {
+            if shown.network == change.network {
+                return Ok(Outcome::unchanged(revision));
+            }
+            revise(work, before, &shown.network, change.network, &collaboration, &terms).await
+        }
+        (before, _) => draw(work, change.network, before, &collaboration, &terms).await,
     }
-    let faults = faults(&change.network, in_effect.map(|row| &row.network), &collaboration, author);
-    if !faults.is_empty() {
-        return Err(ChangeError::Faulty(faults));
-    }
+}
+
+/// Draws a network where there is none in force. A withdrawn one stays with its owner.
+async fn draw(
+    work: &mut Work,
+    document: OperationNetwork,
+    withdrawn: Option<NetworkRow>,
+    collaboration: &Collaboration,
+    terms: &Terms<'_>,
+) -> Result<Outcome, ChangeError> {
+    let author = terms.author;
+    let (revision, drawn_by) = match withdrawn {
+        Some(row) if !author.owns(&row) => return Err(ChangeError::NotAllowed),
+        Some(row) => (row.revision, row.drawn_by),
+        None => (0, author.organisation_id.clone()),
+    };
     let row = NetworkRow {
-        collaboration_id: change.collaboration_id,
+        collaboration_id: collaboration.collaboration_id.clone(),
         revision: revision + 1,
-        network: change.network,
+        network: document,
         updated_at: author.now,
         updated_by: author.name.clone(),
         withdrawn_at: None,
+        drawn_by,
     };
-    take_effect(work, row, &collaboration, author, resend_after).await
+    let mut owners = work.networks().owners(&row).await?;
+    owners.drawers.clear();
+    check(work, &row.network, None, &owners, collaboration, author).await?;
+    add_drawers(&mut owners, &row.network, None, author);
+    take_effect(work, row, &owners, terms).await
+}
+
+/// Replaces what the author sees of the revision in force.
+async fn revise(
+    work: &mut Work,
+    before: NetworkRow,
+    shown: &OperationNetwork,
+    document: OperationNetwork,
+    collaboration: &Collaboration,
+    terms: &Terms<'_>,
+) -> Result<Outcome, ChangeError> {
+    let author = terms.author;
+    let mut owners = work.networks().owners(&before).await?;
+    let revision = Revision { whole: &before.network, shown };
+    check(work, &document, Some(&revision), &owners, collaboration, author).await?;
+    let visibility = Visibility::new(&before.network, &owners, &author.scope);
+    let organisation = author.organisation_id.as_ref();
+    let performs = |operation: &_| {
+        author.is_administrator
+            || (organisation.is_some() && owners.performer(operation) == organisation)
+    };
+    let merged = merge(&before.network, &visibility, performs, &document);
+    if merged == before.network {
+        return Ok(Outcome::unchanged(before.revision));
+    }
+    if *shown != before.network
+        && let Some(fault) = conflict(&merged)
+    {
+        return Err(ChangeError::Faulty(vec![fault]));
+    }
+    add_drawers(&mut owners, &merged, Some(&before.network), author);
+    let row = NetworkRow {
+        revision: before.revision + 1,
+        network: merged,
+        updated_at: author.now,
+        updated_by: author.name.clone(),
+        ..before
+    };
+    take_effect(work, row, &owners, terms).await
+}
+
+async fn check(
+    work: &mut Work,
+    document: &OperationNetwork,
+    revision: Option<&Revision<'_>>,
+    owners: &NetworkOwners,
+    collaboration: &Collaboration,
+    author: &Author,
+) -> Result<(), ChangeError> {
+    let requesters = work.ownership().requesters(&document.operation_network_id).await?;
+    let context = Context { collaboration, owners, requesters: &requesters, author };
+    let faults = faults(document, revision, &context);
+    if faults.is_empty() { Ok(()) } else { Err(ChangeError::Faulty(faults)) }
+}
+
+/// Notes the author's organisation as the one that drew the operations that are new.
+fn add_drawers(
+    owners: &mut NetworkOwners,
+    network: &OperationNetwork,
+    before: Option<&OperationNetwork>,
+    author: &Author,
+) {
+    let Some(organisation) = &author.organisation_id else { return };
+    let known: HashSet<&OperationId> =
+        before.iter().flat_map(|n| &n.operation_list).map(|o| &o.operation_id).collect();
+    let new =
+        network.operation_list.iter().map(|o| &o.operation_id).filter(|id| !known.contains(id));
+    owners.drawers.extend(new.map(|id| (id.clone(), organisation.clone())));
 }
 
 /// Withdraws a network: at every factory its nodes and mappings go; the revision stays as a
-/// tombstone.
+/// tombstone. Only its owner does so.
 ///
 /// # Errors
-/// [`ChangeError`]; then nothing of it happened once the work is dropped.
+/// [`ChangeError`]; then nothing of it happened.
 pub async fn withdraw(
     work: &mut Work,
     id: &OperationNetworkId,
     author: &Author,
     resend_after: Duration,
 ) -> Result<Outcome, ChangeError> {
-    let (before, collaboration) = lookup(work, id, author).await?;
-    if before.withdrawn_at.is_some() {
-        return Ok(Outcome {
-            revision: before.revision,
-            is_changed: false,
-            sent_to: Vec::new(),
-            notifications: Vec::new(),
-        });
+    let not_found = || ChangeError::NotFound(format!("operation network {id}"));
+    work.networks().lookup(&author.scope, id).await?.ok_or_else(not_found)?;
+    let before = work.networks().lookup(&Scope::Platform, id).await?.ok_or_else(not_found)?;
+    if !author.may_plan || !author.owns(&before) {
+        return Err(ChangeError::NotAllowed);
     }
+    if before.withdrawn_at.is_some() {
+        return Ok(Outcome::unchanged(before.revision));
+    }
+    let owners = work.networks().owners(&before).await?;
     let row = NetworkRow {
         revision: before.revision + 1,
         updated_at: author.now,
@@ -144,114 +194,5 @@ pub async fn withdraw(
         withdrawn_at: Some(author.now),
         ..before
     };
-    take_effect(work, row, &collaboration, author, resend_after).await
-}
-
-/// Returns a network that the author may change, with its collaboration.
-pub(super) async fn lookup(
-    work: &mut Work,
-    id: &OperationNetworkId,
-    author: &Author,
-) -> Result<(NetworkRow, Collaboration), ChangeError> {
-    let not_found = || ChangeError::NotFound(format!("operation network {id}"));
-    let before = work.networks().lookup(&author.scope, id).await?.ok_or_else(not_found)?;
-    if !author.may_plan {
-        return Err(ChangeError::NotAllowed);
-    }
-    let collaboration = work
-        .collaborations()
-        .lookup(&author.scope, &before.collaboration_id)
-        .await?
-        .ok_or_else(not_found)?;
-    Ok((before, collaboration))
-}
-
-/// Stores the revision, what it asks for, and what each factory is sent of it.
-async fn take_effect(
-    work: &mut Work,
-    row: NetworkRow,
-    collaboration: &Collaboration,
-    author: &Author,
-    resend_after: Duration,
-) -> Result<Outcome, ChangeError> {
-    let id = row.network.operation_network_id.clone();
-    work.networks().put(&row).await?;
-    let is_withdrawn = row.withdrawn_at.is_some();
-    work.fields()
-        .replace(&id, &if is_withdrawn { Vec::new() } else { fields(&row.network) })
-        .await?;
-    if !is_withdrawn {
-        for (_, _, request) in row.network.requests() {
-            work.recipients().replace(&id, request).await?;
-            work.tools().publish(&id, request).await?;
-        }
-    }
-    let before = work.parts().of_network(&id).await?;
-    let plan = parts::plan(&row, &before, resend_after);
-    let oversize: Vec<Fault> = plan.iter().filter_map(parts::PlannedPart::oversize).collect();
-    if !oversize.is_empty() {
-        return Err(ChangeError::Faulty(oversize));
-    }
-    let members = &collaboration.members;
-    let mut notifications = vec![
-        LiveEvent::Network { operation_network_id: id.clone(), revision: row.revision }
-            .to(members.clone()),
-    ];
-    let mut sent_to = Vec::with_capacity(plan.len());
-    for planned in plan {
-        work.outgoing().add(&planned.message).await?;
-        work.parts().put(&planned.part).await?;
-        sent_to.push(planned.part.factory_id.clone());
-        notifications.push(part_notification(
-            &id,
-            &planned.part.factory_id,
-            row.revision,
-            PartState::Sent,
-            members,
-        ));
-    }
-    tracing::info!(
-        operation_network.id = %id, revision = row.revision, author = author.name, parts = sent_to.len(),
-        "A network has a new revision."
-    );
-    Ok(Outcome { revision: row.revision, is_changed: true, sent_to, notifications })
-}
-
-fn part_notification(
-    network: &OperationNetworkId,
-    factory: &FactoryId,
-    revision: u64,
-    state: PartState,
-    members: &[OrganisationId],
-) -> Notification {
-    LiveEvent::Part {
-        operation_network_id: network.clone(),
-        factory_id: factory.clone(),
-        revision,
-        state,
-        fault_list: Vec::new(),
-    }
-    .to(members.to_vec())
-}
-
-fn fields(network: &OperationNetwork) -> Vec<NewField> {
-    let owners: std::collections::HashMap<_, _> = network
-        .operation_list
-        .iter()
-        .filter_map(|operation| {
-            Some((&operation.operation_id, operation.owning_factory_id.as_ref()?))
-        })
-        .collect();
-    network
-        .fields()
-        .enumerate()
-        .filter_map(|(position, (key, _, _))| {
-            let factory_id = (*owners.get(&key.request.operation_id)?).clone();
-            Some(NewField {
-                key,
-                factory_id,
-                position: u32::try_from(position).unwrap_or(u32::MAX),
-            })
-        })
-        .collect()
+    take_effect(work, row, &owners, &Terms { author, resend_after }).await
 }

@@ -1,32 +1,87 @@
-//! Validation of a network beyond the wire contract: against the collaboration and the author's
+//! Validation of a revision beyond the wire contract: against the collaboration and the author's
 //! rights.
 
 use std::collections::HashMap;
 
 use asi_model::{
+    DynamicDataRequestId, OrganisationId,
     messages::Fault,
     network::{DynamicDataRequest, OperationNetwork},
+    validation::validate_network,
 };
 
-use super::author::Author;
-use crate::store::Collaboration;
+use super::{author::Author, fault::fault, rights, taken};
+use crate::store::{Collaboration, NetworkOwners};
 
-/// All faults at once. `before` is the revision in effect, whose requests the author need not
-/// answer for.
+/// Revision in force that a document shall replace.
+pub(super) struct Revision<'a> {
+    pub(super) whole: &'a OperationNetwork,
+    /// The network as the author sees it.
+    pub(super) shown: &'a OperationNetwork,
+}
+
+/// Surroundings in which a document is judged.
+pub(super) struct Context<'a> {
+    pub(super) collaboration: &'a Collaboration,
+    pub(super) owners: &'a NetworkOwners,
+    /// The first requester of each request id that was ever used in the network.
+    pub(super) requesters: &'a HashMap<DynamicDataRequestId, OrganisationId>,
+    pub(super) author: &'a Author,
+}
+
+/// Finds all faults of an author's document at once, with pointers into it. Without a revision in
+/// force, the author draws the network.
 pub(super) fn faults(
-    network: &OperationNetwork,
-    before: Option<&OperationNetwork>,
-    collaboration: &Collaboration,
-    author: &Author,
+    document: &OperationNetwork,
+    revision: Option<&Revision<'_>>,
+    context: &Context<'_>,
 ) -> Vec<Fault> {
-    let mut faults = asi_model::validation::validate_network(network);
-    let known: HashMap<_, &DynamicDataRequest> = before
+    let shown = revision.map(|revision| revision.shown);
+    let mut faults = structure(document);
+    operations(document, shown, context, &mut faults);
+    let both = revision.map(|revision| (revision.whole, revision.shown));
+    faults.extend(taken::faults(document, both, context.requesters));
+    if let Some(shown) = shown
+        && !context.author.is_administrator
+    {
+        let author = context.author.organisation_id.as_ref();
+        faults.extend(rights::faults(shown, document, context.owners, author));
+    }
+    faults
+}
+
+/// Finds the fault of a revision that is right by itself, but not together with what its author
+/// does not see.
+pub(super) fn conflict(merged: &OperationNetwork) -> Option<Fault> {
+    let message = "This does not fit the part of the network that is not shown to you.";
+    let is_faulty = !validate_network(merged).is_empty();
+    is_faulty.then(|| fault(String::new(), "HIDDEN_CONFLICT", message.to_owned()))
+}
+
+/// Faults by the wire contract. A request may be added to a stub, where the platform knows the
+/// whole operation.
+fn structure(document: &OperationNetwork) -> Vec<Fault> {
+    let mut whole = document.clone();
+    for operation in &mut whole.operation_list {
+        operation.stub = false;
+    }
+    validate_network(&whole)
+}
+
+fn operations(
+    document: &OperationNetwork,
+    shown: Option<&OperationNetwork>,
+    context: &Context<'_>,
+    faults: &mut Vec<Fault>,
+) {
+    let known: HashMap<_, _> = shown
         .iter()
-        .flat_map(|network| network.requests())
-        .map(|(key, _, request)| (key, request))
+        .flat_map(|network| &network.operation_list)
+        .map(|operation| (&operation.operation_id, operation))
         .collect();
-    for (index, operation) in network.operation_list.iter().enumerate() {
+    for (index, operation) in document.operation_list.iter().enumerate() {
         let at = format!("/operationList/{index}");
+        let old = known.get(&operation.operation_id);
         match &operation.owning_factory_id {
             None => faults.push(fault(
                 format!("{at}/owningFactoryId"),
@@ -34,42 +89,40 @@ pub(super) fn faults(
                 "In a whole network every operation names the factory that carries it out."
                     .to_owned(),
             )),
-            Some(factory) if !collaboration.factories.contains(factory) => faults.push(fault(
-                format!("{at}/owningFactoryId"),
-                "UNKNOWN_FACTORY",
-                format!("{factory} is no factory of the collaboration; add it there first."),
-            )),
+            Some(factory) if !context.collaboration.factories.contains(factory) => {
+                faults.push(fault(
+                    format!("{at}/owningFactoryId"),
+                    "UNKNOWN_FACTORY",
+                    format!("{factory} is no factory of the collaboration; add it there first."),
+                ));
+            }
             Some(_) => {}
         }
-        if operation.stub {
+        if operation.stub && !old.is_some_and(|old| old.stub) {
             faults.push(fault(
                 format!("{at}/stub"),
                 "STUB_IN_WHOLE",
-                "A whole network has no stubs; the platform makes them for each factory."
-                    .to_owned(),
+                "Only operations that are shown to you as stubs are stubs.".to_owned(),
             ));
         }
+        let old = old.map(|old| old.dynamic_data_request_list.as_slice()).unwrap_or_default();
         for (number, request) in operation.dynamic_data_request_list.iter().enumerate() {
-            let at = format!("{at}/dynamicDataRequestList/{number}");
-            let is_unchanged = known
-                .iter()
-                .any(|(key, old)| key.operation_id == operation.operation_id && **old == *request);
-            if !is_unchanged {
-                request_faults(request, &at, collaboration, author, &mut faults);
+            if !old.contains(request) {
+                let at = format!("{at}/dynamicDataRequestList/{number}");
+                request_faults(request, &at, context, faults);
             }
         }
     }
-    faults
 }
 
 /// Finds faults of a request: it asks in the author's own name, and only members get the answers.
 fn request_faults(
     request: &DynamicDataRequest,
     at: &str,
-    collaboration: &Collaboration,
-    author: &Author,
+    context: &Context<'_>,
     faults: &mut Vec<Fault>,
 ) {
+    let author = context.author;
     if !author.is_administrator && author.organisation_id.as_ref() != Some(&request.requester_id) {
         faults.push(fault(
             format!("{at}/requesterId"),
@@ -85,7 +138,7 @@ fn request_faults(
             .map(|(index, id)| (id, format!("{at}/recipientList/{index}"))),
     );
     for (organisation, pointer) in members {
-        if !collaboration.members.contains(organisation) {
+        if !context.collaboration.members.contains(organisation) {
             faults.push(fault(
                 pointer,
                 "UNKNOWN_ORGANISATION",
@@ -93,8 +146,4 @@ fn request_faults(
             ));
         }
     }
-}
-
-fn fault(pointer: String, code: &str, message: String) -> Fault {
-    Fault { pointer, code: code.to_owned(), message }
 }

@@ -8,7 +8,8 @@ use asi_model::{
 
 use super::{
     author::Author,
-    change::{ChangeError, Outcome, PutNetwork, lookup, put},
+    change::{PutNetwork, put},
+    outcome::{ChangeError, Outcome},
 };
 use crate::store::{NetworkRow, Work};
 
@@ -24,11 +25,8 @@ pub async fn add_request(
     author: &Author,
     resend_after: Duration,
 ) -> Result<Outcome, ChangeError> {
-    let (mut row, _) = lookup(work, network, author).await?;
+    let mut row = shown(work, network, author).await?;
     let not_found = || ChangeError::NotFound(format!("operation {operation} in {network}"));
-    if row.withdrawn_at.is_some() {
-        return Err(ChangeError::NotFound(format!("operation network {network}")));
-    }
     let target = row
         .network
         .operation_list
@@ -53,7 +51,7 @@ pub async fn remove_request(
     author: &Author,
     resend_after: Duration,
 ) -> Result<Outcome, ChangeError> {
-    let (mut row, _) = lookup(work, network, author).await?;
+    let mut row = shown(work, network, author).await?;
     let not_found =
         || ChangeError::NotFound(format!("request {request} of {operation} in {network}"));
     let target = row
@@ -74,6 +72,19 @@ pub async fn remove_request(
     put_again(work, row, author, resend_after).await
 }
 
+/// Returns a network in force as the author sees it.
+async fn shown(
+    work: &mut Work,
+    id: &OperationNetworkId,
+    author: &Author,
+) -> Result<NetworkRow, ChangeError> {
+    let row = work.networks().lookup(&author.scope, id).await?;
+    let row = row.filter(|row| row.withdrawn_at.is_none());
+    let row = row.ok_or_else(|| ChangeError::NotFound(format!("operation network {id}")))?;
+    if author.may_plan { Ok(row) } else { Err(ChangeError::NotAllowed) }
+}
+
+/// Puts what the author sees, with its change, in place.
 async fn put_again(
     work: &mut Work,
     row: NetworkRow,

@@ -10,7 +10,7 @@ use utoipa::ToSchema;
 
 use crate::{
     progress::{OperationProgress, progress},
-    store::{FieldRow, NetworkRow, Part, PartState, Scope, StoreError, Work},
+    store::{FieldRow, NetworkRow, PartState, Scope, SeenPart, StoreError, Work},
 };
 
 /// A network with its parts, progress and fields.
@@ -27,9 +27,13 @@ pub struct NetworkView {
     pub updated_by: String,
     /// Time of the withdrawal; absent while in effect.
     pub withdrawn_at: Option<DateTime>,
-    /// The whole network (wire contract `operation-network`).
+    /// The organisation that drew the network; absent where only administrators own it.
+    pub drawn_by: Option<OrganisationId>,
+    /// The network as the viewer sees it (wire contract `operation-network`): neighbours'
+    /// operations are stubs with plan times. Put back with changes, it leaves what is hidden as it
+    /// is.
     pub network: OperationNetwork,
-    /// Parts as sent to the factories.
+    /// Parts as sent to the factories of whose operations the viewer sees any.
     pub parts: Vec<PartView>,
     /// Progress of each operation, derived from the viewer's fields.
     pub operations: Vec<OperationProgress>,
@@ -48,8 +52,9 @@ pub struct PartView {
     pub organisation_id: Option<OrganisationId>,
     /// Name for people.
     pub factory_name: Option<String>,
-    /// The revision in which its part changed last.
-    pub revision: u64,
+    /// The revision in which its part changed last; like the faults, the times and the count below,
+    /// for the factory's own organisation and the drawer of the network.
+    pub revision: Option<u64>,
     /// True where the part ends the network at the factory.
     pub is_withdrawal: bool,
     /// State at the factory.
@@ -57,9 +62,9 @@ pub struct PartView {
     /// Faults for which it was rejected.
     pub fault_list: Vec<Fault>,
     /// Time of the last transmission.
-    pub sent_at: DateTime,
+    pub sent_at: Option<DateTime>,
     /// Number of transmissions.
-    pub sent_count: u32,
+    pub sent_count: Option<u32>,
     /// Time of the acknowledgement.
     pub answered_at: Option<DateTime>,
     /// Last arrival from the factory.
@@ -111,24 +116,33 @@ pub async fn view(
 ) -> Result<Option<NetworkView>, StoreError> {
     let Some(row) = work.networks().lookup(scope, id).await? else { return Ok(None) };
     let fields = work.fields().list(scope, id).await?;
-    let parts = work.parts().of_network(id).await?;
+    let parts = work.parts().seen(scope, id).await?;
     let factories = work.factories().list(scope).await?;
     let part_views = parts
         .into_iter()
-        .map(|part| {
-            let factory = factories.iter().find(|factory| factory.factory_id == part.factory_id);
-            part_view(part, factory)
+        .map(|seen| {
+            let id = &seen.part.factory_id;
+            let factory = factories.iter().find(|factory| factory.factory_id == *id);
+            part_view(seen, factory)
         })
         .collect();
     let operations = progress(&row.network, &fields);
-    let NetworkRow { collaboration_id, revision, network, updated_at, updated_by, withdrawn_at } =
-        row;
+    let NetworkRow {
+        collaboration_id,
+        revision,
+        network,
+        updated_at,
+        updated_by,
+        withdrawn_at,
+        drawn_by,
+    } = row;
     Ok(Some(NetworkView {
         collaboration_id,
         revision,
         updated_at,
         updated_by,
         withdrawn_at,
+        drawn_by,
         network,
         parts: part_views,
         operations,
@@ -137,18 +151,19 @@ pub async fn view(
     }))
 }
 
-fn part_view(part: Part, factory: Option<&crate::store::Factory>) -> PartView {
+fn part_view(seen: SeenPart, factory: Option<&crate::store::Factory>) -> PartView {
+    let SeenPart { part, is_whole } = seen;
     PartView {
         factory_id: part.factory_id,
         organisation_id: factory.map(|factory| factory.organisation_id.clone()),
         factory_name: factory.map(|factory| factory.name.clone()),
-        revision: part.revision,
+        revision: is_whole.then_some(part.revision),
         is_withdrawal: part.is_withdrawal,
         state: part.state,
-        fault_list: part.fault_list,
-        sent_at: part.sent_at,
-        sent_count: part.sent_count,
-        answered_at: part.acknowledged_at,
+        fault_list: if is_whole { part.fault_list } else { Vec::new() },
+        sent_at: is_whole.then_some(part.sent_at),
+        sent_count: is_whole.then_some(part.sent_count),
+        answered_at: part.acknowledged_at.filter(|_| is_whole),
         last_seen_at: factory.and_then(|factory| factory.last_seen_at),
     }
 }

@@ -1,13 +1,15 @@
 //! Comments of people about a network, a request or a field.
 
-use asi_model::{DateTime, DynamicDataRequestId, FactoryId, FieldName, OperationNetworkId};
+use asi_model::{
+    DateTime, DynamicDataRequestId, FactoryId, FieldName, OperationNetworkId, OrganisationId,
+};
 use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{
     database::Connection,
     error::StoreError,
-    row::{Columns, DatabaseRow},
+    row::{Columns, DatabaseRow, signed},
     scope::Scope,
 };
 
@@ -31,7 +33,8 @@ pub struct NewComment {
     pub created_at: DateTime,
 }
 
-/// A comment as members of the collaboration see it.
+/// A comment as those who talk see it: about a request its requester and the factory, about the
+/// network its drawer and the factory.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct CommentEntry {
@@ -79,7 +82,8 @@ impl Comments<'_> {
         row.unsigned("comment_id")
     }
 
-    /// Returns the comments on a network of the viewer's collaborations, oldest first.
+    /// Returns the comments on a network that the viewer may read, oldest first. Administrators read
+    /// what their organisation may.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -90,14 +94,12 @@ impl Comments<'_> {
         after: u64,
         limit: u32,
     ) -> Result<Vec<CommentEntry>, StoreError> {
-        let sql =
-            "SELECT c.* FROM comment c JOIN operation_network n ON n.operation_network_id = c.operation_network_id
+        let sql = "SELECT c.* FROM comment c
                    WHERE c.operation_network_id = $2 AND c.comment_id > $3 AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
-                       SELECT 1 FROM collaboration_member m
-                       WHERE m.collaboration_id = n.collaboration_id AND m.organisation_id = $1))
+                       SELECT 1 FROM comment_reader r WHERE r.comment_id = c.comment_id AND r.organisation_id = $1))
                    ORDER BY c.comment_id LIMIT $4";
         let rows = sqlx::query(sql)
-            .bind(scope.member())
+            .bind(scope.recipient())
             .bind(network.as_str())
             .bind(i64::try_from(after).unwrap_or(i64::MAX))
             .bind(i64::from(limit))
@@ -105,6 +107,21 @@ impl Comments<'_> {
             .await
             .map_err(StoreError::during("list comments"))?;
         rows.iter().map(read).collect()
+    }
+
+    /// Lists the organisations that may read a comment, by id.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn readers(&mut self, comment_id: u64) -> Result<Vec<OrganisationId>, StoreError> {
+        let sql = "SELECT organisation_id FROM comment_reader WHERE comment_id = $1
+                   ORDER BY organisation_id";
+        let rows = sqlx::query(sql)
+            .bind(signed(comment_id))
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list the readers of a comment"))?;
+        rows.iter().map(|row| row.parsed("organisation_id")).collect()
     }
 }
 

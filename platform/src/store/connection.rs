@@ -10,10 +10,11 @@ use sqlx::{
 
 use super::{error::StoreError, work::Work};
 
-const MIGRATIONS: [(i64, &str, &str); 3] = [
+const MIGRATIONS: [(i64, &str, &str); 4] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
+    (5, "network owners", include_str!("../../migrations/sqlite/0005_network_owners.sql")),
 ];
 
 const READERS_MAX: u32 = 8;
@@ -58,19 +59,7 @@ impl Store {
             .connect_with(options.clone())
             .await
             .map_err(failed)?;
-        let migrations = MIGRATIONS
-            .into_iter()
-            .map(|(version, name, sql)| {
-                Migration::new(
-                    version,
-                    name.into(),
-                    MigrationType::Simple,
-                    sql.into_sql_str(),
-                    false,
-                )
-            })
-            .collect();
-        Migrator::with_migrations(migrations).run(&writer).await.map_err(StoreError::Migrate)?;
+        migrator(i64::MAX).run(&writer).await.map_err(StoreError::Migrate)?;
         // Beside the writer: with a write-ahead log reading waits for no transaction.
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS_MAX)
@@ -106,3 +95,15 @@ impl Store {
         self.writer.close().await;
     }
 }
+
+/// The migrations up to a version.
+fn migrator(newest: i64) -> Migrator {
+    let wanted = MIGRATIONS.into_iter().filter(|(version, ..)| *version <= newest);
+    let migrations = wanted.map(|(version, name, sql)| {
+        Migration::new(version, name.into(), MigrationType::Simple, sql.into_sql_str(), false)
+    });
+    Migrator::with_migrations(migrations.collect())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,15 +1,36 @@
 //! Operation networks and their revisions.
 
-use asi_model::{CollaborationId, DateTime, OperationNetworkId, network::OperationNetwork};
+use asi_model::{
+    CollaborationId, DateTime, OperationNetworkId, OrganisationId, network::OperationNetwork,
+};
 use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{
     database::Connection,
     error::StoreError,
+    ownership::Ownership,
     row::{Columns, DatabaseRow, document, signed},
     scope::Scope,
+    visibility::{NetworkOwners, Visibility},
 };
+
+/// Condition on a network `n`: the organisation `$1` sees anything of it, or nothing is required.
+macro_rules! readable {
+    () => {
+        "(CAST($1 AS TEXT) IS NULL OR EXISTS (SELECT 1 FROM network_reader r
+          WHERE r.operation_network_id = n.operation_network_id AND r.organisation_id = $1))"
+    };
+}
+
+/// Condition on a part `p`: the organisation `$1` may know its state, or nothing is required.
+macro_rules! part_readable {
+    () => {
+        "(CAST($1 AS TEXT) IS NULL OR EXISTS (SELECT 1 FROM network_part_reader r
+          WHERE r.operation_network_id = p.operation_network_id AND r.factory_id = p.factory_id
+          AND r.organisation_id = $1))"
+    };
+}
 
 /// The newest revision of a network.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,7 +39,7 @@ pub struct NetworkRow {
     pub collaboration_id: CollaborationId,
     /// Counts up with every change, withdrawal included.
     pub revision: u64,
-    /// The whole network, each operation with its owner.
+    /// The network as the scope of the query shows it, each operation with its owner.
     pub network: OperationNetwork,
     /// Time of the revision.
     pub updated_at: DateTime,
@@ -26,6 +47,8 @@ pub struct NetworkRow {
     pub updated_by: String,
     /// Time of the withdrawal; absent while in effect.
     pub withdrawn_at: Option<DateTime>,
+    /// The organisation that drew it; none where only administrators own it.
+    pub drawn_by: Option<OrganisationId>,
 }
 
 /// A network in a list.
@@ -45,9 +68,9 @@ pub struct NetworkSummary {
     pub withdrawn_at: Option<DateTime>,
     /// Arrival of the last report about it that the viewer may see.
     pub last_report_at: Option<DateTime>,
-    /// Number of parts that wait for a factory's acknowledgement.
+    /// Number of parts that the viewer may know of and that wait for a factory's acknowledgement.
     pub parts_unanswered: u64,
-    /// Number of rejected parts.
+    /// Number of rejected parts that the viewer may know of.
     pub parts_rejected: u64,
 }
 
@@ -55,14 +78,14 @@ pub struct NetworkSummary {
 pub struct Networks<'w>(pub(super) &'w mut Connection);
 
 impl Networks<'_> {
-    /// Stores a revision as the newest.
+    /// Stores a revision as the newest. A network stays with the organisation that drew it first.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
     pub async fn put(&mut self, row: &NetworkRow) -> Result<(), StoreError> {
         let sql = "INSERT INTO operation_network (operation_network_id, collaboration_id, name, revision, document,
-                       updated_at, updated_by, withdrawn_at)
-                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8)
+                       updated_at, updated_by, withdrawn_at, drawn_by)
+                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9)
                    ON CONFLICT (operation_network_id) DO UPDATE SET name = excluded.name,
                        revision = excluded.revision, document = excluded.document, updated_at = excluded.updated_at,
                        updated_by = excluded.updated_by, withdrawn_at = excluded.withdrawn_at";
@@ -76,6 +99,7 @@ impl Networks<'_> {
             .bind(row.updated_at.ticks())
             .bind(&row.updated_by)
             .bind(row.withdrawn_at.map(DateTime::ticks))
+            .bind(row.drawn_by.as_ref().map(OrganisationId::as_str))
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("store a network"))?;
@@ -93,7 +117,7 @@ impl Networks<'_> {
         Ok(())
     }
 
-    /// Looks one up that belongs to a collaboration of the viewer's.
+    /// Looks one up of which the viewer sees anything, and shows the part that the viewer sees.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -102,20 +126,34 @@ impl Networks<'_> {
         scope: &Scope,
         id: &OperationNetworkId,
     ) -> Result<Option<NetworkRow>, StoreError> {
-        let sql = "SELECT n.* FROM operation_network n
-                   WHERE n.operation_network_id = $2 AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
-                       SELECT 1 FROM collaboration_member m
-                       WHERE m.collaboration_id = n.collaboration_id AND m.organisation_id = $1))";
+        let sql = concat!(
+            "SELECT n.* FROM operation_network n WHERE n.operation_network_id = $2 AND ",
+            readable!()
+        );
         let row = sqlx::query(sql)
             .bind(scope.member())
             .bind(id.as_str())
             .fetch_optional(&mut *self.0)
             .await
             .map_err(StoreError::during("look a network up"))?;
-        row.as_ref().map(read).transpose()
+        let Some(mut row) = row.as_ref().map(read).transpose()? else { return Ok(None) };
+        if let Scope::Organisation(_) = scope {
+            let owners = self.owners(&row).await?;
+            row.network = Visibility::new(&row.network, &owners, scope).project();
+        }
+        Ok(Some(row))
     }
 
-    /// Returns a page of the networks of the viewer's collaborations, by id, after `after`.
+    /// Returns the owners of a network and of what is in it.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn owners(&mut self, row: &NetworkRow) -> Result<NetworkOwners, StoreError> {
+        let id = &row.network.operation_network_id;
+        Ownership(&mut *self.0).of_network(id, &row.collaboration_id, row.drawn_by.as_ref()).await
+    }
+
+    /// Returns a page of the networks of which the viewer sees anything, by id, after `after`.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -125,7 +163,8 @@ impl Networks<'_> {
         after: &str,
         limit: u32,
     ) -> Result<Vec<NetworkSummary>, StoreError> {
-        let sql = "SELECT n.operation_network_id, n.collaboration_id, n.name, n.revision, n.updated_at, n.withdrawn_at,
+        let sql = concat!(
+            "SELECT n.operation_network_id, n.collaboration_id, n.name, n.revision, n.updated_at, n.withdrawn_at,
                        (SELECT MAX(v.received_at) FROM field_value v
                         WHERE v.operation_network_id = n.operation_network_id
                           AND (CAST($2 AS TEXT) IS NULL OR EXISTS (SELECT 1 FROM request_recipient r
@@ -133,14 +172,18 @@ impl Networks<'_> {
                                  AND r.dynamic_data_request_id = v.dynamic_data_request_id
                                  AND r.organisation_id = $2))) AS last_report_at,
                        (SELECT COUNT(*) FROM network_part p WHERE p.operation_network_id = n.operation_network_id
-                          AND p.state = 'SENT') AS parts_unanswered,
+                          AND p.state = 'SENT' AND ",
+            part_readable!(),
+            ") AS parts_unanswered,
                        (SELECT COUNT(*) FROM network_part p WHERE p.operation_network_id = n.operation_network_id
-                          AND p.state = 'REJECTED') AS parts_rejected
+                          AND p.state = 'REJECTED' AND ",
+            part_readable!(),
+            ") AS parts_rejected
                    FROM operation_network n
-                   WHERE n.operation_network_id > $3 AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
-                       SELECT 1 FROM collaboration_member m
-                       WHERE m.collaboration_id = n.collaboration_id AND m.organisation_id = $1))
-                   ORDER BY n.operation_network_id LIMIT $4";
+                   WHERE n.operation_network_id > $3 AND ",
+            readable!(),
+            " ORDER BY n.operation_network_id LIMIT $4"
+        );
         let rows = sqlx::query(sql)
             .bind(scope.member())
             .bind(scope.recipient())
@@ -175,5 +218,6 @@ fn read(row: &DatabaseRow) -> Result<NetworkRow, StoreError> {
         updated_at: row.time("updated_at")?,
         updated_by: row.column("updated_by")?,
         withdrawn_at: row.time_option("withdrawn_at")?,
+        drawn_by: row.parsed_option("drawn_by")?,
     })
 }

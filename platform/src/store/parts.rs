@@ -2,7 +2,9 @@
 
 use std::str::FromStr;
 
-use asi_model::{DateTime, FactoryId, MessageId, OperationNetworkId, messages::Fault};
+use asi_model::{
+    DateTime, FactoryId, MessageId, OperationNetworkId, OrganisationId, messages::Fault,
+};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -10,6 +12,7 @@ use super::{
     database::Connection,
     error::StoreError,
     row::{Columns, DatabaseRow, document, signed},
+    scope::Scope,
 };
 
 /// State of a part.
@@ -74,6 +77,14 @@ pub struct Part {
     pub acknowledged_at: Option<DateTime>,
 }
 
+/// A part as a viewer may know it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SeenPart {
+    pub part: Part,
+    /// False where the viewer may know the factory's state and nothing more of the part.
+    pub is_whole: bool,
+}
+
 /// Repository of parts of networks.
 pub struct Parts<'w>(pub(super) &'w mut Connection);
 
@@ -131,7 +142,7 @@ impl Parts<'_> {
         Ok(())
     }
 
-    /// Lists the parts of a network, by factory. A viewer of the network may see them all.
+    /// Lists the parts of a network for the platform's own use, by factory.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -147,6 +158,61 @@ impl Parts<'_> {
         .await
         .map_err(StoreError::during("list parts"))?;
         rows.iter().map(read).collect()
+    }
+
+    /// Lists the parts of a network that the viewer may know of, by factory.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn seen(
+        &mut self,
+        scope: &Scope,
+        network: &OperationNetworkId,
+    ) -> Result<Vec<SeenPart>, StoreError> {
+        let sql = "SELECT p.*, COALESCE(r.is_whole, 1) AS is_whole FROM network_part p
+                   LEFT JOIN network_part_reader r ON r.operation_network_id = p.operation_network_id
+                       AND r.factory_id = p.factory_id AND r.organisation_id = $1
+                   WHERE p.operation_network_id = $2
+                     AND (CAST($1 AS TEXT) IS NULL OR r.is_whole IS NOT NULL)
+                   ORDER BY p.factory_id";
+        let rows = sqlx::query(sql)
+            .bind(scope.member())
+            .bind(network.as_str())
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list parts for a viewer"))?;
+        rows.iter()
+            .map(|row| {
+                let is_whole = row.unsigned::<u8>("is_whole")? != 0;
+                Ok(SeenPart { part: read(row)?, is_whole })
+            })
+            .collect()
+    }
+
+    /// Lists the organisations that may know of a factory's part, by id: those that may know the
+    /// whole of it, and those that may know the state alone.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn readers(
+        &mut self,
+        network: &OperationNetworkId,
+        factory: &FactoryId,
+    ) -> Result<(Vec<OrganisationId>, Vec<OrganisationId>), StoreError> {
+        let sql = "SELECT organisation_id, is_whole FROM network_part_reader
+                   WHERE operation_network_id = $1 AND factory_id = $2 ORDER BY organisation_id";
+        let rows = sqlx::query(sql)
+            .bind(network.as_str())
+            .bind(factory.as_str())
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list the readers of a part"))?;
+        let (mut whole, mut others) = (Vec::new(), Vec::new());
+        for row in &rows {
+            let is_whole = row.unsigned::<u8>("is_whole")? != 0;
+            if is_whole { &mut whole } else { &mut others }.push(row.parsed("organisation_id")?);
+        }
+        Ok((whole, others))
     }
 
     /// Returns the part of a factory that a message carried, or that belongs to a network.

@@ -17,6 +17,7 @@ use super::{
     networks::Networks,
     organisations::Organisations,
     outgoing::OutgoingMessages,
+    ownership::Ownership,
     parts::Parts,
     recipients::Recipients,
     reports::Reports,
@@ -100,6 +101,11 @@ impl Work {
     /// Returns the repository of messages that wait to be sent.
     pub fn outgoing(&mut self) -> OutgoingMessages<'_> {
         OutgoingMessages(self.connection())
+    }
+
+    /// Owners of networks and of what is in them.
+    pub fn ownership(&mut self) -> Ownership<'_> {
+        Ownership(self.connection())
     }
 
     /// Parts of networks, as sent to factories.

@@ -4,15 +4,19 @@
 #![allow(clippy::disallowed_methods, reason = "tests run by the machine's clock")]
 
 mod answers;
+mod chain;
 mod connector;
 mod enrolment;
 mod harness;
 mod isolation;
 mod journey;
 mod leases;
+mod members;
 mod openapi;
 mod receipts;
+mod rights;
 mod rubbish;
+mod sight;
 mod store;
 mod story;
 mod throughput;

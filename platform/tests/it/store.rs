@@ -60,6 +60,7 @@ async fn seed(work: &mut Work) {
         updated_at: at(1),
         updated_by: "u".into(),
         withdrawn_at: None,
+        drawn_by: Some(id("a")),
     };
     work.networks().put(&row).await.expect("stored");
 }

@@ -25,12 +25,13 @@ export class RequestDraft {
   validUntil = $state('')
   fields = $state<FieldDraft[]>([])
 
-  constructor(view: NetworkView, operation: Operation) {
+  /** Proposes a request of the organisation, or of the one that asked first. */
+  constructor(view: NetworkView, operation: Operation, own?: string | null) {
     const others = view.network.operationList.flatMap((each) => each.dynamicDataRequestList ?? [])
-    const pattern = others[0]
+    const pattern = others.find((other) => own == null || other.requesterId === own)
     this.id = freeId(others.map((other) => other.dynamicDataRequestId))
-    this.requesterId = pattern?.requesterId ?? ''
-    this.recipients = pattern?.recipientList.join(', ') ?? ''
+    this.requesterId = own ?? pattern?.requesterId ?? ''
+    this.recipients = pattern?.recipientList.join(', ') ?? own ?? ''
     this.fields = [
       {
         name: 'producedQuantity',

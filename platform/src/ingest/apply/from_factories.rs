@@ -12,6 +12,7 @@ use messaging::LogicalAddress;
 use crate::{
     ingest::{decode::Incoming, unit::IngestUnit},
     live::LiveEvent,
+    networks,
     store::{NewComment, PartState, Scope, StoreError},
 };
 
@@ -50,10 +51,10 @@ async fn comment(
     let network = unit.work.networks().lookup(&Scope::Platform, id).await?;
     let parts = unit.work.parts().of_network(id).await?;
     let has_part = parts.iter().any(|part| part.factory_id == comment.factory_id);
-    let Some(network) = network.filter(|_| has_part) else {
+    if network.is_none() || !has_part {
         let reason = format!("{} has no part in {id}.", comment.factory_id);
         return unit.reject(address, incoming, "UNKNOWN_NETWORK", reason).await;
-    };
+    }
     let new = NewComment {
         operation_network_id: id.clone(),
         factory_id: comment.factory_id.clone(),
@@ -65,9 +66,8 @@ async fn comment(
         created_at: incoming.received_at,
     };
     let comment_id = unit.work.comments().add(&new).await?;
-    let members = unit.members(&network.collaboration_id).await?;
-    let event = LiveEvent::Comment { operation_network_id: id.clone(), comment_id };
-    unit.effects.notifications.push(event.to(members));
+    let event = networks::comment_added(unit.work, id, comment_id).await?;
+    unit.effects.notifications.push(event);
     Ok(())
 }
 
@@ -97,17 +97,8 @@ async fn acknowledgement(
     part.fault_list.clone_from(&answer.fault_list);
     part.acknowledged_at = Some(unit.now);
     unit.work.parts().put(&part).await?;
-    let row = unit.work.networks().lookup(&Scope::Platform, &part.operation_network_id).await?;
-    let Some(row) = row else { return Ok(()) };
-    let members = unit.members(&row.collaboration_id).await?;
-    let event = LiveEvent::Part {
-        operation_network_id: part.operation_network_id,
-        factory_id: part.factory_id,
-        revision: part.revision,
-        state: part.state,
-        fault_list: part.fault_list,
-    };
-    unit.effects.notifications.push(event.to(members));
+    let events = networks::part_changed(unit.work, &part).await?;
+    unit.effects.notifications.extend(events);
     Ok(())
 }
 

@@ -1,0 +1,97 @@
+use asi_model::{OperationNetworkId, OrganisationId, network::OperationNetwork};
+use serde_json::json;
+
+use super::*;
+use crate::store::{Scope, visibility::viewers};
+
+/// A chain of three factories as it was stored before networks had owners.
+fn chain() -> serde_json::Value {
+    let operation = |id: &str| json!({ "operationId": id, "operationType": "PRODUCTION", "owningFactoryId": format!("F-{id}") });
+    let request = |id: &str, requester: &str| {
+        json!({ "dynamicDataRequestId": id, "requesterId": requester, "recipientList": ["z"], "purpose": "p",
+            "reportDataFormat": { "reportName": "r", "reportFieldList": [{ "name": "f", "type": 9 }] } })
+    };
+    let relation = |id: &str, from: &str, to: &str| {
+        json!({ "operationRelationId": id, "relationType": "FINISH_TO_START",
+            "predecessorOperationId": from, "successorOperationId": to })
+    };
+    let mut inspect = operation("d");
+    inspect["operationType"] = json!("INSPECTION");
+    inspect["inspectedOperationId"] = json!("a");
+    inspect["dynamicDataRequestList"] = json!([request("of-c", "c")]);
+    json!({ "operationNetworkId": "net", "operationList": [operation("a"), operation("b"), operation("c"), inspect],
+        "operationRelationList": [relation("ab", "a", "b"), relation("bc", "b", "c")] })
+}
+
+async fn old_store(path: &Path) {
+    let options = SqliteConnectOptions::new().filename(path).create_if_missing(true);
+    let pool = SqlitePoolOptions::new().connect_with(options).await.expect("it opens");
+    migrator(3).run(&pool).await.expect("the old form");
+    let mut before = chain();
+    before["operationList"][3]["dynamicDataRequestList"][0]["requesterId"] = json!("z");
+    let mut statements = vec![
+        "INSERT INTO collaboration VALUES ('k', 'k', 0)".to_owned(),
+        format!(
+            "INSERT INTO operation_network VALUES ('net', 'k', NULL, 2, '{}', 0, 'second', NULL)",
+            chain()
+        ),
+        format!(
+            "INSERT INTO operation_network VALUES ('other', 'k', NULL, 1, '{}', 0, 'gone', NULL)",
+            json!({ "operationNetworkId": "other", "operationList": [] })
+        ),
+        format!("INSERT INTO operation_network_revision VALUES ('net', 1, '{before}', 0, 'first')"),
+        format!(
+            "INSERT INTO operation_network_revision VALUES ('net', 2, '{}', 0, 'second')",
+            chain()
+        ),
+    ];
+    for id in ["a", "b", "c", "d", "z"] {
+        statements.insert(0, format!("INSERT INTO organisation VALUES ('{id}', '{id}', 0)"));
+        statements.push(format!("INSERT INTO collaboration_member VALUES ('k', '{id}')"));
+        if id != "z" {
+            statements.push(format!(
+                "INSERT INTO factory VALUES ('F-{id}', '{id}', '{id}', 0, NULL, NULL, NULL, NULL)"
+            ));
+            statements.push(format!("INSERT INTO collaboration_factory VALUES ('k', 'F-{id}')"));
+        }
+    }
+    for (user, organisation) in [("first", "a"), ("second", "b")] {
+        statements.push(format!(
+            "INSERT INTO user_account VALUES ('{user}', '', 'PLANNER', '{organisation}', 0)"
+        ));
+    }
+    for statement in statements {
+        sqlx::query(sqlx::AssertSqlSafe(statement)).execute(&pool).await.expect("stored");
+    }
+    pool.close().await;
+}
+
+#[tokio::test]
+async fn networks_of_before_get_the_owners_and_viewers_that_they_would_have_now() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("platform.sqlite");
+    old_store(&path).await;
+    let store = Store::open(&path).await.expect("it is brought to the new form");
+    let mut work = store.read().await.expect("begun");
+    let id: OperationNetworkId = "net".parse().expect("valid");
+    let row = work.networks().lookup(&Scope::Platform, &id).await.expect("read").expect("there");
+    // The first author drew it, not the last.
+    assert_eq!(row.drawn_by.as_ref().map(OrganisationId::as_str), Some("a"));
+    let requesters = work.ownership().requesters(&id).await.expect("read");
+    assert_eq!(requesters.values().map(OrganisationId::as_str).collect::<Vec<_>>(), ["z"]);
+    // The migration draws the same conclusions from a document as a new revision does.
+    let network: OperationNetwork = serde_json::from_value(chain()).expect("a network");
+    let mut owners = work.networks().owners(&row).await.expect("read");
+    owners.drawn_by = None;
+    let mut expected: Vec<_> = viewers(&network, &owners)
+        .into_iter()
+        .map(|(organisation, factory)| (organisation.to_string(), factory.to_string()))
+        .collect();
+    expected.sort();
+    let rows: Vec<(String, String)> = work.ownership().stored_viewers(&id).await;
+    assert_eq!(rows, expected);
+    // Without a known author, only administrators own it.
+    let id: OperationNetworkId = "other".parse().expect("valid");
+    let other = work.networks().lookup(&Scope::Platform, &id).await.expect("read").expect("there");
+    assert_eq!(other.drawn_by, None);
+}

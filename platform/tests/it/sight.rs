@@ -1,0 +1,217 @@
+//! Sight of a network: which part of it, of its requests, faults, comments and events each member
+//! has.
+
+use serde_json::{Value, json};
+
+use crate::{
+    chain::{self, CARRIER, CARRIER_FACTORY, ids, requests_path, seen},
+    harness::{World, eventually},
+    story::{self, NETWORK, network_path, planner},
+};
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_member_sees_its_own_operations_and_stubs_of_their_neighbours() {
+    let world = World::start().await;
+    let admin = chain::drawn(&world).await;
+    let all = ["MakeFrame1", "InspectFrame1", "ShipFrame1"];
+    // Each operation is in full (+), a stub (-) or hidden.
+    for (organisation, expected, relations) in [
+        ("acme-aero", vec!["+MakeFrame1", "+InspectFrame1", "+ShipFrame1"], vec!["rel1", "rel2"]),
+        ("frames-munich", vec!["+MakeFrame1", "-InspectFrame1"], vec!["rel1"]),
+        (
+            "inspect-hamburg",
+            vec!["+MakeFrame1", "+InspectFrame1", "-ShipFrame1"],
+            vec!["rel1", "rel2"],
+        ),
+        (CARRIER, vec!["-InspectFrame1", "+ShipFrame1"], vec!["rel2"]),
+    ] {
+        let api = planner(&world, organisation).await;
+        let network = seen(&api).await;
+        let operations = network["operationList"].as_array().expect("a list");
+        let found: Vec<String> = operations
+            .iter()
+            .map(|operation| {
+                let sign = if operation["stub"] == true { '-' } else { '+' };
+                format!("{sign}{}", operation["operationId"].as_str().expect("an id"))
+            })
+            .collect();
+        assert_eq!(found, expected, "{organisation}");
+        let relation = &network["operationRelationList"];
+        assert_eq!(ids(relation, "operationRelationId"), relations, "{organisation}");
+    }
+    assert_eq!(ids(&seen(&admin).await["operationList"], "operationId"), all);
+    // A stub has plan times and nothing else of the inside.
+    let carrier = planner(&world, CARRIER).await;
+    assert_eq!(
+        seen(&carrier).await["operationList"][0],
+        json!({ "operationId": "InspectFrame1", "operationType": "INSPECTION", "name": "Inspect the frame",
+            "stub": true, "owningFactoryId": "INS_HAM", "plannedStart": "2026-01-10T06:00:00Z" })
+    );
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_member_sees_no_requests_between_others() {
+    let world = World::start().await;
+    let admin = chain::drawn(&world).await;
+    for (organisation, expected) in [
+        ("acme-aero", vec!["ReqResponse1", "ShipRequest"]),
+        ("frames-munich", vec!["ReqResponse1", "AskedByHamburg"]),
+        ("inspect-hamburg", vec!["AskedByHamburg"]),
+        (CARRIER, vec!["ShipRequest"]),
+    ] {
+        let api = planner(&world, organisation).await;
+        assert_eq!(requests(&seen(&api).await), expected, "{organisation}");
+    }
+    let all = ["ReqResponse1", "AskedByHamburg", "ShipRequest"];
+    assert_eq!(requests(&seen(&admin).await), all);
+}
+
+fn requests(network: &Value) -> Vec<String> {
+    let operations = network["operationList"].as_array().expect("a list");
+    operations
+        .iter()
+        .flat_map(|operation| ids(&operation["dynamicDataRequestList"], "dynamicDataRequestId"))
+        .collect()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn faults_of_a_factory_are_for_itself_and_the_drawer() {
+    let world = World::start().await;
+    let admin = chain::drawn(&world).await;
+    let munich = crate::connector::Peer::enrolled(&world, &admin, "FOR_MUC").await;
+    let part = munich.receive("operation-network", |part| part["revision"] == 2).await;
+    let fault = json!({ "pointer": "/operationNetwork", "code": "SECRET_FAULT", "message": "No." });
+    let inspector = planner(&world, "inspect-hamburg").await;
+    let carrier = planner(&world, CARRIER).await;
+    let mut live = inspector.live(None).await;
+    munich.answer(&part, "REJECTED", json!([fault]));
+    for (organisation, is_shown) in
+        [("acme-aero", true), ("frames-munich", true), ("inspect-hamburg", false)]
+    {
+        let api = planner(&world, organisation).await;
+        let part = eventually("the rejection", || async {
+            let view = api.get(&network_path()).await.expect_ok();
+            let part = part_of(&view, "FOR_MUC");
+            if part["state"] == "REJECTED" { Ok(part) } else { Err(part.to_string()) }
+        })
+        .await;
+        assert_eq!(
+            part["faultList"][0]["code"] == "SECRET_FAULT",
+            is_shown,
+            "{organisation}: {part}"
+        );
+        assert_eq!(part["sentCount"].is_number(), is_shown, "{organisation}: {part}");
+    }
+    let view = carrier.get(&network_path()).await.expect_ok();
+    assert_eq!(part_of(&view, "FOR_MUC"), Value::Null);
+    // The event says what the query says.
+    let (_, event) = live.next("part").await;
+    assert_eq!(
+        (&event["factoryId"], &event["state"], &event["faultList"]),
+        (&json!("FOR_MUC"), &json!("REJECTED"), &json!([]))
+    );
+    // The list counts what the viewer may know of.
+    let summary = carrier.get("/operation-networks").await.expect_ok()["items"][0].clone();
+    assert_eq!((&summary["partsRejected"], &summary["partsUnanswered"]), (&json!(0), &json!(2)));
+    let summary = inspector.get("/operation-networks").await.expect_ok()["items"][0].clone();
+    assert_eq!((&summary["partsRejected"], &summary["partsUnanswered"]), (&json!(1), &json!(2)));
+}
+
+fn part_of(view: &Value, factory: &str) -> Value {
+    let parts = view["parts"].as_array().expect("parts");
+    parts.iter().find(|part| part["factoryId"] == factory).cloned().unwrap_or_default()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn comments_are_for_those_who_talk() {
+    let world = World::start().await;
+    let admin = chain::drawn(&world).await;
+    let munich = chain::munich(&world, &admin).await;
+    let path = format!("{}/comments", network_path());
+    let buyer = planner(&world, "acme-aero").await;
+    let inspector = planner(&world, "inspect-hamburg").await;
+    let about = |request: &str, text: &str| json!({ "factoryId": "FOR_MUC", "dynamicDataRequestId": request, "text": text });
+    let mut live = inspector.live(None).await;
+    buyer.post(&path, about("ReqResponse1", "of the buyer")).await.expect_ok();
+    inspector.post(&path, about("AskedByHamburg", "of Hamburg")).await.expect_ok();
+    buyer.post(&path, json!({ "factoryId": "FOR_MUC", "text": "to all" })).await.expect_ok();
+    munich.send(
+        "comment",
+        &json!({ "messageType": "comment", "messageId": "c9", "factoryId": "FOR_MUC",
+            "operationNetworkId": NETWORK, "dynamicDataRequestId": "AskedByHamburg",
+            "authorId": "engineer", "text": "to Hamburg" }),
+    );
+    let maker = planner(&world, "frames-munich").await;
+    eventually("the answer", || async {
+        let list = texts(&maker.get(&path).await.expect_ok());
+        if list.len() == 4 { Ok(()) } else { Err(format!("{list:?}")) }
+    })
+    .await;
+    let carrier = planner(&world, CARRIER).await;
+    assert_eq!(texts(&buyer.get(&path).await.expect_ok()), ["of the buyer", "to all"]);
+    assert_eq!(texts(&inspector.get(&path).await.expect_ok()), ["of Hamburg", "to Hamburg"]);
+    assert!(texts(&carrier.get(&path).await.expect_ok()).is_empty());
+    assert!(texts(&admin.get(&path).await.expect_ok()).is_empty(), "structure, not words");
+    // Events go to those who can read the comment.
+    let (_, first) = live.next("comment").await;
+    let (_, second) = live.next("comment").await;
+    assert_eq!((&first["commentId"], &second["commentId"]), (&json!(2), &json!(4)));
+    // Who may not read it, may not write it.
+    let answer = inspector.post(&path, about("ReqResponse1", "listening")).await;
+    answer.expect_problem(422, "UNKNOWN_REFERENCE");
+    let answer = inspector.post(&path, json!({ "factoryId": "FOR_MUC", "text": "psst" })).await;
+    answer.expect_problem(403, "FORBIDDEN");
+    let answer = carrier.post(&path, json!({ "factoryId": "FOR_MUC", "text": "psst" })).await;
+    answer.expect_problem(422, "UNKNOWN_REFERENCE");
+}
+
+fn texts(page: &Value) -> Vec<String> {
+    ids(&page["items"], "text")
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_member_without_a_part_knows_nothing_of_the_network() {
+    let world = World::start().await;
+    let admin = chain::drawn(&world).await;
+    admin.put("/collaborations/order/members/stranger", json!({})).await.expect_ok();
+    let stranger = planner(&world, "stranger").await;
+    let mut live = stranger.live(None).await;
+    assert_eq!(stranger.get("/operation-networks").await.expect_ok()["items"], json!([]));
+    stranger.get(&network_path()).await.expect_problem(404, "NOT_FOUND");
+    // From when it is asked to do something, it sees that, and hears of it.
+    let body = json!({ "factoryId": "STR", "organisationId": "stranger", "name": "STR" });
+    admin.post("/factories", body).await.expect_ok();
+    admin.put("/collaborations/order/factories/STR", json!({})).await.expect_ok();
+    let buyer = planner(&world, "acme-aero").await;
+    let mut network = seen(&buyer).await;
+    network["operationList"].as_array_mut().expect("a list").push(
+        json!({ "operationId": "Polish", "operationType": "PRODUCTION", "owningFactoryId": "STR" }),
+    );
+    story::put_network(&buyer, network).await;
+    let (_, event) = live.next("network").await;
+    assert_eq!(event["revision"], 3);
+    assert_eq!(ids(&seen(&stranger).await["operationList"], "operationId"), ["Polish"]);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn who_drew_an_operation_or_asks_about_one_sees_it_in_full() {
+    let world = World::start().await;
+    chain::drawn(&world).await;
+    let carrier = planner(&world, CARRIER).await;
+    let mut network = seen(&carrier).await;
+    network["operationList"].as_array_mut().expect("a list").push(json!({
+        "operationId": "Pack", "operationType": "PRODUCTION", "owningFactoryId": "FOR_MUC", "productId": "crate" }));
+    story::put_network(&carrier, network).await;
+    let shown = seen(&carrier).await;
+    assert_eq!(shown["operationList"][2]["productId"], "crate");
+    // It asks about its neighbour, of which it sees a stub.
+    let path = requests_path("InspectFrame1");
+    carrier.post(&path, story::request("AskedByCarrier", CARRIER)).await.expect_ok();
+    let shown = seen(&carrier).await;
+    assert_eq!(shown["operationList"][0]["plannedQuantity"], 12.0);
+    let path = requests_path("MakeFrame1");
+    let hidden = carrier.post(&path, story::request("AskedByCarrier2", CARRIER)).await;
+    hidden.expect_problem(404, "NOT_FOUND");
+    let parts = carrier.get(&network_path()).await.expect_ok()["parts"].clone();
+    assert_eq!(ids(&parts, "factoryId"), ["FOR_MUC", CARRIER_FACTORY, "INS_HAM"]);
+}
