@@ -16,7 +16,7 @@ pub use relation::{
 pub(crate) use request::SEMANTIC_IRI_PATTERN;
 pub use request::{
     DynamicDataRequest, FieldType, ReportDataFormat, ReportField, Semantic, UpdateFrequencyUnit,
-    VALUE_RANK_SCALAR,
+    VALUE_RANK_ARRAY, VALUE_RANK_SCALAR,
 };
 
 use schemars::JsonSchema;

@@ -15,4 +15,6 @@ pub use meta_data::{
     DataSetMetaData, FieldMetaData, MetaDataChange, MetaDataLookup, MetaDataVersion,
     PROPERTY_DISCLOSURE, PROPERTY_ENGINEERING_UNITS, PROPERTY_SEMANTIC,
 };
-pub use report::{ReportHeader, is_report_field, measured_field, unit_member};
+pub use report::{
+    RecipientList, ReportHeader, is_report_field, measured_field, recipient_list, unit_member,
+};

@@ -97,6 +97,8 @@ pub struct ReportDataFormat {
 
 /// Scalar, in OPC UA's ValueRank.
 pub const VALUE_RANK_SCALAR: i32 = -1;
+/// Array of one dimension, in OPC UA's ValueRank.
+pub const VALUE_RANK_ARRAY: i32 = 1;
 
 const fn value_rank_scalar() -> i32 {
     VALUE_RANK_SCALAR

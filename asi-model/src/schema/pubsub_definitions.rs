@@ -164,7 +164,15 @@ fn data_set_message() -> Value {
                 "Timestamp": { "$ref": "#/$defs/DateTime" },
                 "Status": { "$ref": "#/$defs/StatusCode" },
                 "MessageType": { "enum": kinds.map(DataSetMessageKind::name) },
-                "Payload": { "type": "object", "additionalProperties": { "$ref": "#/$defs/Field" } }
+                "Payload": {
+                    "type": "object",
+                    "description": concat!(
+                        "In a report: reportName, dynamicDataRequestId, operationId, operationNetworkId, ",
+                        "shopfloorTimestamp, recipientList (ids of the organisations that may read it, ",
+                        "an array of String), then each field, followed by its unit where it has one."
+                    ),
+                    "additionalProperties": { "$ref": "#/$defs/Field" }
+                }
             },
             "required": ["DataSetWriterId", "SequenceNumber", "Timestamp"],
             "if": {

@@ -153,11 +153,13 @@ fn fields_are_checked() {
         json!("ACTUAL_END"),
         &[(&format!("{FIELDS}/0/semantic"), "SEMANTIC_TYPE_MISMATCH")],
     );
-    check(
-        &format!("{FIELDS}/0/name"),
-        json!("operationId"),
-        &[(&format!("{FIELDS}/0/name"), "RESERVED_FIELD_NAME")],
-    );
+    for member in ["operationId", "recipientList"] {
+        check(
+            &format!("{FIELDS}/0/name"),
+            json!(member),
+            &[(&format!("{FIELDS}/0/name"), "RESERVED_FIELD_NAME")],
+        );
+    }
     check(
         &format!("{FIELDS}/0/name"),
         json!("1st"),

@@ -29,7 +29,7 @@ pub(super) fn write(record: &LogRecord) {
         }
         LogRecord::EpochsBegun => {
             tracing::warn!(
-                "The store was restored, moved or copied; every data set writer began a new epoch."
+                "The store was restored, moved, copied or migrated; every data set writer began a new epoch."
             );
         }
         LogRecord::ReportsCoalesced { report_count } => {

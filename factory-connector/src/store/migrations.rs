@@ -17,6 +17,7 @@ const MIGRATIONS: &[(i64, &str, &str)] = &[
     (32, "ledger ends", include_str!("../../migrations/0032_ledger_ends.sql")),
     (33, "ledger lookup", include_str!("../../migrations/0033_ledger_lookup.sql")),
     (40, "places", include_str!("../../migrations/0040_places.sql")),
+    (41, "recipient list", include_str!("../../migrations/0041_recipient_list.sql")),
 ];
 
 /// Brings the tables up to date.

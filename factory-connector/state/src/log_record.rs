@@ -19,7 +19,8 @@ pub enum LogRecord {
     RequestEnded { field: FieldKey },
     /// A request has no data set writer: all DataSetWriterIds are taken.
     WriterMissing { request: RequestKey },
-    /// Every data set writer began a new epoch: the store was restored, moved or copied.
+    /// Every data set writer began a new epoch: the store was restored, moved, copied or
+    /// migrated.
     EpochsBegun,
     /// Reports were dropped for newer ones: the spool is full.
     ReportsCoalesced { report_count: usize },

@@ -10,6 +10,7 @@ use asi_model::{
     OrganisationId, RequestKey,
     messages::OperationNetworkMessage,
     network::{DynamicDataRequest, Operation, ReportField},
+    pubsub::RecipientList,
 };
 
 use crate::operator::OperationKey;
@@ -40,6 +41,8 @@ struct RequestPositions {
     position: usize,
     /// Positions of the fields in the order of their names: a name is found by bisection.
     fields: Box<[u32]>,
+    /// The recipients, encoded once for all reports.
+    recipient_list: RecipientList,
 }
 
 impl RequestPositions {
@@ -47,7 +50,11 @@ impl RequestPositions {
         let fields = &request.report_data_format.report_field_list;
         let mut by_name: Vec<(u32, &ReportField)> = (0..).zip(fields).collect();
         by_name.sort_by(|(_, left), (_, right)| left.name.cmp(&right.name));
-        Self { position, fields: by_name.into_iter().map(|(position, _)| position).collect() }
+        Self {
+            position,
+            fields: by_name.into_iter().map(|(position, _)| position).collect(),
+            recipient_list: RecipientList::new(&request.recipient_list),
+        }
     }
 
     fn field<'n>(
@@ -165,6 +172,12 @@ impl NetworkRegistry {
         recipient: &OrganisationId,
     ) -> impl Iterator<Item = &RequestKey> {
         self.by_recipient.get(recipient).into_iter().flatten()
+    }
+
+    /// Returns the organisations that may read a request's reports, as the reports name them.
+    pub(crate) fn recipient_list(&self, key: &RequestKey) -> Option<&RecipientList> {
+        let network = self.networks.get(&key.operation_network_id)?;
+        network.request(key).map(|(_, positions)| &positions.recipient_list)
     }
 
     pub(crate) fn put(&mut self, id: OperationNetworkId, network: Network) {

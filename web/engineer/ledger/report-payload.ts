@@ -7,6 +7,7 @@ const HEADER = [
   'operationId',
   'operationNetworkId',
   'shopfloorTimestamp',
+  'recipientList',
 ]
 
 /** Ids of the field or request that an entry is about, from the outside in. */

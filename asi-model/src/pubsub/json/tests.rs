@@ -1,14 +1,24 @@
 //! Figures of the DIGICOR paper, layouts and round trips.
 
+use std::sync::Arc;
+
 use super::*;
 use crate::pubsub::*;
 use crate::values::{
-    BuiltInType, DataValue, DateTime, EnumType, EnumValue, Namespace, NodeId, QualifiedName,
-    SimpleType, StatusCode, StructureField, StructureKind, StructureType,
+    Array, BuiltInType, DataValue, DateTime, EnumType, EnumValue, Namespace, NodeId, QualifiedName,
+    SimpleType, StatusCode, StructureField, StructureKind, StructureType, Variant,
 };
 
 fn time(text: &str) -> DateTime {
     text.parse().expect("a valid time")
+}
+
+fn recipients() -> Variant {
+    Variant::Array(Arc::new(Array {
+        element_type: BuiltInType::String,
+        elements: vec!["acme-aero".into()],
+        dimensions: None,
+    }))
 }
 
 /// The report of figure 4, as `messages.md` fixes it.
@@ -27,6 +37,7 @@ fn progress_report() -> NetworkMessage {
                 PayloadField::new("operationId", "MakeFrame1"),
                 PayloadField::new("operationNetworkId", "frame-4711"),
                 PayloadField::new("shopfloorTimestamp", time("2019-04-18T18:20:05Z")),
+                PayloadField::new("recipientList", recipients()),
                 PayloadField::new("progressStatus", 1_u64),
                 PayloadField::new("progressStatusUnit", "PIECE"),
             ],
@@ -50,6 +61,7 @@ fn the_contract_s_example_is_written_to_the_letter() {
         r#""dynamicDataRequestId":{"Type":12,"Body":"ReqResponse1"},"operationId":{"Type":12,"Body":"MakeFrame1"},"#,
         r#""operationNetworkId":{"Type":12,"Body":"frame-4711"},"#,
         r#""shopfloorTimestamp":{"Type":13,"Body":"2019-04-18T18:20:05Z"},"#,
+        r#""recipientList":{"Type":12,"Body":["acme-aero"]},"#,
         r#""progressStatus":{"Type":9,"Body":"1"},"progressStatusUnit":{"Type":12,"Body":"PIECE"}}}]}"#,
     );
     assert_eq!(encoded(&progress_report(), Encoding::Digicor), expected);
@@ -295,9 +307,10 @@ fn described_report() -> DataSetMetaData {
             FieldMetaData::new(field.name.clone(), built_in_type, uuid::Uuid::from_u128(1))
         })
         .collect();
-    fields[5].set_engineering_unit(crate::units::lookup("PIECE").expect("known"));
-    fields[5].set_text_property(PROPERTY_SEMANTIC, "PRODUCED_QUANTITY");
-    fields[5].set_text_property(PROPERTY_DISCLOSURE, "Rounded to 2 pieces.");
+    fields[5].value_rank = crate::network::VALUE_RANK_ARRAY;
+    fields[6].set_engineering_unit(crate::units::lookup("PIECE").expect("known"));
+    fields[6].set_text_property(PROPERTY_SEMANTIC, "PRODUCED_QUANTITY");
+    fields[6].set_text_property(PROPERTY_DISCLOSURE, "Rounded to 2 pieces.");
     let mut structured =
         FieldMetaData::new("power", BuiltInType::ExtensionObject, uuid::Uuid::from_u128(2));
     structured.data_type = power_id();
@@ -380,5 +393,5 @@ fn metadata_gives_bare_values_their_types() {
     }
     // Without metadata the types are guessed, with a diagnostic each.
     let text = encode(&progress_report(), Encoding::Verbose105);
-    assert_eq!(decode(&text).expect("our own").diagnostics.len(), 7);
+    assert_eq!(decode(&text).expect("our own").diagnostics.len(), 8);
 }

@@ -4,6 +4,7 @@ use std::{collections::BTreeMap, sync::Arc, time::Duration};
 
 use asi_model::{
     DataValue, DateTime, FieldName,
+    network::DynamicDataRequest,
     pubsub::{DataSetMessage, PayloadField, ReportHeader, unit_member},
 };
 
@@ -39,12 +40,8 @@ pub fn key_frame(
     if consents.is_empty() {
         return None;
     }
-    let header = ReportHeader {
-        report_name: &request.report_data_format.report_name,
-        request: writer.request(),
-        shopfloor_timestamp: newest.unwrap_or(now).floor_to(step),
-    };
-    let mut fields = Vec::from(header.payload_fields());
+    let shopfloor_timestamp = newest.unwrap_or(now).floor_to(step);
+    let mut fields = header(state, writer, request, shopfloor_timestamp);
     fields.append(&mut values);
     let frame = DataSetMessage {
         data_set_writer_id: Some(id),
@@ -69,14 +66,8 @@ pub(crate) fn time_step(state: &ConnectorState, writer: &Writer) -> Duration {
 pub fn empty_frame(state: &ConnectorState, id: u16, now: DateTime) -> DataSetMessage {
     let writer = state.writers.get(id);
     let document = writer.and_then(|writer| Some((writer, state.request(writer.request())?.1)));
-    let fields = document.map_or_else(Vec::new, |(writer, request)| {
-        let header = ReportHeader {
-            report_name: &request.report_data_format.report_name,
-            request: writer.request(),
-            shopfloor_timestamp: now,
-        };
-        Vec::from(header.payload_fields())
-    });
+    let fields =
+        document.map_or_else(Vec::new, |(writer, request)| header(state, writer, request, now));
     DataSetMessage {
         data_set_writer_id: Some(id),
         sequence_number: writer.map(Writer::next_sequence),
@@ -85,6 +76,36 @@ pub fn empty_frame(state: &ConnectorState, id: u16, now: DateTime) -> DataSetMes
         fields,
         ..DataSetMessage::default()
     }
+}
+
+/// Returns the members that a writer's reports begin with.
+fn header(
+    state: &ConnectorState,
+    writer: &Writer,
+    request: &DynamicDataRequest,
+    shopfloor_timestamp: DateTime,
+) -> Vec<PayloadField> {
+    let Some(recipient_list) = state.networks.recipient_list(writer.request()) else {
+        return Vec::new();
+    };
+    let header = ReportHeader {
+        report_name: &request.report_data_format.report_name,
+        request: writer.request(),
+        shopfloor_timestamp,
+        recipient_list,
+    };
+    let mut members = Vec::from(header.payload_fields());
+    if has_field_like_header(request) {
+        members.retain(|member| &*member.name != ReportHeader::RECIPIENT_LIST);
+    }
+    members
+}
+
+/// Returns true where a field has the name of the newest header member: its network was drawn
+/// before the name was reserved. Reports of such a request name no recipients.
+pub(crate) fn has_field_like_header(request: &DynamicDataRequest) -> bool {
+    let mut fields = request.report_data_format.report_field_list.iter();
+    fields.any(|field| field.name.as_str() == ReportHeader::RECIPIENT_LIST)
 }
 
 /// Returns the fields that a writer's metadata describes, in payload order.

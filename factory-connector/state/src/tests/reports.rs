@@ -4,7 +4,7 @@ use asi_model::{DateTime, FieldName, messages::ValueSource};
 use serde_json::{Value, json};
 
 use crate::{
-    scene::{Scene, at, decision, field},
+    scene::{Scene, at, decision, field, network},
     use_cases::{
         decide::DecisionCommand,
         keep_alive::keep_alives,
@@ -39,21 +39,62 @@ fn a_report_and_its_ledger_entries_are_one_change() {
         "operationId",
         "operationNetworkId",
         "shopfloorTimestamp",
+        "recipientList",
     ];
     assert_eq!(names, [&header[..], &["made", "madeUnit"]].concat());
+    assert_eq!(report["Payload"]["recipientList"], json!({ "Type": 12, "Body": ["acme", "hull"] }));
     assert_eq!(report["Payload"]["made"], json!({ "Type": 9, "Body": "7" }));
 }
 
-/// The metadata messages of a transaction: the fields that each describes, MajorVersion and
+/// The consent under which a report is made settles who may read it: recipients that a revision
+/// adds are named by the reports of the next consent, in a new epoch.
+#[test]
+fn a_report_names_the_recipients_of_its_consent() {
+    let mut scene = Scene::default();
+    scene.map("made", ValueSource::Manual, "{}");
+    let first = scene.offer("made", 1_u64, 1);
+    scene.arrive(network(2, |request| request["recipientList"] = json!(["acme", "hull", "new"])));
+    assert_eq!(scene.offer("made", 2_u64, 2), Vec::<Value>::new(), "the consent has ended");
+    scene.map("made", ValueSource::Manual, "{}");
+    let second = scene.offer("made", 3_u64, 3);
+    let named = |reports: &[Value]| reports[0]["Payload"]["recipientList"]["Body"].clone();
+    assert_eq!(named(&first), json!(["acme", "hull"]));
+    assert_eq!(named(&second), json!(["acme", "hull", "new"]));
+    let epoch = |reports: &[Value]| reports[0]["MetaDataVersion"]["MajorVersion"].as_u64();
+    assert!(epoch(&second) > epoch(&first));
+}
+
+/// A network of before the name was reserved has a field of the name: its reports go on as they
+/// were, and name no recipients.
+#[test]
+fn a_field_with_the_name_of_the_recipients_keeps_it() {
+    let mut scene = Scene::empty();
+    scene.arrive(network(1, |request| {
+        request["reportDataFormat"]["reportFieldList"][0] =
+            json!({ "name": "recipientList", "type": 9 });
+    }));
+    scene.map("recipientList", ValueSource::Manual, "{}");
+    let described = descriptions_from(&mut scene, 5);
+    assert_eq!(described[0].0, ["recipientList"]);
+    let reports = scene.offer("recipientList", 7_u64, 1);
+    assert_eq!(reports[0]["Payload"]["recipientList"], json!({ "Type": 9, "Body": "7" }));
+}
+
+/// The metadata messages of a transaction, without the members of the header: the fields that each describes, MajorVersion and
 /// MinorVersion.
 fn descriptions(scene: &mut Scene) -> Vec<(Vec<String>, u64, u64)> {
+    descriptions_from(scene, 6)
+}
+
+/// The same without the first `header_members`.
+fn descriptions_from(scene: &mut Scene, header_members: usize) -> Vec<(Vec<String>, u64, u64)> {
     let (writes, _) = scene.commit(0);
     let controls = writes.controls.queued.iter();
     let meta_data = controls.filter(|control| control.subject == "ua-metadata");
     let describe = |body: &String| {
         let message: Value = serde_json::from_str(body).expect("JSON");
         let meta = &message["MetaData"];
-        let names = meta["Fields"].as_array().expect("fields").iter().skip(5);
+        let names = meta["Fields"].as_array().expect("fields").iter().skip(header_members);
         let names = names.filter_map(|field| field["Name"].as_str().map(str::to_owned)).collect();
         let version =
             |member: &str| meta["ConfigurationVersion"][member].as_u64().expect("a version");
