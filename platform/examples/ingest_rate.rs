@@ -118,6 +118,7 @@ fn message(number: u32, reports: u32) -> anyhow::Result<Delivery> {
                     "reportName": { "Type": 12, "Body": "r" }, "dynamicDataRequestId": { "Type": 12, "Body": "req" },
                     "operationId": { "Type": 12, "Body": "op" }, "operationNetworkId": { "Type": 12, "Body": "net" },
                     "shopfloorTimestamp": { "Type": 13, "Body": "2019-04-18T18:20:05Z" },
+                    "recipientList": { "Type": 12, "Body": ["o"] },
                     "count": { "Type": 9, "Body": index.to_string() }, "state": { "Type": 12, "Body": "Running" },
                     "power": { "Type": 11, "Body": 4.2 } } })
         })

@@ -24,6 +24,7 @@ pub mod certificates;
 pub mod clock;
 pub mod config;
 pub mod enrolment;
+mod entitlement;
 pub mod ingest;
 pub mod leases;
 pub mod live;

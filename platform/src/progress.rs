@@ -207,6 +207,7 @@ mod tests {
             source_timestamp: None,
             report_timestamp: None,
             received_at: DateTime::from_ticks(received_ticks),
+            recipient_set: None,
         };
         FieldRow {
             key,

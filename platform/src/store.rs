@@ -11,6 +11,7 @@
 //! one writer, pragmas) and in the folder `migrations/sqlite`; a second database is a second such
 //! module behind the same [`Database`] alias.
 
+mod asked_requests;
 mod collaborations;
 mod comments;
 mod connection;
@@ -28,6 +29,7 @@ mod organisations;
 mod outgoing;
 mod ownership;
 mod parts;
+mod recipient_sets;
 mod recipients;
 mod reports;
 mod row;
@@ -38,6 +40,7 @@ mod visibility;
 mod work;
 mod writers;
 
+pub use asked_requests::AskedRequests;
 pub use collaborations::{Collaboration, Collaborations};
 pub use comments::{CommentEntry, Comments, NewComment};
 pub use connection::Store;
@@ -46,7 +49,7 @@ pub use database::Database;
 pub use dead_letters::{DeadLetters, NewDeadLetter, StoredDeadLetter};
 pub use error::StoreError;
 pub use factories::{Factories, Factory, Heard};
-pub use fields::{CurrentValue, FieldRow, Fields, NewField};
+pub use fields::{AskedField, CurrentValue, FieldRow, Fields, NewField};
 pub use inbox::{Inbox, NewInboxMessage};
 pub use leases::Leases;
 pub use meta_data::MetaData;
@@ -55,7 +58,8 @@ pub use organisations::{Organisation, Organisations};
 pub use outgoing::{NewOutgoing, OutgoingMessages};
 pub use ownership::Ownership;
 pub use parts::{Part, PartState, Parts, SeenPart};
-pub use recipients::Recipients;
+pub use recipient_sets::{RecipientSetId, RecipientSets};
+pub use recipients::{Recipient, Recipients};
 pub use reports::{NewReport, Report, ReportQuery, Reports};
 pub use scope::Scope;
 pub use tools::{Tool, Tools};

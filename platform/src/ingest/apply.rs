@@ -6,7 +6,7 @@ mod reports;
 
 use std::time::Duration;
 
-use asi_model::DateTime;
+use asi_model::{DateTime, messages::FactoryMessage};
 use messaging::LogicalAddress;
 
 use self::reports::ReportCollector;
@@ -126,7 +126,11 @@ impl<'w> Applier<'w> {
                 Ok(())
             }
             (Content::Factory(message), Some(_)) => {
-                from_factories::apply(unit, address, incoming, message).await
+                from_factories::apply(unit, address, incoming, message).await?;
+                if let FactoryMessage::Decision(decision) = &**message {
+                    self.reports.decided(decision);
+                }
+                Ok(())
             }
             (Content::DataRequest(request), _) => {
                 if from_tools::add_request(unit, request, self.resend_after).await? {

@@ -2,12 +2,13 @@
 
 use asi_model::{
     DataValue, DateTime, DynamicDataRequestId, FactoryId, MessageId, OperationId,
-    OperationNetworkId, RequestKey,
+    OperationNetworkId, OrganisationId, RequestKey,
     messages::{FactoryMessage, MESSAGE_BYTES_MAX},
     opcua_json::Leniency,
     pubsub::{
         DataSetMessage, DataSetMessageKind, DataSetMetaData, MetaDataLookup, NetworkMessage,
         PubSubMessage, PubSubState, ReportHeader, is_report_field, json::decode_described,
+        recipient_list,
     },
 };
 use messaging::{Delivery, LogicalAddress};
@@ -78,6 +79,8 @@ pub struct IncomingReport {
     pub shopfloor_timestamp: Option<DateTime>,
     /// Time of the report at the connector.
     pub report_timestamp: Option<DateTime>,
+    /// The organisations to which the factory released it; absent where it does not say.
+    pub released_to: Option<Vec<OrganisationId>>,
     /// The fields with their values, names in payload order.
     pub fields: Vec<(String, DataValue)>,
     /// Its place in the NetworkMessage.
@@ -306,6 +309,7 @@ fn report(
         report_name: part.text(ReportHeader::REPORT_NAME).unwrap_or_default().to_owned(),
         shopfloor_timestamp,
         report_timestamp: part.timestamp,
+        released_to: recipient_list(part),
         fields,
         position,
     })

@@ -1,6 +1,9 @@
 //! One unit of ingest: a transaction, its effects, and what all kinds of messages write.
 
-use std::collections::{HashMap, HashSet};
+use std::{
+    collections::{HashMap, HashSet},
+    fmt::Display,
+};
 
 use asi_model::{DateTime, FactoryId, MessageId, OperationNetworkId, pubsub::DataSetMetaData};
 use messaging::LogicalAddress;
@@ -133,6 +136,18 @@ impl<'w> IngestUnit<'w> {
             content_encoding: None,
         };
         self.add_dead_letter(&letter).await
+    }
+
+    /// Makes a message a dead letter that writes under a request which was never the factory's.
+    pub(super) async fn reject_foreign(
+        &mut self,
+        address: &LogicalAddress,
+        incoming: &Incoming,
+        factory: &FactoryId,
+        request: impl Display,
+    ) -> Result<(), StoreError> {
+        let reason = format!("{factory} was never asked for {request}.");
+        self.reject(address, incoming, "FOREIGN_REQUEST", reason).await
     }
 
     pub(super) async fn add_dead_letter(

@@ -11,7 +11,10 @@ use super::{
     outcome::{ChangeError, Outcome},
     parts::{self, PlannedPart},
 };
-use crate::store::{NetworkOwners, NetworkRow, NewField, StoreError, Visibility, Work};
+use crate::{
+    entitlement,
+    store::{NetworkOwners, NetworkRow, NewField, StoreError, Visibility, Work},
+};
 
 /// Author and terms of a change.
 pub(super) struct Terms<'a> {
@@ -59,6 +62,7 @@ async fn store(
     owners: &NetworkOwners,
 ) -> Result<(), StoreError> {
     let id = &row.network.operation_network_id;
+    entitlement::prepare_revision(work, row).await?;
     work.networks().put(row).await?;
     work.ownership().put(&row.network, owners).await?;
     if row.withdrawn_at.is_some() {

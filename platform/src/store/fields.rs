@@ -1,8 +1,8 @@
 //! The fields that are asked for: what was decided about them, and their current values.
 
 use asi_model::{
-    DateTime, FactoryId, FieldKey, FieldName, OperationId, OperationNetworkId, OrganisationId,
-    RequestKey, StatusCode,
+    DateTime, DynamicDataRequestId, FactoryId, FieldKey, FieldName, OperationId,
+    OperationNetworkId, OrganisationId, RequestKey, StatusCode,
     messages::{Decision, DisclosureStatement, MappingState},
 };
 use sqlx::QueryBuilder;
@@ -10,6 +10,7 @@ use sqlx::QueryBuilder;
 use super::{
     database::{Connection, Database},
     error::StoreError,
+    recipient_sets::RecipientSetId,
     row::{Columns, DatabaseRow, document},
     scope::Scope,
 };
@@ -43,6 +44,8 @@ pub struct CurrentValue {
     pub report_timestamp: Option<DateTime>,
     /// Time of arrival at the platform.
     pub received_at: DateTime,
+    /// The organisations that may read it; none where nobody may.
+    pub recipient_set: Option<RecipientSetId>,
 }
 
 /// A field with its decision and, for its recipients, its value.
@@ -64,12 +67,24 @@ pub struct FieldRow {
 /// Repository of requested fields.
 pub struct Fields<'w>(pub(super) &'w mut Connection);
 
-/// Rows of one statement; eleven parameters each stay far under every database's limit.
+/// A field of a request that is in effect.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AskedField {
+    /// The factory that is asked.
+    pub factory_id: FactoryId,
+    /// The operation that the request is about.
+    pub operation_id: OperationId,
+    pub field_name: FieldName,
+    /// True while the field is open: only then it has a current value.
+    pub is_mapped: bool,
+}
+
+/// Rows of one statement; thirteen parameters each stay far under every database's limit.
 const ROWS_PER_STATEMENT: usize = 200;
 
 impl Fields<'_> {
     /// Makes these the fields that the network asks for. Decisions about fields that stay are retained;
-    /// those about fields that are gone go, with their current values.
+    /// those about fields that are gone go. Fields that are gone or not open lose their current values.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
@@ -105,12 +120,13 @@ impl Fields<'_> {
         let sql = "DELETE FROM field_value WHERE operation_network_id = $1 AND NOT EXISTS (
                        SELECT 1 FROM request_field f WHERE f.operation_network_id = field_value.operation_network_id
                        AND f.dynamic_data_request_id = field_value.dynamic_data_request_id
-                       AND f.field_name = field_value.field_name AND f.position >= 0)";
+                       AND f.field_name = field_value.field_name AND f.position >= 0
+                       AND f.mapping_state = 'MAPPED')";
         sqlx::query(sql)
             .bind(network.as_str())
             .execute(&mut *self.0)
             .await
-            .map_err(StoreError::during("remove values of fields that are gone"))?;
+            .map_err(StoreError::during("remove values of fields that are not open"))?;
         sqlx::query("DELETE FROM request_field WHERE operation_network_id = $1 AND position < 0")
             .bind(network.as_str())
             .execute(&mut *self.0)
@@ -119,8 +135,27 @@ impl Fields<'_> {
         Ok(())
     }
 
+    /// Sets a field back to pending, without a decision.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn reopen(&mut self, key: &FieldKey) -> Result<(), StoreError> {
+        let sql = "UPDATE request_field SET mapping_state = 'PENDING', reason = NULL, disclosure = NULL,
+                       decided_at = NULL
+                   WHERE operation_network_id = $1 AND dynamic_data_request_id = $2 AND field_name = $3";
+        sqlx::query(sql)
+            .bind(key.request.operation_network_id.as_str())
+            .bind(key.request.dynamic_data_request_id.as_str())
+            .bind(key.field_name.as_str())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("reopen a field"))?;
+        Ok(())
+    }
+
     /// Stores a decision about a field of this factory, unless a later one is stored. Says whether
-    /// it took effect.
+    /// it took effect. A decision that does not open the field, or opens it again, ends the current
+    /// value of before.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
@@ -129,6 +164,23 @@ impl Fields<'_> {
         key: &FieldKey,
         decision: &Decision,
     ) -> Result<bool, StoreError> {
+        let sql = "DELETE FROM field_value
+                   WHERE operation_network_id = $1 AND dynamic_data_request_id = $2 AND field_name = $3
+                     AND ($5 <> 'MAPPED' OR report_timestamp IS NULL OR report_timestamp < $6)
+                     AND EXISTS (SELECT 1 FROM request_field f WHERE f.operation_network_id = $1
+                         AND f.dynamic_data_request_id = $2 AND f.field_name = $3 AND f.factory_id = $4
+                         AND ($5 <> 'MAPPED' OR f.mapping_state <> 'MAPPED')
+                         AND (f.decided_at IS NULL OR f.decided_at <= $6))";
+        sqlx::query(sql)
+            .bind(key.request.operation_network_id.as_str())
+            .bind(key.request.dynamic_data_request_id.as_str())
+            .bind(key.field_name.as_str())
+            .bind(decision.factory_id.as_str())
+            .bind(state_name(decision.mapping_state))
+            .bind(decision.decided_at.ticks())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("remove the value of before a decision"))?;
         let sql = "UPDATE request_field SET mapping_state = $5, reason = $6, disclosure = $7, decided_at = $8
                    WHERE operation_network_id = $1 AND dynamic_data_request_id = $2 AND field_name = $3
                      AND factory_id = $4 AND (decided_at IS NULL OR decided_at <= $8)";
@@ -147,26 +199,34 @@ impl Fields<'_> {
         Ok(result.rows_affected() == 1)
     }
 
-    /// Returns the factory that a request asks, the operation it is about, and its fields.
+    /// Returns the fields of a request that is in effect.
     ///
     /// # Errors
     /// [`StoreError`].
     pub async fn asked(
         &mut self,
         network: &OperationNetworkId,
-        request: &str,
-    ) -> Result<Option<(FactoryId, OperationId, Vec<FieldName>)>, StoreError> {
-        let sql = "SELECT factory_id, operation_id, field_name FROM request_field
+        request: &DynamicDataRequestId,
+    ) -> Result<Vec<AskedField>, StoreError> {
+        let sql = "SELECT factory_id, operation_id, field_name, mapping_state FROM request_field
                    WHERE operation_network_id = $1 AND dynamic_data_request_id = $2";
         let rows = sqlx::query(sql)
             .bind(network.as_str())
-            .bind(request)
+            .bind(request.as_str())
             .fetch_all(&mut *self.0)
             .await
-            .map_err(StoreError::during("find who is asked"))?;
-        let Some(first) = rows.first() else { return Ok(None) };
-        let fields = rows.iter().map(|row| row.parsed("field_name")).collect::<Result<_, _>>()?;
-        Ok(Some((first.parsed("factory_id")?, first.parsed("operation_id")?, fields)))
+            .map_err(StoreError::during("find what is asked"))?;
+        rows.iter()
+            .map(|row| {
+                let state: String = row.column("mapping_state")?;
+                Ok(AskedField {
+                    factory_id: row.parsed("factory_id")?,
+                    operation_id: row.parsed("operation_id")?,
+                    field_name: row.parsed("field_name")?,
+                    is_mapped: state == state_name(MappingState::Mapped),
+                })
+            })
+            .collect()
     }
 
     /// Stores values, each only where it is newer than the one held.
@@ -177,7 +237,8 @@ impl Fields<'_> {
         for chunk in values.chunks(ROWS_PER_STATEMENT) {
             let mut query = QueryBuilder::<Database>::new(
                 "INSERT INTO field_value (operation_network_id, dynamic_data_request_id, field_name, operation_id,
-                     epoch, sequence, value, built_in_type, status, source_timestamp, report_timestamp, received_at) ",
+                     epoch, sequence, value, built_in_type, status, source_timestamp, report_timestamp, received_at,
+                     recipient_set_id) ",
             );
             query.push_values(chunk, |mut row, value| {
                 row.push_bind(value.key.request.operation_network_id.as_str())
@@ -191,14 +252,15 @@ impl Fields<'_> {
                     .push_bind(i64::from(value.status.0))
                     .push_bind(value.source_timestamp.map(DateTime::ticks))
                     .push_bind(value.report_timestamp.map(DateTime::ticks))
-                    .push_bind(value.received_at.ticks());
+                    .push_bind(value.received_at.ticks())
+                    .push_bind(value.recipient_set.map(|set| set.0));
             });
             query.push(
                 " ON CONFLICT (operation_network_id, dynamic_data_request_id, field_name) DO UPDATE SET
                       operation_id = excluded.operation_id, epoch = excluded.epoch, sequence = excluded.sequence,
                       value = excluded.value, built_in_type = excluded.built_in_type, status = excluded.status,
                       source_timestamp = excluded.source_timestamp, report_timestamp = excluded.report_timestamp,
-                      received_at = excluded.received_at
+                      received_at = excluded.received_at, recipient_set_id = excluded.recipient_set_id
                   WHERE (excluded.epoch, excluded.sequence) > (field_value.epoch, field_value.sequence)",
             );
             query
@@ -210,8 +272,9 @@ impl Fields<'_> {
         Ok(())
     }
 
-    /// The fields of a network that concern the viewer: as recipient with their values, as owner of
-    /// the factory that is asked without. In the order of the document.
+    /// The fields of a network that concern the viewer: as recipient, those that are open with the
+    /// values that were released to it; as owner of the factory that is asked without. In the order
+    /// of the document.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -221,13 +284,15 @@ impl Fields<'_> {
         network: &OperationNetworkId,
     ) -> Result<Vec<FieldRow>, StoreError> {
         let sql = "SELECT f.*, v.epoch, v.sequence, v.value, v.built_in_type, v.status, v.source_timestamp,
-                       v.report_timestamp, v.received_at
+                       v.report_timestamp, v.received_at, v.recipient_set_id
                    FROM (SELECT f.*, (CASE WHEN CAST($2 AS TEXT) IS NULL OR EXISTS (
                              SELECT 1 FROM request_recipient r WHERE r.operation_network_id = f.operation_network_id
                              AND r.dynamic_data_request_id = f.dynamic_data_request_id AND r.organisation_id = $2)
                              THEN 1 ELSE 0 END) AS is_recipient
                          FROM request_field f WHERE f.operation_network_id = $1) f
-                   LEFT JOIN field_value v ON f.is_recipient = 1 AND f.mapping_state <> 'REFUSED'
+                   LEFT JOIN field_value v ON f.is_recipient = 1 AND f.mapping_state = 'MAPPED'
+                       AND (CAST($2 AS TEXT) IS NULL OR EXISTS (SELECT 1 FROM recipient_set_member m
+                            WHERE m.recipient_set_id = v.recipient_set_id AND m.organisation_id = $2))
                        AND v.operation_network_id = f.operation_network_id
                        AND v.dynamic_data_request_id = f.dynamic_data_request_id AND v.field_name = f.field_name
                    WHERE f.is_recipient = 1 OR EXISTS (
@@ -294,6 +359,7 @@ fn read(row: &DatabaseRow) -> Result<FieldRow, StoreError> {
             source_timestamp: row.time_option("source_timestamp")?,
             report_timestamp: row.time_option("report_timestamp")?,
             received_at: row.time("received_at")?,
+            recipient_set: row.column::<Option<i64>>("recipient_set_id")?.map(RecipientSetId),
         }),
     };
     let state: String = row.column("mapping_state")?;

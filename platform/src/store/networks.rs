@@ -166,10 +166,14 @@ impl Networks<'_> {
         let sql = concat!(
             "SELECT n.operation_network_id, n.collaboration_id, n.name, n.revision, n.updated_at, n.withdrawn_at,
                        (SELECT MAX(v.received_at) FROM field_value v
-                        WHERE v.operation_network_id = n.operation_network_id
+                        JOIN request_field f ON f.operation_network_id = v.operation_network_id
+                          AND f.dynamic_data_request_id = v.dynamic_data_request_id AND f.field_name = v.field_name
+                        WHERE v.operation_network_id = n.operation_network_id AND f.mapping_state = 'MAPPED'
                           AND (CAST($2 AS TEXT) IS NULL OR EXISTS (SELECT 1 FROM request_recipient r
+                               JOIN recipient_set_member m ON m.organisation_id = r.organisation_id
                                WHERE r.operation_network_id = v.operation_network_id
                                  AND r.dynamic_data_request_id = v.dynamic_data_request_id
+                                 AND m.recipient_set_id = v.recipient_set_id
                                  AND r.organisation_id = $2))) AS last_report_at,
                        (SELECT COUNT(*) FROM network_part p WHERE p.operation_network_id = n.operation_network_id
                           AND p.state = 'SENT' AND ",

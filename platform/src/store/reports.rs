@@ -9,6 +9,7 @@ use utoipa::ToSchema;
 use super::{
     database::{Connection, Database},
     error::StoreError,
+    recipient_sets::RecipientSetId,
     row::{Columns, DatabaseRow, document},
     scope::Scope,
 };
@@ -34,6 +35,8 @@ pub struct NewReport {
     pub received_at: DateTime,
     /// True if it belongs to the backlog after an outage.
     pub is_replay: bool,
+    /// The organisations that may read it; none where nobody may.
+    pub recipient_set: Option<RecipientSetId>,
     /// The fields by their names, in the order of the payload.
     pub fields: IndexMap<String, ReportedValue>,
 }
@@ -97,7 +100,7 @@ impl Reports<'_> {
             let mut query = QueryBuilder::<Database>::new(
                 "INSERT INTO report (factory_id, data_set_writer_id, epoch, sequence, operation_network_id,
                      operation_id, dynamic_data_request_id, report_name, shopfloor_timestamp, report_timestamp,
-                     received_at, is_replay, fields) ",
+                     received_at, is_replay, recipient_set_id, fields) ",
             );
             query.push_values(chunk, |mut row, report| {
                 row.push_bind(report.factory_id.as_str())
@@ -112,6 +115,7 @@ impl Reports<'_> {
                     .push_bind(report.report_timestamp.map(DateTime::ticks))
                     .push_bind(report.received_at.ticks())
                     .push_bind(i64::from(report.is_replay))
+                    .push_bind(report.recipient_set.map(|set| set.0))
                     .push_bind(document(&report.fields));
             });
             query
@@ -123,7 +127,7 @@ impl Reports<'_> {
         Ok(())
     }
 
-    /// Reports whose recipient the viewer is, in the order of arrival.
+    /// Reports that were released to the viewer, in the order of arrival.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -137,16 +141,16 @@ impl Reports<'_> {
                      AND (CAST($3 AS TEXT) IS NULL OR p.operation_network_id = $3)
                      AND (CAST($4 AS TEXT) IS NULL OR p.dynamic_data_request_id = $4)
                      AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
-                         SELECT 1 FROM request_recipient r WHERE r.operation_network_id = p.operation_network_id
-                         AND r.dynamic_data_request_id = p.dynamic_data_request_id AND r.organisation_id = $1))
+                         SELECT 1 FROM recipient_set_member m
+                         WHERE m.recipient_set_id = p.recipient_set_id AND m.organisation_id = $1))
                    ORDER BY p.report_id LIMIT $5";
         let newest = "SELECT p.* FROM report p
                       WHERE p.report_id > $2
                         AND (CAST($3 AS TEXT) IS NULL OR p.operation_network_id = $3)
                         AND (CAST($4 AS TEXT) IS NULL OR p.dynamic_data_request_id = $4)
                         AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
-                            SELECT 1 FROM request_recipient r WHERE r.operation_network_id = p.operation_network_id
-                            AND r.dynamic_data_request_id = p.dynamic_data_request_id AND r.organisation_id = $1))
+                            SELECT 1 FROM recipient_set_member m
+                            WHERE m.recipient_set_id = p.recipient_set_id AND m.organisation_id = $1))
                       ORDER BY p.report_id DESC LIMIT $5";
         let mut rows = sqlx::query(if query.is_newest { newest } else { sql })
             .bind(scope.recipient())

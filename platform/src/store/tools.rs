@@ -1,7 +1,8 @@
 //! Tools: partners' programs that post data requests and receive reports over the broker.
 
 use asi_model::{
-    DateTime, OperationNetworkId, OrganisationId, ToolId, network::DynamicDataRequest,
+    DateTime, DynamicDataRequestId, OperationNetworkId, OrganisationId, ToolId,
+    network::DynamicDataRequest,
 };
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -109,17 +110,17 @@ impl Tools<'_> {
         Ok(())
     }
 
-    /// Returns the tools that receive a request's reports: the one it names, where it is known and its
-    /// organisation a recipient.
+    /// Returns the tools that receive a request's reports, each with its organisation: the one that
+    /// the request names, where it is known and its organisation a recipient.
     ///
     /// # Errors
     /// [`StoreError`].
     pub async fn of_request(
         &mut self,
         network: &OperationNetworkId,
-        request: &str,
-    ) -> Result<Vec<ToolId>, StoreError> {
-        let sql = "SELECT t.tool_id FROM request_tool rt
+        request: &DynamicDataRequestId,
+    ) -> Result<Vec<(ToolId, OrganisationId)>, StoreError> {
+        let sql = "SELECT t.tool_id, t.organisation_id FROM request_tool rt
                    JOIN tool t ON t.tool_id = rt.tool_id
                    JOIN request_recipient r ON r.operation_network_id = rt.operation_network_id
                        AND r.dynamic_data_request_id = rt.dynamic_data_request_id
@@ -127,11 +128,13 @@ impl Tools<'_> {
                    WHERE rt.operation_network_id = $1 AND rt.dynamic_data_request_id = $2 ORDER BY t.tool_id";
         let rows = sqlx::query(sql)
             .bind(network.as_str())
-            .bind(request)
+            .bind(request.as_str())
             .fetch_all(&mut *self.0)
             .await
             .map_err(StoreError::during("list a request's tools"))?;
-        rows.iter().map(|row| row.parsed("tool_id")).collect()
+        rows.iter()
+            .map(|row| Ok((row.parsed("tool_id")?, row.parsed("organisation_id")?)))
+            .collect()
     }
 }
 

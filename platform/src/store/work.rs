@@ -3,6 +3,7 @@
 use sqlx::Transaction;
 
 use super::{
+    asked_requests::AskedRequests,
     collaborations::Collaborations,
     comments::Comments,
     credentials::Credentials,
@@ -19,6 +20,7 @@ use super::{
     outgoing::OutgoingMessages,
     ownership::Ownership,
     parts::Parts,
+    recipient_sets::RecipientSets,
     recipients::Recipients,
     reports::Reports,
     tools::Tools,
@@ -41,6 +43,11 @@ impl Work {
     /// [`StoreError::Statement`]; then the work has no effect.
     pub async fn commit(self) -> Result<(), StoreError> {
         self.0.commit().await.map_err(StoreError::during("commit"))
+    }
+
+    /// Returns the repository of requests with the factories that were asked.
+    pub fn asked_requests(&mut self) -> AskedRequests<'_> {
+        AskedRequests(self.connection())
     }
 
     /// Returns the repository of collaborations and their members.
@@ -111,6 +118,11 @@ impl Work {
     /// Parts of networks, as sent to factories.
     pub fn parts(&mut self) -> Parts<'_> {
         Parts(self.connection())
+    }
+
+    /// Returns the repository of the sets of organisations to whom reports were released.
+    pub fn recipient_sets(&mut self) -> RecipientSets<'_> {
+        RecipientSets(self.connection())
     }
 
     /// Returns the repository of recipients of requests.

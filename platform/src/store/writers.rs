@@ -61,6 +61,19 @@ impl WriterRow {
             needs_receipt: false,
         }
     }
+
+    /// Takes the number of a report that arrived, and returns false for a repeat. Either is
+    /// receipted.
+    pub fn take(&mut self, sequence: u32) -> bool {
+        self.needs_receipt = true;
+        let is_new = self.sequences.add(sequence);
+        if is_new {
+            self.received += 1;
+        } else {
+            self.duplicates += 1;
+        }
+        is_new
+    }
 }
 
 /// Sequence numbers that a factory announced will never come.

@@ -90,8 +90,9 @@ async fn call(api: &Api, method: &str, path: &str) -> (u16, String) {
 async fn world() -> World {
     let world = World::start().await;
     let (_, buyer, munich, _hamburg) = story::accepted(&world).await;
-    munich.send("decision", &story::decision("REFUSED", Some("secret reason")));
     munich.send("ua-data", &story::report("m1", 0, 3));
+    munich.send("decision", &story::decision("REFUSED", Some("secret reason")));
+    story::state_is(&buyer, "REFUSED").await;
     crate::harness::eventually("a report", || async {
         let reports = buyer.get("/reports").await.expect_ok();
         if reports["items"][0].is_object() { Ok(()) } else { Err(reports.to_string()) }

@@ -85,6 +85,24 @@ fn value(epoch: u32, sequence: u32, value: u32) -> CurrentValue {
         source_timestamp: None,
         report_timestamp: None,
         received_at: at(5),
+        recipient_set: None,
+    }
+}
+
+fn decision(state: MappingState, seconds: i64, factory: &str) -> Decision {
+    Decision {
+        message_id: id("m"),
+        factory_id: id(factory),
+        target: DecisionTarget::Field {
+            operation_network_id: id("net"),
+            operation_id: id("op"),
+            dynamic_data_request_id: id("req"),
+            field_name: id("count"),
+        },
+        mapping_state: state,
+        reason: None,
+        decided_at: at(seconds),
+        disclosure: None,
     }
 }
 
@@ -171,6 +189,8 @@ async fn the_current_value_is_that_of_the_highest_epoch_and_sequence() {
     seed(&mut work).await;
     let wanted = [NewField { key: field("count"), factory_id: id("F"), position: 0 }];
     work.fields().replace(&id("net"), &wanted).await.expect("stored");
+    let open = decision(MappingState::Mapped, 0, "F");
+    assert!(work.fields().decide(&field("count"), &open).await.expect("stored"));
     for (epoch, sequence, number, expected) in
         [(2, 5, 1, 1), (2, 4, 2, 1), (2, 5, 3, 1), (1, 9, 4, 1), (3, 0, 5, 5)]
     {
@@ -182,6 +202,7 @@ async fn the_current_value_is_that_of_the_highest_epoch_and_sequence() {
     // A field that is no longer asked for takes its value along.
     work.fields().replace(&id("net"), &[]).await.expect("stored");
     work.fields().replace(&id("net"), &wanted).await.expect("stored");
+    assert!(work.fields().decide(&field("count"), &open).await.expect("stored"));
     assert_eq!(
         work.fields().list(&Scope::Platform, &id("net")).await.expect("read")[0].current,
         None
@@ -195,20 +216,6 @@ async fn a_decision_holds_until_a_later_one_and_survives_a_revision() {
     seed(&mut work).await;
     let wanted = [NewField { key: field("count"), factory_id: id("F"), position: 0 }];
     work.fields().replace(&id("net"), &wanted).await.expect("stored");
-    let decision = |state, seconds, factory: &str| Decision {
-        message_id: id("m"),
-        factory_id: id(factory),
-        target: DecisionTarget::Field {
-            operation_network_id: id("net"),
-            operation_id: id("op"),
-            dynamic_data_request_id: id("req"),
-            field_name: id("count"),
-        },
-        mapping_state: state,
-        reason: None,
-        decided_at: at(seconds),
-        disclosure: None,
-    };
     for (state, seconds, factory, is_taken) in [
         (MappingState::Mapped, 10, "F", true),
         (MappingState::Refused, 9, "F", false),
@@ -224,6 +231,19 @@ async fn a_decision_holds_until_a_later_one_and_survives_a_revision() {
     work.fields().replace(&id("net"), &wanted).await.expect("stored");
     let fields = work.fields().list(&Scope::Platform, &id("net")).await.expect("read");
     assert_eq!(fields[0].mapping_state, MappingState::Mapped);
+}
+
+#[tokio::test]
+async fn each_set_of_recipients_is_stored_once() {
+    let Fresh { store, _folder } = fresh().await;
+    let mut work = store.begin().await.expect("begun");
+    let set = |ids: &[&str]| ids.iter().map(|organisation| id(organisation)).collect();
+    let mut sets = Vec::new();
+    for ids in [&["a", "b"][..], &["b", "a"], &["a"], &[]] {
+        sets.push(work.recipient_sets().intern(&set(ids)).await.expect("stored"));
+    }
+    assert!(sets[0].is_some() && sets[0] == sets[1] && sets[1] != sets[2]);
+    assert_eq!(sets[3], None, "nobody");
 }
 
 #[tokio::test]

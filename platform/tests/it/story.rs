@@ -69,12 +69,25 @@ pub async fn put_network(api: &Api, network: Value) -> Value {
         .expect_ok()
 }
 
-/// A report of FOR_MUC as the wire contract shows it.
+/// A report of FOR_MUC as the wire contract shows it, released to the buyer.
 pub fn report(message_id: &str, sequence: u32, value: u64) -> Value {
+    report_to(&["acme-aero"], message_id, sequence, value)
+}
+
+/// A report of FOR_MUC, released to these organisations.
+pub fn report_to(recipients: &[&str], message_id: &str, sequence: u32, value: u64) -> Value {
+    let mut report = former_report(message_id, sequence, value);
+    report["Messages"][0]["Payload"]["recipientList"] = json!({ "Type": 12, "Body": recipients });
+    report
+}
+
+/// A report as connectors sent it before reports said to whom they were released.
+pub fn former_report(message_id: &str, sequence: u32, value: u64) -> Value {
     json!({ "MessageId": message_id, "MessageType": "ua-data", "PublisherId": "FOR_MUC",
       "Messages": [data_set_message(sequence, value)] })
 }
 
+/// A report's DataSetMessage without recipients.
 pub fn data_set_message(sequence: u32, value: u64) -> Value {
     json!({ "DataSetWriterId": 1, "SequenceNumber": sequence,
         "MetaDataVersion": { "MajorVersion": 608_926_829, "MinorVersion": 608_926_829 },
@@ -89,26 +102,44 @@ pub fn data_set_message(sequence: u32, value: u64) -> Value {
           "progressStatusUnit": { "Type": 12, "Body": "PIECE" } } })
 }
 
+/// A decision of FOR_MUC, made before the reports.
 pub fn decision(state: &str, reason: Option<&str>) -> Value {
+    decision_at("2019-04-18T18:00:00Z", state, reason)
+}
+
+/// A decision of FOR_MUC, made at a time.
+pub fn decision_at(time: &str, state: &str, reason: Option<&str>) -> Value {
     json!({ "messageType": "decision", "messageId": platform::clock::new_message_id(), "factoryId": "FOR_MUC",
         "operationNetworkId": NETWORK, "operationId": "MakeFrame1", "dynamicDataRequestId": "ReqResponse1",
         "fieldName": "progressStatus", "mappingState": state, "reason": reason,
-        "decidedAt": "2019-04-18T18:00:00Z" })
+        "decidedAt": time })
 }
 
-/// The story up to both factories having accepted their parts.
+/// The story up to the first field being open to the buyer.
 pub async fn accepted(world: &World) -> (Api, Api, Peer, Peer) {
+    accepted_network(world, network()).await
+}
+
+/// The story with a network of its own, up to its first field being open.
+pub async fn accepted_network(world: &World, network: Value) -> (Api, Api, Peer, Peer) {
     let admin = set_up(world).await;
     let buyer = planner(world, "acme-aero").await;
     let munich = Peer::enrolled(world, &admin, "FOR_MUC").await;
     let hamburg = Peer::enrolled(world, &admin, "INS_HAM").await;
-    put_network(&buyer, network()).await;
+    put_network(&buyer, network).await;
     for peer in [&munich, &hamburg] {
         let part = peer.receive("operation-network", |_| true).await;
         peer.accept(&part);
     }
     parts_are(&buyer, "ACCEPTED").await;
+    munich.send("decision", &decision("MAPPED", None));
+    state_is(&buyer, "MAPPED").await;
     (admin, buyer, munich, hamburg)
+}
+
+/// Waits until `progressStatus` is in a state.
+pub async fn state_is(api: &Api, state: &str) -> Value {
+    first_field(api, "mappingState", state).await
 }
 
 /// Waits until all parts are in a state.
@@ -127,14 +158,19 @@ pub async fn parts_are(api: &Api, state: &str) -> Value {
 
 /// Waits until the buyer sees a value of `progressStatus`.
 pub async fn value_is(api: &Api, value: &str) -> Value {
-    eventually("the value", || async {
+    first_field(api, "value", value).await
+}
+
+/// Waits until a member of `progressStatus` has a value, and returns the network.
+async fn first_field(api: &Api, member: &str, value: &str) -> Value {
+    eventually(member, || async {
         let view = api.get(&network_path()).await.expect_ok();
         let field = view["fields"]
             .as_array()
             .and_then(|fields| fields.first())
             .cloned()
             .unwrap_or_default();
-        if field["value"] == value { Ok(view) } else { Err(field.to_string()) }
+        if field[member] == value { Ok(view) } else { Err(field.to_string()) }
     })
     .await
 }

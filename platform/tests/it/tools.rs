@@ -48,10 +48,10 @@ async fn a_tool_asks_over_the_broker_and_gets_the_reports_it_may_have() {
 
     // One message with reports of three requests: the tool gets the two that name it.
     let mut both = story::report("m1", 0, 3);
-    let mut own = story::data_set_message(0, 7);
+    let mut own = story::report("own", 0, 7)["Messages"][0].take();
     own["DataSetWriterId"] = json!(2);
     own["Payload"]["dynamicDataRequestId"]["Body"] = json!("FromTool");
-    let mut foreign = story::data_set_message(0, 8);
+    let mut foreign = story::report("foreign", 0, 8)["Messages"][0].take();
     foreign["DataSetWriterId"] = json!(3);
     foreign["Payload"]["dynamicDataRequestId"]["Body"] = json!("Unasked");
     both["Messages"].as_array_mut().expect("a list").extend([own, foreign]);

@@ -1,10 +1,10 @@
 //! Messages of factories other than reports: acknowledgements, decisions, gaps, comments, offers.
 
 use asi_model::{
-    RequestKey,
+    FieldKey, RequestKey,
     messages::{
         Acknowledgement, AcknowledgementResult, Comment, Decision, DecisionTarget, FactoryMessage,
-        Gap,
+        Gap, MappingState,
     },
 };
 use messaging::LogicalAddress;
@@ -30,7 +30,7 @@ pub(super) async fn apply(
 ) -> Result<(), StoreError> {
     match message {
         FactoryMessage::Acknowledgement(answer) => acknowledgement(unit, answer).await,
-        FactoryMessage::Decision(message) => decision(unit, message).await,
+        FactoryMessage::Decision(message) => decision(unit, address, incoming, message).await,
         FactoryMessage::Gap(message) => gap(unit, message).await,
         FactoryMessage::Comment(message) => comment(unit, address, incoming, message).await,
         FactoryMessage::AssetOffer(offer) => {
@@ -54,6 +54,12 @@ async fn comment(
     if network.is_none() || !has_part {
         let reason = format!("{} has no part in {id}.", comment.factory_id);
         return unit.reject(address, incoming, "UNKNOWN_NETWORK", reason).await;
+    }
+    if let Some(request) = &comment.dynamic_data_request_id
+        && !unit.work.asked_requests().is_asked(id, request, &comment.factory_id).await?
+    {
+        let about = format!("{id}/{request}");
+        return unit.reject_foreign(address, incoming, &comment.factory_id, about).await;
     }
     let new = NewComment {
         operation_network_id: id.clone(),
@@ -103,30 +109,26 @@ async fn acknowledgement(
 }
 
 /// Stores a decision about a field, unless a later one is stored.
-async fn decision(unit: &mut IngestUnit<'_>, decision: &Decision) -> Result<(), StoreError> {
-    let DecisionTarget::Field {
-        operation_network_id,
-        operation_id,
-        dynamic_data_request_id,
-        field_name,
-    } = &decision.target
-    else {
-        return Ok(());
-    };
-    let request = RequestKey {
-        operation_network_id: operation_network_id.clone(),
-        operation_id: operation_id.clone(),
-        dynamic_data_request_id: dynamic_data_request_id.clone(),
-    };
-    let key = request.field(field_name.clone());
+async fn decision(
+    unit: &mut IngestUnit<'_>,
+    address: &LogicalAddress,
+    incoming: &Incoming,
+    decision: &Decision,
+) -> Result<(), StoreError> {
+    let Some(key) = decided_field(decision) else { return Ok(()) };
+    let (network, request) =
+        (&key.request.operation_network_id, &key.request.dynamic_data_request_id);
+    if !unit.work.asked_requests().is_asked(network, request, &decision.factory_id).await? {
+        return unit.reject_foreign(address, incoming, &decision.factory_id, &key.request).await;
+    }
     if !unit.work.fields().decide(&key, decision).await? {
         return Ok(());
     }
-    let concerned = unit
-        .work
-        .fields()
-        .concerned(operation_network_id, dynamic_data_request_id.as_str())
-        .await?;
+    if decision.mapping_state == MappingState::Mapped {
+        let (factory, at) = (&decision.factory_id, decision.decided_at);
+        unit.work.recipients().consent(network, request, factory, at).await?;
+    }
+    let concerned = unit.work.fields().concerned(network, request.as_str()).await?;
     let event = LiveEvent::Decision {
         key,
         mapping_state: decision.mapping_state,
@@ -135,6 +137,25 @@ async fn decision(unit: &mut IngestUnit<'_>, decision: &Decision) -> Result<(), 
     };
     unit.effects.notifications.push(event.to(concerned));
     Ok(())
+}
+
+/// Returns the field that a decision is about; `None` for one about an asset.
+pub(super) fn decided_field(decision: &Decision) -> Option<FieldKey> {
+    let DecisionTarget::Field {
+        operation_network_id,
+        operation_id,
+        dynamic_data_request_id,
+        field_name,
+    } = &decision.target
+    else {
+        return None;
+    };
+    let request = RequestKey {
+        operation_network_id: operation_network_id.clone(),
+        operation_id: operation_id.clone(),
+        dynamic_data_request_id: dynamic_data_request_id.clone(),
+    };
+    Some(request.field(field_name.clone()))
 }
 
 /// Counts announced numbers as received, so that no receipt lists them as missing. A gap never

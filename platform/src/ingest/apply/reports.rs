@@ -1,13 +1,14 @@
 //! Reports: each sequence number once, the newest value of each field, and forwarding to tools.
 
 use std::{
-    collections::{HashMap, HashSet},
+    collections::{BTreeSet, HashMap},
     sync::Arc,
 };
 
 use asi_model::{
-    BuiltInType, DataValue, FactoryId, FieldKey, FieldName, MessageId, OperationId,
-    OperationNetworkId, OrganisationId, RequestKey, ToolId,
+    BuiltInType, DataValue, DynamicDataRequestId, FactoryId, FieldKey, FieldName, MessageId,
+    OperationId, OperationNetworkId, OrganisationId, RequestKey, ToolId,
+    messages::{Decision, MappingState},
     pubsub::{
         NetworkMessage,
         json::{Encoding, encode},
@@ -15,13 +16,17 @@ use asi_model::{
 };
 use messaging::LogicalAddress;
 
+use super::from_factories::decided_field;
 use crate::{
+    entitlement::entitled,
     ingest::{
         decode::{Incoming, IncomingReport},
         unit::IngestUnit,
     },
     live::{FieldUpdate, LiveEvent},
-    store::{CurrentValue, NewReport, StoreError},
+    store::{
+        AskedField, CurrentValue, NewReport, Recipient, RecipientSetId, StoreError, WriterRow,
+    },
     value_json::value_json,
 };
 
@@ -29,19 +34,46 @@ use crate::{
 /// read the history.
 const TOOL_BACKLOG_MAX: u64 = 10_000;
 
-/// The part of a dynamic data request that ingest needs.
+/// A dynamic data request as far as ingest needs it.
 struct Request {
-    factory_id: FactoryId,
-    operation_id: OperationId,
-    fields: HashSet<FieldName>,
-    recipients: Vec<OrganisationId>,
-    tools: Vec<ToolId>,
+    /// The factories that were ever asked, each with the operation that it was about.
+    asked: Vec<(FactoryId, OperationId)>,
+    /// The fields in effect; none once the request is gone.
+    fields: HashMap<FieldName, AskedField>,
+    recipients: Vec<Recipient>,
+    tools: Vec<(ToolId, OrganisationId)>,
+}
+
+impl Request {
+    fn was_asked(&self, factory: &FactoryId, operation: &OperationId) -> bool {
+        self.asked.iter().any(|(asked, about)| asked == factory && about == operation)
+    }
+
+    /// Returns the field that a factory is asked for at present.
+    fn field(
+        &self,
+        report: &IncomingReport,
+        factory: &FactoryId,
+        name: &str,
+    ) -> Option<&AskedField> {
+        self.fields.get(name).filter(|field| {
+            field.factory_id == *factory && field.operation_id == report.request.operation_id
+        })
+    }
+
+    /// Returns true where a factory is asked at present for what a report is about.
+    fn is_asked(&self, factory: &FactoryId, report: &IncomingReport) -> bool {
+        self.fields.values().any(|field| {
+            field.factory_id == *factory && field.operation_id == report.request.operation_id
+        })
+    }
 }
 
 /// Reports and newest values of one unit of ingest, written together at its end.
 #[derive(Default)]
 pub(super) struct ReportCollector {
-    requests: HashMap<(OperationNetworkId, String), Option<Arc<Request>>>,
+    requests: HashMap<(OperationNetworkId, DynamicDataRequestId), Arc<Request>>,
+    recipient_sets: HashMap<BTreeSet<OrganisationId>, Option<RecipientSetId>>,
     reports: Vec<NewReport>,
     values: HashMap<FieldKey, CurrentValue>,
 }
@@ -57,36 +89,27 @@ impl ReportCollector {
         message: &NetworkMessage,
     ) -> Result<(), StoreError> {
         let mut forwarded: HashMap<ToolId, Vec<usize>> = HashMap::new();
+        let mut foreign = None;
         for report in reports {
             let request = self.request(unit, &report.request).await?;
-            if let Some(asked) = request.as_ref().filter(|asked| asked.factory_id != *factory) {
-                let address = LogicalAddress::FactoryIngress(factory.clone());
-                let reason =
-                    format!("The request {} is asked of {}.", report.request, asked.factory_id);
-                // This report alone: the others of the message answer requests of the factory
-                // itself.
-                unit.reject(&address, incoming, "FOREIGN_REQUEST", reason).await?;
+            if !request.was_asked(factory, &report.request.operation_id) {
+                // This report alone: the others of the message may answer requests of the factory.
+                if take(unit, factory, report).await?.is_some() {
+                    foreign = Some(&report.request);
+                }
                 continue;
             }
             let Some(is_newest) = count(unit, factory, incoming, report).await? else { continue };
-            let mut key = report.request.clone();
-            if let Some(request) = request {
-                key.operation_id = request.operation_id.clone();
-                unit.effects.networks.insert(key.operation_network_id.clone());
-                for tool in &request.tools {
-                    forwarded.entry(tool.clone()).or_default().push(report.position);
-                }
-                let fields = self.collect_values(&request, &key, incoming, report);
-                // Open pages show the present; what arrives late is in the history.
-                if is_newest && !request.recipients.is_empty() {
-                    let (request_key, factory_id) = (key.clone(), factory.clone());
-                    let event = LiveEvent::Value { request: request_key, factory_id, fields };
-                    unit.effects.notifications.push(event.to(request.recipients.clone()));
-                }
-            } else {
-                metrics::counter!("verbund_unasked_reports_total").increment(1);
+            let from = Sender { factory, incoming, is_newest };
+            let entitled = self.store(unit, &request, &from, report).await?;
+            let tools = request.tools.iter().filter(|(_, of)| entitled.contains(of));
+            for (tool, _) in tools.filter(|_| request.is_asked(factory, report)) {
+                forwarded.entry(tool.clone()).or_default().push(report.position);
             }
-            self.reports.push(new_report(factory, key, incoming, report));
+        }
+        if let Some(request) = foreign {
+            let address = LogicalAddress::FactoryIngress(factory.clone());
+            unit.reject_foreign(&address, incoming, factory, request).await?;
         }
         for (tool, positions) in forwarded {
             forward(unit, tool, &incoming.message_id, message, &positions).await?;
@@ -99,6 +122,17 @@ impl ReportCollector {
         self.requests.clear();
     }
 
+    /// Follows a decision: a value that was collected for a field which is no longer open is no
+    /// current one.
+    pub(super) fn decided(&mut self, decision: &Decision) {
+        self.requests.clear();
+        if decision.mapping_state != MappingState::Mapped
+            && let Some(key) = decided_field(decision)
+        {
+            self.values.remove(&key);
+        }
+    }
+
     /// Writes reports and values.
     pub(super) async fn write(self, unit: &mut IngestUnit<'_>) -> Result<(), StoreError> {
         unit.effects.reports = self.reports.len() as u64;
@@ -107,44 +141,83 @@ impl ReportCollector {
         unit.work.fields().put_values(&values).await
     }
 
+    /// Collects a report with its values, and returns the organisations that may read it.
+    async fn store(
+        &mut self,
+        unit: &mut IngestUnit<'_>,
+        request: &Request,
+        from: &Sender<'_>,
+        report: &IncomingReport,
+    ) -> Result<BTreeSet<OrganisationId>, StoreError> {
+        let reported_at = report.report_timestamp.or(report.shopfloor_timestamp);
+        let entitled = entitled(&request.recipients, report.released_to.as_deref(), reported_at);
+        let recipient_set = self.recipient_set(unit, &entitled).await?;
+        if request.is_asked(from.factory, report) {
+            unit.effects.networks.insert(report.request.operation_network_id.clone());
+            let fields = self.collect_values(request, from, report, recipient_set);
+            // Open pages show the present; what arrives late is in the history.
+            if from.is_newest && !entitled.is_empty() && !fields.is_empty() {
+                let (request, factory_id) = (report.request.clone(), from.factory.clone());
+                let event = LiveEvent::Value { request, factory_id, fields };
+                unit.effects.notifications.push(event.to(entitled.iter().cloned().collect()));
+            }
+        } else {
+            metrics::counter!("verbund_unasked_reports_total").increment(1);
+        }
+        self.reports.push(new_report(from, report, recipient_set));
+        Ok(entitled)
+    }
+
     async fn request(
         &mut self,
         unit: &mut IngestUnit<'_>,
         request: &RequestKey,
-    ) -> Result<Option<Arc<Request>>, StoreError> {
-        let key =
-            (request.operation_network_id.clone(), request.dynamic_data_request_id.to_string());
+    ) -> Result<Arc<Request>, StoreError> {
+        let key = (request.operation_network_id.clone(), request.dynamic_data_request_id.clone());
         if let Some(known) = self.requests.get(&key) {
-            return Ok(known.clone());
+            return Ok(Arc::clone(known));
         }
-        let read = match unit.work.fields().asked(&key.0, &key.1).await? {
-            None => None,
-            Some((factory_id, operation_id, fields)) => Some(Arc::new(Request {
-                factory_id,
-                operation_id,
-                fields: fields.into_iter().collect(),
-                recipients: unit.work.recipients().of_request(&key.0, &key.1).await?,
-                tools: unit.work.tools().of_request(&key.0, &key.1).await?,
-            })),
-        };
-        self.requests.insert(key, read.clone());
+        let fields = unit.work.fields().asked(&key.0, &key.1).await?;
+        let read = Arc::new(Request {
+            asked: unit.work.asked_requests().of_request(&key.0, &key.1).await?,
+            fields: fields.into_iter().map(|field| (field.field_name.clone(), field)).collect(),
+            recipients: unit.work.recipients().of_request(&key.0, &key.1).await?,
+            tools: unit.work.tools().of_request(&key.0, &key.1).await?,
+        });
+        self.requests.insert(key, Arc::clone(&read));
         Ok(read)
     }
 
-    /// Retains of each field the value with the highest epoch and sequence number. Returns all
-    /// values of the report as pages show them.
+    async fn recipient_set(
+        &mut self,
+        unit: &mut IngestUnit<'_>,
+        members: &BTreeSet<OrganisationId>,
+    ) -> Result<Option<RecipientSetId>, StoreError> {
+        if let Some(known) = self.recipient_sets.get(members) {
+            return Ok(*known);
+        }
+        let id = unit.work.recipient_sets().intern(members).await?;
+        self.recipient_sets.insert(members.clone(), id);
+        Ok(id)
+    }
+
+    /// Retains of each field the value with the highest epoch and sequence number. Returns the
+    /// values of the fields that are open, as pages show them.
     fn collect_values(
         &mut self,
         request: &Request,
-        key: &RequestKey,
-        incoming: &Incoming,
+        from: &Sender<'_>,
         report: &IncomingReport,
+        recipient_set: Option<RecipientSetId>,
     ) -> Vec<FieldUpdate> {
         let mut notifications = Vec::with_capacity(report.fields.len());
         for (name, value) in &report.fields {
-            let Some(name) = request.fields.get(name.as_str()) else { continue };
-            let candidate = current_value(key.field(name.clone()), value, incoming, report);
-            notifications.push(field_update(&candidate));
+            let Some(field) = request.field(report, from.factory, name) else { continue };
+            let key = report.request.field(field.field_name.clone());
+            let candidate = current_value(key, value, from.incoming, report, recipient_set);
+            if field.is_mapped {
+                notifications.push(field_update(&candidate));
+            }
             let order = |value: &CurrentValue| (value.epoch, value.sequence);
             match self.values.get_mut(&candidate.key) {
                 Some(newest) if order(newest) > order(&candidate) => {}
@@ -156,6 +229,28 @@ impl ReportCollector {
     }
 }
 
+/// A factory with a message of its own.
+struct Sender<'m> {
+    factory: &'m FactoryId,
+    incoming: &'m Incoming,
+    /// True for the newest report of its writer.
+    is_newest: bool,
+}
+
+/// Takes a report's number into its writer's sequence, so that the connector is receipted; none for
+/// a repeat.
+async fn take<'u>(
+    unit: &'u mut IngestUnit<'_>,
+    factory: &FactoryId,
+    report: &IncomingReport,
+) -> Result<Option<&'u mut WriterRow>, StoreError> {
+    if !unit.writer(factory, report.data_set_writer_id, report.epoch).await?.take(report.sequence) {
+        unit.effects.duplicates += 1;
+        return Ok(None);
+    }
+    unit.writer(factory, report.data_set_writer_id, report.epoch).await.map(Some)
+}
+
 /// Adds a report to its writer's sequence. Returns none for a repeat, else whether the report is
 /// the newest of its writer.
 async fn count(
@@ -164,15 +259,7 @@ async fn count(
     incoming: &Incoming,
     report: &IncomingReport,
 ) -> Result<Option<bool>, StoreError> {
-    let writer = unit.writer(factory, report.data_set_writer_id, report.epoch).await?;
-    // For a repeat as well: its sender may have missed the receipt.
-    writer.needs_receipt = true;
-    if !writer.sequences.add(report.sequence) {
-        writer.duplicates += 1;
-        unit.effects.duplicates += 1;
-        return Ok(None);
-    }
-    writer.received += 1;
+    let Some(writer) = take(unit, factory, report).await? else { return Ok(None) };
     writer.last_report_at = Some(incoming.received_at);
     writer.operation_network_id = Some(report.request.operation_network_id.to_string());
     writer.dynamic_data_request_id = Some(report.request.dynamic_data_request_id.to_string());
@@ -204,23 +291,23 @@ async fn forward(
 }
 
 fn new_report(
-    factory: &FactoryId,
-    request: RequestKey,
-    incoming: &Incoming,
+    from: &Sender<'_>,
     report: &IncomingReport,
+    recipient_set: Option<RecipientSetId>,
 ) -> NewReport {
     let fields = report.fields.iter().map(|(name, value)| (name.clone(), value.into())).collect();
     NewReport {
-        factory_id: factory.clone(),
+        factory_id: from.factory.clone(),
         data_set_writer_id: report.data_set_writer_id,
         epoch: report.epoch,
         sequence: report.sequence,
-        request,
+        request: report.request.clone(),
         report_name: report.report_name.clone(),
         shopfloor_timestamp: report.shopfloor_timestamp,
         report_timestamp: report.report_timestamp,
-        received_at: incoming.received_at,
-        is_replay: incoming.is_replay,
+        received_at: from.incoming.received_at,
+        is_replay: from.incoming.is_replay,
+        recipient_set,
         fields,
     }
 }
@@ -243,6 +330,7 @@ fn current_value(
     value: &DataValue,
     incoming: &Incoming,
     report: &IncomingReport,
+    recipient_set: Option<RecipientSetId>,
 ) -> CurrentValue {
     CurrentValue {
         key,
@@ -254,5 +342,6 @@ fn current_value(
         source_timestamp: value.source_timestamp,
         report_timestamp: report.report_timestamp,
         received_at: incoming.received_at,
+        recipient_set,
     }
 }

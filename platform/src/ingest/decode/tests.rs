@@ -30,6 +30,7 @@ fn report() -> Value {
           "operationId": { "Type": 12, "Body": "MakeFrame1" },
           "operationNetworkId": { "Type": 12, "Body": "frame-4711" },
           "shopfloorTimestamp": { "Type": 13, "Body": "2019-04-18T18:20:05Z" },
+          "recipientList": { "Type": 12, "Body": ["acme-aero", "no id"] },
           "progressStatus": { "Type": 9, "Body": "1" },
           "progressStatusUnit": { "Type": 12, "Body": "PIECE" } } } ] })
 }
@@ -54,6 +55,7 @@ fn the_report_of_the_contract_is_understood() {
     let report = &reports[0];
     assert_eq!((report.data_set_writer_id, report.epoch, report.sequence), (1, 608_926_829, 4));
     assert_eq!(report.request.to_string(), "frame-4711/MakeFrame1/ReqResponse1");
+    assert_eq!(report.released_to, Some(vec!["acme-aero".parse().expect("an id")]));
     assert_eq!(report.fields.len(), 1, "units and reserved members are no fields");
     let (name, value) = &report.fields[0];
     assert_eq!((name.as_str(), value.value.as_f64()), ("progressStatus", Some(1.0)));

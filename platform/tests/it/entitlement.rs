@@ -1,0 +1,223 @@
+//! Entitlement travels with the value: a report is read by those to whom it was released when it
+//! left the plant, and by nobody else, whatever the network says later.
+
+use std::collections::BTreeSet;
+
+use serde_json::{Value, json};
+
+use crate::{
+    connector::Peer,
+    harness::{Api, World, eventually},
+    story::{self, NETWORK, network_path},
+};
+
+const BUYER: &str = "acme-aero";
+const INSPECTOR: &str = "inspect-hamburg";
+
+/// The network with the buyer's request open to these recipients.
+fn network_to(recipients: &[&str]) -> Value {
+    let mut network = story::network();
+    network["operationList"][0]["dynamicDataRequestList"][0]["recipientList"] = json!(recipients);
+    network
+}
+
+/// The sequence numbers of the reports that a viewer may read.
+async fn sequences(api: &Api) -> Vec<u64> {
+    let reports = api.get(&format!("/reports?network={NETWORK}")).await.expect_ok();
+    let items = reports["items"].as_array().cloned().unwrap_or_default();
+    items.iter().filter_map(|report| report["sequence"].as_u64()).collect()
+}
+
+/// Waits until the platform holds as many reports of FOR_MUC.
+async fn held(admin: &Api, count: u64) {
+    eventually("the reports", || async {
+        let writers = admin.get("/factories/FOR_MUC/writers").await.expect_ok();
+        let received = writers["items"][0]["received"].as_u64();
+        if received == Some(count) { Ok(()) } else { Err(writers.to_string()) }
+    })
+    .await;
+}
+
+/// Returns what a viewer sees of `progressStatus`: its value, whether a report about the network is known,
+/// and the quantity concluded from it.
+async fn shown(api: &Api) -> (Value, bool, Value) {
+    let view = api.get(&network_path()).await.expect_ok();
+    let networks = api.get("/operation-networks").await.expect_ok();
+    (
+        view["fields"][0]["value"].clone(),
+        networks["items"][0]["lastReportAt"].is_string(),
+        view["operations"][0]["quantity"].clone(),
+    )
+}
+
+fn nothing() -> (Value, bool, Value) {
+    (Value::Null, false, Value::Null)
+}
+
+/// The factory takes the newest revision, and its engineer consents again.
+async fn consent_again(buyer: &Api, munich: &Peer, revision: u64, time: &str) {
+    let part = munich.receive("operation-network", |part| part["revision"] == revision).await;
+    munich.send("decision", &story::decision_at(time, "PENDING", None));
+    munich.accept(&part);
+    munich.send("decision", &story::decision_at(time, "MAPPED", None));
+    story::state_is(buyer, "MAPPED").await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_recipient_added_later_sees_only_what_was_released_to_it() {
+    let world = World::start().await;
+    let (admin, buyer, munich, _hamburg) = story::accepted(&world).await;
+    let inspector = story::planner(&world, INSPECTOR).await;
+    munich.send("ua-data", &story::report_to(&[BUYER], "m0", 0, 3));
+    story::value_is(&buyer, "3").await;
+
+    story::put_network(&buyer, network_to(&[BUYER, INSPECTOR])).await;
+    assert_eq!((sequences(&inspector).await, shown(&inspector).await), (vec![], nothing()));
+    // On its way when the revision came, and so released to the buyer alone.
+    munich.send("ua-data", &story::report_to(&[BUYER], "m1", 1, 4));
+    held(&admin, 2).await;
+    assert_eq!((sequences(&inspector).await, shown(&inspector).await), (vec![], nothing()));
+
+    consent_again(&buyer, &munich, 2, "2019-04-18T18:30:00Z").await;
+    assert_eq!((sequences(&inspector).await, shown(&inspector).await), (vec![], nothing()));
+    munich.send("ua-data", &story::report_to(&[BUYER, INSPECTOR], "m2", 2, 5));
+    story::value_is(&inspector, "5").await;
+    assert_eq!(sequences(&inspector).await, [2]);
+    assert_eq!(sequences(&buyer).await, [0, 1, 2]);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_removed_recipient_keeps_the_past_and_gets_nothing_new() {
+    let world = World::start().await;
+    let (admin, buyer, munich, _hamburg) =
+        story::accepted_network(&world, network_to(&[BUYER, INSPECTOR])).await;
+    let inspector = story::planner(&world, INSPECTOR).await;
+    munich.send("ua-data", &story::report_to(&[BUYER, INSPECTOR], "m0", 0, 3));
+    story::value_is(&inspector, "3").await;
+
+    story::put_network(&buyer, network_to(&[BUYER])).await;
+    // The factory has not taken the revision yet; the platform's list narrows what it says.
+    munich.send("ua-data", &story::report_to(&[BUYER, INSPECTOR], "m1", 1, 4));
+    held(&admin, 2).await;
+    assert_eq!(sequences(&inspector).await, [0]);
+    assert_eq!(shown(&inspector).await, nothing());
+    assert_eq!(sequences(&buyer).await, [0, 1]);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_pending_field_shows_no_value() {
+    let world = World::start().await;
+    let (admin, buyer, munich, _hamburg) = story::accepted(&world).await;
+    munich.send("ua-data", &story::report("m0", 0, 3));
+    story::value_is(&buyer, "3").await;
+    for (state, time) in [("PENDING", "18:21:00"), ("REFUSED", "18:22:00")] {
+        let time = format!("2019-04-18T{time}Z");
+        munich.send("decision", &story::decision_at(&time, state, None));
+        story::state_is(&buyer, state).await;
+        assert_eq!(shown(&buyer).await, nothing(), "{state}");
+    }
+    // A straggler of the ended consent is history, and no current value; not even once the field
+    // is open again.
+    munich.send("ua-data", &story::report("m1", 1, 4));
+    held(&admin, 2).await;
+    assert_eq!(shown(&buyer).await, nothing());
+    munich.send("decision", &story::decision_at("2019-04-18T18:30:00Z", "MAPPED", None));
+    story::state_is(&buyer, "MAPPED").await;
+    assert_eq!(shown(&buyer).await, nothing());
+    assert_eq!(sequences(&buyer).await, [0, 1]);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_revision_that_reopens_a_field_hides_its_value_at_once() {
+    let world = World::start().await;
+    let (_, buyer, munich, _hamburg) = story::accepted(&world).await;
+    munich.send("ua-data", &story::report("m0", 0, 3));
+    story::value_is(&buyer, "3").await;
+    let mut network = story::network();
+    network["name"] = json!("Another name");
+    story::put_network(&buyer, network.clone()).await;
+    assert_eq!(shown(&buyer).await, (json!("3"), true, json!(3.0)), "nothing else is asked");
+
+    network["operationList"][0]["dynamicDataRequestList"][0]["purpose"] = json!("Sell it");
+    story::put_network(&buyer, network).await;
+    let view = buyer.get(&network_path()).await.expect_ok();
+    assert_eq!(view["fields"][0]["mappingState"], "PENDING");
+    assert_eq!(shown(&buyer).await, nothing());
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn live_values_go_to_those_to_whom_they_were_released() {
+    let world = World::start().await;
+    let (admin, buyer, munich, _hamburg) = story::accepted(&world).await;
+    let inspector = story::planner(&world, INSPECTOR).await;
+    let view = inspector.get(&network_path()).await.expect_ok();
+    let mut live = inspector.live(view["lastEventId"].as_str()).await;
+
+    munich.send("ua-data", &story::report_to(&[BUYER, INSPECTOR], "m0", 0, 2));
+    story::put_network(&buyer, network_to(&[BUYER, INSPECTOR])).await;
+    munich.send("ua-data", &story::report_to(&[BUYER], "m1", 1, 3));
+    held(&admin, 2).await;
+    consent_again(&buyer, &munich, 2, "2019-04-18T18:30:00Z").await;
+    munich.send("ua-data", &story::report_to(&[BUYER], "m2", 2, 4));
+    munich.send("ua-data", &story::report_to(&[BUYER, INSPECTOR], "m3", 3, 5));
+    let mut heard = BTreeSet::new();
+    loop {
+        let (_, name, event) = live.any().await;
+        heard.insert(name.clone());
+        if name == "value" {
+            assert_eq!(event["fields"][0]["value"], "5", "the first value for the inspector");
+            break;
+        }
+    }
+    assert!(!heard.contains("progress"), "no progress of values that are not its own: {heard:?}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_tool_gets_only_what_its_organisation_may_see() {
+    let world = World::start().await;
+    let mut network = network_to(&[BUYER, INSPECTOR]);
+    network["operationList"][0]["dynamicDataRequestList"][0]["dynamicDataRequestPublisherId"] =
+        json!("Monitoring");
+    let (admin, buyer, munich, _hamburg) = story::accepted_network(&world, network).await;
+    let tool = json!({ "toolId": "Monitoring", "organisationId": BUYER, "name": "Monitoring" });
+    admin.post("/tools", tool).await.expect_ok();
+    let credential = admin.post("/tools/Monitoring/credentials", json!({})).await.expect_ok();
+    let tool = Peer::tool(&credential, "Monitoring");
+    munich.send("ua-data", &story::report_to(&[INSPECTOR], "m0", 0, 3));
+    munich.send("ua-data", &story::report_to(&[BUYER], "m1", 1, 4));
+    let forwarded = tool.receive("ua-data", |_| true).await;
+    let payload = &forwarded["Messages"][0]["Payload"];
+    assert_eq!(payload["progressStatus"]["Body"], "4", "{forwarded}");
+    assert_eq!((tool.count("ua-data"), sequences(&buyer).await), (1, vec![1]));
+}
+
+/// Connectors of before did not say to whom they released a report.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_report_without_recipients_is_for_those_of_the_consent() {
+    let world = World::start().await;
+    let (admin, buyer, munich, _hamburg) = story::accepted(&world).await;
+    let inspector = story::planner(&world, INSPECTOR).await;
+    let reported_at = |sequence: u32, time: &str| {
+        let mut report = story::former_report(&format!("m{sequence}"), sequence, 3);
+        report["Messages"][0]["Timestamp"] = json!(time);
+        report
+    };
+    munich.send("ua-data", &reported_at(0, "2019-04-18T18:20:30Z"));
+    munich.send("ua-data", &reported_at(1, "2019-04-18T17:59:00Z"));
+    held(&admin, 2).await;
+    assert_eq!(sequences(&buyer).await, [0], "one is older than the consent");
+
+    story::put_network(&buyer, network_to(&[BUYER, INSPECTOR])).await;
+    let part = munich.receive("operation-network", |part| part["revision"] == 2).await;
+    // A consent that was given to the former revision, and arrives after the new one.
+    munich.send("decision", &story::decision_at("2019-04-18T18:25:00Z", "MAPPED", None));
+    munich.send("ua-data", &reported_at(2, "2019-04-18T18:26:00Z"));
+    munich.send("decision", &story::decision_at("2019-04-18T18:30:00Z", "PENDING", None));
+    munich.accept(&part);
+    munich.send("decision", &story::decision_at("2019-04-18T18:35:00Z", "MAPPED", None));
+    munich.send("ua-data", &reported_at(3, "2019-04-18T18:34:00Z"));
+    munich.send("ua-data", &reported_at(4, "2019-04-18T18:36:00Z"));
+    held(&admin, 5).await;
+    assert_eq!(sequences(&inspector).await, [4]);
+    assert_eq!(sequences(&buyer).await, [0, 2, 3, 4]);
+}

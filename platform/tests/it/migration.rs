@@ -1,0 +1,94 @@
+//! Stores of before reports said to whom they were released.
+
+use std::{path::Path, str::FromStr};
+
+use asi_model::{DateTime, FactoryId, OperationNetworkId};
+use platform::store::{ReportQuery, Scope, Store, Work};
+use serde_json::json;
+use sqlx::{
+    Connection as _, SqlSafeStr as _, SqliteConnection,
+    migrate::{Migration, MigrationType, Migrator},
+    sqlite::SqliteConnectOptions,
+};
+
+const BEFORE: [&str; 3] = [
+    include_str!("../../migrations/sqlite/0001_house.sql"),
+    include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql"),
+    include_str!("../../migrations/sqlite/0003_leases.sql"),
+];
+
+/// Organisation a asks F for two fields, one of which is open; b is a member, too. G was never
+/// asked and reported all the same.
+const ROWS: &str = "
+    INSERT INTO organisation VALUES ('a', 'a', 0), ('b', 'b', 0);
+    INSERT INTO factory (factory_id, organisation_id, name, created_at) VALUES ('F', 'b', 'F', 0), ('G', 'b', 'G', 0);
+    INSERT INTO collaboration VALUES ('c', 'c', 0);
+    INSERT INTO collaboration_member VALUES ('c', 'a'), ('c', 'b');
+    INSERT INTO operation_network VALUES ('net', 'c', NULL, 1, '{network}', 0, 'u', NULL);
+    INSERT INTO operation_network_revision VALUES ('net', 1, '{network}', 0, 'u');
+    INSERT INTO network_part VALUES ('net', 'F', 1, 0, '{}', 'm', 'ACCEPTED', '[]', 0, 1, 0, 0);
+    INSERT INTO request_field VALUES ('net', 'op', 'req', 'open', 'F', 0, 'MAPPED', NULL, NULL, 10),
+        ('net', 'op', 'req', 'closed', 'F', 1, 'PENDING', NULL, NULL, 11);
+    INSERT INTO request_recipient VALUES ('net', 'req', 'a');
+    INSERT INTO report (factory_id, data_set_writer_id, epoch, sequence, operation_network_id, operation_id,
+            dynamic_data_request_id, report_name, received_at, is_replay, fields)
+        VALUES ('F', 1, 1, 7, 'net', 'op', 'req', 'r', 0, 0, '{}'), ('G', 1, 1, 8, 'net', 'op', 'req', 'r', 0, 0, '{}');
+    INSERT INTO field_value
+        VALUES ('net', 'req', 'open', 'op', 1, 7, '1', 7, 0, NULL, NULL, 0),
+            ('net', 'req', 'closed', 'op', 1, 7, '2', 7, 0, NULL, NULL, 0);";
+
+async fn make_former_store(path: &Path) {
+    let options = SqliteConnectOptions::from_str(&format!("sqlite://{}", path.display()))
+        .expect("a path")
+        .create_if_missing(true);
+    let mut connection = SqliteConnection::connect_with(&options).await.expect("a file");
+    let names = ["house", "tools by publisher", "leases"];
+    let migrations = (1..).zip(names).zip(BEFORE).map(|((version, name), sql)| {
+        Migration::new(version, name.into(), MigrationType::Simple, sql.into_sql_str(), false)
+    });
+    Migrator::with_migrations(migrations.collect()).run(&mut connection).await.expect("migrated");
+    let network = json!({ "operationNetworkId": "net", "operationList": [ { "operationId": "op",
+        "operationType": "PRODUCTION", "owningFactoryId": "F", "dynamicDataRequestList": [
+            { "dynamicDataRequestId": "req", "requesterId": "a", "recipientList": ["a"], "purpose": "p",
+              "reportDataFormat": { "reportName": "r", "reportFieldList": [
+                { "name": "open", "type": 7 }, { "name": "closed", "type": 7 } ] } } ] } ] });
+    let rows = ROWS.replace("{network}", &network.to_string());
+    sqlx::raw_sql(sqlx::AssertSqlSafe(rows)).execute(&mut connection).await.expect("stored");
+    connection.close().await.expect("closed");
+}
+
+fn organisation(id: &str) -> Scope {
+    Scope::Organisation(id.parse().expect("an id"))
+}
+
+async fn sequences(work: &mut Work, scope: &Scope) -> Vec<u32> {
+    let query = ReportQuery { limit: 10, ..ReportQuery::default() };
+    let reports = work.reports().list(scope, &query).await.expect("read");
+    reports.iter().map(|report| report.sequence).collect()
+}
+
+#[tokio::test]
+async fn what_was_stored_stays_with_those_who_could_read_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store.sqlite");
+    make_former_store(&path).await;
+    let store = Store::open(&path).await.expect("it opens");
+    let mut work = store.read().await.expect("begun");
+
+    assert_eq!(sequences(&mut work, &organisation("a")).await, [7], "G was never asked");
+    assert_eq!(sequences(&mut work, &organisation("b")).await, Vec::<u32>::new());
+    let net: OperationNetworkId = "net".parse().expect("an id");
+    let fields = work.fields().list(&organisation("a"), &net).await.expect("read");
+    let values: Vec<_> =
+        fields.iter().map(|field| field.current.as_ref().map(|value| &value.value)).collect();
+    assert_eq!(values, [Some(&json!(1)), None], "a pending field has no value");
+
+    let request = "req".parse().expect("an id");
+    let recipients = work.recipients().of_request(&net, &request).await.expect("read");
+    assert_eq!(recipients[0].consented_at, Some(DateTime::from_ticks(10)));
+    for (factory, is_asked) in [("F", true), ("G", false)] {
+        let factory: FactoryId = factory.parse().expect("an id");
+        let found = work.asked_requests().is_asked(&net, &request, &factory).await.expect("read");
+        assert_eq!(found, is_asked, "{factory}");
+    }
+}
