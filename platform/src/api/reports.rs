@@ -34,7 +34,7 @@ pub struct Query {
     newest: Option<bool>,
 }
 
-/// Lists the reports whose recipient the viewer is, in the order of their arrival.
+/// Lists the reports that their factories released to the viewer, in the order of their arrival.
 #[utoipa::path(get, operation_id = "listReports", path = "/reports", tag = "reports", security(("session" = [])), params(Query),
     responses((status = 200, body = Page<Report>), ReadProblems))]
 pub async fn list(

@@ -6,7 +6,7 @@ use daemon::web::{ApiPath, Problem, session::SignedIn};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::{own_factory, page::Page, problems::ReadProblems};
+use super::{page::Page, problems::ReadProblems};
 use crate::{application::Application, principal::Principal, store::StoredGap};
 
 /// Missing numbers shown per writer.
@@ -18,6 +18,10 @@ const MISSING_SHOWN_MAX: usize = 1000;
 pub struct WriterView {
     data_set_writer_id: u16,
     epoch: u32,
+    /// The network that its last report was about.
+    operation_network_id: Option<String>,
+    /// The request that its last report answered.
+    dynamic_data_request_id: Option<String>,
     /// The highest sequence number held.
     through_sequence: Option<u32>,
     /// The lowest numbers below it that are missing, at most 1000.
@@ -53,8 +57,9 @@ impl From<StoredGap> for GapView {
     }
 }
 
-/// Lists a factory's data set writers with received sequence numbers: for its own organisation and
-/// administrators.
+/// Lists a factory's data set writers with received sequence numbers: all for its own organisation
+/// and administrators; for recipients those whose reports they get, so that they can tell silence
+/// from reports that are missing or were given up.
 #[utoipa::path(get, operation_id = "listWriters", path = "/factories/{factoryId}/writers", tag = "factories", security(("session" = [])),
     params(("factoryId" = String, Path)), responses((status = 200, body = Page<WriterView>), ReadProblems))]
 pub async fn list(
@@ -62,15 +67,20 @@ pub async fn list(
     who: SignedIn<Principal>,
     ApiPath(id): ApiPath<FactoryId>,
 ) -> Result<Json<Page<WriterView>>, Problem> {
+    let scope = who.principal.scope();
     let mut work = app.store.read().await?;
-    own_factory::check(&mut work, &who.principal, &id).await?;
+    if work.factories().lookup(&scope, &id).await?.is_none() {
+        return Err(Problem::not_found(format_args!("factory {id}")));
+    }
     let mut gaps = work.writers().gaps(&id).await?;
-    let rows = work.writers().of_factory(&id).await?;
+    let rows = work.writers().of_factory(&scope, &id).await?;
     let views = rows.into_iter().map(|row| {
         let gaps = gaps.remove(&row.key).unwrap_or_default();
         WriterView {
             data_set_writer_id: row.key.data_set_writer_id,
             epoch: row.key.epoch,
+            operation_network_id: row.operation_network_id,
+            dynamic_data_request_id: row.dynamic_data_request_id,
             through_sequence: row.sequences.through(),
             missing: row.sequences.missing_numbers().take(MISSING_SHOWN_MAX).collect(),
             missing_count: row.sequences.missing_count(),

@@ -11,6 +11,7 @@ use super::{
     database::Connection,
     error::StoreError,
     row::{Columns, DatabaseRow, document, signed},
+    scope::Scope,
 };
 use crate::sequences::SequenceSet;
 
@@ -140,13 +141,27 @@ impl Writers<'_> {
         Ok(())
     }
 
-    /// Returns all writers of a factory, by writer and epoch.
+    /// Lists the writers of a factory, by writer and epoch: all to the factory's own organisation and
+    /// to administrators, to others those of whose reports at least one was released to them.
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn of_factory(&mut self, factory: &FactoryId) -> Result<Vec<WriterRow>, StoreError> {
-        let sql = "SELECT * FROM data_set_writer WHERE factory_id = $1 ORDER BY data_set_writer_id, epoch";
+    pub async fn of_factory(
+        &mut self,
+        scope: &Scope,
+        factory: &FactoryId,
+    ) -> Result<Vec<WriterRow>, StoreError> {
+        let sql = "SELECT w.* FROM data_set_writer w
+                   WHERE w.factory_id = $2 AND (CAST($1 AS TEXT) IS NULL
+                       OR EXISTS (SELECT 1 FROM factory f
+                           WHERE f.factory_id = w.factory_id AND f.organisation_id = $1)
+                       OR EXISTS (SELECT 1 FROM report p
+                           JOIN recipient_set_member m ON m.recipient_set_id = p.recipient_set_id
+                           WHERE p.factory_id = w.factory_id AND p.data_set_writer_id = w.data_set_writer_id
+                             AND p.epoch = w.epoch AND m.organisation_id = $1))
+                   ORDER BY w.data_set_writer_id, w.epoch";
         let rows = sqlx::query(sql)
+            .bind(scope.member())
             .bind(factory.as_str())
             .fetch_all(&mut *self.0)
             .await

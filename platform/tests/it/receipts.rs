@@ -46,13 +46,14 @@ async fn receipts_name_missing_reports_until_they_come_or_are_announced() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn the_factory_owner_sees_its_writers_and_nobody_else_does() {
+async fn the_factory_owner_and_recipients_see_its_writers_and_nobody_else_does() {
     let world = World::start().await;
     let (admin, buyer, munich, _hamburg) = story::accepted(&world).await;
     munich.send("ua-data", &story::report("m3", 3, 1));
     story::value_is(&buyer, "1").await;
     let maker = story::planner(&world, "frames-munich").await;
-    for api in [&admin, &maker] {
+    // Only so can a recipient tell that nothing is new from that something is missing.
+    for api in [&admin, &maker, &buyer] {
         let writers = api.get("/factories/FOR_MUC/writers").await.expect_ok();
         let writer = &writers["items"][0];
         assert_eq!(
@@ -60,5 +61,31 @@ async fn the_factory_owner_sees_its_writers_and_nobody_else_does() {
             (&json!(3), &json!([0, 1, 2]))
         );
     }
-    buyer.get("/factories/FOR_MUC/writers").await.expect_problem(404, "NOT_FOUND");
+    let inspector = story::planner(&world, "inspect-hamburg").await;
+    let writers = inspector.get("/factories/FOR_MUC/writers").await.expect_ok();
+    assert_eq!(writers["items"], json!([]));
+    let stranger = story::planner(&world, "stranger").await;
+    stranger.get("/factories/FOR_MUC/writers").await.expect_problem(404, "NOT_FOUND");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn recipients_see_the_gaps_of_their_requests() {
+    let world = World::start().await;
+    let (_, buyer, munich, _hamburg) = story::accepted(&world).await;
+    munich.send("ua-data", &story::report("m0", 0, 1));
+    munich.send("ua-data", &story::report("m5", 5, 1));
+    munich.send(
+        "gap",
+        &json!({ "messageType": "gap", "messageId": "g1", "factoryId": "FOR_MUC", "dataSetWriterId": 1,
+        "epoch": 608_926_829, "firstSequence": 1, "lastSequence": 3, "cause": "REVOKED" }),
+    );
+    crate::harness::eventually("the gap", || async {
+        let writers = buyer.get("/factories/FOR_MUC/writers").await.expect_ok();
+        let writer = &writers["items"][0];
+        let told = (&writer["gaps"], &writer["missing"], &writer["dynamicDataRequestId"]);
+        let gaps = json!([{ "firstSequence": 1, "lastSequence": 3, "cause": "REVOKED" }]);
+        let expected = (&gaps, &json!([4]), &json!("ReqResponse1"));
+        if told == expected { Ok(()) } else { Err(writers.to_string()) }
+    })
+    .await;
 }

@@ -213,8 +213,9 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Lists a factory's data set writers with received sequence numbers: for its own organisation and
-         *     administrators.
+         * Lists a factory's data set writers with received sequence numbers: all for its own organisation
+         *     and administrators; for recipients those whose reports they get, so that they can tell silence
+         *     from reports that are missing or were given up.
          */
         get: operations["listWriters"];
         put?: never;
@@ -1490,6 +1491,8 @@ export interface components {
              * @description Repeats that were discarded.
              */
             duplicates: number;
+            /** @description The request that its last report answered. */
+            dynamicDataRequestId?: string | null;
             /** Format: int32 */
             epoch: number;
             /** @description Numbers that the factory announced will never come. */
@@ -1503,6 +1506,8 @@ export interface components {
              * @description Number of missing sequence numbers, listed or not.
              */
             missingCount: number;
+            /** @description The network that its last report was about. */
+            operationNetworkId?: string | null;
             /**
              * Format: int64
              * @description Reports that arrived, repeats not counted.
