@@ -9,7 +9,7 @@ use asi_model::{
 };
 use async_trait::async_trait;
 use connector_state::{
-    ConnectorState, Field,
+    ConnectorState,
     use_cases::decide::{DecisionCommand, DecisionRequest, decide},
 };
 use daemon::{

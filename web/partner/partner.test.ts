@@ -191,7 +191,7 @@ describe('a request', () => {
   })
 })
 
-it.each([
+it.each<[string, string | null, string | null, boolean, boolean]>([
   ['VIEWER', 'a', 'a', false, false],
   ['PLANNER', 'a', 'a', true, true],
   ['PLANNER', 'a', 'b', true, false],

@@ -9,7 +9,7 @@ use std::{
 use reqwest::Method;
 use serde_json::json;
 use tracing::{
-    Event, Metadata, Subscriber,
+    Event, Level, Metadata, Subscriber,
     field::{Field, Visit},
     span,
 };
@@ -19,7 +19,7 @@ use crate::plant::{Plant, field};
 /// A value of the plant, and a text that scripts choose.
 const SECRET: &str = "sesame-4711";
 
-/// Everything that is logged at any level, as text.
+/// Everything that is logged, as text.
 #[derive(Clone, Default)]
 struct Recorder(Arc<Mutex<String>>);
 
@@ -38,9 +38,18 @@ impl Recorder {
 
 impl Subscriber for Recorder {
     fn enabled(&self, metadata: &Metadata<'_>) -> bool {
-        // The request bodies that the test's own client sends are no log of the connector.
+        // Of other crates what operators see; of our own everything.
+        const OWN: [&str; 7] = [
+            "factory_connector",
+            "connector_state",
+            "mapping_engine",
+            "twin",
+            "messaging",
+            "shop_floor",
+            "daemon",
+        ];
         let target = metadata.target();
-        !["hyper", "reqwest", "h2", "rustls", "mio"].iter().any(|own| target.starts_with(own))
+        *metadata.level() <= Level::INFO || OWN.iter().any(|own| target.starts_with(own))
     }
     fn new_span(&self, span: &span::Attributes<'_>) -> span::Id {
         span.record(&mut self.clone());

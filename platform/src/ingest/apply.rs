@@ -127,8 +127,10 @@ impl<'w> Applier<'w> {
             }
             (Content::Factory(message), Some(_)) => {
                 from_factories::apply(unit, address, incoming, message).await?;
-                if let FactoryMessage::Decision(decision) = &**message {
-                    self.reports.decided(decision);
+                match &**message {
+                    FactoryMessage::Decision(decision) => self.reports.decided(decision),
+                    FactoryMessage::Acknowledgement(_) => self.reports.forget_requests(),
+                    _ => {}
                 }
                 Ok(())
             }

@@ -85,6 +85,30 @@ impl Recipients<'_> {
         Ok(())
     }
 
+    /// Notes the consents under which a factory answered the newest revision: a field that is open
+    /// then was opened to the recipients in effect.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn consent_where_open(
+        &mut self,
+        network: &OperationNetworkId,
+        factory: &FactoryId,
+    ) -> Result<(), StoreError> {
+        let sql = "UPDATE request_recipient SET consented_at = (SELECT MIN(f.decided_at) FROM request_field f
+                       WHERE f.operation_network_id = request_recipient.operation_network_id
+                         AND f.dynamic_data_request_id = request_recipient.dynamic_data_request_id
+                         AND f.factory_id = $2 AND f.mapping_state = 'MAPPED')
+                   WHERE operation_network_id = $1 AND consented_at IS NULL";
+        sqlx::query(sql)
+            .bind(network.as_str())
+            .bind(factory.as_str())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("note the consents of a revision"))?;
+        Ok(())
+    }
+
     /// Lists the organisations that may see the answers of a request, by id.
     ///
     /// # Errors

@@ -221,3 +221,39 @@ async fn a_report_without_recipients_is_for_those_of_the_consent() {
     assert_eq!(sequences(&inspector).await, [4]);
     assert_eq!(sequences(&buyer).await, [0, 2, 3, 4]);
 }
+
+/// A consent that comes while a revision is under way is known to be to its recipients once the
+/// factory has answered the revision.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_consent_that_crosses_a_revision_counts_with_its_answer() {
+    let world = World::start().await;
+    let (admin, buyer, munich, _hamburg) = story::accepted(&world).await;
+    let mut network = story::network();
+    let requests = &mut network["operationList"][0]["dynamicDataRequestList"];
+    let second = story::request("ReqResponse2", BUYER);
+    requests.as_array_mut().expect("a list").push(second);
+    story::put_network(&buyer, network.clone()).await;
+    let part = munich.receive("operation-network", |part| part["revision"] == 2).await;
+    munich.accept(&part);
+    story::parts_are(&buyer, "ACCEPTED").await;
+
+    network["name"] = json!("Another name");
+    story::put_network(&buyer, network).await;
+    let mut decision = story::decision_at("2019-04-18T18:10:00Z", "MAPPED", None);
+    decision["dynamicDataRequestId"] = json!("ReqResponse2");
+    munich.send("decision", &decision);
+    let report = |sequence: u32| {
+        let mut report = story::former_report(&format!("m{sequence}"), sequence, 3);
+        report["Messages"][0]["Payload"]["dynamicDataRequestId"]["Body"] = json!("ReqResponse2");
+        report
+    };
+    munich.send("ua-data", &report(0));
+    held(&admin, 1).await;
+    assert_eq!(sequences(&buyer).await, Vec::<u64>::new());
+    let part = munich.receive("operation-network", |part| part["revision"] == 3).await;
+    munich.accept(&part);
+    story::part_is(&buyer, "FOR_MUC", "ACCEPTED").await;
+    munich.send("ua-data", &report(1));
+    held(&admin, 2).await;
+    assert_eq!(sequences(&buyer).await, [1]);
+}

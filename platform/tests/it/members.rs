@@ -176,7 +176,7 @@ async fn no_member_reads_what_is_not_for_it() {
     let members = members(&world, &admin).await;
     let munich = Peer::enrolled(&world, &admin, "FOR_MUC").await;
     let maker = &members[1];
-    let mut report = story::report("m1", 0, 3);
+    let mut report = story::report_to(&[maker.id], "m1", 0, 3);
     let payload = &mut report["Messages"][0]["Payload"];
     payload["operationNetworkId"]["Body"] = json!(maker.network());
     payload["operationId"]["Body"] = json!("Own");

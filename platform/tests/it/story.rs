@@ -156,6 +156,17 @@ pub async fn parts_are(api: &Api, state: &str) -> Value {
     .await
 }
 
+/// Waits until the part of one factory is in a state.
+pub async fn part_is(api: &Api, factory: &str, state: &str) {
+    eventually(state, || async {
+        let view = api.get(&network_path()).await.expect_ok();
+        let parts = view["parts"].as_array().cloned().unwrap_or_default();
+        let is_there = |part: &Value| part["factoryId"] == factory && part["state"] == state;
+        if parts.iter().any(is_there) { Ok(()) } else { Err(view["parts"].to_string()) }
+    })
+    .await;
+}
+
 /// Waits until the buyer sees a value of `progressStatus`.
 pub async fn value_is(api: &Api, value: &str) -> Value {
     first_field(api, "value", value).await

@@ -2124,8 +2124,7 @@ export interface components {
         };
         /** @description A decision about a field. */
         DecisionBody: {
-            /** @description Coarsening of the values; without it every change leaves as it is. */
-            disclosure?: components["schemas"]["DisclosurePolicy"];
+            disclosure?: components["schemas"]["DisclosurePolicy"] | null;
             mapping?: components["schemas"]["MappingDraft"] | null;
             /** @description `PENDING`, `MAPPED` or `REFUSED`. */
             mappingState: components["schemas"]["MappingState"];
@@ -2159,8 +2158,8 @@ export interface components {
          *     unchanged.
          *
          *     In this order: values in a withheld state are dropped, each window is aggregated, the number is
-         *     banded or rounded and then cut to its significant digits; the result waits for its delay, the
-         *     intervals and rates, the time step and the working hours.
+         *     banded or rounded and then cut to its significant digits, and the status code is coarsened; the
+         *     result waits for its delay, the intervals and rates, the time step and the working hours.
          */
         DisclosurePolicy: {
             /** @default null */
@@ -2201,6 +2200,11 @@ export interface components {
              * @default null
              */
             significantDigits?: number | null;
+            /**
+             * @description Resolution of status codes; a small fixed set when absent.
+             * @default COMMON
+             */
+            statusCodes?: components["schemas"]["StatusCodes"];
             /**
              * Format: int64
              * @description Times are rounded down to multiples of this many milliseconds since 1970, and values are
@@ -2315,7 +2319,7 @@ export interface components {
          * @description A part of a policy.
          * @enum {string}
          */
-        EffectKind: "WITHHELD" | "AGGREGATED" | "BANDED" | "ROUNDED" | "DIGITS" | "TIME_STEP" | "DELAYED" | "INTERVAL" | "RATE" | "HOURS";
+        EffectKind: "WITHHELD" | "AGGREGATED" | "BANDED" | "ROUNDED" | "DIGITS" | "STATUS_CODES" | "TIME_STEP" | "DELAYED" | "INTERVAL" | "RATE" | "HOURS";
         /** @description A value in the OPC UA JSON encoding (OPC 10000-6 §5.4) of the message that carried it: plain, a Variant, or a DataValue. */
         EncodedValue: unknown;
         /** @description Outcome of an entered value. */
@@ -2514,7 +2518,14 @@ export interface components {
         FieldLeak: components["schemas"]["Statement"] & {
             /**
              * Format: double
-             * @description Most information of one value, in bits; none for texts and other values without a bound.
+             * @description Most information per hour, in bits: values, statuses, source times and the times of releases;
+             *     none without a limit.
+             */
+            bitsPerHourMax?: number | null;
+            /**
+             * Format: double
+             * @description Most information of one value with its status and source time, in bits; none for texts and
+             *     other values without a bound.
              */
             bitsPerValue?: number | null;
             key: components["schemas"]["FieldKey"];
@@ -2764,7 +2775,7 @@ export interface components {
         LeakBudget: {
             /**
              * Format: double
-             * @description Most bits per hour; none when a field has no limit.
+             * @description Most bits per hour in values, statuses and times; none when a field has no limit.
              */
             bitsPerHourMax?: number | null;
             fields: components["schemas"]["FieldLeak"][];
@@ -2784,7 +2795,7 @@ export interface components {
         LeakSummary: {
             /**
              * Format: double
-             * @description Most bits per hour; none when a field has no limit.
+             * @description Most bits per hour in values, statuses and times; none when a field has no limit.
              */
             bitsPerHourMax?: number | null;
             /**
@@ -4075,8 +4086,7 @@ export interface components {
         /** @description A standing rule. */
         Rule: {
             action: components["schemas"]["RuleAction"];
-            /** @description The precision, with `ACCEPT` and `PREFILL`. */
-            disclosure?: components["schemas"]["DisclosurePolicy"];
+            disclosure?: components["schemas"]["DisclosurePolicy"] | null;
             /** @description True when it is applied to new requests. */
             isEnabled?: boolean;
             /** @description Name for people, 1 to 120 characters. */
@@ -4520,6 +4530,10 @@ export interface components {
         } | {
             /** @enum {string} */
             code: "WITHHELD";
+        } | {
+            /** @enum {string} */
+            code: "STATUS_CODES";
+            resolution: components["schemas"]["StatusCodes"];
         };
         /** @description Status of the connector, with evidence. */
         Status: {
@@ -4543,6 +4557,11 @@ export interface components {
          * @description An OPC UA status code: severity in the two highest bits, sub code below, flag bits at the end.
          */
         StatusCode: number;
+        /**
+         * @description Resolution of the disclosed status codes, from the finest to the coarsest.
+         * @enum {string}
+         */
+        StatusCodes: "FULL" | "COMMON" | "SEVERITY";
         /**
          * @description One function of a chain. In JSON an object with `function` and the parameters.
          *
@@ -4966,8 +4985,7 @@ export interface components {
         /** @description A document with its version, author and time. */
         Versioned_Rule: components["schemas"]["DocumentVersion"] & {
             action: components["schemas"]["RuleAction"];
-            /** @description The precision, with `ACCEPT` and `PREFILL`. */
-            disclosure?: components["schemas"]["DisclosurePolicy"];
+            disclosure?: components["schemas"]["DisclosurePolicy"] | null;
             /** @description True when it is applied to new requests. */
             isEnabled?: boolean;
             /** @description Name for people, 1 to 120 characters. */

@@ -253,7 +253,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the networks of the viewer's collaborations, by id. */
+        /** Lists the networks of which the viewer sees anything, by id. */
         get: operations["listOperationNetworks"];
         put?: never;
         post?: never;
@@ -270,16 +270,20 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Shows a network with its parts, progress and the fields that concern the viewer. */
+        /**
+         * Shows what the viewer sees of a network: operations, parts, progress and fields. Its own
+         *     operations, those it drew and those it asks about are whole, their neighbours are stubs.
+         */
         get: operations["showOperationNetwork"];
         /**
-         * Puts a whole network in place; each factory whose part differs is sent it. `If-Match` with the
-         *     revision guards against overwriting another author's change. The same network again changes
-         *     nothing.
+         * Puts a network in place of what the author sees of it; each factory whose part differs is sent
+         *     it. What is hidden stays as it is, and what belongs to others must come back as it was shown: it
+         *     is compared member by member. `If-Match` with the revision guards against overwriting another
+         *     author's change. The same network again changes nothing.
          */
         put: operations["putOperationNetwork"];
         post?: never;
-        /** Withdraws a network: its nodes and mappings go at every factory. */
+        /** Withdraws a network of the own organisation: its nodes and mappings go at every factory. */
         delete: operations["withdrawOperationNetwork"];
         options?: never;
         head?: never;
@@ -293,7 +297,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the comments on a network, oldest first. */
+        /**
+         * Lists the comments on a network that the viewer may read, oldest first: about a request for its
+         *     requester and the factory, about the network for its drawer and the factory.
+         */
         get: operations["listComments"];
         put?: never;
         /** Adds a comment; it is sent to the factory. */
@@ -366,7 +373,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the reports whose recipient the viewer is, in the order of their arrival. */
+        /** Lists the reports that their factories released to the viewer, in the order of their arrival. */
         get: operations["listReports"];
         put?: never;
         post?: never;
@@ -537,7 +544,7 @@ export interface components {
              * @description The revision in effect.
              */
             revision: number;
-            /** @description The factories that were sent something. */
+            /** @description The factories that were sent something, as far as the author may know of them. */
             sentTo: components["schemas"]["FactoryId"][];
         };
         /** @description A collaboration with its members and factories. */
@@ -554,7 +561,10 @@ export interface components {
         };
         /** @description A collaboration on the platform, under whose agreement networks are exchanged. */
         CollaborationId: string;
-        /** @description A comment as members of the collaboration see it. */
+        /**
+         * @description A comment as those who talk see it: about a request its requester and the factory, about the
+         *     network its drawer and the factory.
+         */
         CommentEntry: {
             /** @description User name of the author, as the sending side states it. */
             authorId: string;
@@ -651,6 +661,7 @@ export interface components {
              * @description Values have at most so many significant digits.
              */
             significantDigits?: number | null;
+            statusCodes?: components["schemas"]["StatusResolution"] | null;
             /**
              * Format: int64
              * @description Times are rounded down to multiples of this many milliseconds.
@@ -912,12 +923,12 @@ export interface components {
             operationNetworkId: components["schemas"]["OperationNetworkId"];
             /**
              * Format: int64
-             * @description Number of rejected parts.
+             * @description Number of rejected parts that the viewer may know of.
              */
             partsRejected: number;
             /**
              * Format: int64
-             * @description Number of parts that wait for a factory's acknowledgement.
+             * @description Number of parts that the viewer may know of and that wait for a factory's acknowledgement.
              */
             partsUnanswered: number;
             /**
@@ -933,6 +944,7 @@ export interface components {
         NetworkView: {
             /** @description The collaboration it belongs to. */
             collaborationId: components["schemas"]["CollaborationId"];
+            drawnBy?: components["schemas"]["OrganisationId"] | null;
             /** @description The fields that concern the viewer. */
             fields: components["schemas"]["FieldView"][];
             /**
@@ -940,11 +952,15 @@ export interface components {
              *     nothing.
              */
             lastEventId: string;
-            /** @description The whole network (wire contract `operation-network`). */
+            /**
+             * @description The network as the viewer sees it (wire contract `operation-network`): neighbours'
+             *     operations are stubs with plan times. Put back with changes, it leaves what is hidden as it
+             *     is.
+             */
             network: components["schemas"]["OperationNetwork"];
             /** @description Progress of each operation, derived from the viewer's fields. */
             operations: components["schemas"]["OperationProgress"][];
-            /** @description Parts as sent to the factories. */
+            /** @description Parts as sent to the factories of whose operations the viewer sees any. */
             parts: components["schemas"]["PartView"][];
             /**
              * Format: int64
@@ -1185,16 +1201,16 @@ export interface components {
             organisationId?: components["schemas"]["OrganisationId"] | null;
             /**
              * Format: int64
-             * @description The revision in which its part changed last.
+             * @description The revision in which its part changed last; like the faults, the times and the count below,
+             *     for the factory's own organisation and the drawer of the network.
              */
-            revision: number;
-            /** @description Time of the last transmission. */
-            sentAt: components["schemas"]["DateTime"];
+            revision?: number | null;
+            sentAt?: components["schemas"]["DateTime"] | null;
             /**
              * Format: int32
              * @description Number of transmissions.
              */
-            sentCount: number;
+            sentCount?: number | null;
             /** @description State at the factory. */
             state: components["schemas"]["PartState"];
         };
@@ -1258,11 +1274,11 @@ export interface components {
             /** @description JSON pointer (RFC 6901) into the document that was sent. */
             pointer: string;
         };
-        /** @description A whole network to put in place. */
+        /** @description A network to put in place. */
         PutBody: {
             collaborationId: components["schemas"]["CollaborationId"];
             /**
-             * @description The whole network (wire contract `operation-network`), each operation with
+             * @description The network as the author sees it (wire contract `operation-network`), each operation with
              *     `owningFactoryId`.
              */
             operationNetwork: components["schemas"]["OperationNetwork"];
@@ -1441,6 +1457,11 @@ export interface components {
             /** @description The version of the program. */
             version: string;
         };
+        /**
+         * @description Resolution in which status codes leave their factory.
+         * @enum {string}
+         */
+        StatusResolution: "FULL" | "SEVERITY";
         /** @description A token to enrol with, shown this once. */
         TokenView: {
             /** @description Until when it can be used. */
@@ -2178,7 +2199,10 @@ export interface operations {
             };
         };
         responses: {
-            /** @description A comment as members of the collaboration see it. */
+            /**
+             * @description A comment as those who talk see it: about a request its requester and the factory, about the
+             *     network its drawer and the factory.
+             */
             201: {
                 headers: {
                     [name: string]: unknown;

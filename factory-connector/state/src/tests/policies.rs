@@ -175,7 +175,7 @@ fn together(scene: &mut Scene, batch: &[Result<u64, &str>], ms: i64) -> Vec<serd
             Ok(number) => ("made", DataValue::good(*number, at(ms))),
             Err(text) => ("note", DataValue::good(*text, at(ms))),
         };
-        let id = scene.state.field(&field(name)).expect("a field").id;
+        let id = scene.state.field(&field(name)).expect("a field").id();
         let source = ValueSource::Mapping;
         FieldCandidate { field: id, source, mapping_version: None, value, transform: None }
     };

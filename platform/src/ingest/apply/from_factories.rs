@@ -103,6 +103,10 @@ async fn acknowledgement(
     part.fault_list.clone_from(&answer.fault_list);
     part.acknowledged_at = Some(unit.now);
     unit.work.parts().put(&part).await?;
+    if part.state != PartState::Rejected {
+        let (network, factory) = (&part.operation_network_id, &part.factory_id);
+        unit.work.recipients().consent_where_open(network, factory).await?;
+    }
     let events = networks::part_changed(unit.work, &part).await?;
     unit.effects.notifications.extend(events);
     Ok(())

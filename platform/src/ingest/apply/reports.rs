@@ -117,7 +117,7 @@ impl ReportCollector {
         Ok(())
     }
 
-    /// Forgets the requests read so far, because one was added.
+    /// Forgets the requests read so far, because one was added or a revision answered.
     pub(super) fn forget_requests(&mut self) {
         self.requests.clear();
     }
