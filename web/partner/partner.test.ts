@@ -1,6 +1,7 @@
 import { describe, expect, it, vi } from 'vitest'
 import { language } from '@/language/language.svelte'
 import { Resource } from '@/transport/resource.svelte'
+import type { SignedIn } from '@/transport/session.svelte'
 import type { DisclosureStatement, FieldState, NetworkView } from './api/types'
 import { ranges } from './factories/ranges'
 import { eventText } from './live/event-text'
@@ -191,7 +192,7 @@ describe('a request', () => {
   })
 })
 
-it.each<[string, string | null, string | null, boolean, boolean]>([
+it.each<[SignedIn['role'], string | null, string | null, boolean, boolean]>([
   ['VIEWER', 'a', 'a', false, false],
   ['PLANNER', 'a', 'a', true, true],
   ['PLANNER', 'a', 'b', true, false],

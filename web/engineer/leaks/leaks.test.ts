@@ -112,7 +112,7 @@ describe('the leak budget', () => {
     ]
     serve({ 'GET /leak-budgets': () => ({ items: [budget({ warnings })] }) })
     render(LeaksPage)
-    expect(await screen.findByText('Cycle time of single pieces')).toBeTruthy()
+    expect(await screen.findByText('Cycle time')).toBeTruthy()
     expect(screen.getByText(/From 6 min on/)).toBeTruthy()
     expect(screen.getByRole('link', { name: 'Coarsen: count' }).getAttribute('href')).toBe(
       '#/fields/n/turn/progress/count',
