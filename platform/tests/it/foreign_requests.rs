@@ -88,10 +88,10 @@ async fn decisions_and_comments_on_foreign_requests_are_dead_letters() {
 async fn what_is_under_way_when_a_request_moves_or_ends_is_history() {
     let world = World::start().await;
     let (admin, buyer, munich, hamburg) = story::accepted(&world).await;
-    // The step goes to Hamburg, with the request.
+    // An administrator gives the operation to Hamburg, with the request.
     let mut network = story::network();
     network["operationList"][0]["owningFactoryId"] = json!("INS_HAM");
-    story::put_network(&buyer, network).await;
+    story::put_network(&admin, network).await;
     let view = story::state_is(&buyer, "PENDING").await;
     assert_eq!(view["fields"][0]["factoryId"], "INS_HAM");
     munich.send("ua-data", &story::report("m0", 0, 3));

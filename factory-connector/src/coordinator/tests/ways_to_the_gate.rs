@@ -335,14 +335,15 @@ fn there_is_no_way_around_the_gate() {
             ],
         ),
         // Read from the store.
-        ("GateState {", vec!["disclosure/src/gate.rs 2", "disclosure/src/gate/document.rs 1"]),
-        // Loaded, or created empty.
-        (".gate =", vec!["state/src/load.rs 1", "state/src/use_cases/revise/fields.rs 1"]),
+        ("GateState {", vec!["disclosure/src/gate.rs 3", "disclosure/src/gate/document.rs 1"]),
+        // Created empty for another type.
+        (".gate =", vec!["state/src/fields/field_mut.rs 1"]),
         (
             "through_gate(",
             vec![
-                "state/src/dependencies.rs 2",
+                "state/src/dependencies.rs 4",
                 "state/src/gates.rs 1",
+                "state/src/use_cases/decide.rs 1",
                 "state/src/use_cases/policies.rs 1",
                 "state/src/use_cases/values.rs 2",
             ],

@@ -29,9 +29,9 @@ pub fn redacted(value: &Value, volatile: &[&str]) -> Value {
         Value::Object(members) => members
             .iter()
             .map(|(name, value)| {
-                let is_volatile =
-                    VOLATILE.contains(&name.as_str()) || volatile.contains(&name.as_str());
-                let shown = if is_volatile && !value.is_null() {
+                let is_volatile = VOLATILE.contains(&name.as_str()) && !value.is_null();
+                // What a call names may be there or not: it depends on what comes first.
+                let shown = if is_volatile || volatile.contains(&name.as_str()) {
                     json!(format!("[{name}]"))
                 } else {
                     redacted(value, volatile)
