@@ -71,6 +71,7 @@ fn script(node: &str, source: &str) -> serde_json::Value {
         "steps": [{ "function": "script", "source": source }] })
 }
 
+#[allow(clippy::disallowed_methods, reason = "the script reads the machine's clock")]
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn no_log_contains_a_value_or_a_text_that_a_script_chose() {
     let log = Recorder::default();
