@@ -182,7 +182,7 @@ fn keep_an_engineer(users: &[UserView], but: &str) -> Result<(), Problem> {
     }
     Err(Problem::conflict(
         "LAST_ENGINEER",
-        "This is the last engineer. Make somebody else one first.",
+        "This is the last engineer. Make another person one first.",
     ))
 }
 

@@ -3,7 +3,8 @@
 //!
 //! Pure: no I/O, no clock, no task, no database. Each registry owns its data behind private fields;
 //! [`ConnectorState`] only composes them. A use case ([`use_cases`]) is a function of state, input
-//! and time. It changes the state and returns a [`ChangeSet`]: [`Writes`] for the store, and
+//! and time. It changes the state and returns a [`ChangeSet`] (candidates and what falls due change
+//! gates only, of which [`transaction`] collects what they released): [`Writes`] for the store, and
 //! [`Effects`] that follow once these are committed. [`transaction`] turns the change sets of one
 //! transaction into what is committed; its types fix the order of the steps.
 

@@ -20,7 +20,7 @@ pub enum DocumentError {
     #[error("there is no document {0}")]
     Unknown(DocumentId),
     /// Another user changed it meanwhile; this is the version now.
-    #[error("somebody else has changed it meanwhile; read version {0} and decide again")]
+    #[error("another person has changed it meanwhile; read version {0} and decide again")]
     Changed(u32),
     /// The number of documents is at its limit.
     #[error("there are {DOCUMENTS_MAX} documents already; retire some")]

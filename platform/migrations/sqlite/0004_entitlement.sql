@@ -74,3 +74,15 @@ DELETE FROM field_value WHERE NOT EXISTS (
     SELECT 1 FROM request_field f WHERE f.operation_network_id = field_value.operation_network_id
       AND f.dynamic_data_request_id = field_value.dynamic_data_request_id
       AND f.field_name = field_value.field_name AND f.mapping_state = 'MAPPED');
+
+-- To whom any report of a writer was released: who asks for a writer's numbers is found without its history.
+CREATE TABLE writer_recipient_set (
+    factory_id TEXT NOT NULL,
+    data_set_writer_id INTEGER NOT NULL,
+    epoch INTEGER NOT NULL,
+    recipient_set_id INTEGER NOT NULL REFERENCES recipient_set (recipient_set_id),
+    PRIMARY KEY (factory_id, data_set_writer_id, epoch, recipient_set_id)
+) STRICT, WITHOUT ROWID;
+INSERT INTO writer_recipient_set (factory_id, data_set_writer_id, epoch, recipient_set_id)
+SELECT DISTINCT factory_id, data_set_writer_id, epoch, recipient_set_id FROM report
+WHERE recipient_set_id IS NOT NULL;

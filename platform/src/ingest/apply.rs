@@ -16,7 +16,7 @@ use super::{
     lease_arbiter::LeaseArbiter,
     unit::{Effects, IngestUnit},
 };
-use crate::store::{NewInboxMessage, StoreError, Work};
+use crate::store::{DecisionEffect, NewInboxMessage, StoreError, Work};
 
 /// Applies batches of messages to one unit of ingest.
 pub(super) struct Applier<'w> {
@@ -126,9 +126,11 @@ impl<'w> Applier<'w> {
                 Ok(())
             }
             (Content::Factory(message), Some(_)) => {
-                from_factories::apply(unit, address, incoming, message).await?;
+                let effect = from_factories::apply(unit, address, incoming, message).await?;
                 match &**message {
-                    FactoryMessage::Decision(decision) => self.reports.decided(decision),
+                    FactoryMessage::Decision(decision) => {
+                        self.reports.decided(decision, effect.unwrap_or(DecisionEffect::Ignored));
+                    }
                     FactoryMessage::Acknowledgement(_) => self.reports.forget_requests(),
                     _ => {}
                 }

@@ -33,7 +33,7 @@ pub struct NewComment {
     pub created_at: DateTime,
 }
 
-/// A comment as those who talk see it: about a request its requester and the factory, about the
+/// A comment as those who take part see it: about a request its requester and the factory, about the
 /// network its drawer and the factory.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]

@@ -1,10 +1,13 @@
 //! The fields that are asked for: what was decided about them, and their current values.
 
+mod decisions;
+
 use asi_model::{
     DateTime, DynamicDataRequestId, FactoryId, FieldKey, FieldName, OperationId,
     OperationNetworkId, OrganisationId, RequestKey, StatusCode,
-    messages::{Decision, DisclosureStatement, MappingState},
+    messages::{DisclosureStatement, MappingState},
 };
+pub use decisions::DecisionEffect;
 use sqlx::QueryBuilder;
 
 use super::{
@@ -151,52 +154,6 @@ impl Fields<'_> {
             .await
             .map_err(StoreError::during("reopen a field"))?;
         Ok(())
-    }
-
-    /// Stores a decision about a field of this factory, unless a later one is stored. Says whether
-    /// it took effect. A decision that does not open the field, or opens it again, ends the current
-    /// value of before.
-    ///
-    /// # Errors
-    /// [`StoreError::Statement`].
-    pub async fn decide(
-        &mut self,
-        key: &FieldKey,
-        decision: &Decision,
-    ) -> Result<bool, StoreError> {
-        let sql = "DELETE FROM field_value
-                   WHERE operation_network_id = $1 AND dynamic_data_request_id = $2 AND field_name = $3
-                     AND ($5 <> 'MAPPED' OR report_timestamp IS NULL OR report_timestamp < $6)
-                     AND EXISTS (SELECT 1 FROM request_field f WHERE f.operation_network_id = $1
-                         AND f.dynamic_data_request_id = $2 AND f.field_name = $3 AND f.factory_id = $4
-                         AND ($5 <> 'MAPPED' OR f.mapping_state <> 'MAPPED')
-                         AND (f.decided_at IS NULL OR f.decided_at <= $6))";
-        sqlx::query(sql)
-            .bind(key.request.operation_network_id.as_str())
-            .bind(key.request.dynamic_data_request_id.as_str())
-            .bind(key.field_name.as_str())
-            .bind(decision.factory_id.as_str())
-            .bind(state_name(decision.mapping_state))
-            .bind(decision.decided_at.ticks())
-            .execute(&mut *self.0)
-            .await
-            .map_err(StoreError::during("remove the value of before a decision"))?;
-        let sql = "UPDATE request_field SET mapping_state = $5, reason = $6, disclosure = $7, decided_at = $8
-                   WHERE operation_network_id = $1 AND dynamic_data_request_id = $2 AND field_name = $3
-                     AND factory_id = $4 AND (decided_at IS NULL OR decided_at <= $8)";
-        let result = sqlx::query(sql)
-            .bind(key.request.operation_network_id.as_str())
-            .bind(key.request.dynamic_data_request_id.as_str())
-            .bind(key.field_name.as_str())
-            .bind(decision.factory_id.as_str())
-            .bind(state_name(decision.mapping_state))
-            .bind(decision.reason.as_deref())
-            .bind(decision.disclosure.as_ref().map(document))
-            .bind(decision.decided_at.ticks())
-            .execute(&mut *self.0)
-            .await
-            .map_err(StoreError::during("store a decision"))?;
-        Ok(result.rows_affected() == 1)
     }
 
     /// Returns the fields of a request that is in effect.

@@ -1,5 +1,7 @@
 //! Reports: the history of values that factories disclosed.
 
+use std::collections::BTreeSet;
+
 use asi_model::{DateTime, DynamicDataRequestId, FactoryId, OperationNetworkId, RequestKey};
 use indexmap::IndexMap;
 use serde::Serialize;
@@ -123,6 +125,37 @@ impl Reports<'_> {
                 .execute(&mut *self.0)
                 .await
                 .map_err(StoreError::during("store reports"))?;
+        }
+        self.note_recipients(reports).await
+    }
+
+    /// Notes to whom the writers of these reports released any, so that no reader of a writer's
+    /// numbers needs its history.
+    async fn note_recipients(&mut self, reports: &[NewReport]) -> Result<(), StoreError> {
+        let writers: BTreeSet<_> = reports
+            .iter()
+            .filter_map(|report| {
+                let writer = (report.data_set_writer_id, report.epoch);
+                Some((report.factory_id.as_str(), writer, report.recipient_set?.0))
+            })
+            .collect();
+        let writers: Vec<_> = writers.into_iter().collect();
+        for chunk in writers.chunks(ROWS_PER_STATEMENT) {
+            let mut query = QueryBuilder::<Database>::new(
+                "INSERT INTO writer_recipient_set (factory_id, data_set_writer_id, epoch, recipient_set_id) ",
+            );
+            query.push_values(chunk, |mut row, (factory, (writer, epoch), set)| {
+                row.push_bind(*factory)
+                    .push_bind(i64::from(*writer))
+                    .push_bind(i64::from(*epoch))
+                    .push_bind(*set);
+            });
+            query.push(" ON CONFLICT DO NOTHING");
+            query
+                .build()
+                .execute(&mut *self.0)
+                .await
+                .map_err(StoreError::during("note the recipients of writers"))?;
         }
         Ok(())
     }

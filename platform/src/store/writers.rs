@@ -155,10 +155,10 @@ impl Writers<'_> {
                    WHERE w.factory_id = $2 AND (CAST($1 AS TEXT) IS NULL
                        OR EXISTS (SELECT 1 FROM factory f
                            WHERE f.factory_id = w.factory_id AND f.organisation_id = $1)
-                       OR EXISTS (SELECT 1 FROM report p
-                           JOIN recipient_set_member m ON m.recipient_set_id = p.recipient_set_id
-                           WHERE p.factory_id = w.factory_id AND p.data_set_writer_id = w.data_set_writer_id
-                             AND p.epoch = w.epoch AND m.organisation_id = $1))
+                       OR EXISTS (SELECT 1 FROM writer_recipient_set s
+                           JOIN recipient_set_member m ON m.recipient_set_id = s.recipient_set_id
+                           WHERE s.factory_id = w.factory_id AND s.data_set_writer_id = w.data_set_writer_id
+                             AND s.epoch = w.epoch AND m.organisation_id = $1))
                    ORDER BY w.data_set_writer_id, w.epoch";
         let rows = sqlx::query(sql)
             .bind(scope.member())

@@ -7,8 +7,8 @@ use asi_model::{
 };
 use messaging::{Fetch, Lane, LogicalAddress, Rejection, RowId, RowOutcome, SendOutcome};
 use platform::store::{
-    BrokerCredential, Collaboration, CurrentValue, Holder, NetworkRow, NewDeadLetter, NewField,
-    NewInboxMessage, NewOutgoing, Organisation, Scope, Store, Work,
+    BrokerCredential, Collaboration, CurrentValue, DecisionEffect, Holder, NetworkRow,
+    NewDeadLetter, NewField, NewInboxMessage, NewOutgoing, Organisation, Scope, Store, Work,
 };
 use serde_json::json;
 
@@ -190,7 +190,8 @@ async fn the_current_value_is_that_of_the_highest_epoch_and_sequence() {
     let wanted = [NewField { key: field("count"), factory_id: id("F"), position: 0 }];
     work.fields().replace(&id("net"), &wanted).await.expect("stored");
     let open = decision(MappingState::Mapped, 0, "F");
-    assert!(work.fields().decide(&field("count"), &open).await.expect("stored"));
+    let effect = work.fields().decide(&field("count"), &open).await.expect("stored");
+    assert_eq!(effect, DecisionEffect::Opened);
     for (epoch, sequence, number, expected) in
         [(2, 5, 1, 1), (2, 4, 2, 1), (2, 5, 3, 1), (1, 9, 4, 1), (3, 0, 5, 5)]
     {
@@ -202,7 +203,8 @@ async fn the_current_value_is_that_of_the_highest_epoch_and_sequence() {
     // A field that is no longer asked for takes its value along.
     work.fields().replace(&id("net"), &[]).await.expect("stored");
     work.fields().replace(&id("net"), &wanted).await.expect("stored");
-    assert!(work.fields().decide(&field("count"), &open).await.expect("stored"));
+    let effect = work.fields().decide(&field("count"), &open).await.expect("stored");
+    assert_eq!(effect, DecisionEffect::Opened);
     assert_eq!(
         work.fields().list(&Scope::Platform, &id("net")).await.expect("read")[0].current,
         None
@@ -216,17 +218,18 @@ async fn a_decision_holds_until_a_later_one_and_survives_a_revision() {
     seed(&mut work).await;
     let wanted = [NewField { key: field("count"), factory_id: id("F"), position: 0 }];
     work.fields().replace(&id("net"), &wanted).await.expect("stored");
-    for (state, seconds, factory, is_taken) in [
-        (MappingState::Mapped, 10, "F", true),
-        (MappingState::Refused, 9, "F", false),
-        (MappingState::Refused, 11, "G", false),
+    for (state, seconds, factory, effect) in [
+        (MappingState::Mapped, 10, "F", DecisionEffect::Opened),
+        (MappingState::Mapped, 10, "F", DecisionEffect::Changed),
+        (MappingState::Refused, 9, "F", DecisionEffect::Ignored),
+        (MappingState::Refused, 11, "G", DecisionEffect::Ignored),
     ] {
         let taken = work
             .fields()
             .decide(&field("count"), &decision(state, seconds, factory))
             .await
             .expect("stored");
-        assert_eq!(taken, is_taken, "{state:?} at {seconds} by {factory}");
+        assert_eq!(taken, effect, "{state:?} at {seconds} by {factory}");
     }
     work.fields().replace(&id("net"), &wanted).await.expect("stored");
     let fields = work.fields().list(&Scope::Platform, &id("net")).await.expect("read");

@@ -26,8 +26,10 @@ pub fn key_frame(
     let mut values = Vec::with_capacity(writer.fields().len() * 2);
     let mut consents = BTreeMap::new();
     let mut newest: Option<DateTime> = None;
-    let step = time_step(state, writer);
+    // In the same pass: it is made for every report.
+    let mut step = Duration::ZERO;
     for (name, field) in fields_of(state, writer) {
+        step = step.max(field.gate().policy().time_step());
         let Some(value) = field.gate().disclosed() else { continue };
         newest = newest.max(value.source_timestamp);
         consents.insert(name.clone(), field.decision().version);

@@ -13,7 +13,7 @@ use crate::{
     ingest::{decode::Incoming, unit::IngestUnit},
     live::LiveEvent,
     networks,
-    store::{NewComment, PartState, Scope, StoreError},
+    store::{DecisionEffect, NewComment, PartState, Scope, StoreError},
 };
 
 /// Longest stored author of a comment.
@@ -21,24 +21,27 @@ const AUTHOR_CHARS_MAX: usize = 200;
 /// Longest stored text of a comment.
 const TEXT_CHARS_MAX: usize = 10_000;
 
-/// Applies one message of a factory.
+/// Applies one message of a factory. Returns the effect of a decision.
 pub(super) async fn apply(
     unit: &mut IngestUnit<'_>,
     address: &LogicalAddress,
     incoming: &Incoming,
     message: &FactoryMessage,
-) -> Result<(), StoreError> {
+) -> Result<Option<DecisionEffect>, StoreError> {
     match message {
-        FactoryMessage::Acknowledgement(answer) => acknowledgement(unit, answer).await,
-        FactoryMessage::Decision(message) => decision(unit, address, incoming, message).await,
-        FactoryMessage::Gap(message) => gap(unit, message).await,
-        FactoryMessage::Comment(message) => comment(unit, address, incoming, message).await,
+        FactoryMessage::Acknowledgement(answer) => acknowledgement(unit, answer).await?,
+        FactoryMessage::Decision(message) => {
+            return decision(unit, address, incoming, message).await.map(Some);
+        }
+        FactoryMessage::Gap(message) => gap(unit, message).await?,
+        FactoryMessage::Comment(message) => comment(unit, address, incoming, message).await?,
         FactoryMessage::AssetOffer(offer) => {
-            unit.work.meta_data().put_offer(offer, incoming.received_at).await
+            unit.work.meta_data().put_offer(offer, incoming.received_at).await?;
         }
         // Answered by the lease arbiter, before the rest of the batch.
-        FactoryMessage::LeaseRequest(_) => Ok(()),
+        FactoryMessage::LeaseRequest(_) => {}
     }
+    Ok(None)
 }
 
 async fn comment(
@@ -118,15 +121,17 @@ async fn decision(
     address: &LogicalAddress,
     incoming: &Incoming,
     decision: &Decision,
-) -> Result<(), StoreError> {
-    let Some(key) = decided_field(decision) else { return Ok(()) };
+) -> Result<DecisionEffect, StoreError> {
+    let Some(key) = decided_field(decision) else { return Ok(DecisionEffect::Ignored) };
     let (network, request) =
         (&key.request.operation_network_id, &key.request.dynamic_data_request_id);
     if !unit.work.asked_requests().is_asked(network, request, &decision.factory_id).await? {
-        return unit.reject_foreign(address, incoming, &decision.factory_id, &key.request).await;
+        unit.reject_foreign(address, incoming, &decision.factory_id, &key.request).await?;
+        return Ok(DecisionEffect::Ignored);
     }
-    if !unit.work.fields().decide(&key, decision).await? {
-        return Ok(());
+    let effect = unit.work.fields().decide(&key, decision).await?;
+    if effect == DecisionEffect::Ignored {
+        return Ok(effect);
     }
     if decision.mapping_state == MappingState::Mapped {
         let (factory, at) = (&decision.factory_id, decision.decided_at);
@@ -140,7 +145,7 @@ async fn decision(
         decided_at: decision.decided_at,
     };
     unit.effects.notifications.push(event.to(concerned));
-    Ok(())
+    Ok(effect)
 }
 
 /// Returns the field that a decision is about; `None` for one about an asset.

@@ -25,7 +25,8 @@ use crate::{
     },
     live::{FieldUpdate, LiveEvent},
     store::{
-        AskedField, CurrentValue, NewReport, Recipient, RecipientSetId, StoreError, WriterRow,
+        AskedField, CurrentValue, DecisionEffect, NewReport, Recipient, RecipientSetId, StoreError,
+        WriterRow,
     },
     value_json::value_json,
 };
@@ -123,11 +124,19 @@ impl ReportCollector {
     }
 
     /// Follows a decision: a value that was collected for a field which is no longer open is no
-    /// current one.
-    pub(super) fn decided(&mut self, decision: &Decision) {
+    /// current one, and neither is one of before the field was opened.
+    pub(super) fn decided(&mut self, decision: &Decision, effect: DecisionEffect) {
+        if effect == DecisionEffect::Ignored {
+            return;
+        }
         self.requests.clear();
+        let Some(key) = decided_field(decision) else { return };
+        let is_from_before = |value: &CurrentValue| {
+            value.report_timestamp.is_none_or(|reported| reported < decision.decided_at)
+        };
         if decision.mapping_state != MappingState::Mapped
-            && let Some(key) = decided_field(decision)
+            || (effect == DecisionEffect::Opened
+                && self.values.get(&key).is_some_and(is_from_before))
         {
             self.values.remove(&key);
         }

@@ -241,6 +241,18 @@ fn check_rates(policy: &DisclosurePolicy, left: &Left) -> Result<(), TestCaseErr
     Ok(())
 }
 
+/// A case that the properties found once.
+#[test]
+fn a_value_after_a_withheld_one_is_released() {
+    let states = vec![StateValue::Integer(0), StateValue::Integer(7)];
+    let withhold_while = vec![WithholdCondition { field: None, states }];
+    let policy = DisclosurePolicy { withhold_while, ..DisclosurePolicy::default() };
+    let candidate = |number: i64| Step::Candidate(DataValue::good(number, at(0)));
+    let left = run(&policy, &[(0, candidate(7)), (1, candidate(8))], false);
+    let values: Vec<&Variant> = left.iter().map(|(_, value)| &value.value).collect();
+    assert_eq!(values, [&Variant::from(8_i64)]);
+}
+
 proptest! {
     /// Never finer, faster or earlier. The pauses are short, so that windows, intervals and delays
     /// overlap.
