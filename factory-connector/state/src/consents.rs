@@ -1,8 +1,11 @@
 //! Consents: each decision is stored, entered in the ledger and sent to the partner.
 
+use std::collections::HashSet;
+
 use asi_model::{
     DateTime, FieldKey,
-    messages::{Decision, DecisionTarget, FactoryMessage, GapCause, ValueSource},
+    messages::{Decision, DecisionTarget, FactoryMessage, GapCause, MappingState, ValueSource},
+    network::OperationNetwork,
 };
 use disclosure::DecisionBasis;
 use ledger::Event;
@@ -51,6 +54,49 @@ pub(crate) fn record(
         decided_by: decision.decided_by.clone(),
         basis: Some(basis).filter(|basis| !basis.is_empty()),
     };
+    changes.put_field(field);
+    changes.count_decision(field);
+    tell(state, changes, key, now, now);
+    let recipients = state.networks.recipients(&key.request);
+    state.ledger.append(&mut changes.writes.ledger, recipients, now, None, &event);
+    if let Some(mut field) = state.fields.get_mut(key) {
+        field.mark_dirty();
+    }
+}
+
+/// Tells the platform again what holds about the fields of a network, but for those of which the
+/// change set tells it. Between two revisions that arrived here there may have been one that was
+/// rejected: the platform took back what that one would have taken back.
+pub(crate) fn confirm(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    network: &OperationNetwork,
+    now: DateTime,
+) {
+    let told: HashSet<&str> =
+        changes.writes.fields.consents.iter().map(|consent| consent.field.as_str()).collect();
+    let in_force = network.fields().filter_map(|(key, ..)| {
+        let decision = state.fields.get(&key)?.decision();
+        let decided_at = decision.decided_at?;
+        let is_decided = decision.mapping_state != MappingState::Pending;
+        (is_decided && !told.contains(key.to_string().as_str())).then_some((key, decided_at))
+    });
+    let in_force: Vec<(FieldKey, DateTime)> = in_force.collect();
+    for (key, decided_at) in in_force {
+        tell(state, changes, &key, decided_at, now);
+    }
+}
+
+/// Sends the decision about a field to the platform.
+fn tell(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    key: &FieldKey,
+    decided_at: DateTime,
+    now: DateTime,
+) {
+    let Some(field) = state.fields.get(key) else { return };
+    let decision = field.decision();
     let message = Decision {
         message_id: state.ids.next_message_id(now),
         factory_id: state.config.factory_id.clone(),
@@ -62,17 +108,10 @@ pub(crate) fn record(
         },
         mapping_state: decision.mapping_state,
         reason: decision.reason.clone(),
-        decided_at: now,
+        decided_at,
         disclosure: field.statement().map(Box::new),
     };
-    changes.put_field(field);
-    changes.count_decision(field);
     state.send(changes, &FactoryMessage::Decision(message), None, now);
-    let recipients = state.networks.recipients(&key.request);
-    state.ledger.append(&mut changes.writes.ledger, recipients, now, None, &event);
-    if let Some(mut field) = state.fields.get_mut(key) {
-        field.mark_dirty();
-    }
 }
 
 /// States in a receipt that the consent to a mapped field ends. To be called while request and

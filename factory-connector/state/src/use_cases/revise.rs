@@ -18,7 +18,7 @@ use super::{
     rules::apply_rules_in,
 };
 use crate::{
-    ChangeSet, ConnectorState, LogRecord, Network, Writer,
+    ChangeSet, ConnectorState, LogRecord, Network, Writer, consents,
     effects::{ConnectorEvent, TwinUpdate},
     keep_alive_schedule::schedule_keep_alive,
     writes::NetworkRow,
@@ -37,9 +37,15 @@ pub fn receive_network(
     let (revision, correlation_id) = (message.revision, message.message_id.clone());
     let is_new = is_newer(state, &id, revision);
     if is_new {
-        let former = state.networks.get(&id).and_then(|known| known.message.clone());
+        let known = state.networks.get(&id);
+        let has_skipped = known.is_some_and(|known| known.revision.saturating_add(1) < revision);
+        let former = known.and_then(|known| known.message.clone());
         let former = former.as_deref().map(|former| &former.operation_network);
-        apply(state, &mut changes, former, &Arc::new(message), now);
+        let message = Arc::new(message);
+        apply(state, &mut changes, former, &message, now);
+        if has_skipped {
+            consents::confirm(state, &mut changes, &message.operation_network, now);
+        }
         let row = NetworkRow {
             operation_network_id: id.clone(),
             revision,
