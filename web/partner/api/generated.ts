@@ -562,7 +562,7 @@ export interface components {
         /** @description A collaboration on the platform, under whose agreement networks are exchanged. */
         CollaborationId: string;
         /**
-         * @description A comment as those who talk see it: about a request its requester and the factory, about the
+         * @description A comment as those who take part see it: about a request its requester and the factory, about the
          *     network its drawer and the factory.
          */
         CommentEntry: {
@@ -2200,7 +2200,7 @@ export interface operations {
         };
         responses: {
             /**
-             * @description A comment as those who talk see it: about a request its requester and the factory, about the
+             * @description A comment as those who take part see it: about a request its requester and the factory, about the
              *     network its drawer and the factory.
              */
             201: {
