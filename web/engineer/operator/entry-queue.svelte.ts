@@ -38,6 +38,8 @@ export class EntryQueue {
    * arrived.
    */
   isRead = $state(false)
+  /** Entries that are on their way to the browser's disk: closing the page now would lose them. */
+  unwritten = $state(0)
   /** The browser stores nothing: entries are lost when this page is closed. */
   isVolatile = $state(false)
 
@@ -76,7 +78,12 @@ export class EntryQueue {
     const again = (): void => {
       this.#soon(0)
     }
+    // A page that closes aborts what it is writing: the browser asks first.
+    const hold = (closing: BeforeUnloadEvent): void => {
+      if (this.unwritten > 0) closing.preventDefault()
+    }
     addEventListener('online', again)
+    addEventListener('beforeunload', hold)
     void this.#storage
       .entries()
       .then((earlier) => {
@@ -95,6 +102,7 @@ export class EntryQueue {
       this.#isOpen = false
       clearTimeout(this.#timer)
       removeEventListener('online', again)
+      removeEventListener('beforeunload', hold)
     }
   }
 
@@ -103,10 +111,12 @@ export class EntryQueue {
     const entry: Entry = { ...action, ...operation, entryId: crypto.randomUUID(), madeAt: moment() }
     const stored: StoredEntry = { entry, userName: this.#userName }
     this.stored = [...this.stored, stored]
+    this.unwritten += 1
     void this.#storage
       .put(stored)
       .catch(() => (this.isVolatile = true))
       .finally(() => {
+        this.unwritten -= 1
         this.#soon(0)
       })
     return entry

@@ -148,6 +148,21 @@ describe('entries on their way', () => {
     ])
     after.close()
   })
+  it('are on their way to the disk until the browser has written them, and hold the page', async () => {
+    connector.isReachable = false
+    let write = (): void => undefined
+    disk.put = () => new Promise((resolve) => (write = resolve))
+    const { queue, close } = open()
+    const isHeld = (): boolean => !dispatchEvent(new Event('beforeunload', { cancelable: true }))
+    expect([queue.unwritten, isHeld()]).toEqual([0, false])
+    queue.record(place, { action: 'START' })
+    await vi.advanceTimersByTimeAsync(10)
+    expect([queue.own.length, queue.unwritten, isHeld()]).toEqual([1, 1, true])
+    write()
+    await vi.advanceTimersByTimeAsync(10)
+    expect([queue.own.length, queue.unwritten, isHeld()]).toEqual([1, 0, false])
+    close()
+  })
   it('of another person wait for that person', async () => {
     connector.isReachable = false
     const eva = open()
