@@ -3,6 +3,8 @@
 mod from_factories;
 mod from_tools;
 mod reports;
+#[cfg(test)]
+mod tests;
 
 use std::time::Duration;
 
