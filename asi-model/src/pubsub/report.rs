@@ -7,7 +7,7 @@ use uuid::Uuid;
 use super::{DataSetMessage, FieldMetaData, PayloadField};
 use crate::{
     ids::{OrganisationId, RequestKey},
-    network::{VALUE_RANK_ARRAY, VALUE_RANK_SCALAR},
+    network::{DynamicDataRequest, VALUE_RANK_ARRAY, VALUE_RANK_SCALAR},
     values::{Array, BuiltInType, DateTime, Scalar, Variant},
 };
 
@@ -21,8 +21,8 @@ pub struct ReportHeader<'r> {
     pub request: &'r RequestKey,
     /// Newest source time of the contained values, as coarse as their policies ask.
     pub shopfloor_timestamp: DateTime,
-    /// The organisations that may read the report.
-    pub recipient_list: &'r RecipientList,
+    /// The organisations that may read the report; [`RecipientList::of`] its request.
+    pub recipient_list: Option<&'r RecipientList>,
 }
 
 impl ReportHeader<'_> {
@@ -58,8 +58,8 @@ impl ReportHeader<'_> {
 
     /// Returns the members with their values, in payload order.
     #[must_use]
-    pub fn payload_fields(&self) -> [PayloadField; 6] {
-        [
+    pub fn payload_fields(&self) -> Vec<PayloadField> {
+        let mut fields = vec![
             PayloadField::new(Self::REPORT_NAME, self.report_name),
             PayloadField::new(
                 Self::DYNAMIC_DATA_REQUEST_ID,
@@ -71,17 +71,26 @@ impl ReportHeader<'_> {
                 self.request.operation_network_id.as_str(),
             ),
             PayloadField::new(Self::SHOPFLOOR_TIMESTAMP, self.shopfloor_timestamp),
-            PayloadField::new(Self::RECIPIENT_LIST, self.recipient_list.value()),
-        ]
+        ];
+        fields.extend(
+            self.recipient_list.map(|list| PayloadField::new(Self::RECIPIENT_LIST, list.value())),
+        );
+        fields
     }
 
-    /// Describes the members, in payload order. `field_id` yields the DataSetFieldId of a name.
-    #[must_use]
-    pub fn meta_data(field_id: impl Fn(&str) -> Uuid) -> [FieldMetaData; 6] {
-        Self::MEMBERS.map(|(name, built_in_type, value_rank)| FieldMetaData {
-            value_rank,
-            ..FieldMetaData::new(name, built_in_type, field_id(name))
-        })
+    /// Describes the members, in payload order; reports of some requests name no recipients
+    /// ([`RecipientList::of`]). `field_id` yields the DataSetFieldId of a name.
+    pub fn meta_data(
+        names_recipients: bool,
+        field_id: impl Fn(&str) -> Uuid,
+    ) -> impl Iterator<Item = FieldMetaData> {
+        Self::MEMBERS
+            .into_iter()
+            .filter(move |(name, ..)| names_recipients || *name != Self::RECIPIENT_LIST)
+            .map(move |(name, built_in_type, value_rank)| FieldMetaData {
+                value_rank,
+                ..FieldMetaData::new(name, built_in_type, field_id(name))
+            })
     }
 }
 
@@ -91,9 +100,18 @@ impl ReportHeader<'_> {
 pub struct RecipientList(Arc<Array>);
 
 impl RecipientList {
+    /// Makes the array for a request's reports. `None` where a field has the member's name: its
+    /// network was drawn before the name was reserved, and its reports name no recipients.
+    #[must_use]
+    pub fn of(request: &DynamicDataRequest) -> Option<Self> {
+        let mut fields = request.report_data_format.report_field_list.iter();
+        let is_taken = fields.any(|field| field.name.as_str() == ReportHeader::RECIPIENT_LIST);
+        (!is_taken).then(|| Self::new(&request.recipient_list))
+    }
+
     /// Makes the array of these organisations, in their order.
     #[must_use]
-    pub fn new(recipients: &[OrganisationId]) -> Self {
+    fn new(recipients: &[OrganisationId]) -> Self {
         Self(Arc::new(Array {
             element_type: BuiltInType::String,
             elements: recipients.iter().map(|id| Scalar::from(id.as_str())).collect(),

@@ -42,7 +42,7 @@ struct RequestPositions {
     /// Positions of the fields in the order of their names: a name is found by bisection.
     fields: Box<[u32]>,
     /// The recipients, encoded once for all reports.
-    recipient_list: RecipientList,
+    recipient_list: Option<RecipientList>,
 }
 
 impl RequestPositions {
@@ -53,7 +53,7 @@ impl RequestPositions {
         Self {
             position,
             fields: by_name.into_iter().map(|(position, _)| position).collect(),
-            recipient_list: RecipientList::new(&request.recipient_list),
+            recipient_list: RecipientList::of(request),
         }
     }
 
@@ -174,10 +174,11 @@ impl NetworkRegistry {
         self.by_recipient.get(recipient).into_iter().flatten()
     }
 
-    /// Returns the organisations that may read a request's reports, as the reports name them.
+    /// Returns the organisations that may read a request's reports, as the reports name them;
+    /// `None` where they name none.
     pub(crate) fn recipient_list(&self, key: &RequestKey) -> Option<&RecipientList> {
         let network = self.networks.get(&key.operation_network_id)?;
-        network.request(key).map(|(_, positions)| &positions.recipient_list)
+        network.request(key)?.1.recipient_list.as_ref()
     }
 
     pub(crate) fn put(&mut self, id: OperationNetworkId, network: Network) {

@@ -87,27 +87,13 @@ fn header(
     request: &DynamicDataRequest,
     shopfloor_timestamp: DateTime,
 ) -> Vec<PayloadField> {
-    let Some(recipient_list) = state.networks.recipient_list(writer.request()) else {
-        return Vec::new();
-    };
     let header = ReportHeader {
         report_name: &request.report_data_format.report_name,
         request: writer.request(),
         shopfloor_timestamp,
-        recipient_list,
+        recipient_list: state.networks.recipient_list(writer.request()),
     };
-    let mut members = Vec::from(header.payload_fields());
-    if has_field_like_header(request) {
-        members.retain(|member| &*member.name != ReportHeader::RECIPIENT_LIST);
-    }
-    members
-}
-
-/// Returns true where a field has the name of the newest header member: its network was drawn
-/// before the name was reserved. Reports of such a request name no recipients.
-pub(crate) fn has_field_like_header(request: &DynamicDataRequest) -> bool {
-    let mut fields = request.report_data_format.report_field_list.iter();
-    fields.any(|field| field.name.as_str() == ReportHeader::RECIPIENT_LIST)
+    header.payload_fields()
 }
 
 /// Returns the fields that a writer's metadata describes, in payload order.

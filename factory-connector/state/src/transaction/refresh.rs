@@ -15,7 +15,7 @@ use uuid::Uuid;
 use crate::{
     ChangeSet, ConnectorState, Writer,
     keep_alive_schedule::schedule_keep_alive,
-    queries::{fields_of, has_field_like_header, time_step},
+    queries::{fields_of, time_step},
     writes::ControlRow,
 };
 
@@ -98,10 +98,8 @@ fn describe(state: &mut ConnectorState, changes: &mut ChangeSet, id: u16, now: D
 fn meta_data(state: &ConnectorState, writer: &Writer) -> Option<DataSetMetaData> {
     let (_, document) = state.request(writer.request())?;
     let field_id = |name: &str| field_id(writer.request(), name);
-    let mut fields = Vec::from(ReportHeader::meta_data(field_id));
-    if has_field_like_header(document) {
-        fields.retain(|member| &*member.name != ReportHeader::RECIPIENT_LIST);
-    }
+    let names_recipients = state.networks.recipient_list(writer.request()).is_some();
+    let mut fields: Vec<_> = ReportHeader::meta_data(names_recipients, field_id).collect();
     for (name, field) in fields_of(state, writer) {
         let id = field_id(name.as_str());
         let statement = field.statement();
