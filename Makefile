@@ -89,6 +89,9 @@ foreign-kills: foreign ## node-opcua and asyncua servers killed KILLS=100 times,
 screenshots: demo-programs ## looks for barriers, then every page in light and dark, German and English, into target/screenshots
 	target/debug/demo screenshots
 
+scale: demo-programs ## 2 000 requests, 20 000 fields, a source of 100 000 nodes: first paint and answers of every page
+	target/debug/demo newcomer --with-very-much
+
 demo-programs: prerequisites-test browser web
 	$(CARGO) build --locked $(PROGRAMS)
 
@@ -117,4 +120,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants screenshots script-deno web foreign prerequisites prerequisites-test
+.PHONY: foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test
