@@ -11,11 +11,9 @@ use anyhow::Context as _;
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 use verbund_tests::{
+    frame_order::{HAMBURG, MUNICH},
     harness::{Api, binary, eventually},
-    scenario::{
-        frame_order::{HAMBURG, MUNICH},
-        story,
-    },
+    scenario::story,
     world::{Places, World},
 };
 

@@ -27,11 +27,9 @@ use stores::Comment;
 
 use crate::{
     demo::Cast,
+    frame_order::{HAMBURG, MUNICH},
     harness::{Api, Daemon, DaemonCommand, Deadline, Steps, binary, eventually, say},
-    scenario::{
-        frame_order::{HAMBURG, MUNICH},
-        story,
-    },
+    scenario::story,
 };
 
 /// Length of a run.

@@ -9,11 +9,9 @@ pub use newcomer::newcomer;
 pub use run::run;
 
 use crate::{
+    frame_order::{HAMBURG, MUNICH},
     harness::{Api, Steps},
-    scenario::{
-        frame_order::{HAMBURG, MUNICH},
-        story,
-    },
+    scenario::story,
     world::World,
 };
 

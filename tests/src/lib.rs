@@ -8,14 +8,16 @@
 //!   doubled.
 //! - [`demo`]: the frame order played for a person, or checked without one.
 //! - [`world`]: two factories and a cloud, configured and running.
-//! - [`scenario`]: the frame order that two factories share; the demo, its check and the tests all
-//!   play it.
+//! - [`frame_order`]: partners, operations and requests of the order that two factories share.
+//! - [`scenario`]: the frame order from the first message to the last value; the demo, its check and
+//!   the tests all play it.
 
 #![allow(clippy::disallowed_methods, reason = "tests run by the machine's clock")]
 
 pub mod bench;
 pub mod chaos;
 pub mod demo;
+pub mod frame_order;
 pub mod harness;
 pub mod scenario;
 pub mod world;

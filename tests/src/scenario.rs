@@ -2,5 +2,4 @@
 //! buyer wants to know how it goes. The demo plays it, the tests check it, the benchmarks load it.
 
 mod decisions;
-pub mod frame_order;
 pub mod story;

@@ -13,8 +13,8 @@ use anyhow::Context as _;
 pub use places::{FactoryPlaces, Places};
 
 use crate::{
+    frame_order::{HAMBURG, MUNICH},
     harness::{Api, Daemon, DaemonCommand, binary, eventually},
-    scenario::frame_order::{HAMBURG, MUNICH},
 };
 
 /// One factory: its machines and its connector.

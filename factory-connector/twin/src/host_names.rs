@@ -1,8 +1,9 @@
-//! Names under which clients reach this machine.
+//! Names under which clients reach this machine, and those in a certificate.
 
 use std::net::IpAddr;
 
 use opcua_stack::opcua::crypto::hostname;
+use x509_parser::{certificate::X509Certificate, extensions::GeneralName};
 
 use crate::config::TwinConfig;
 
@@ -29,6 +30,27 @@ pub(crate) fn certified_names(config: &TwinConfig) -> Vec<String> {
         names.push(local_host_name());
     }
     names
+}
+
+/// Returns the host names and addresses in a certificate.
+pub(crate) fn names_in(certificate: &X509Certificate<'_>) -> Vec<String> {
+    let Ok(Some(names)) = certificate.subject_alternative_name() else { return Vec::new() };
+    let text = |name: &GeneralName<'_>| match name {
+        GeneralName::DNSName(name) => Some((*name).to_owned()),
+        GeneralName::IPAddress(bytes) => match *bytes {
+            [a, b, c, d] => Some(IpAddr::from([*a, *b, *c, *d]).to_string()),
+            bytes => <[u8; 16]>::try_from(bytes).ok().map(|bytes| IpAddr::from(bytes).to_string()),
+        },
+        _ => None,
+    };
+    names.value.general_names.iter().filter_map(text).collect()
+}
+
+/// Returns whether a certificate contains a host name or address.
+pub(crate) fn names_host(certificate: &X509Certificate<'_>, host: &str) -> bool {
+    let canonical =
+        host.parse::<IpAddr>().map_or_else(|_| host.to_owned(), |address| address.to_string());
+    names_in(certificate).iter().any(|name| name.eq_ignore_ascii_case(&canonical))
 }
 
 /// Returns the name of this machine in multicast DNS.

@@ -18,6 +18,7 @@ pub struct Finding {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Rule {
     ImportCircle,
+    ModuleCircle,
     ModuleWall,
     MissingHeader,
     OpeningWord,
@@ -34,6 +35,7 @@ impl fmt::Display for Rule {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {
             Self::ImportCircle => "import-circle",
+            Self::ModuleCircle => "module-circle",
             Self::ModuleWall => "module-wall",
             Self::MissingHeader => "missing-header",
             Self::OpeningWord => "opening-word",

@@ -12,8 +12,8 @@ use shop_floor::{
 use tokio_util::sync::CancellationToken;
 
 use crate::{
+    frame_order::{BUYER, MUNICH, NETWORK},
     harness::{Api, eventually},
-    scenario::frame_order::{BUYER, MUNICH, NETWORK},
     world::{ENGINEER, PASSWORD, World},
 };
 

@@ -9,11 +9,9 @@ use tokio_util::sync::CancellationToken;
 use super::figures::result;
 use crate::{
     demo::Cast,
+    frame_order::{BUYER, MUNICH, NETWORK},
     harness::{Api, eventually},
-    scenario::{
-        frame_order::{BUYER, MUNICH, NETWORK},
-        story,
-    },
+    scenario::story,
     world::World,
 };
 

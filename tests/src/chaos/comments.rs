@@ -13,8 +13,8 @@ use tokio_util::sync::CancellationToken;
 
 use super::stores::{self, Comment};
 use crate::{
+    frame_order::{HAMBURG, MUNICH, NETWORK},
     harness::Api,
-    scenario::frame_order::{HAMBURG, MUNICH, NETWORK},
     world::{ADMIN, ENGINEER, PASSWORD, Places},
 };
 

@@ -7,8 +7,8 @@ use serde_json::Value;
 
 use super::{CommentTraffic, Fault, Stage, drain, flows, judge, load};
 use crate::{
+    frame_order::MUNICH,
     harness::{Api, Daemon, Steps, eventually, say},
-    scenario::frame_order::MUNICH,
     world::World,
 };
 

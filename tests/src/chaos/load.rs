@@ -6,11 +6,9 @@ use serde_json::{Value, json};
 
 use crate::{
     demo::Cast,
+    frame_order::{BUYER, HAMBURG, MUNICH, NETWORK},
     harness::{Api, eventually},
-    scenario::{
-        frame_order::{BUYER, HAMBURG, MUNICH, NETWORK},
-        story,
-    },
+    scenario::story,
 };
 
 /// Further requests to each factory.

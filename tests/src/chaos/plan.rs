@@ -5,7 +5,7 @@ use std::{fmt, time::Duration};
 use rand::{Rng as _, SeedableRng as _, seq::IndexedRandom as _};
 use rand_chacha::ChaCha8Rng;
 
-use crate::scenario::frame_order::{HAMBURG, MUNICH};
+use crate::frame_order::{HAMBURG, MUNICH};
 
 /// Name of the platform beside the factories.
 pub(super) const PLATFORM: &str = "platform";

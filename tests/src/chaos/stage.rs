@@ -19,8 +19,8 @@ use super::{
 };
 use crate::{
     demo::{self, Cast},
+    frame_order::{HAMBURG, MUNICH},
     harness::{Daemon, Steps, say},
-    scenario::frame_order::{HAMBURG, MUNICH},
     world::{Places, World},
 };
 

@@ -7,11 +7,9 @@ use anyhow::Context as _;
 
 use super::check::browser;
 use crate::{
+    frame_order::{HAMBURG, MUNICH},
     harness::{Daemon, DaemonCommand, Steps, binary, say},
-    scenario::{
-        frame_order::{HAMBURG, MUNICH},
-        story,
-    },
+    scenario::story,
     world::{Places, World},
 };
 

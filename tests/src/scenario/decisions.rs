@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::frame_order::{HAMBURG, MUNICH};
+use crate::frame_order::{HAMBURG, MUNICH};
 
 /// Returns the local servers of a factory, by name and kind.
 #[must_use]

@@ -8,7 +8,7 @@ use reqwest::StatusCode;
 use serde_json::{Value, json};
 
 pub use super::decisions::{StoryDecision, decisions, machines, node};
-use super::frame_order::{
+use crate::frame_order::{
     BUYER, COLLABORATION, HAMBURG, INSPECTOR, MAKER, MUNICH, NETWORK, operation_network,
 };
 use crate::{

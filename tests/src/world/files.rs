@@ -8,7 +8,7 @@ use super::{
     Places,
     accounts::{ADMIN, ENGINEER, OBSERVER, OBSERVER_PASSWORD, PASSWORD},
 };
-use crate::scenario::frame_order::{BUYER, HAMBURG, MUNICH};
+use crate::frame_order::{BUYER, HAMBURG, MUNICH};
 
 /// Writes what is not there yet.
 pub(super) fn write_all(places: &Places) -> anyhow::Result<()> {

@@ -5,7 +5,7 @@ use std::{net::TcpListener, path::PathBuf};
 use anyhow::Context as _;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::frame_order::{HAMBURG, MUNICH};
+use crate::frame_order::{HAMBURG, MUNICH};
 
 /// Folder and ports of one world, stored in the folder for further starts.
 #[derive(Debug, Clone, Serialize, Deserialize)]

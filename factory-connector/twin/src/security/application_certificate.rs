@@ -3,8 +3,6 @@
 
 mod check;
 
-pub(crate) use check::names_host;
-
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -26,7 +24,10 @@ use super::{
     trust::{faults, refuse, time},
 };
 use crate::{
-    config::TwinConfig, error::TwinError, host_names::certified_names, trust_fault::TrustFault,
+    config::TwinConfig,
+    error::TwinError,
+    host_names::{certified_names, names_in},
+    trust_fault::TrustFault,
 };
 
 /// The key of the last request, within the folder.
@@ -293,7 +294,7 @@ fn describe(certificate: &X509) -> Result<InstalledCertificate, TwinError> {
         issuer: parsed.issuer().to_string(),
         is_self_signed: parsed.issuer().as_raw() == parsed.subject().as_raw(),
         application_uri: faults::application_uri(&parsed).map(str::to_owned),
-        host_names: check::host_names(&parsed),
+        host_names: names_in(&parsed),
         not_before: time(parsed.validity().not_before),
         not_after: time(parsed.validity().not_after),
         key_bits: certificate.public_key().map_or(0, |key| key.bit_length()),

@@ -13,11 +13,13 @@ use opcua_stack::opcua::{
 };
 use x509_parser::{certificate::X509Certificate, prelude::FromDer};
 
-use super::{
-    application_certificate::names_host, rejected_clients,
-    trust::faults::application_uri as application_uri_of,
+use super::{rejected_clients, trust::faults::application_uri as application_uri_of};
+use crate::{
+    clock,
+    config::TwinConfig,
+    error::TwinError,
+    host_names::{certified_names, names_host},
 };
-use crate::{clock, config::TwinConfig, error::TwinError, host_names::certified_names};
 
 /// Size of a new key; all offered policies accept 2048 to 4096 bits.
 pub(crate) const KEY_BITS: u32 = 2048;

@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 
 use crate::{
     demo::Cast,
+    frame_order::{MUNICH, NETWORK},
     harness::{eventually, python},
-    scenario::frame_order::{MUNICH, NETWORK},
     world::{OBSERVER, OBSERVER_PASSWORD, World},
 };
 

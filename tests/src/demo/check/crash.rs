@@ -6,11 +6,9 @@ use serde_json::Value;
 
 use crate::{
     demo::Cast,
+    frame_order::{HAMBURG, MUNICH},
     harness::{Steps, eventually},
-    scenario::{
-        frame_order::{HAMBURG, MUNICH},
-        story,
-    },
+    scenario::story,
     world::World,
 };
 

@@ -6,7 +6,7 @@ use anyhow::Context as _;
 use futures::StreamExt as _;
 use serde_json::{Value, json};
 
-use crate::{harness::Api, scenario::frame_order::MUNICH, world::World};
+use crate::{frame_order::MUNICH, harness::Api, world::World};
 
 /// Sets a counter on the machine so many times and says how long each took to the buyer's live
 /// stream.

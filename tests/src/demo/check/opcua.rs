@@ -6,11 +6,9 @@ use anyhow::Context as _;
 use serde_json::Value;
 
 use crate::{
+    frame_order::{MUNICH, NETWORK},
     harness::{Api, eventually, python},
-    scenario::{
-        frame_order::{MUNICH, NETWORK},
-        story,
-    },
+    scenario::story,
     world::{ENGINEER, PASSWORD, World},
 };
 

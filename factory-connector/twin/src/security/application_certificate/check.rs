@@ -1,12 +1,9 @@
 //! Faults of a certificate that is to be installed for the twin. Pure.
 
-use std::net::IpAddr;
-
-use x509_parser::{
-    certificate::X509Certificate, extensions::GeneralName, prelude::FromDer, time::ASN1Time,
-};
+use x509_parser::{certificate::X509Certificate, prelude::FromDer, time::ASN1Time};
 
 use crate::{
+    host_names::names_host,
     security::{
         issuance::{CHAIN_LENGTH_MAX, is_issued_by},
         trust::faults,
@@ -39,27 +36,6 @@ pub(super) fn faults(
         authorities.iter().filter_map(|der| Some(X509Certificate::from_der(der).ok()?.1)).collect();
     found.extend(of_chain(&leaf, &authorities));
     found
-}
-
-/// Returns the host names and addresses in a certificate.
-pub(super) fn host_names(certificate: &X509Certificate<'_>) -> Vec<String> {
-    let Ok(Some(names)) = certificate.subject_alternative_name() else { return Vec::new() };
-    let text = |name: &GeneralName<'_>| match name {
-        GeneralName::DNSName(name) => Some((*name).to_owned()),
-        GeneralName::IPAddress(bytes) => match *bytes {
-            [a, b, c, d] => Some(IpAddr::from([*a, *b, *c, *d]).to_string()),
-            bytes => <[u8; 16]>::try_from(bytes).ok().map(|bytes| IpAddr::from(bytes).to_string()),
-        },
-        _ => None,
-    };
-    names.value.general_names.iter().filter_map(text).collect()
-}
-
-/// Returns whether a certificate contains a host name or address.
-pub(crate) fn names_host(certificate: &X509Certificate<'_>, host: &str) -> bool {
-    let canonical =
-        host.parse::<IpAddr>().map_or_else(|_| host.to_owned(), |address| address.to_string());
-    host_names(certificate).iter().any(|name| name.eq_ignore_ascii_case(&canonical))
 }
 
 fn of_validity(leaf: &X509Certificate<'_>, now: ASN1Time, found: &mut Vec<TrustFault>) {
