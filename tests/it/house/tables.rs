@@ -28,6 +28,7 @@ pub const PURE: &[&str] = &[
     "connector-state",
     "spool",
     "shop-floor-model",
+    "transparency-log",
 ];
 
 const TASKS: &str = "a pure package is run by others and waits for nothing";
