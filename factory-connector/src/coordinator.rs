@@ -256,7 +256,7 @@ impl Coordinator {
         let (writes, effects) = refreshed
             .take_back(&mut self.work.state, delivery, &self.work.key, now)
             .report(&mut self.work.state, now, clock::salt)
-            .sign(&self.work.state, &self.work.key);
+            .sign(&mut self.work.state, &self.work.key);
         // From here and not from the end: the length of a commit does not slow the publishing down.
         self.timing.next_publish = Instant::now() + self.work.config.publishing_interval;
         self.timing.oldest_unwritten = None;
@@ -331,9 +331,9 @@ fn load(
     is_restored: bool,
 ) -> Result<(ConnectorState, ChangeSet), StoreError> {
     let config = config.state.clone();
-    let (state, mut changes) =
+    let (mut state, mut changes) =
         ConnectorState::load(config, snapshot, clock::id_source(), is_restored, now())?;
-    changes.merge(seal::sign_all_heads(&state, key));
+    changes.merge(seal::sign_all_heads(&mut state, key));
     Ok((state, changes))
 }
 

@@ -87,6 +87,12 @@ impl SignedNote {
         &self.text
     }
 
+    /// Returns the number of signature lines, those of unknown keys included.
+    #[must_use]
+    pub const fn signature_count(&self) -> usize {
+        self.signatures.len()
+    }
+
     /// Adds a signature of type 01.
     ///
     /// # Errors

@@ -14,6 +14,10 @@ pub struct Anchor {
     pub number: u64,
     /// Hash of that entry, hexadecimal; the first remaining entry follows it.
     pub hash: String,
+    /// Leaves of the log up to that entry, as the hashes of the largest perfect subtrees, hexadecimal;
+    /// empty where the log begins after it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub leaves: Vec<String>,
     /// Time at which that entry had been recorded.
     pub last_entry_at: DateTime,
     /// Time of the removal.

@@ -46,6 +46,11 @@ impl LedgerKey {
         self.0.sign(text.as_bytes()).to_bytes()
     }
 
+    /// Returns the key of another form of signature.
+    pub(super) fn signing_key(&self) -> SigningKey {
+        self.0.clone()
+    }
+
     /// Returns the public half, 32 bytes.
     #[must_use]
     pub fn public(&self) -> Hash {

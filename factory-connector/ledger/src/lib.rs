@@ -5,7 +5,8 @@
 //! the values themselves are in the report's row, which retention may empty without breaking the
 //! chain. The head of each chain is signed with the connector's key whenever it grows; so are a
 //! daily checkpoint over all chains, receipts of ended consents, and anchors in place of entries
-//! that retention removed. This crate is pure; the store writes the entries in the transaction of
+//! that retention removed. Each chain is a transparency log, too: a Merkle tree over its entries,
+//! whose checkpoints are signed in a published format and prove them when kept elsewhere. This crate is pure; the store writes the entries in the transaction of
 //! their effect.
 
 mod anchor;
@@ -14,6 +15,7 @@ mod checkpoint;
 mod entry;
 mod head;
 mod key;
+mod log;
 mod revocation;
 mod values;
 mod verification;
@@ -24,11 +26,12 @@ pub use checkpoint::{Checkpoint, CheckpointHead};
 pub use entry::{Event, EventKind, LedgerEntry, SequenceRange};
 pub use head::SignedHead;
 pub use key::{InvalidKey, LedgerKey};
+pub use log::{Log, LogStart, Logs, log_verifier};
 pub use revocation::{RevocationReceipt, RevokedField, RevokedWriter, Sequences};
 pub use values::{SALT_BYTES, ValuesError, values_root};
 pub use verification::{
-    CheckedEntry, LedgerFault, ReportDigest, StoredConsent, StoredEntry, StoredHead, StoredReport,
-    StoredStatement, Surroundings, Verification, Verifier,
+    CheckedEntry, LedgerFault, ReportDigest, StoredConsent, StoredEntry, StoredHead, StoredLog,
+    StoredReport, StoredStatement, Surroundings, Verification, Verifier,
 };
 
 /// A SHA-256 digest.

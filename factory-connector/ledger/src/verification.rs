@@ -5,6 +5,7 @@
 //! them with the signed records: anchors at the beginning of pruned chains, heads at their ends,
 //! daily checkpoints over all of them, and receipts of ended consents.
 
+mod log;
 mod result;
 mod row;
 mod stored;
@@ -13,6 +14,8 @@ mod tests;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
+use log::LogCheck;
+pub use log::StoredLog;
 pub use result::{LedgerFault, Verification};
 use row::Values;
 pub use row::{CheckedEntry, ReportDigest, StoredEntry, StoredReport};
@@ -29,6 +32,8 @@ const FAULTS_MAX: usize = 100;
 pub struct Verifier {
     heads: BTreeMap<String, Head>,
     starts: BTreeMap<String, Head>,
+    anchors: BTreeMap<String, Anchor>,
+    logs: BTreeMap<String, LogCheck>,
     /// Hashes stated in checkpoints, by organisation and number.
     stated: BTreeMap<(String, u64), String>,
     factory_id: String,
@@ -48,6 +53,8 @@ impl Verifier {
         let mut verifier = Self {
             heads: BTreeMap::new(),
             starts: BTreeMap::new(),
+            anchors: BTreeMap::new(),
+            logs: BTreeMap::new(),
             stated: BTreeMap::new(),
             factory_id: surroundings.factory_id,
             key: surroundings.trusted_key,
@@ -66,6 +73,7 @@ impl Verifier {
         for revocation in &surroundings.revocations {
             verifier.revocation(revocation);
         }
+        verifier.open_logs(surroundings.logs);
         verifier
     }
 
@@ -85,6 +93,10 @@ impl Verifier {
         let known = self.heads.get(&recipient).or_else(|| self.starts.get(&recipient));
         let mut last = known.map_or(0, |head| head.number);
         for entry in entries {
+            if let Some(Err(fault)) = self.logs.get_mut(&recipient).map(|log| log.take(entry.leaf))
+            {
+                self.fault(&recipient, entry.number, fault);
+            }
             let head = self.take_one(&recipient, last, entry);
             last = head.number;
             match self.heads.get_mut(&recipient) {
@@ -95,7 +107,7 @@ impl Verifier {
     }
 
     fn take_one(&mut self, recipient: &str, last: u64, entry: CheckedEntry) -> Head {
-        let CheckedEntry { number, hash, faults, values, consent, revocation } = entry;
+        let CheckedEntry { number, hash, leaf: _, faults, values, consent, revocation } = entry;
         self.outcome.entries += 1;
         match values {
             Values::None => {}
@@ -163,6 +175,11 @@ impl Verifier {
                 );
             }
         }
+        for (recipient, log) in std::mem::take(&mut self.logs) {
+            if let Err(fault) = log.finish() {
+                self.fault(&recipient, 0, fault);
+            }
+        }
         for (recipient, head) in std::mem::take(&mut self.heads) {
             self.fault(&recipient, head.number, "the signed end of the chain was deleted");
         }
@@ -218,6 +235,32 @@ impl Verifier {
         }
         self.outcome.entries_pruned += anchor.number;
         self.starts.insert(stored.name.clone(), Head { number: anchor.number, hash });
+        self.anchors.insert(stored.name.clone(), anchor);
+    }
+
+    /// Starts the check of each chain's log. Every chain has one, unless it is one of a former version
+    /// that was not opened since.
+    fn open_logs(&mut self, logs: Vec<StoredLog>) {
+        let mut without: BTreeSet<String> =
+            self.signed_heads.iter().map(|head| head.recipient.clone()).collect();
+        // Without a trusted key any single one is accepted, as for everything that is signed.
+        let first = self.signed_heads.first().map(|head| head.public_key.as_slice());
+        let key = self.key.or_else(|| first?.try_into().ok());
+        for stored in logs {
+            let recipient = stored.recipient.clone();
+            without.remove(&recipient);
+            if stored.is_empty() {
+                continue;
+            }
+            let anchor = self.anchors.get(&recipient);
+            match LogCheck::new(stored, &self.factory_id, anchor, key.as_ref()) {
+                Ok(check) => drop(self.logs.insert(recipient, check)),
+                Err(fault) => self.fault(&recipient, 0, fault),
+            }
+        }
+        for recipient in without {
+            self.fault(&recipient, 0, "the log of the chain was deleted");
+        }
     }
 
     fn checkpoint(&mut self, number: u64, stored: &StoredStatement) {

@@ -1,4 +1,4 @@
-//! Periodic maintenance: keep-alives, the daily checkpoint, limits of the spool, retention.
+//! Periodic maintenance: keep-alives, checkpoints, limits of the spool, retention.
 
 use std::{collections::HashSet, time::Duration};
 
@@ -23,6 +23,8 @@ const RETENTION_INTERVAL: Duration = Duration::from_secs(3600);
 const SPOOL_INTERVAL: Duration = Duration::from_secs(10);
 /// Rows of the spool that one round examines.
 const ROWS_MAX: u32 = 10_000;
+/// Time between two checkpoints of a log that grows.
+const LOG_CHECKPOINT_INTERVAL: Duration = Duration::from_secs(60);
 const DAY_MICROS: i64 = 86_400_000_000;
 
 /// Times of the next rounds.
@@ -30,6 +32,7 @@ pub(super) struct Schedule {
     next: Instant,
     next_spool: Instant,
     next_retention: Instant,
+    next_log_checkpoint: Instant,
     /// Number of the last report whose values were examined by retention.
     emptied_through: i64,
 }
@@ -41,6 +44,7 @@ impl Default for Schedule {
             next: now + INTERVAL,
             next_spool: now + SPOOL_INTERVAL,
             next_retention: now + INTERVAL,
+            next_log_checkpoint: now + LOG_CHECKPOINT_INTERVAL,
             emptied_through: 0,
         }
     }
@@ -66,6 +70,11 @@ pub(super) async fn run_maintenance(
     send_keep_alives(work, now);
     let checkpoint = seal::checkpoint(&mut work.state, &work.key, now);
     work.pending.merge(checkpoint);
+    if instant >= schedule.next_log_checkpoint {
+        schedule.next_log_checkpoint = instant + LOG_CHECKPOINT_INTERVAL;
+        let checkpoints = seal::checkpoint_logs(&mut work.state, &work.key);
+        work.pending.merge(checkpoints);
+    }
     if instant >= schedule.next_spool {
         schedule.next_spool = instant + SPOOL_INTERVAL;
         limit_spool(work, now).await?;

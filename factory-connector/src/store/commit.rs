@@ -59,6 +59,7 @@ fn write_spool(connection: &Connection, writes: &Writes) -> rusqlite::Result<()>
 fn write_ledger(connection: &Connection, writes: &Writes) -> rusqlite::Result<()> {
     ledger::write_entries(connection, &writes.ledger.entries)?;
     ledger::write_heads(connection, &writes.ledger.heads)?;
+    ledger::write_logs(connection, &writes.ledger.logs)?;
     revocations::write(connection, &writes.ledger.revocations)?;
     ledger::write_checkpoint(connection, writes.ledger.checkpoint.as_ref())
 }

@@ -5,12 +5,13 @@ mod checkpoints;
 mod cursor;
 mod entries;
 mod heads;
+mod logs;
 mod precision;
 mod pruning;
 mod selection;
 mod verification;
 
-use ::ledger::{Hash, Heads, Verification};
+use ::ledger::{Hash, Heads, Logs, Verification};
 use asi_model::FieldKey;
 pub(super) use checkpoints::write as write_checkpoint;
 pub use checkpoints::{Checkpoints, StoredCheckpoint};
@@ -18,6 +19,7 @@ pub use cursor::LedgerCursor;
 pub use entries::LedgerRow;
 pub(super) use entries::write as write_entries;
 pub(super) use heads::write as write_heads;
+pub(super) use logs::write as write_logs;
 use precision::Precisions;
 pub(super) use pruning::prune;
 use selection::Window;
@@ -44,6 +46,15 @@ impl Ledger<'_> {
     /// [`StoreError`].
     pub async fn heads(&mut self) -> Result<Heads, StoreError> {
         heads::load(self.0).await
+    }
+
+    /// Reads the logs of all chains up to these heads. The log of a chain of a former version is
+    /// computed from its entries.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn logs(&mut self, heads: &Heads) -> Result<Logs, StoreError> {
+        logs::load(self.0, heads).await
     }
 
     /// Reads entries of one chain with smaller numbers than `before`, newest first.

@@ -4,11 +4,13 @@ use super::{Snapshot, StoredMappings, StoredPolicies, error::StoreError, session
 
 /// Reads everything that the connector has in memory.
 pub(super) async fn load(session: &mut StoreSession) -> Result<Snapshot, StoreError> {
+    let heads = session.ledger().heads().await?;
     Ok(Snapshot {
         networks: session.networks().all().await?,
         fields: session.fields().all().await?,
         writers: session.writers().all().await?,
-        heads: session.ledger().heads().await?,
+        logs: session.ledger().logs(&heads).await?,
+        heads,
         last_checkpoint: session.checkpoints().last().await?,
         last_row: session.spool().last_id().await?,
         last_field: 0,

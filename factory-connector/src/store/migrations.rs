@@ -18,6 +18,7 @@ const MIGRATIONS: &[(i64, &str, &str)] = &[
     (33, "ledger lookup", include_str!("../../migrations/0033_ledger_lookup.sql")),
     (40, "places", include_str!("../../migrations/0040_places.sql")),
     (41, "recipient list", include_str!("../../migrations/0041_recipient_list.sql")),
+    (42, "ledger logs", include_str!("../../migrations/0042_ledger_logs.sql")),
 ];
 
 /// Brings the tables up to date.

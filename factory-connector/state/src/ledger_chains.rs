@@ -1,27 +1,58 @@
 //! Chains of the ledger as far as they are needed to append to them.
 
-use asi_model::{DateTime, OrganisationId};
-use ledger::{Event, Heads, SequenceRange};
+use asi_model::{DateTime, FactoryId, OrganisationId};
+use ledger::{Event, Heads, LedgerKey, Log, Logs, SequenceRange};
 
 use crate::writes::{LedgerWrites, WaitingRow};
 
-/// Owner of the heads of all chains and of the last checkpoint.
+/// Owner of the heads of all chains, of their logs and of the last checkpoint.
 #[derive(Debug)]
 pub struct LedgerChains {
+    factory_id: FactoryId,
     heads: Heads,
+    logs: Logs,
     /// Number and time of the last checkpoint.
     checkpoint: Option<(u64, DateTime)>,
 }
 
 impl LedgerChains {
-    pub(crate) const fn new(heads: Heads, checkpoint: Option<(u64, DateTime)>) -> Self {
-        Self { heads, checkpoint }
+    pub(crate) const fn new(
+        factory_id: FactoryId,
+        heads: Heads,
+        logs: Logs,
+        checkpoint: Option<(u64, DateTime)>,
+    ) -> Self {
+        Self { factory_id, heads, logs, checkpoint }
     }
 
     /// Returns the heads of all chains.
     #[must_use]
     pub const fn heads(&self) -> &Heads {
         &self.heads
+    }
+
+    /// Returns the log of a recipient's chain; `None` before its first entry.
+    #[must_use]
+    pub fn log(&self, recipient: &OrganisationId) -> Option<&Log> {
+        self.logs.get(recipient)
+    }
+
+    /// Returns the log of a recipient's chain with a checkpoint: the last one, or else the first.
+    pub(crate) fn signed_log(
+        &mut self,
+        recipient: &OrganisationId,
+        key: &LedgerKey,
+    ) -> Option<Log> {
+        let log = self.logs.get_mut(recipient)?;
+        if log.checkpoint().is_none() {
+            log.sign_checkpoint(key);
+        }
+        Some(log.clone())
+    }
+
+    /// Returns all logs, to sign their checkpoints.
+    pub(crate) fn logs_mut(&mut self) -> impl Iterator<Item = &mut Log> {
+        self.logs.iter_mut()
     }
 
     /// Returns number and time of the last checkpoint.
@@ -46,6 +77,7 @@ impl LedgerChains {
     ) {
         for recipient in recipients {
             let entry = self.heads.append(recipient, now, event.clone());
+            self.logs.append(&self.factory_id, &entry);
             writes.entries.push((entry, report));
         }
     }

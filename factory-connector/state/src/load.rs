@@ -48,13 +48,18 @@ impl ConnectorState {
         now: DateTime,
     ) -> Result<(Self, ChangeSet), UnreadableState> {
         let mut state = Self {
-            config,
             networks: NetworkRegistry::default(),
             fields: FieldRegistry::after(snapshot.last_field),
             writers: WriterRegistry::default(),
             policies: snapshot.policies.into(),
             journals: JournalRegistry::default(),
-            ledger: LedgerChains::new(snapshot.heads, snapshot.last_checkpoint),
+            ledger: LedgerChains::new(
+                config.factory_id.clone(),
+                snapshot.heads,
+                snapshot.logs,
+                snapshot.last_checkpoint,
+            ),
+            config,
             ids,
             last_row: snapshot.last_row,
         };

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use asi_model::{DateTime, OperationNetworkId, OrganisationId, messages::OperationNetworkMessage};
 use disclosure::{NamedPolicy, Rule, Versioned};
-use ledger::Heads;
+use ledger::{Heads, Logs};
 
 use crate::{
     operator::OperatorEntry,
@@ -56,6 +56,8 @@ pub struct Snapshot {
     pub writers: Vec<(u16, WriterRow)>,
     /// Heads of the ledger's chains.
     pub heads: Heads,
+    /// Logs of the ledger's chains, up to these heads.
+    pub logs: Logs,
     /// Number and time of the last checkpoint.
     pub last_checkpoint: Option<(u64, DateTime)>,
     /// The greatest number ever given in the spool.

@@ -104,12 +104,16 @@ impl TakenBack {
 pub struct Reported(ChangeSet);
 
 impl Reported {
-    /// Signs the heads of the chains that grew, and returns what is to be committed.
+    /// Signs the heads of the chains that grew, and returns what is to be committed. The first
+    /// checkpoint of a log is signed with its first entry.
     #[must_use]
-    pub fn sign(self, state: &ConnectorState, key: &LedgerKey) -> (Writes, Effects) {
+    pub fn sign(self, state: &mut ConnectorState, key: &LedgerKey) -> (Writes, Effects) {
         let ChangeSet { mut writes, effects, .. } = self.0;
         let entries = writes.ledger.entries.iter().map(|(entry, _)| entry);
         let heads = SignedHead::of(&state.config.factory_id, entries, key);
+        for head in &heads {
+            writes.ledger.logs.extend(state.ledger.signed_log(&head.recipient, key));
+        }
         writes.ledger.heads.extend(heads);
         (writes, effects)
     }

@@ -320,7 +320,7 @@ async fn enrol(directory: &TempDir, fields: Value) {
     let (writes, _) = transaction::refresh(&mut state, pending)
         .take_back(&mut state, DeliveryState::default(), &key, now())
         .report(&mut state, now(), || [0; ledger::SALT_BYTES])
-        .sign(&state, &key);
+        .sign(&mut state, &key);
     store.commit(writes).await.expect("stored");
     store.close().await;
 }

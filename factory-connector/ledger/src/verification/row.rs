@@ -5,6 +5,7 @@ use std::borrow::Cow;
 
 use asi_model::{DateTime, OrganisationId};
 use serde::Deserialize;
+use transparency_log::leaf_hash;
 
 use super::super::{Event, Hash, LedgerEntry, chain_hash, values_root};
 
@@ -96,6 +97,8 @@ pub struct CheckedEntry {
     pub(super) number: u64,
     /// The stored hash. The next entry follows it, so that one change results in one fault.
     pub(super) hash: Hash,
+    /// Hash of the entry in its log.
+    pub(super) leaf: Hash,
     pub(super) faults: Vec<&'static str>,
     pub(super) values: Values,
     /// A consent with its time of recording.
@@ -151,6 +154,7 @@ impl StoredEntry {
         let mut checked = CheckedEntry {
             number: u64::try_from(self.number).unwrap_or_default(),
             hash: self.stored_hash(),
+            leaf: leaf_hash(&self.content),
             faults: Vec::new(),
             values: Values::None,
             consent: None,

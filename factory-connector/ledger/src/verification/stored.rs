@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use super::StoredLog;
 use crate::Hash;
 
 /// A signed text with the columns beside it.
@@ -58,6 +59,8 @@ pub struct Surroundings {
     pub revocations: Vec<StoredStatement>,
     /// The signed heads.
     pub heads: Vec<StoredHead>,
+    /// The logs of the chains.
+    pub logs: Vec<StoredLog>,
     /// The consents by field and number.
     pub consents: HashMap<(String, u32), StoredConsent>,
 }

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use asi_model::{DateTime, FactoryId, OrganisationId};
 
 use super::*;
-use crate::{Heads, LedgerKey, LinkedEntry, SequenceRange, SignedHead, values_root};
+use crate::{Heads, LedgerKey, LinkedEntry, Log, SequenceRange, SignedHead, values_root};
 
 const REPORT: &str = r#"{"SequenceNumber":1,"Payload":{"a":1}}"#;
 const SALT: [u8; 16] = [3; 16];
@@ -80,7 +80,31 @@ fn signed(linked: &[LinkedEntry], key: &LedgerKey) -> Surroundings {
         signature: head.signature.to_vec(),
         public_key: head.public_key.to_vec(),
     });
-    Surroundings { factory_id: "F".to_owned(), heads: heads.collect(), ..Surroundings::default() }
+    Surroundings {
+        factory_id: "F".to_owned(),
+        heads: heads.collect(),
+        logs: vec![stored_log(linked, key)],
+        ..Surroundings::default()
+    }
+}
+
+fn log_of(linked: &[LinkedEntry]) -> Log {
+    let mut log = Log::new(factory(), "acme".parse().expect("an id"), &Head::default());
+    linked.iter().for_each(|entry| log.append(&entry.content));
+    log
+}
+
+fn stored_log(linked: &[LinkedEntry], key: &LedgerKey) -> StoredLog {
+    let mut log = log_of(linked);
+    log.sign_checkpoint(key);
+    StoredLog {
+        recipient: "acme".to_owned(),
+        start: log.start().canonical(),
+        size: i64::try_from(log.leaves().end()).expect("small"),
+        root: log.leaves().root().to_vec(),
+        leaves: log.leaves().to_bytes(),
+        checkpoint: log.checkpoint().expect("signed").to_owned(),
+    }
 }
 
 #[test]
@@ -165,6 +189,7 @@ fn a_chain_continues_from_its_anchor() {
             recipient: "acme".parse().expect("an id"),
             number: linked[number - 1].number,
             hash: hex::encode(linked[number - 1].hash),
+            leaves: log_of(&linked[..number]).leaves().hashes().iter().map(hex::encode).collect(),
             last_entry_at: DateTime::from_unix_micros(3),
             recorded_at: DateTime::from_unix_micros(9),
         }
@@ -194,4 +219,83 @@ fn a_chain_continues_from_its_anchor() {
         .replace("\"number\":3", "\"number\":4")
         .into_bytes();
     assert!(!check(&intact[4..], vec![changed]).is_intact(), "the anchor was changed");
+}
+
+#[test]
+fn a_log_that_is_not_the_one_of_its_chain_is_found() {
+    let (intact, _, linked) = entries(9);
+    let key = key();
+    let check = |change: &dyn Fn(&mut StoredLog)| {
+        let mut surroundings = signed(&linked, &key);
+        change(&mut surroundings.logs[0]);
+        verify(&intact, surroundings)
+    };
+    assert!(check(&|_| {}).is_intact());
+    let old = stored_log(&linked[..4], &key).checkpoint;
+    assert!(check(&|log| log.checkpoint.clone_from(&old)).is_intact(), "an older checkpoint");
+    let other = stored_log(&linked[1..6], &key).checkpoint;
+    let foreign = stored_log(&linked, &LedgerKey::from_secret(&[2; 32])).checkpoint;
+    let changes: [&dyn Fn(&mut StoredLog); 12] = [
+        &|log| log.checkpoint.clone_from(&other),
+        &|log| log.checkpoint.clone_from(&foreign),
+        &|log| log.checkpoint.clear(),
+        &|log| log.checkpoint = log.checkpoint.replace("/to/acme", "/to/acmf"),
+        &|log| log.checkpoint += &foreign[foreign.rfind('\u{2014}').expect("a line")..],
+        &|log| log.size -= 1,
+        &|log| log.root[0] ^= 1,
+        &|log| log.leaves[40] ^= 1,
+        &|log| log.start = log.start.replace("\"number\":0", "\"number\":1"),
+        &|log| log.start.push(' '),
+        &|log| log.recipient = "other".to_owned(),
+        &|log| *log = stored_log(&linked[..8], &LedgerKey::from_secret(&[1; 32])),
+    ];
+    for (number, change) in changes.iter().enumerate() {
+        assert!(!check(change).is_intact(), "change {number}");
+    }
+    let without = Surroundings { logs: Vec::new(), ..signed(&linked, &key) };
+    assert!(!verify(&intact, without).is_intact(), "the log was deleted");
+    let mut former = signed(&linked, &key);
+    former.logs = vec![StoredLog { recipient: "acme".to_owned(), ..StoredLog::default() }];
+    assert!(verify(&intact, former).is_intact(), "a chain that has no log yet");
+}
+
+#[test]
+fn a_log_that_begins_after_pruned_entries_is_intact() {
+    let key = key();
+    let (intact, _, linked) = entries(6);
+    let previous = Head { number: 3, hash: linked[2].hash };
+    let mut log = Log::new(factory(), "acme".parse().expect("an id"), &previous);
+    linked[3..].iter().for_each(|entry| log.append(&entry.content));
+    log.sign_checkpoint(&key);
+    assert_eq!(log.last_number(), 6);
+    let text = Anchor {
+        factory_id: factory(),
+        recipient: "acme".parse().expect("an id"),
+        number: 3,
+        hash: hex::encode(previous.hash),
+        leaves: Vec::new(),
+        last_entry_at: DateTime::from_unix_micros(3),
+        recorded_at: DateTime::from_unix_micros(9),
+    }
+    .canonical();
+    assert!(!text.contains("leaves"), "anchors of before keep their text: {text}");
+    let anchor = StoredStatement {
+        name: "acme".to_owned(),
+        recorded_at: 9,
+        signature: key.sign(&text).to_vec(),
+        public_key: key.public().to_vec(),
+        content: text.into_bytes(),
+    };
+    let stored = StoredLog {
+        start: log.start().canonical(),
+        size: 4,
+        root: log.leaves().root().to_vec(),
+        leaves: log.leaves().to_bytes(),
+        checkpoint: log.checkpoint().expect("signed").to_owned(),
+        ..stored_log(&linked, &key)
+    };
+    let surroundings =
+        Surroundings { anchors: vec![anchor], logs: vec![stored], ..signed(&linked, &key) };
+    let outcome = verify(&intact[3..], surroundings);
+    assert!(outcome.is_intact(), "{outcome:?}");
 }

@@ -8,9 +8,10 @@ use crate::store::Ledger;
 
 /// Everything that the ledger rests on. What the spool alone works with (states, counters) is not
 /// part of it.
-const GUARDED: [(&str, &[&str]); 6] = [
+const GUARDED: [(&str, &[&str]); 7] = [
     ("ledger_entry", &["recipient", "number", "recorded_at", "report_id", "content", "hash"]),
     ("ledger_head", &["recipient", "number", "hash", "signature", "public_key"]),
+    ("ledger_log", &["recipient", "start", "size", "root", "leaves", "checkpoint"]),
     ("ledger_checkpoint", &["number", "recorded_at", "content", "signature", "public_key"]),
     ("revocation", &["revocation_id", "revoked_at", "content", "signature", "public_key"]),
     (
@@ -128,7 +129,7 @@ async fn put(
 fn keys(table: &str) -> &'static str {
     match table {
         "ledger_entry" => "recipient, number",
-        "ledger_head" => "recipient",
+        "ledger_head" | "ledger_log" => "recipient",
         "ledger_checkpoint" => "number",
         "revocation" => "revocation_id",
         "report" => "id",

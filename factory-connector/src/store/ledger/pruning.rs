@@ -1,10 +1,11 @@
 //! Removal of old entries. A chain stays provable: a signed anchor stands for what was removed.
 
 use asi_model::{DateTime, FactoryId};
-use ledger::{Anchor, LedgerKey};
+use ledger::{Anchor, Hash, LedgerKey};
 use rusqlite::Connection;
+use transparency_log::leaf_hash;
 
-use super::anchors;
+use super::{anchors, logs};
 use crate::store::{error::StoreError, reports, statement::run};
 
 /// Entries of a chain that are removed in one round.
@@ -16,6 +17,8 @@ struct OldEntry {
     number: i64,
     recorded_at: i64,
     hash: Vec<u8>,
+    /// Hash of the entry in its log.
+    leaf: Hash,
     report_id: Option<i64>,
 }
 
@@ -37,11 +40,14 @@ pub(in crate::store) fn prune(
         let entries = oldest_entries(connection, recipient, before)
             .map_err(StoreError::while_writing(PRUNE))?;
         let Some(last) = entries.last() else { continue };
+        let mut leaves = logs::leaves_before(connection, recipient)?;
+        entries.iter().for_each(|entry| leaves.append(entry.leaf));
         let anchor = Anchor {
             factory_id: factory.clone(),
             recipient: recipient.parse().map_err(StoreError::unreadable("recipient"))?,
             number: last.number.unsigned_abs(),
             hash: hex::encode(&last.hash),
+            leaves: leaves.hashes().iter().map(hex::encode).collect(),
             last_entry_at: DateTime::from_unix_micros(last.recorded_at),
             // As it is stored beside the text, which has microseconds only.
             recorded_at: DateTime::from_unix_micros(now.unix_micros()),
@@ -70,7 +76,7 @@ fn oldest_entries(
     before: i64,
 ) -> rusqlite::Result<Vec<OldEntry>> {
     let mut statement = connection.prepare_cached(
-        "SELECT number, recorded_at, hash, report_id FROM ledger_entry
+        "SELECT number, recorded_at, content, hash, report_id FROM ledger_entry
          WHERE recipient = ? ORDER BY number LIMIT ?",
     )?;
     let mut rows = statement.query((recipient, ENTRIES_PER_ROUND))?;
@@ -80,6 +86,7 @@ fn oldest_entries(
             number: row.get("number")?,
             recorded_at: row.get("recorded_at")?,
             hash: row.get("hash")?,
+            leaf: leaf_hash(row.get_ref("content")?.as_bytes()?),
             report_id: row.get("report_id")?,
         };
         if entry.recorded_at >= before {

@@ -33,14 +33,28 @@ pub fn checkpoint(state: &mut ConnectorState, key: &LedgerKey, now: DateTime) ->
     changes
 }
 
-/// Signs the heads of all chains, as they were loaded.
+/// Signs checkpoints of the logs that grew since their last one.
+pub fn checkpoint_logs(state: &mut ConnectorState, key: &LedgerKey) -> ChangeSet {
+    let mut changes = ChangeSet::default();
+    for log in state.ledger.logs_mut().filter(|log| log.has_grown()) {
+        log.sign_checkpoint(key);
+        changes.writes.ledger.logs.push(log.clone());
+    }
+    changes
+}
+
+/// Signs the heads of all chains and checkpoints of all logs, as they were loaded.
 #[must_use]
-pub fn sign_all_heads(state: &ConnectorState, key: &LedgerKey) -> ChangeSet {
+pub fn sign_all_heads(state: &mut ConnectorState, key: &LedgerKey) -> ChangeSet {
     let mut changes = ChangeSet::default();
     let factory_id = &state.config.factory_id;
     let signed = state.ledger.heads().iter().map(|(recipient, head)| {
         SignedHead::new(factory_id, recipient.clone(), head.number, head.hash, key)
     });
     changes.writes.ledger.heads.extend(signed);
+    for log in state.ledger.logs_mut() {
+        log.sign_checkpoint(key);
+        changes.writes.ledger.logs.push(log.clone());
+    }
     changes
 }

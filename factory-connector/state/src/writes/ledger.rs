@@ -1,7 +1,7 @@
 //! Rows of the ledger.
 
 use asi_model::DateTime;
-use ledger::{LinkedEntry, SignedHead};
+use ledger::{LinkedEntry, Log, SignedHead};
 
 /// Rows of the ledger.
 #[derive(Debug, Default, PartialEq)]
@@ -10,6 +10,8 @@ pub struct LedgerWrites {
     pub entries: Vec<(LinkedEntry, Option<i64>)>,
     /// Signed heads of the chains that grew.
     pub heads: Vec<SignedHead>,
+    /// Logs that grew or were signed.
+    pub logs: Vec<Log>,
     /// Receipts of consents that ended.
     pub revocations: Vec<RevocationRow>,
     pub checkpoint: Option<CheckpointRow>,
@@ -17,9 +19,10 @@ pub struct LedgerWrites {
 
 impl LedgerWrites {
     pub(super) fn merge(&mut self, later: Self) {
-        let Self { entries, heads, revocations, checkpoint } = later;
+        let Self { entries, heads, logs, revocations, checkpoint } = later;
         self.entries.extend(entries);
         self.heads.extend(heads);
+        self.logs.extend(logs);
         self.revocations.extend(revocations);
         self.checkpoint = checkpoint.or(self.checkpoint.take());
     }

@@ -211,7 +211,7 @@ async fn fill(data: &std::path::Path, bank: &Bank, steps: &Value) -> anyhow::Res
     let (writes, _) = transaction::refresh(&mut state, pending)
         .take_back(&mut state, DeliveryState::default(), &key, now)
         .report(&mut state, now, rand::random)
-        .sign(&state, &key);
+        .sign(&mut state, &key);
     store.commit(writes).await?;
     store.close().await;
     Ok(())

@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use ledger::{Hash, StoredConsent, StoredHead, StoredStatement, Surroundings};
+use ledger::{Hash, StoredConsent, StoredHead, StoredLog, StoredStatement, Surroundings};
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
 
 use crate::store::{
@@ -25,6 +25,10 @@ const REVOCATIONS: &str = "SELECT CAST(revocation_id AS BLOB) AS name, revoked_a
 const HEADS: &str =
     "SELECT CAST(recipient AS BLOB) AS recipient, number, hash, signature, public_key
                      FROM ledger_head ORDER BY ledger_head.recipient";
+const LOGS: &str =
+    "SELECT CAST(recipient AS BLOB) AS recipient, CAST(start AS BLOB) AS start, size, root,
+                        leaves, CAST(checkpoint AS BLOB) AS checkpoint
+                    FROM ledger_log ORDER BY ledger_log.recipient";
 const CONSENTS: &str = "SELECT CAST(field AS BLOB) AS field, version,
                             CAST(mapping_state AS BLOB) AS mapping_state,
                             CAST(value_source AS BLOB) AS value_source,
@@ -45,6 +49,7 @@ pub(super) async fn surroundings(
         checkpoints: all(connection, query(CHECKPOINTS), READ, statement).await?,
         revocations: all(connection, query(REVOCATIONS), READ, statement).await?,
         heads: all(connection, query(HEADS), READ, head).await?,
+        logs: all(connection, query(LOGS), READ, log).await?,
         consents: consents(connection).await?,
     })
 }
@@ -84,6 +89,17 @@ fn head(row: &SqliteRow) -> Result<StoredHead, StoreError> {
         hash: row.column("hash")?,
         signature: row.column("signature")?,
         public_key: row.column("public_key")?,
+    })
+}
+
+fn log(row: &SqliteRow) -> Result<StoredLog, StoreError> {
+    Ok(StoredLog {
+        recipient: text(row, "recipient")?,
+        start: text(row, "start")?,
+        size: row.column("size")?,
+        root: row.column("root")?,
+        leaves: row.column("leaves")?,
+        checkpoint: text(row, "checkpoint")?,
     })
 }
 

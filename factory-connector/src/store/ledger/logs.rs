@@ -1,0 +1,145 @@
+//! Logs of the chains: as many hashes as are needed to append, with the last checkpoint.
+
+use asi_model::{FactoryId, OrganisationId};
+use ledger::{Anchor, Head, Heads, Log, LogStart, Logs};
+use rusqlite::{Connection, OptionalExtension as _};
+use sqlx::{SqliteConnection, sqlite::SqliteRow};
+use transparency_log::{Checkpoint, LeafRange, SignedNote};
+
+use crate::store::{
+    error::StoreError,
+    query::{all, optional, query},
+    row::{Columns as _, signed},
+    statement::write_rows,
+};
+
+/// Entries read at once where a log is computed.
+const BLOCK: i64 = 4000;
+const READ: &str = "read the ledger's logs";
+
+/// Reads the logs of all chains up to these heads.
+pub(super) async fn load(
+    connection: &mut SqliteConnection,
+    heads: &Heads,
+) -> Result<Logs, StoreError> {
+    let mut logs = Logs::default();
+    let identity = query("SELECT factory_id FROM identity");
+    let Some(factory) =
+        optional(connection, identity, READ, |row| row.parsed::<FactoryId>("factory_id")).await?
+    else {
+        return Ok(logs);
+    };
+    for (recipient, head) in heads.iter() {
+        let sql = "SELECT start, size, leaves, checkpoint FROM ledger_log
+                   WHERE recipient = ? AND start <> ''";
+        let stored = query(sql).bind(recipient.to_string());
+        let mut log = match optional(connection, stored, READ, log).await? {
+            Some(log) => log,
+            None => {
+                let anchor = anchor(connection, recipient).await?;
+                Log::new(factory.clone(), recipient.clone(), &anchor)
+            }
+        };
+        append_missing(connection, &mut log, recipient, head).await?;
+        logs.insert(log);
+    }
+    Ok(logs)
+}
+
+/// Appends the entries that the log does not have yet: those of a chain of a former version.
+async fn append_missing(
+    connection: &mut SqliteConnection,
+    log: &mut Log,
+    recipient: &OrganisationId,
+    head: &Head,
+) -> Result<(), StoreError> {
+    while log.last_number() < head.number {
+        let sql = "SELECT content FROM ledger_entry WHERE recipient = ? AND number > ?
+                   ORDER BY number LIMIT ?";
+        let next =
+            query(sql).bind(recipient.to_string()).bind(signed(log.last_number())).bind(BLOCK);
+        let entries = all(connection, next, READ, |row| row.column::<String>("content")).await?;
+        if entries.is_empty() {
+            tracing::error!(
+                %recipient,
+                "Entries of the ledger are missing; run `factory-connector ledger verify`."
+            );
+            break;
+        }
+        entries.iter().for_each(|content| log.append(content));
+    }
+    Ok(())
+}
+
+/// Returns the entry after which a pruned chain begins; the beginning of one that was not pruned.
+async fn anchor(
+    connection: &mut SqliteConnection,
+    recipient: &OrganisationId,
+) -> Result<Head, StoreError> {
+    let sql = "SELECT content FROM ledger_anchor WHERE recipient = ?";
+    let query = query(sql).bind(recipient.to_string());
+    let anchor: Option<Anchor> =
+        optional(connection, query, READ, |row| row.document("content")).await?;
+    let Some(anchor) = anchor else { return Ok(Head::default()) };
+    let hash = hex::decode(&anchor.hash).ok().and_then(|hash| hash.try_into().ok());
+    let hash = hash.ok_or("a hash has 32 bytes").map_err(StoreError::unreadable("hash"))?;
+    Ok(Head { number: anchor.number, hash })
+}
+
+fn log(row: &SqliteRow) -> Result<Log, StoreError> {
+    let start: LogStart = row.document("start")?;
+    let leaves: Vec<u8> = row.column("leaves")?;
+    let leaves = LeafRange::from_bytes(0, row.number("size")?, &leaves)
+        .filter(|leaves| leaves.end() > 0)
+        .ok_or("the hashes are not those of its size")
+        .map_err(StoreError::unreadable("leaves"))?;
+    let note: String = row.column("checkpoint")?;
+    let checkpoint = SignedNote::parse(&note)
+        .ok()
+        .and_then(|parsed| parsed.text().parse::<Checkpoint>().ok())
+        .map(|checkpoint| (checkpoint.size, note));
+    Ok(Log::stored(start, leaves, checkpoint))
+}
+
+/// Returns the leaves of a log before the entries that its chain still has.
+pub(super) fn leaves_before(
+    connection: &Connection,
+    recipient: &str,
+) -> Result<LeafRange, StoreError> {
+    let text = |sql: &str| -> Result<Option<String>, StoreError> {
+        let row = connection.query_row(sql, (recipient,), |row| row.get(0)).optional();
+        row.map_err(StoreError::while_writing(READ))
+    };
+    let start = text("SELECT start FROM ledger_log WHERE recipient = ?")?.unwrap_or_default();
+    let start: LogStart = serde_json::from_str(&start).map_err(StoreError::unreadable("start"))?;
+    let anchor = text("SELECT content FROM ledger_anchor WHERE recipient = ?")?;
+    let anchor = anchor.map(|anchor| serde_json::from_str::<Anchor>(&anchor)).transpose();
+    let anchor = anchor.map_err(StoreError::unreadable("anchor"))?;
+    start
+        .leaves_before(anchor.as_ref())
+        .ok_or("the anchor is not one of the log")
+        .map_err(StoreError::unreadable("anchor"))
+}
+
+/// Stores logs that grew or were signed.
+pub(in crate::store) fn write(connection: &Connection, logs: &[Log]) -> rusqlite::Result<()> {
+    write_rows(
+        connection,
+        "INSERT INTO ledger_log (recipient, start, size, root, leaves, checkpoint)
+         VALUES (?, ?, ?, ?, ?, ?)
+         ON CONFLICT (recipient) DO UPDATE SET
+             start = excluded.start, size = excluded.size, root = excluded.root,
+             leaves = excluded.leaves, checkpoint = excluded.checkpoint",
+        logs,
+        |log| {
+            (
+                log.start().recipient.as_str(),
+                log.start().canonical(),
+                signed(log.leaves().end()),
+                log.leaves().root(),
+                log.leaves().to_bytes(),
+                log.checkpoint().unwrap_or_default(),
+            )
+        },
+    )
+}
