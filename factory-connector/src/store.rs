@@ -61,7 +61,8 @@ pub use fields::Fields;
 pub use handle::Store;
 pub use identity::Identity;
 pub use ledger::{
-    Checkpoints, Ledger, LedgerCursor, LedgerFilter, LedgerRow, LedgerSubject, StoredCheckpoint,
+    Checkpoints, Ledger, LedgerCursor, LedgerFilter, LedgerRow, LedgerSubject, LogCheckpoint,
+    StoredCheckpoint,
 };
 pub use mapping_templates::MappingTemplates;
 pub use mapping_versions::{MappingVersions, VERSIONS_MAX};

@@ -23,11 +23,13 @@ use crate::{
     check::{Check, pubsub_fault},
     explain,
     input::{Input, Kind},
+    ledger::{self, LedgerCommand},
     outcome::CommandOutcome,
 };
 
 /// Commands of `asi`.
 #[derive(Debug, clap::Subcommand)]
+#[expect(clippy::large_enum_variant, reason = "one per run")]
 pub enum AsiCommand {
     /// Check a message: everything that is wrong with it, each fault with a JSON pointer.
     Validate {
@@ -65,6 +67,9 @@ pub enum AsiCommand {
         #[arg(long, value_name = "FILE")]
         meta_data: Option<PathBuf>,
     },
+    /// Check the account of what a factory disclosed.
+    #[command(subcommand)]
+    Ledger(LedgerCommand),
     /// Write the JSON Schemas of all messages into a folder.
     Schema {
         /// Folder of the schema files; existing ones are replaced.
@@ -106,6 +111,7 @@ pub fn run(command: AsiCommand, out: &mut dyn Write) -> anyhow::Result<CommandOu
             let input = Input::read(file.as_deref())?;
             explain_message(&input, meta_data.as_deref(), out)
         }
+        AsiCommand::Ledger(command) => ledger::run(command, out),
         AsiCommand::Schema { folder } => {
             for (name, known) in schema::all() {
                 let path = folder.join(name);

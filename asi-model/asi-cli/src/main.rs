@@ -7,6 +7,7 @@ mod check;
 mod commands;
 mod explain;
 mod input;
+mod ledger;
 mod outcome;
 
 use std::{io::Write as _, process::ExitCode};

@@ -10,6 +10,7 @@
 //! their effect.
 
 mod anchor;
+pub mod audit;
 mod chain;
 mod checkpoint;
 mod entry;

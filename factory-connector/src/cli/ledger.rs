@@ -1,5 +1,7 @@
 //! `factory-connector ledger`.
 
+mod audit;
+
 use std::{
     fs::File,
     io::{BufWriter, Write},
@@ -28,6 +30,24 @@ pub(super) enum LedgerCommand {
         /// verification named it. Without it, that of the key beside the ledger.
         #[arg(long, value_parser = public_key)]
         public_key: Option<Hash>,
+    },
+    /// Write a recipient's chain with all that proves it, for `asi ledger verify`.
+    Audit {
+        /// The recipient whose chain is written.
+        #[arg(long)]
+        recipient: OrganisationId,
+        /// The file to write; standard output without it.
+        #[arg(long, short)]
+        output: Option<PathBuf>,
+    },
+    /// Print the last signed checkpoint of a recipient's log, to be kept elsewhere.
+    Checkpoint {
+        /// The recipient whose log it is.
+        #[arg(long)]
+        recipient: OrganisationId,
+        /// Print the key that verifies it in its place.
+        #[arg(long)]
+        key: bool,
     },
     /// Write out every value that left, with its consent.
     Export {
@@ -80,6 +100,12 @@ fn time(text: &str) -> Result<DateTime, String> {
 pub(super) async fn run(command: LedgerCommand, config: &ConnectorConfig) -> anyhow::Result<()> {
     match command {
         LedgerCommand::Verify { public_key } => verify(config, public_key).await,
+        LedgerCommand::Audit { recipient, output } => {
+            audit::write_audit_file(config, &recipient, output).await
+        }
+        LedgerCommand::Checkpoint { recipient, key } => {
+            audit::print_checkpoint(config, &recipient, key).await
+        }
         LedgerCommand::Export { format, recipient, from, until, language, output } => {
             let format = match format {
                 Format::Jsonl => ExportFormat::Jsonl,

@@ -1,6 +1,7 @@
 //! The ledger: one chain of entries per recipient, with everything that proves it.
 
 mod anchors;
+mod audit;
 mod checkpoints;
 mod cursor;
 mod entries;
@@ -11,8 +12,12 @@ mod pruning;
 mod selection;
 mod verification;
 
-use ::ledger::{Hash, Heads, Logs, Verification};
-use asi_model::FieldKey;
+use ::ledger::{
+    Hash, Heads, Logs, Verification,
+    audit::{AuditEntry, AuditStart},
+};
+use asi_model::{FieldKey, OrganisationId};
+pub use audit::LogCheckpoint;
 pub(super) use checkpoints::write as write_checkpoint;
 pub use checkpoints::{Checkpoints, StoredCheckpoint};
 pub use cursor::LedgerCursor;
@@ -55,6 +60,40 @@ impl Ledger<'_> {
     /// [`StoreError`].
     pub async fn logs(&mut self, heads: &Heads) -> Result<Logs, StoreError> {
         logs::load(self.0, heads).await
+    }
+
+    /// Begins an audit file of a recipient's chain; `None` without a log.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn audit_start(
+        &mut self,
+        recipient: &OrganisationId,
+    ) -> Result<Option<AuditStart>, StoreError> {
+        audit::start(self.0, recipient).await
+    }
+
+    /// Reads the next entries of an audit file after this number; empty at the end.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn audit_entries(
+        &mut self,
+        recipient: &OrganisationId,
+        after: u64,
+    ) -> Result<Vec<AuditEntry>, StoreError> {
+        audit::entries(self.0, recipient, after).await
+    }
+
+    /// Returns the last checkpoint of a recipient's log; `None` before the first.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn log_checkpoint(
+        &mut self,
+        recipient: &OrganisationId,
+    ) -> Result<Option<LogCheckpoint>, StoreError> {
+        audit::checkpoint(self.0, recipient).await
     }
 
     /// Reads entries of one chain with smaller numbers than `before`, newest first.

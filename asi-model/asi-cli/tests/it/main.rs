@@ -1,6 +1,8 @@
 //! The command as partners use it: files, standard input, outputs and exit codes.
 #![allow(clippy::unwrap_used)]
 
+mod ledger;
+
 use std::{
     io::Write as _,
     path::{Path, PathBuf},

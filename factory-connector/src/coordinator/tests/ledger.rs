@@ -1,4 +1,4 @@
-use ::ledger::Verification;
+use ::ledger::{Verification, audit::Auditor};
 use sqlx::{
     Column as _, Connection as _, Row as _, TypeInfo as _, ValueRef as _, sqlite::SqliteRow,
 };
@@ -215,6 +215,42 @@ async fn every_deletion_is_found() {
             }
         }
     }
+}
+
+/// A checkpoint that was kept elsewhere proves the whole chain by a file, without the store.
+#[tokio::test]
+async fn an_audit_file_is_proven_by_a_checkpoint() {
+    let folder = small_ledger().await;
+    let mut connection = connect(folder.path()).await;
+    let mut ledger = Ledger(&mut connection);
+    let recipients = ledger.recipients().await.expect("read");
+    let recipient: asi_model::OrganisationId = recipients[0].parse().expect("an id");
+    let kept = ledger.log_checkpoint(&recipient).await.expect("read").expect("a checkpoint");
+    let heads = ledger.heads().await.expect("read");
+    let mut logs = ledger.logs(&heads).await.expect("read");
+    let log = logs.get_mut(&recipient).expect("a log");
+    let key = crate::ledger_key::open(&folder.path().join(LEDGER_KEY_FILE)).expect("the key");
+    log.sign_checkpoint(&key);
+    let newest = log.checkpoint().expect("signed").to_owned();
+    let start = ledger.audit_start(&recipient).await.expect("read").expect("a log");
+    let entries = ledger.audit_entries(&recipient, start.number).await.expect("read");
+    let lines: Vec<String> =
+        entries.iter().map(|entry| serde_json::to_string(entry).expect("JSON")).collect();
+    let start = serde_json::to_string(&start).expect("JSON");
+    let audit = |checkpoint: &str, lines: &[String]| {
+        let mut auditor =
+            Auditor::new(checkpoint, &kept.key, &start, None).expect("a checkpoint of the log");
+        lines.iter().for_each(|line| auditor.take(line));
+        auditor.finish()
+    };
+    for checkpoint in [&kept.note, &newest] {
+        let outcome = audit(checkpoint, &lines);
+        assert!(outcome.is_intact(), "{outcome:#?}");
+        assert!(outcome.values_compared > 1);
+    }
+    let outcome = audit(&newest, &lines);
+    assert_eq!((outcome.entries_proven, outcome.entries_after), (lines.len() as u64, 0));
+    assert!(!audit(&newest, &lines[..lines.len() - 1]).is_intact(), "an older copy");
 }
 
 /// An attacker who rewrites and re-signs everything does not have the key that was noted before.

@@ -1,0 +1,264 @@
+//! Audit of a chain from a file, by those who have neither the factory's program nor its store: one
+//! checkpoint that was kept elsewhere proves every entry up to it.
+//!
+//! The file has one JSON object per line. The first is an [`AuditStart`], each further one an
+//! [`AuditEntry`], in the order of the chain.
+
+mod delivery;
+#[cfg(test)]
+mod tests;
+
+use asi_model::{DateTime, MessageId};
+use delivery::Deliveries;
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+use transparency_log::{
+    Checkpoint, CheckpointError, LeafRange, NoteError, SignedNote, VerifierKey, leaf_hash,
+};
+
+use super::{Event, LedgerEntry, LedgerFault, LogStart, values_root};
+
+/// Most faults that are listed; further ones are only counted.
+const FAULTS_MAX: usize = 100;
+
+/// First line of an audit file: where the present entries continue.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct AuditStart {
+    /// The text of the log's first leaf.
+    pub log_start: String,
+    /// Number of the last entry before those of the file.
+    pub number: u64,
+    /// Hashes of the largest perfect subtrees over the leaves before, hexadecimal.
+    pub leaves: Vec<String>,
+}
+
+/// An entry with what belongs to it.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct AuditEntry {
+    /// The canonical text of the entry.
+    pub entry: String,
+    /// The DataSetMessage of a QUEUED entry, byte by byte; none once retention has emptied it.
+    pub report: Option<Box<RawValue>>,
+    /// The salt of its hashes, hexadecimal.
+    pub salt: Option<String>,
+    /// Time at which the broker accepted the report last.
+    pub sent_at: Option<DateTime>,
+    /// The message in which it left last.
+    pub message_id: Option<MessageId>,
+    /// Time at which the platform receipted it last.
+    pub delivered_at: Option<DateTime>,
+}
+
+/// Reason that an audit cannot begin.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum AuditError {
+    /// The checkpoint is not a note of this key.
+    #[error("the checkpoint is not signed with this key")]
+    Signature(#[source] NoteError),
+    /// The signed text is no checkpoint.
+    #[error("the signed text is no checkpoint")]
+    Checkpoint(#[source] CheckpointError),
+    /// The first line does not say where the entries continue.
+    #[error("the first line of the file does not begin a log")]
+    Start,
+    /// The file is about another log than the checkpoint.
+    #[error("the checkpoint is one of {checkpoint}, the file is about {file}")]
+    OtherLog {
+        /// Origin in the checkpoint.
+        checkpoint: String,
+        /// Origin of the file's log.
+        file: String,
+    },
+}
+
+/// Result of an audit.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Audit {
+    /// Name of the log.
+    pub origin: String,
+    /// Number of entries that the checkpoint proves.
+    pub entries_proven: u64,
+    /// Number of later entries, which a later checkpoint can prove.
+    pub entries_after: u64,
+    /// Number of reports whose values are those that were committed to.
+    pub values_compared: u64,
+    /// Number of reports whose values were emptied.
+    pub values_emptied: u64,
+    /// Number of all faults.
+    pub fault_count: u64,
+    /// The first hundred faults.
+    pub fault_list: Vec<LedgerFault>,
+}
+
+impl Audit {
+    /// Returns whether there is no fault.
+    #[must_use]
+    pub const fn is_intact(&self) -> bool {
+        self.fault_count == 0
+    }
+}
+
+/// Checks an audit file line by line.
+pub struct Auditor {
+    start: LogStart,
+    checkpoint: Checkpoint,
+    leaves: LeafRange,
+    /// Number of the last entry.
+    number: u64,
+    /// Values of reports that were queued before this time may be emptied.
+    emptied_before: Option<DateTime>,
+    deliveries: Deliveries,
+    is_proven: bool,
+    outcome: Audit,
+}
+
+impl Auditor {
+    /// Begins with a signed checkpoint, the key of the log, and the first line of the file. Values
+    /// may be missing only of reports that were queued before `emptied_before`.
+    ///
+    /// # Errors
+    /// [`AuditError`] where the checkpoint is not signed with the key, or belongs to another log.
+    pub fn new(
+        checkpoint: &str,
+        key: &VerifierKey,
+        first_line: &str,
+        emptied_before: Option<DateTime>,
+    ) -> Result<Self, AuditError> {
+        let note = SignedNote::parse(checkpoint).map_err(AuditError::Signature)?;
+        note.verify([key]).map_err(AuditError::Signature)?;
+        let checkpoint: Checkpoint = note.text().parse().map_err(AuditError::Checkpoint)?;
+        let first: AuditStart = serde_json::from_str(first_line).map_err(|_| AuditError::Start)?;
+        let start: LogStart =
+            serde_json::from_str(&first.log_start).map_err(|_| AuditError::Start)?;
+        if start.origin() != checkpoint.origin || checkpoint.origin != key.name() {
+            return Err(AuditError::OtherLog {
+                checkpoint: checkpoint.origin,
+                file: start.origin(),
+            });
+        }
+        let leaves = first.leaves_before(&start).ok_or(AuditError::Start)?;
+        let mut auditor = Self {
+            deliveries: Deliveries::new(first.number == 0),
+            number: first.number,
+            is_proven: false,
+            outcome: Audit { origin: checkpoint.origin.clone(), ..Audit::default() },
+            emptied_before,
+            start,
+            checkpoint,
+            leaves,
+        };
+        auditor.compare_root();
+        Ok(auditor)
+    }
+
+    /// Checks the next entry.
+    pub fn take(&mut self, line: &str) {
+        self.number += 1;
+        let Ok(line) = serde_json::from_str::<AuditEntry>(line) else {
+            return self.fault("the line cannot be read");
+        };
+        self.leaves.append(leaf_hash(line.entry.as_bytes()));
+        if self.leaves.end() <= self.checkpoint.size {
+            self.outcome.entries_proven += 1;
+        } else {
+            self.outcome.entries_after += 1;
+        }
+        self.compare_root();
+        let Ok(entry) = serde_json::from_str::<LedgerEntry>(&line.entry) else {
+            return self.fault("the entry cannot be read");
+        };
+        if entry.recipient != self.start.recipient || entry.number != self.number {
+            self.fault("the entry stands in another's place");
+        }
+        let has_report = line.report.is_some()
+            || line.salt.is_some()
+            || line.sent_at.is_some()
+            || line.message_id.is_some()
+            || line.delivered_at.is_some();
+        if matches!(entry.event, Event::Queued { .. }) {
+            self.compare_values(&entry, &line);
+        } else if has_report {
+            self.fault("the entry has the report of another");
+        }
+        if let Err(fault) = self.deliveries.take(&entry, &line) {
+            self.fault(fault);
+        }
+    }
+
+    /// Ends the audit.
+    #[must_use]
+    pub fn finish(mut self) -> Audit {
+        for number in std::mem::take(&mut self.deliveries).wrong() {
+            self.number = number;
+            self.fault("time or message of the delivery is not the one that was entered");
+        }
+        if !self.is_proven {
+            self.number = self.checkpoint.size.saturating_sub(1);
+            self.fault("the checkpoint covers entries that the file does not have");
+        }
+        self.outcome
+    }
+
+    fn compare_root(&mut self) {
+        if self.leaves.end() != self.checkpoint.size {
+            return;
+        }
+        self.is_proven = true;
+        if self.leaves.root() != self.checkpoint.root {
+            self.fault("the entries up to here are not those of the checkpoint");
+        }
+    }
+
+    fn compare_values(&mut self, entry: &LedgerEntry, line: &AuditEntry) {
+        let Event::Queued { range, values, .. } = &entry.event else { return };
+        match (&line.report, &line.salt) {
+            (Some(report), Some(salt)) => {
+                self.outcome.values_compared += 1;
+                let root = hex::decode(salt).ok();
+                let root = root.and_then(|salt| values_root(report.get(), &salt).ok());
+                if root.map(hex::encode).as_ref() != Some(values) {
+                    self.fault("the values are not those that were reported");
+                }
+            }
+            (None, None) => {
+                self.outcome.values_emptied += 1;
+                if self.emptied_before.is_none_or(|before| entry.recorded_at >= before) {
+                    self.fault("the values are missing");
+                }
+            }
+            _ => self.fault("the values were removed in part"),
+        }
+        if range.first_sequence != range.last_sequence {
+            self.fault("the entry is about several reports");
+        }
+    }
+
+    fn fault(&mut self, message: &str) {
+        self.outcome.fault_count += 1;
+        if self.outcome.fault_list.len() < FAULTS_MAX {
+            self.outcome.fault_list.push(LedgerFault {
+                recipient: self.start.recipient.to_string(),
+                number: self.number,
+                message: message.to_owned(),
+            });
+        }
+    }
+}
+
+impl AuditStart {
+    fn leaves_before(&self, start: &LogStart) -> Option<LeafRange> {
+        // The text that is hashed has one form only.
+        if start.canonical() != self.log_start {
+            return None;
+        }
+        let hash = |text: &String| hex::decode(text).ok()?.try_into().ok();
+        let hashes = self.leaves.iter().map(hash).collect::<Option<Vec<_>>>()?;
+        let size = self.number.checked_sub(start.number)?.checked_add(1)?;
+        let leaves = LeafRange::from_hashes(0, size, hashes)?;
+        let is_first = size == 1 && leaves.root() != leaf_hash(self.log_start.as_bytes());
+        (!is_first).then_some(leaves)
+    }
+}
