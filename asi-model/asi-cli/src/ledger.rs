@@ -38,6 +38,7 @@ pub enum LedgerCommand {
     },
 }
 
+/// Carries out a command.
 pub fn run(command: LedgerCommand, out: &mut dyn Write) -> anyhow::Result<CommandOutcome> {
     let LedgerCommand::Verify { file, checkpoint, key, emptied_before } = command;
     let open =

@@ -5,13 +5,14 @@
 //! [`AuditEntry`], in the order of the chain.
 
 mod delivery;
+mod file;
 #[cfg(test)]
 mod tests;
 
-use asi_model::{DateTime, MessageId};
+use asi_model::DateTime;
 use delivery::Deliveries;
-use serde::{Deserialize, Serialize};
-use serde_json::value::RawValue;
+pub use file::{AuditEntry, AuditStart};
+use serde::Serialize;
 use transparency_log::{
     Checkpoint, CheckpointError, LeafRange, NoteError, SignedNote, VerifierKey, leaf_hash,
 };
@@ -20,36 +21,6 @@ use super::{Event, LedgerEntry, LedgerFault, LogStart, values_root};
 
 /// Most faults that are listed; further ones are only counted.
 const FAULTS_MAX: usize = 100;
-
-/// First line of an audit file: where the present entries continue.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase", deny_unknown_fields)]
-pub struct AuditStart {
-    /// The text of the log's first leaf.
-    pub log_start: String,
-    /// Number of the last entry before those of the file.
-    pub number: u64,
-    /// Hashes of the largest perfect subtrees over the leaves before, hexadecimal.
-    pub leaves: Vec<String>,
-}
-
-/// An entry with what belongs to it.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase", deny_unknown_fields)]
-pub struct AuditEntry {
-    /// The canonical text of the entry.
-    pub entry: String,
-    /// The DataSetMessage of a QUEUED entry, byte by byte; none once retention has emptied it.
-    pub report: Option<Box<RawValue>>,
-    /// The salt of its hashes, hexadecimal.
-    pub salt: Option<String>,
-    /// Time at which the broker accepted the report last.
-    pub sent_at: Option<DateTime>,
-    /// The message in which it left last.
-    pub message_id: Option<MessageId>,
-    /// Time at which the platform receipted it last.
-    pub delivered_at: Option<DateTime>,
-}
 
 /// Reason that an audit cannot begin.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -245,20 +216,5 @@ impl Auditor {
                 message: message.to_owned(),
             });
         }
-    }
-}
-
-impl AuditStart {
-    fn leaves_before(&self, start: &LogStart) -> Option<LeafRange> {
-        // The text that is hashed has one form only.
-        if start.canonical() != self.log_start {
-            return None;
-        }
-        let hash = |text: &String| hex::decode(text).ok()?.try_into().ok();
-        let hashes = self.leaves.iter().map(hash).collect::<Option<Vec<_>>>()?;
-        let size = self.number.checked_sub(start.number)?.checked_add(1)?;
-        let leaves = LeafRange::from_hashes(0, size, hashes)?;
-        let is_first = size == 1 && leaves.root() != leaf_hash(self.log_start.as_bytes());
-        (!is_first).then_some(leaves)
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use asi_model::{DateTime, MessageId};
 
-use super::AuditEntry;
+use super::file::AuditEntry;
 use crate::{Event, LedgerEntry, SequenceRange};
 
 /// Writer, epoch and sequence number of a report.
