@@ -74,6 +74,40 @@ fn ledger_is_as_written(places: &Places, factory_id: &str, expected: &Value) -> 
     entries(&export)
 }
 
+/// Proves each chain by a file of it and the last checkpoint, without the store.
+fn logs_are_proven(places: &Places, factory_id: &str, export: &str) {
+    let recipient = |line: &str| -> String {
+        let line: Value = serde_json::from_str(line).unwrap();
+        let entry: Value = serde_json::from_str(line["entry"].as_str().unwrap()).unwrap();
+        entry["recipient"].as_str().unwrap().to_owned()
+    };
+    let recipients: BTreeSet<String> = export.lines().map(recipient).collect();
+    assert!(!recipients.is_empty());
+    for recipient in recipients {
+        let of = ["--recipient", &recipient];
+        let command = |name, more: &[&str]| {
+            connector_command(places, factory_id, &[&["ledger", name], &of[..], more].concat())
+        };
+        let file = |name: &str, content: &str| {
+            let path = places.folder.join(name);
+            std::fs::write(&path, content).unwrap();
+            path
+        };
+        let output = Command::new(binary("asi").unwrap())
+            .args(["ledger", "verify"])
+            .arg(file("audit.jsonl", &command("audit", &[])))
+            .arg("--checkpoint")
+            .arg(file("checkpoint", &command("checkpoint", &[])))
+            .args(["--key", command("checkpoint", &["--key"]).trim()])
+            .output()
+            .unwrap();
+        let told = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success(), "{factory_id} to {recipient}: {told}");
+        let told: Value = serde_json::from_str(&told).unwrap();
+        assert!(told["entriesProven"].as_u64() > Some(1), "{told:#}");
+    }
+}
+
 /// Returns the hashed texts of an export with their hashes. Beside them an export says what became
 /// of each report, which goes on.
 fn entries(export: &str) -> BTreeSet<String> {
@@ -240,5 +274,6 @@ async fn stores_of_version_0_1_open_verify_and_go_on() {
         let lost: Vec<&String> = former.difference(&entries).collect();
         assert!(lost.is_empty(), "{} former entries of {factory_id} are gone", lost.len());
         assert!(entries.len() > former.len(), "{factory_id} has recorded nothing since");
+        logs_are_proven(&places, factory_id, &export);
     }
 }
