@@ -1,7 +1,9 @@
 //! Pages and API of the factory engineer.
 
 mod accounts;
+mod alliances;
 mod application_certificate;
+mod caps;
 mod client_authorities;
 mod client_certificates;
 mod comments;
@@ -165,6 +167,14 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(guarded!(policies::preview_policy))
         .routes(guarded!(policies::list_recipients))
         .routes(guarded!(policies::put_recipient_policy))
+        .routes(guarded!(alliances::list_alliances))
+        .routes(guarded!(alliances::put_alliance))
+        .routes(guarded!(alliances::list_alliance_versions))
+        .routes(guarded!(alliances::list_alliance_budgets))
+        .routes(guarded!(caps::list_caps))
+        .routes(guarded!(caps::put_cap))
+        .routes(guarded!(caps::list_cap_versions))
+        .routes(guarded!(caps::preview_cap))
         .routes(guarded!(rules::list_rules))
         .routes(guarded!(rules::put_rule))
         .routes(guarded!(rules::list_rule_versions))

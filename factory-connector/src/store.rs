@@ -45,12 +45,12 @@ mod writers;
 
 pub use comments::{Comments, StoredComment};
 use connector_state::{
-    Snapshot, StoredMappings, StoredNetwork, StoredPolicies, Writes,
+    Snapshot, StoredBudgets, StoredMappings, StoredNetwork, StoredPolicies, Writes,
     writes::{
         CarriedFieldRow, CheckpointRow, CommentRow, ConsentRow, ControlRow, DeadLetterRow,
-        DocumentRow, FieldRow, FieldValueRow, NetworkRow, NewReport, RecipientPolicyRow,
-        ReportMove, RevocationRow, RuleDecisionRow, ShadowRow, SourceRow, TemplateRow, VersionRow,
-        WaitingRow, WriterRow,
+        DocumentRow, FieldRow, FieldValueRow, NetworkRow, NewReport, PolicyWrites,
+        RecipientPolicyRow, ReportMove, RevocationRow, RuleDecisionRow, ShadowRow, SourceRow,
+        TemplateRow, VersionRow, WaitingRow, WriterRow,
     },
 };
 pub use control_messages::ControlMessage;

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::{DocumentId, DocumentVersion};
 
-/// Named policies and standing rules that a decision is based on, beside the engineer's own policy.
+/// Named policies, standing rules and caps that a decision is based on, beside the engineer's own
+/// policy.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase", default)]
 pub struct DecisionBasis {
@@ -18,6 +19,9 @@ pub struct DecisionBasis {
     /// consents only.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub policies: Vec<DocumentVersion>,
+    /// The caps that hold the field back, in their versions at that time.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub caps: Vec<DocumentVersion>,
 }
 
 impl DecisionBasis {

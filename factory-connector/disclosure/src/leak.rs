@@ -2,18 +2,29 @@
 //!
 //! Pure: computes figures and warnings from a list of disclosed fields. The figures are upper bounds
 //! of the information in values, statuses and times, for any behaviour of machines and scripts. The
-//! warnings name conclusions that the engineer may
-//! not have intended to allow.
+//! warnings name conclusions that the engineer may not have intended to allow. Caps limit the sums
+//! over the fields of a partner and of those whom it tells.
 
+mod alliance;
 mod bits;
+mod cap;
+mod cap_usage;
 mod conclusions;
 mod open_field;
+mod variable;
+mod variable_leak;
 
+pub use alliance::{ALLIANCE_MEMBERS_MAX, Alliance, readers};
 use asi_model::FieldKey;
-use bits::{bits_per_hour, bits_per_value};
+pub use bits::bits_per_hour;
+use bits::bits_per_value;
+pub use cap::{BITS_PER_HOUR_MAX, Cap, CapExcess, CapSubject};
+pub use cap_usage::{BitSum, CapInForce, CapUsage, Exchange, FieldUse};
 pub use conclusions::{Conclusion, LeakWarning, leak_warnings};
 pub use open_field::{Measured, OpenField};
 use serde::Serialize;
+pub use variable::VariableKey;
+pub use variable_leak::{VariableLeak, variable_leaks};
 
 use super::{
     Statement,
@@ -52,6 +63,8 @@ pub struct LeakBudget {
     pub values_per_hour_measured: f64,
     /// Most bits per hour in values, statuses and times; none when a field has no limit.
     pub bits_per_hour_max: Option<f64>,
+    /// The same by variable: the sum over all fields that rest on it.
+    pub variables: Vec<VariableLeak>,
     pub warnings: Vec<LeakWarning>,
 }
 
@@ -65,8 +78,8 @@ pub fn leak_budget(open: &[OpenField<'_>]) -> LeakBudget {
             statement: Statement::of(field.policy, field.definition.unit.as_deref()),
             values_per_hour_max: values_per_hour_max(field.policy),
             measured: field.measured,
-            bits_per_value: bits_per_value(field),
-            bits_per_hour_max: bits_per_hour(field),
+            bits_per_value: bits_per_value(field.definition, field.policy),
+            bits_per_hour_max: bits_per_hour(field.definition, field.policy),
             time_resolution_ms: time_resolution_ms(field.policy),
         })
         .collect();
@@ -77,6 +90,7 @@ pub fn leak_budget(open: &[OpenField<'_>]) -> LeakBudget {
             .filter_map(|field| field.measured.released_per_hour())
             .sum(),
         bits_per_hour_max: fields.iter().map(|field| field.bits_per_hour_max).sum(),
+        variables: variable_leaks(open),
         warnings: leak_warnings(open),
         fields,
     }
@@ -112,7 +126,7 @@ pub fn leak_summary(open: &[OpenField<'_>]) -> LeakSummary {
         warnings.iter().map(|warning| warning.conclusion).collect();
     conclusions.dedup();
     let rates = || open.iter().map(|field| values_per_hour_max(field.policy));
-    let bits = || open.iter().map(bits_per_value);
+    let bits = || open.iter().map(|field| bits_per_value(field.definition, field.policy));
     LeakSummary {
         field_count: open.len(),
         values_per_hour_max: rates().sum(),
@@ -120,7 +134,10 @@ pub fn leak_summary(open: &[OpenField<'_>]) -> LeakSummary {
             .iter()
             .filter_map(|field| field.measured.released_per_hour())
             .sum(),
-        bits_per_hour_max: open.iter().map(bits_per_hour).sum(),
+        bits_per_hour_max: open
+            .iter()
+            .map(|field| bits_per_hour(field.definition, field.policy))
+            .sum(),
         bits_per_value_max: bits().try_fold(0.0, |most: f64, bits| Some(most.max(bits?))),
         time_resolution_ms: open
             .iter()

@@ -37,8 +37,10 @@ pub use faults::PolicyFault;
 pub use gate::{Gate, GateOutcome, GateState, gate_from_json, gate_to_json};
 pub use language::Language;
 pub use leak::{
-    Conclusion, FieldLeak, LeakBudget, LeakSummary, LeakWarning, Measured, OpenField, leak_budget,
-    leak_summary, leak_warnings,
+    ALLIANCE_MEMBERS_MAX, Alliance, BITS_PER_HOUR_MAX, BitSum, Cap, CapExcess, CapInForce,
+    CapSubject, CapUsage, Conclusion, Exchange, FieldLeak, FieldUse, LeakBudget, LeakSummary,
+    LeakWarning, Measured, OpenField, VariableKey, VariableLeak, bits_per_hour, leak_budget,
+    leak_summary, leak_warnings, readers, variable_leaks,
 };
 pub use policy::DisclosurePolicy;
 pub use rate::RateLimit;

@@ -1,4 +1,4 @@
-//! Versioned documents: the common part of named policies and standing rules.
+//! Versioned documents: the common part of named policies, standing rules, alliances and caps.
 
 use asi_model::DateTime;
 use axum::{
@@ -10,7 +10,7 @@ use daemon::web::{Problem, problem::ProblemFault};
 use disclosure::{DocumentId, Versioned};
 use serde::de::DeserializeOwned;
 
-use super::{context::Api, view::Page};
+use super::{context::Api, problems::over_cap, view::Page};
 use crate::store::DocumentKind;
 
 /// Stores a version in an engineer's name, provided that `If-Match`, if given, names the present one.
@@ -57,6 +57,7 @@ pub(super) fn document_problem(error: DocumentError) -> Problem {
         DocumentError::Unknown(id) => Problem::not_found(format_args!("policy {id}")),
         DocumentError::Changed(_) => Problem::conflict("CHANGED", format!("{error}.")),
         DocumentError::TooMany => Problem::conflict("LIMIT_REACHED", format!("{error}.")),
+        DocumentError::OverCap(excesses) => over_cap(&excesses, ""),
         DocumentError::Faults(faults) => {
             let faults = faults
                 .into_iter()

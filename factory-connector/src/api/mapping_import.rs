@@ -10,11 +10,15 @@ use connector_state::{
     use_cases::import_mappings::{MappingImport, import_mappings},
 };
 use daemon::web::{Problem, problem::ProblemFault};
+use disclosure::CapExcess;
 use mapping_engine::{Mapping, MappingDiagnostic, Severity};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::{context::Api, problems::engine};
+use super::{
+    context::Api,
+    problems::{engine, over_cap_fault},
+};
 
 /// Most faults in one answer.
 const FAULTS_MAX: usize = 1000;
@@ -79,7 +83,7 @@ pub(super) async fn import(
         templates: 0,
         items: Vec::new(),
     };
-    let (mut changes, mut targets) = (Vec::new(), HashSet::new());
+    let (mut changes, mut pointers, mut targets) = (Vec::new(), Vec::new(), HashSet::new());
     for (pointer, validated) in validate_for_fields(api, submitted).await? {
         let (mapping, placed) = match validated {
             Ok(validated) => validated,
@@ -105,15 +109,45 @@ pub(super) async fn import(
         faults.extend(errors.map(|error| invalid(error, &pointer)));
         outcome.items.push(ImportedMapping { key: mapping.target.clone(), outcome: placed });
         let (author, note) = (options.author.to_owned(), options.note.map(str::to_owned));
+        pointers.push((pointer, mapping.clone()));
         changes.push(MappingImport { mapping, author, note });
     }
     if !faults.is_empty() {
         return Err(nothing_imported(faults));
     }
-    if !options.is_dry_run && !changes.is_empty() {
-        api.coordinator.execute(|state, now| import_mappings(state, changes, now)).await?;
+    let excesses = if options.is_dry_run || changes.is_empty() {
+        let read = api.coordinator.read(move |state| {
+            queries::import_excesses(state, changes.iter().map(|change| &change.mapping))
+        });
+        read.await?
+    } else {
+        let imported =
+            api.coordinator.execute(|state, now| import_mappings(state, changes, now)).await?;
+        imported.err().unwrap_or_default()
+    };
+    if excesses.is_empty() {
+        Ok(outcome)
+    } else {
+        Err(nothing_imported(over_cap(&excesses, &pointers)))
     }
-    Ok(outcome)
+}
+
+/// Returns a fault for each input that reads a variable under a cap that the import would exceed.
+fn over_cap(excesses: &[CapExcess], mappings: &[(String, Mapping)]) -> Vec<ProblemFault> {
+    let mut faults = Vec::new();
+    for excess in excesses {
+        for (pointer, mapping) in mappings {
+            let inputs = mapping.inputs.iter().enumerate().filter(|(_, input)| {
+                excess.variable.as_ref().is_none_or(|variable| {
+                    variable.source_id == input.source_id && variable.node_id == input.node_id
+                })
+            });
+            faults.extend(inputs.map(|(index, _)| {
+                over_cap_fault(excess, format!("{pointer}/inputs/{index}/nodeId"))
+            }));
+        }
+    }
+    faults
 }
 
 /// Pointer of a mapping, and the mapping with the types of its field or the mismatches.

@@ -2,6 +2,7 @@
 
 use connector_state::use_cases::decide::DecisionError;
 use daemon::web::{Problem, problem::ProblemFault};
+use disclosure::CapExcess;
 use mapping_engine::{EngineError, MappingDiagnostic, Severity};
 use shop_floor::ShopFloorError;
 use utoipa::IntoResponses;
@@ -60,12 +61,26 @@ pub(super) fn decision_problem(error: DecisionError) -> Problem {
                 faults,
             )
         }
+        DecisionError::OverCap(excesses) => over_cap(&excesses, "/disclosure"),
         DecisionError::DecidedSince => Problem::conflict(
             "DECIDED_SINCE",
             "Something else was decided about the field since; read it again.",
         ),
         other => Problem::unprocessable("INVALID_DECISION", format!("{other}."), Vec::new()),
     }
+}
+
+/// Returns the problem of a change that would let partners learn more than caps allow; `pointer` is
+/// the member that would do so.
+pub(super) fn over_cap(excesses: &[CapExcess], pointer: &str) -> Problem {
+    let faults = excesses.iter().map(|excess| over_cap_fault(excess, pointer.to_owned()));
+    let detail = "Partners would get more information than a cap allows. Nothing was changed.";
+    Problem::unprocessable("OVER_CAP", detail, faults.collect())
+}
+
+/// Returns the fault at `pointer`, which would let partners learn more than a cap allows.
+pub(super) fn over_cap_fault(excess: &CapExcess, pointer: String) -> ProblemFault {
+    ProblemFault { pointer, code: "OVER_CAP".to_owned(), message: excess.to_string() }
 }
 
 impl From<CoordinatorError> for Problem {

@@ -21,6 +21,10 @@ pub(super) fn write(record: &LogRecord) {
         LogRecord::RuleNotApplied { field, reason } => {
             tracing::warn!(%field, reason, "A standing rule could not be applied; the field waits for an engineer.");
         }
+        LogRecord::FieldsHeldBack { cap, field_count } => {
+            metrics::counter!("verbund_fields_held_back_total").increment(*field_count as u64);
+            tracing::warn!(%cap, fields = field_count, "A cap holds fields back: their consents ended.");
+        }
         LogRecord::RequestEnded { field } => {
             tracing::info!(%field, "The request's validity has ended; nothing of the field is disclosed any more.");
         }

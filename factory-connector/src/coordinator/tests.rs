@@ -4,6 +4,7 @@
 #![allow(clippy::disallowed_methods, reason = "tests run by the machine's clock")]
 
 mod answers;
+mod caps;
 mod crash;
 mod failures;
 mod lease;

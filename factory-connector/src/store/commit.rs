@@ -3,10 +3,10 @@
 use rusqlite::Connection;
 
 use super::{
-    Writes, carried_fields, comments, consents, control_messages, dead_letters, fields, identity,
-    ledger, mapping_templates, mapping_versions, networks, operator_entries, policy_documents,
-    received_messages, recipient_policies, reports, revocations, rule_decisions, shadow_mappings,
-    sources, writers,
+    DocumentKind, PolicyWrites, Writes, carried_fields, comments, consents, control_messages,
+    dead_letters, fields, identity, ledger, mapping_templates, mapping_versions, networks,
+    operator_entries, policy_documents, received_messages, recipient_policies, reports,
+    revocations, rule_decisions, shadow_mappings, sources, writers,
 };
 
 /// Writes the rows of every noun.
@@ -23,14 +23,7 @@ pub(super) fn write(connection: &Connection, writes: &Writes) -> rusqlite::Resul
     shadow_mappings::write(connection, &writes.mappings.shadows)?;
     let (templates, removed) = (&writes.mappings.templates, &writes.mappings.removed_templates);
     mapping_templates::write(connection, templates, removed)?;
-    policy_documents::write_policies(connection, &writes.policies.named)?;
-    policy_documents::write_rules(connection, &writes.policies.rules)?;
-    recipient_policies::write(connection, &writes.policies.recipients)?;
-    rule_decisions::write(
-        connection,
-        &writes.policies.rule_decisions,
-        &writes.policies.undone_rule_decisions,
-    )?;
+    write_policies(connection, &writes.policies)?;
     write_spool(connection, writes)?;
     write_ledger(connection, writes)?;
     sources::write(connection, &writes.sources.put, &writes.sources.removed)?;
@@ -42,6 +35,15 @@ pub(super) fn write(connection: &Connection, writes: &Writes) -> rusqlite::Resul
         identity::write_lease(connection, is_held)?;
     }
     Ok(())
+}
+
+fn write_policies(connection: &Connection, writes: &PolicyWrites) -> rusqlite::Result<()> {
+    policy_documents::write(connection, DocumentKind::Policy, &writes.named)?;
+    policy_documents::write(connection, DocumentKind::Rule, &writes.rules)?;
+    policy_documents::write(connection, DocumentKind::Alliance, &writes.alliances)?;
+    policy_documents::write(connection, DocumentKind::Cap, &writes.caps)?;
+    recipient_policies::write(connection, &writes.recipients)?;
+    rule_decisions::write(connection, &writes.rule_decisions, &writes.undone_rule_decisions)
 }
 
 fn write_spool(connection: &Connection, writes: &Writes) -> rusqlite::Result<()> {

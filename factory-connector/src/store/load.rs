@@ -1,6 +1,9 @@
 //! Snapshot of the store, read at a start and after a failed transaction.
 
-use super::{Snapshot, StoredMappings, StoredPolicies, error::StoreError, session::StoreSession};
+use super::{
+    Snapshot, StoredBudgets, StoredMappings, StoredPolicies, error::StoreError,
+    session::StoreSession,
+};
 
 /// Reads everything that the connector has in memory.
 pub(super) async fn load(session: &mut StoreSession) -> Result<Snapshot, StoreError> {
@@ -24,6 +27,10 @@ pub(super) async fn load(session: &mut StoreSession) -> Result<Snapshot, StoreEr
             rules: session.policy_documents().newest_rules().await?,
             recipients: session.recipient_policies().newest().await?,
             last_rule_decision: session.rule_decisions().last_id().await?,
+        },
+        budgets: StoredBudgets {
+            alliances: session.policy_documents().newest_alliances().await?,
+            caps: session.policy_documents().newest_caps().await?,
         },
     })
 }

@@ -19,6 +19,7 @@ const MIGRATIONS: &[(i64, &str, &str)] = &[
     (40, "places", include_str!("../../migrations/0040_places.sql")),
     (41, "recipient list", include_str!("../../migrations/0041_recipient_list.sql")),
     (42, "ledger logs", include_str!("../../migrations/0042_ledger_logs.sql")),
+    (43, "caps", include_str!("../../migrations/0043_caps.sql")),
 ];
 
 /// Brings the tables up to date.

@@ -1,6 +1,6 @@
-//! Named policies and standing rules: every version of both is stored.
+//! Named policies, standing rules, alliances and caps: every version is stored.
 
-use disclosure::{DocumentId, DocumentVersion, NamedPolicy, Rule, Versioned};
+use disclosure::{Alliance, Cap, DocumentId, DocumentVersion, NamedPolicy, Rule, Versioned};
 use rusqlite::Connection;
 use serde::de::DeserializeOwned;
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
@@ -18,6 +18,8 @@ use super::{
 pub enum DocumentKind {
     Policy,
     Rule,
+    Alliance,
+    Cap,
 }
 
 impl DocumentKind {
@@ -25,6 +27,8 @@ impl DocumentKind {
         match self {
             Self::Policy => "policy_version",
             Self::Rule => "rule_version",
+            Self::Alliance => "alliance_version",
+            Self::Cap => "cap_version",
         }
     }
 
@@ -32,11 +36,13 @@ impl DocumentKind {
         match self {
             Self::Policy => "policy_id",
             Self::Rule => "rule_id",
+            Self::Alliance => "alliance_id",
+            Self::Cap => "cap_id",
         }
     }
 }
 
-/// Repository of named policies and standing rules.
+/// Repository of named policies, standing rules, alliances and caps.
 pub struct PolicyDocuments<'c>(pub(super) &'c mut SqliteConnection);
 
 impl PolicyDocuments<'_> {
@@ -56,7 +62,23 @@ impl PolicyDocuments<'_> {
         self.newest(DocumentKind::Rule).await
     }
 
-    /// Reads the last thousand versions of a policy or rule, newest first.
+    /// Reads the newest version of each alliance.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn newest_alliances(&mut self) -> Result<Vec<Versioned<Alliance>>, StoreError> {
+        self.newest(DocumentKind::Alliance).await
+    }
+
+    /// Reads the newest version of each cap.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn newest_caps(&mut self) -> Result<Vec<Versioned<Cap>>, StoreError> {
+        self.newest(DocumentKind::Cap).await
+    }
+
+    /// Reads the last thousand versions of a document, newest first.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -71,7 +93,7 @@ impl PolicyDocuments<'_> {
             kind.id_column()
         );
         let query = query(sql).bind(id.as_str().to_owned());
-        let action = "read the versions of a policy or rule";
+        let action = "read the versions of a document";
         all(self.0, query, action, |row| versioned(row, kind)).await
     }
 
@@ -86,7 +108,10 @@ impl PolicyDocuments<'_> {
             id = kind.id_column(),
             table = kind.table()
         );
-        all(self.0, query(sql), "read the policies and rules", |row| versioned(row, kind)).await
+        all(self.0, query(sql), "read the policies, rules, alliances and caps", |row| {
+            versioned(row, kind)
+        })
+        .await
     }
 }
 
@@ -102,25 +127,30 @@ fn versioned<T: DeserializeOwned>(
     })
 }
 
-/// Stores new versions of named policies.
-pub(super) fn write_policies(
+/// Stores new versions of documents of a kind.
+pub(super) fn write(
     connection: &Connection,
+    kind: DocumentKind,
     rows: &[DocumentRow],
 ) -> rusqlite::Result<()> {
-    let statement =
-        "INSERT INTO policy_version (policy_id, version, document, changed_by, changed_at)
-                     VALUES (?, ?, ?, ?, ?)";
-    write(connection, statement, rows)
-}
-
-/// Stores new versions of standing rules.
-pub(super) fn write_rules(connection: &Connection, rows: &[DocumentRow]) -> rusqlite::Result<()> {
-    let statement = "INSERT INTO rule_version (rule_id, version, document, changed_by, changed_at)
-                     VALUES (?, ?, ?, ?, ?)";
-    write(connection, statement, rows)
-}
-
-fn write(connection: &Connection, statement: &str, rows: &[DocumentRow]) -> rusqlite::Result<()> {
+    let statement = match kind {
+        DocumentKind::Policy => {
+            "INSERT INTO policy_version (policy_id, version, document, changed_by, changed_at)
+             VALUES (?, ?, ?, ?, ?)"
+        }
+        DocumentKind::Rule => {
+            "INSERT INTO rule_version (rule_id, version, document, changed_by, changed_at)
+             VALUES (?, ?, ?, ?, ?)"
+        }
+        DocumentKind::Alliance => {
+            "INSERT INTO alliance_version (alliance_id, version, document, changed_by, changed_at)
+             VALUES (?, ?, ?, ?, ?)"
+        }
+        DocumentKind::Cap => {
+            "INSERT INTO cap_version (cap_id, version, document, changed_by, changed_at)
+             VALUES (?, ?, ?, ?, ?)"
+        }
+    };
     write_rows(connection, statement, rows, |row| {
         (
             row.key.id.as_str(),

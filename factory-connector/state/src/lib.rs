@@ -1,5 +1,5 @@
 //! State of a factory connector: networks, requested fields with their gates, data set writers,
-//! policies, journals of operators, and the ends of the ledger's chains.
+//! policies, caps, journals of operators, and the ends of the ledger's chains.
 //!
 //! Pure: no I/O, no clock, no task, no database. Each registry owns its data behind private fields;
 //! [`ConnectorState`] only composes them. A use case ([`use_cases`]) is a function of state, input
@@ -8,9 +8,11 @@
 //! [`Effects`] that follow once these are committed. [`transaction`] turns the change sets of one
 //! transaction into what is committed; its types fix the order of the steps.
 
+mod budgets;
 mod change_set;
 mod consents;
 mod dependencies;
+mod documents;
 mod effects;
 mod fields;
 mod gates;
@@ -37,7 +39,9 @@ pub mod use_cases;
 mod writers;
 pub mod writes;
 
+pub use budgets::BudgetRegistry;
 pub use change_set::ChangeSet;
+pub use documents::DocumentError;
 pub use effects::{
     ConnectorEvent, DecisionCounts, Effects, EngineCommand, FieldEvent, LinkSignals, TwinUpdate,
 };
@@ -51,9 +55,9 @@ pub use ledger_chains::LedgerChains;
 pub use load::UnreadableState;
 pub use log_record::LogRecord;
 pub use networks::{Network, NetworkRegistry};
-pub use policies::{DocumentError, PolicyRegistry};
+pub use policies::PolicyRegistry;
 pub use recipient_policy::RecipientPolicy;
-pub use snapshot::{Snapshot, StoredMappings, StoredNetwork, StoredPolicies};
+pub use snapshot::{Snapshot, StoredBudgets, StoredMappings, StoredNetwork, StoredPolicies};
 pub use state::{ConnectorState, StateConfig};
 pub use writers::{Writer, WriterRegistry};
 pub use writes::Writes;

@@ -16,6 +16,7 @@ use crate::{
     queries::effective_policy,
     snapshot::StoredMappings,
     transaction::begin_epoch,
+    use_cases::caps::hold_back,
     writes::{FieldRow, FieldValueRow, ShadowRow},
 };
 
@@ -52,6 +53,7 @@ impl ConnectorState {
             fields: FieldRegistry::after(snapshot.last_field),
             writers: WriterRegistry::default(),
             policies: snapshot.policies.into(),
+            budgets: snapshot.budgets.into(),
             journals: JournalRegistry::default(),
             ledger: LedgerChains::new(
                 config.factory_id.clone(),
@@ -92,6 +94,8 @@ impl ConnectorState {
             }
         }
         publish_everything(&state, &mut changes);
+        // Another version of the program may count more than the former one.
+        hold_back(&mut state, &mut changes, now);
         Ok((state, changes))
     }
 }

@@ -1,6 +1,7 @@
 //! Records for the log: what a transaction did, written once it is committed.
 
 use asi_model::{FieldKey, MessageId, OperationNetworkId, RequestKey};
+use disclosure::DocumentId;
 
 /// A record for the log (OpenTelemetry's LogRecord). It has no values of the plant.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -15,6 +16,8 @@ pub enum LogRecord {
     RulesDecided { network: OperationNetworkId, field_count: usize },
     /// A standing rule could not be applied to a field, which waits for an engineer.
     RuleNotApplied { field: FieldKey, reason: String },
+    /// Consents ended, since a cap holds their fields back.
+    FieldsHeldBack { cap: DocumentId, field_count: usize },
     /// The validity of a field's request has ended.
     RequestEnded { field: FieldKey },
     /// A request has no data set writer: all DataSetWriterIds are taken.

@@ -3,35 +3,18 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use asi_model::{DateTime, OrganisationId};
-use disclosure::{
-    DOCUMENTS_MAX, DisclosurePolicy, DocumentId, DocumentVersion, NamedPolicy, Rule, RuleFault,
-    Versioned,
-};
-use serde::Serialize;
+use disclosure::{DisclosurePolicy, DocumentId, DocumentVersion, NamedPolicy, Rule, Versioned};
 
 use crate::{
-    Field, recipient_policy::RecipientPolicy, snapshot::StoredPolicies, writes::DocumentRow,
+    DocumentError, Field,
+    documents::{by_id, next_version, put},
+    recipient_policy::RecipientPolicy,
+    snapshot::StoredPolicies,
+    writes::DocumentRow,
 };
 
-/// Reason for which a document is not stored.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum DocumentError {
-    /// No document has this id.
-    #[error("there is no document {0}")]
-    Unknown(DocumentId),
-    /// Another user changed it meanwhile; this is the version now.
-    #[error("another person has changed it meanwhile; read version {0} and decide again")]
-    Changed(u32),
-    /// The number of documents is at its limit.
-    #[error("there are {DOCUMENTS_MAX} documents already; retire some")]
-    TooMany,
-    /// The document has faults.
-    #[error("the document is wrong")]
-    Faults(Vec<RuleFault>),
-}
-
 /// Owner of policies and standing rules.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct PolicyRegistry {
     named: BTreeMap<DocumentId, Versioned<NamedPolicy>>,
     rules: BTreeMap<DocumentId, Versioned<Rule>>,
@@ -161,40 +144,4 @@ impl PolicyRegistry {
 /// Returns a policy as far as it makes sense for a field's type.
 pub(crate) fn fitted(policy: &DisclosurePolicy, field: &Field) -> DisclosurePolicy {
     policy.fitted_to(field.definition().field_type.0, field.is_array())
-}
-
-fn by_id<T>(documents: Vec<Versioned<T>>) -> BTreeMap<DocumentId, Versioned<T>> {
-    documents.into_iter().map(|document| (document.key.id.clone(), document)).collect()
-}
-
-fn put<T: Serialize>(
-    documents: &mut BTreeMap<DocumentId, Versioned<T>>,
-    id: &DocumentId,
-    document: T,
-    expected: Option<u32>,
-    (by, now): (&str, DateTime),
-) -> Result<DocumentRow, DocumentError> {
-    let known = documents.get(id).map(|known| known.key.version);
-    let version = next_version(known, expected, documents.len())?;
-    let key = DocumentVersion { id: id.clone(), version };
-    let row = DocumentRow::new(&key, &document, by, now);
-    let stored = Versioned { key, document, changed_by: by.to_owned(), changed_at: now };
-    documents.insert(id.clone(), stored);
-    Ok(row)
-}
-
-/// Returns the next version, where nobody else was faster and the limit is not reached.
-fn next_version(
-    known: Option<u32>,
-    expected: Option<u32>,
-    count: usize,
-) -> Result<u32, DocumentError> {
-    let version = known.unwrap_or(0);
-    if expected.is_some_and(|expected| expected != version) {
-        return Err(DocumentError::Changed(version));
-    }
-    if known.is_none() && count >= DOCUMENTS_MAX {
-        return Err(DocumentError::TooMany);
-    }
-    Ok(version + 1)
 }

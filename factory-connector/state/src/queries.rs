@@ -1,5 +1,6 @@
 //! Queries that concern more than one registry of the state. None changes it.
 
+mod caps;
 mod disclosed;
 mod mapping_import;
 mod open_fields;
@@ -9,6 +10,8 @@ mod report_frame;
 mod rule_offers;
 mod suggestion_context;
 
+pub use caps::{HeldBack, cap_preview, cap_usage, fields_held_back, import_excesses, variables_of};
+pub(crate) use caps::{Supposed, exchanges, held_back};
 pub(crate) use disclosed::fields_named_by;
 pub use disclosed::{draft_gate, withholding_faults, write_refusal};
 pub use mapping_import::{FieldMismatch, ImportEffect, import_effect, validate_for_field};

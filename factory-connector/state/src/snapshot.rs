@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use asi_model::{DateTime, OperationNetworkId, OrganisationId, messages::OperationNetworkMessage};
-use disclosure::{NamedPolicy, Rule, Versioned};
+use disclosure::{Alliance, Cap, NamedPolicy, Rule, Versioned};
 use ledger::{Heads, Logs};
 
 use crate::{
@@ -45,6 +45,13 @@ pub struct StoredPolicies {
     pub last_rule_decision: i64,
 }
 
+/// Stored alliances and caps, each in its newest version.
+#[derive(Debug, Default)]
+pub struct StoredBudgets {
+    pub alliances: Vec<Versioned<Alliance>>,
+    pub caps: Vec<Versioned<Cap>>,
+}
+
 /// Everything that [`ConnectorState`](crate::ConnectorState) is loaded from.
 #[derive(Debug, Default)]
 pub struct Snapshot {
@@ -67,4 +74,5 @@ pub struct Snapshot {
     pub operator_entries: Vec<OperatorEntry>,
     pub mappings: StoredMappings,
     pub policies: StoredPolicies,
+    pub budgets: StoredBudgets,
 }

@@ -10,8 +10,8 @@ use asi_model::{
 };
 
 use crate::{
-    ChangeSet, Field, FieldRegistry, IdSource, JournalRegistry, LedgerChains, NetworkRegistry,
-    PolicyRegistry, WriterRegistry,
+    BudgetRegistry, ChangeSet, Field, FieldRegistry, IdSource, JournalRegistry, LedgerChains,
+    NetworkRegistry, PolicyRegistry, WriterRegistry,
     operator::{Journal, OperationKey},
     writes::ControlRow,
 };
@@ -31,6 +31,7 @@ pub struct ConnectorState {
     pub(crate) fields: FieldRegistry,
     pub(crate) writers: WriterRegistry,
     pub(crate) policies: PolicyRegistry,
+    pub(crate) budgets: BudgetRegistry,
     pub(crate) journals: JournalRegistry,
     pub(crate) ledger: LedgerChains,
     pub(crate) ids: IdSource,
@@ -67,6 +68,12 @@ impl ConnectorState {
     #[must_use]
     pub const fn policies(&self) -> &PolicyRegistry {
         &self.policies
+    }
+
+    /// Returns alliances and caps.
+    #[must_use]
+    pub const fn budgets(&self) -> &BudgetRegistry {
+        &self.budgets
     }
 
     /// Returns the ends of the ledger's chains.

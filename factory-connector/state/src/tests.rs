@@ -1,5 +1,6 @@
 //! Use cases and transactions on a small plant.
 
+mod caps;
 mod decisions;
 mod entries;
 mod mappings;

@@ -4,6 +4,8 @@
 //! [`ChangeSet`](crate::ChangeSet): there are many per second, so the registries note which fields
 //! have values to report, and the transaction collects them once.
 
+pub mod alliances;
+pub mod caps;
 pub mod comments;
 pub mod configuration;
 pub mod decide;

@@ -43,7 +43,7 @@ pub struct Writes {
     pub messages: MessageWrites,
     /// Entries of operators.
     pub operator_entries: Vec<OperatorEntry>,
-    /// Policies, standing rules and their decisions.
+    /// Policies, standing rules and their decisions, alliances and caps.
     pub policies: PolicyWrites,
     /// Sources of values.
     pub sources: SourceWrites,

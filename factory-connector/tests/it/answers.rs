@@ -117,6 +117,7 @@ async fn every_operation_answers_as_in_its_snapshot() {
     policies::policies(&mut answers).await;
     policies::rules(&mut answers).await;
     policies::leak_budgets(&mut answers).await;
+    policies::caps(&mut answers).await;
     twin::clients(&mut answers).await;
     twin::authorities(&mut answers).await;
     twin::application_certificate(&mut answers).await;

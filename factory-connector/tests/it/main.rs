@@ -2,6 +2,7 @@
 //! away.
 
 mod answers;
+mod caps;
 mod control;
 mod events;
 mod ledger;

@@ -1,9 +1,8 @@
 //! Information of values, statuses and times: upper bounds for any behaviour of machine, script or
 //! client. `docs/leak-budget.md` states the formulas and their sources.
 
-use asi_model::{BuiltInType, DateTime};
+use asi_model::{BuiltInType, DateTime, network::ReportField};
 
-use super::open_field::OpenField;
 use crate::{
     DisclosurePolicy, StatusCodes,
     effects::{time_resolution_ms, values_per_hour_max},
@@ -18,23 +17,23 @@ const TICKS_PER_MS: f64 = 10_000.0;
 
 /// Returns the most bits of one value with its status and its source time: the logarithm of the
 /// number of different ones. `None` for texts and arrays, which have no bound.
-pub(super) fn bits_per_value(field: &OpenField<'_>) -> Option<f64> {
-    let values = number_of_values(field)? + 1.0;
-    let (usable, bad) = numbers_of_statuses(field.policy.status_codes);
+pub(super) fn bits_per_value(definition: &ReportField, policy: &DisclosurePolicy) -> Option<f64> {
+    let values = number_of_values(definition, policy)? + 1.0;
+    let (usable, bad) = numbers_of_statuses(policy.status_codes);
     // With a usable status there is a value or none, with a bad one there is none.
-    Some((values * usable + bad).log2() + source_time_bits(field.policy))
+    Some((values * usable + bad).log2() + source_time_bits(policy))
 }
 
 /// Returns the most bits per hour in the long run; `None` where the number or the size of values
 /// has no limit.
-pub(super) fn bits_per_hour(field: &OpenField<'_>) -> Option<f64> {
-    let values = values_per_hour_max(field.policy)?;
-    Some(values * bits_per_value(field)? + release_bits(values, field.policy))
+#[must_use]
+pub fn bits_per_hour(definition: &ReportField, policy: &DisclosurePolicy) -> Option<f64> {
+    let values = values_per_hour_max(policy)?;
+    Some(values * bits_per_value(definition, policy)? + release_bits(values, policy))
 }
 
 /// Returns the number of different values that a policy lets through.
-fn number_of_values(field: &OpenField<'_>) -> Option<f64> {
-    let (policy, definition) = (field.policy, field.definition);
+fn number_of_values(definition: &ReportField, policy: &DisclosurePolicy) -> Option<f64> {
     let field_type = definition.field_type.0;
     if definition.value_rank != asi_model::network::VALUE_RANK_SCALAR {
         return None;

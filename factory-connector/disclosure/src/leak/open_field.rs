@@ -1,15 +1,18 @@
 //! A disclosed field, as input of the leak budget.
 
+use std::sync::Arc;
+
 use asi_model::{
     FieldKey,
     network::{Operation, ReportField},
 };
 use serde::Serialize;
 
+use super::variable::VariableKey;
 use crate::DisclosurePolicy;
 
 /// A field that is disclosed to a partner.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct OpenField<'f> {
     pub key: &'f FieldKey,
     /// Definition in the request.
@@ -18,6 +21,8 @@ pub struct OpenField<'f> {
     pub operation: &'f Operation,
     /// The policy in force.
     pub policy: &'f DisclosurePolicy,
+    /// The variables that the field rests on, sorted; none where people or OPC UA clients write it.
+    pub variables: Arc<[VariableKey]>,
     pub measured: Measured,
 }
 

@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use asi_model::network::{Operation, ReportField};
 use serde_json::{Value, json};
 
@@ -37,6 +39,7 @@ fn with_open<T>(fields: &[(Value, Value)], look: impl FnOnce(&[OpenField<'_>]) -
             definition,
             operation: &operation,
             policy,
+            variables: Arc::default(),
             measured,
         })
         .collect();
@@ -185,4 +188,33 @@ fn status_codes_are_information() {
     let (full, common, severity) = (with("FULL"), with("COMMON"), with("SEVERITY"));
     assert!(full > 33.0 && full < 35.0, "{full}");
     assert!(severity < common && common < 6.0, "{severity} {common}");
+}
+
+#[test]
+fn the_facets_of_one_variable_add_up() {
+    let hourly = || json!({ "aggregate": { "function": "LAST", "windowMs": 3_600_000 } });
+    let fields =
+        ["running", "paused", "other"].map(|name| (json!({ "name": name, "type": 1 }), hourly()));
+    let key = |number: u8| -> VariableKey {
+        let json = json!({ "sourceId": "mill", "nodeId": format!("nsu=urn:x;i={number}") });
+        serde_json::from_value(json).expect("a variable")
+    };
+    with_open(&fields, |open| {
+        let mut open = open.to_vec();
+        open[0].variables = [key(1)].into();
+        open[1].variables = [key(1), key(2)].into();
+        let budget = leak_budget(&open);
+        let names = |leak: &VariableLeak| -> Vec<String> {
+            leak.fields.iter().map(|field| field.field_name.to_string()).collect()
+        };
+        let [one, two] = &budget.variables[..] else { panic!("{:?}", budget.variables) };
+        assert_eq!(
+            (&one.variable, names(one)),
+            (&key(1), vec!["running".to_owned(), "paused".to_owned()])
+        );
+        assert_eq!((&two.variable, names(two)), (&key(2), vec!["paused".to_owned()]));
+        let single = budget.fields[0].bits_per_hour_max.expect("limited");
+        assert_eq!(one.bits_per_hour_max, Some(2.0 * single));
+        assert_eq!((one.values_per_hour_max, two.bits_per_hour_max), (Some(2.0), Some(single)));
+    });
 }

@@ -5,6 +5,7 @@ use std::{collections::BTreeMap, sync::Arc};
 use asi_model::{DateTime, FieldKey, OrganisationId, RequestKey};
 use disclosure::{DisclosurePolicy, OpenField};
 
+use super::caps::{Suppositions, variables_under};
 use crate::ConnectorState;
 
 /// A field that is regarded as open with this policy.
@@ -18,6 +19,7 @@ pub fn open_fields<'s>(
     supposition: Option<Supposition<'s>>,
 ) -> BTreeMap<&'s OrganisationId, Vec<OpenField<'s>>> {
     let mut open: BTreeMap<&OrganisationId, Vec<OpenField<'_>>> = BTreeMap::new();
+    let nothing_supposed = Suppositions::new();
     let networks = state.networks.active().map(|message| &message.operation_network);
     let operations = networks.flat_map(|network| {
         network.operation_list.iter().map(|operation| (&network.operation_network_id, operation))
@@ -42,9 +44,17 @@ pub fn open_fields<'s>(
                 let in_force = || field.decision().is_mapped().then(|| field.gate().policy());
                 let Some(policy) = supposed.or_else(in_force) else { continue };
                 let measured = field.rate().measured(now);
-                let entry = OpenField { key: field.key(), definition, operation, policy, measured };
+                let variables = variables_under(state, field, policy, &nothing_supposed);
+                let entry = OpenField {
+                    key: field.key(),
+                    definition,
+                    operation,
+                    policy,
+                    variables: variables.into_iter().collect(),
+                    measured,
+                };
                 for partner in &partners {
-                    open.entry(partner).or_default().push(entry);
+                    open.entry(partner).or_default().push(entry.clone());
                 }
             }
         }

@@ -29,7 +29,7 @@ fn mapping(scene: &Scene, steps: &Value) -> Mapping {
 fn import(scene: &mut Scene, steps: &Value) -> (Vec<u32>, usize, usize) {
     let mapping = mapping(scene, steps);
     let import = MappingImport { mapping, author: "eve".to_owned(), note: None };
-    scene.run(|state| import_mappings(state, vec![import], at(1)));
+    scene.run(|state| import_mappings(state, vec![import], at(1)).expect("no cap"));
     let (writes, effects) = scene.commit(1);
     let versions = writes.mappings.versions.iter().map(|row| row.version).collect();
     (versions, writes.fields.consents.len(), effects.engine.len())
@@ -136,7 +136,9 @@ fn a_corrected_mapping_never_lets_out_values_of_the_former_one() {
             "import" => {
                 let mapping = mapping(&scene, &second);
                 let import = MappingImport { mapping, author: "eve".to_owned(), note: None };
-                scene.run(|state| import_mappings(state, vec![import], at(HOUR + 60_000)));
+                scene.run(|state| {
+                    import_mappings(state, vec![import], at(HOUR + 60_000)).expect("no cap")
+                });
             }
             _ => {
                 source = ValueSource::Manual;

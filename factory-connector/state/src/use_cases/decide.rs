@@ -6,7 +6,7 @@ use asi_model::{
     DateTime, FieldKey,
     messages::{GapCause, MappingState, ValueSource},
 };
-use disclosure::{DecisionBasis, DisclosurePolicy, DocumentId, PolicyFault};
+use disclosure::{CapExcess, CapUsage, DecisionBasis, DisclosurePolicy, DocumentId, PolicyFault};
 use mapping::Mapping;
 
 use crate::{
@@ -15,7 +15,7 @@ use crate::{
     consents, dependencies,
     effects::EngineCommand,
     gates::through_gate,
-    queries::{effective_policy, withholding_faults},
+    queries::{Supposed, cap_usage, effective_policy, exchanges, variables_of, withholding_faults},
 };
 
 /// A decision about a field.
@@ -49,7 +49,7 @@ pub struct DecisionRequest {
 }
 
 /// Reason for which a decision is not taken.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DecisionError {
     /// No request has this field.
     #[error("there is no such field")]
@@ -75,6 +75,33 @@ pub enum DecisionError {
     /// The policy does not fit the field.
     #[error("the disclosure policy does not fit the field")]
     Policy(Vec<PolicyFault>),
+    /// Partners would get more information than caps allow.
+    #[error("partners would get more information than a cap allows: {}", list(.0))]
+    OverCap(Vec<CapExcess>),
+}
+
+fn list(excesses: &[CapExcess]) -> String {
+    excesses.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+}
+
+/// Circumstances that several decisions of one use case share.
+pub(super) struct Course {
+    /// Decisions that end consents share one receipt.
+    is_joint: bool,
+    /// Sums under the caps, of which each decision takes its share.
+    usage: CapUsage,
+}
+
+impl Course {
+    /// Begins with the fields that are disclosed at present.
+    pub(super) fn new(state: &ConnectorState) -> Self {
+        Self { is_joint: false, usage: cap_usage(state) }
+    }
+
+    /// Begins decisions that end consents and open none.
+    pub(super) fn of_ending() -> Self {
+        Self { is_joint: true, usage: CapUsage::default() }
+    }
 }
 
 /// Decides about a field: lets values flow or stop, and notifies the partner.
@@ -88,21 +115,23 @@ pub fn decide(
     now: DateTime,
 ) -> Result<ChangeSet, DecisionError> {
     let mut changes = ChangeSet::default();
-    decide_in(state, &mut changes, key, request, false, now)?;
+    let mut course = Course::new(state);
+    decide_in(state, &mut changes, key, request, &mut course, now)?;
     Ok(changes)
 }
 
-/// Decides within a larger use case; joint decisions that end consents share one receipt.
+/// Decides within a larger use case.
 pub(super) fn decide_in(
     state: &mut ConnectorState,
     changes: &mut ChangeSet,
     key: &FieldKey,
     mut request: DecisionRequest,
-    is_joint: bool,
+    course: &mut Course,
     now: DateTime,
 ) -> Result<(), DecisionError> {
     request.reason = request.reason.filter(|reason| !reason.trim().is_empty());
     check(state, key, &request, now)?;
+    admit(state, key, &request, &mut course.usage)?;
     let Some(field) = state.field(key) else { return Err(DecisionError::UnknownField) };
     let (was_mapped, writer, version) =
         (field.decision().is_mapped(), field.writer(), field.decision().version);
@@ -130,7 +159,7 @@ pub(super) fn decide_in(
             cause: GapCause::Revoked,
             reason: reason.as_deref(),
             revoked_by: Some(&decided_by),
-            is_joint,
+            is_joint: course.is_joint,
         };
         consents::end(state, changes, key, version, ending, now);
         changes.purge(writer, GapCause::Revoked);
@@ -177,6 +206,26 @@ fn check(
         DecisionCommand::Refuse if request.reason.is_none() => Err(DecisionError::NoReason),
         DecisionCommand::Refuse | DecisionCommand::LeavePending => Ok(()),
     }
+}
+
+/// Checks that a decision keeps within all caps, and takes its share of them.
+fn admit(
+    state: &ConnectorState,
+    key: &FieldKey,
+    request: &DecisionRequest,
+    usage: &mut CapUsage,
+) -> Result<(), DecisionError> {
+    let DecisionCommand::Map { value_source, mapping, policy } = &request.command else {
+        return Ok(());
+    };
+    let Some(field) = state.field(key).filter(|_| !usage.is_empty()) else { return Ok(()) };
+    let mapping = mapping.as_deref().filter(|_| *value_source == ValueSource::Mapping);
+    let supposed = Supposed {
+        policy: Some(effective_policy(state, field, policy, request.basis.policy_id.as_ref()).0),
+        variables: Some(mapping.map(variables_of).unwrap_or_default()),
+    };
+    let changes = exchanges(state, &[(field.key().clone(), supposed)].into());
+    usage.exchange(&changes).map_err(DecisionError::OverCap)
 }
 
 /// A decision to let values flow.

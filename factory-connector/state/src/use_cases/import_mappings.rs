@@ -7,13 +7,14 @@
 use std::sync::Arc;
 
 use asi_model::{DateTime, FieldKey};
+use disclosure::CapExcess;
 use mapping::Mapping;
 
 use super::decide::DecisionError;
 use crate::{
     ChangeSet, ConnectorState, ShadowMapping, consents, dependencies,
     fields::mapping_json,
-    queries::{ImportEffect, import_effect},
+    queries::{ImportEffect, import_effect, import_excesses},
     writes::ShadowRow,
 };
 
@@ -30,16 +31,23 @@ pub struct MappingImport {
 
 /// Imports mappings: as the next version where the field is mapped, as a proposal elsewhere. No
 /// consent changes. Fields that do not exist any more are skipped.
+///
+/// # Errors
+/// The caps of variables that the mappings together would exceed.
 pub fn import_mappings(
     state: &mut ConnectorState,
     imports: Vec<MappingImport>,
     now: DateTime,
-) -> ChangeSet {
+) -> Result<ChangeSet, Vec<CapExcess>> {
+    let excesses = import_excesses(state, imports.iter().map(|import| &import.mapping));
+    if !excesses.is_empty() {
+        return Err(excesses);
+    }
     let mut changes = ChangeSet::default();
     for import in imports {
         import_one(state, &mut changes, import, now);
     }
-    changes
+    Ok(changes)
 }
 
 fn import_one(

@@ -1,14 +1,20 @@
 //! Named policies and the policies of recipients. A change applies at once to all mapped fields that
 //! it concerns, and each field whose precision changes gets a consent of its own.
 
+use std::sync::Arc;
+
 use asi_model::{DateTime, FieldKey, OrganisationId};
-use disclosure::{DocumentId, DocumentVersion, NAME_CHARS_MAX, NamedPolicy, RuleFault};
+use disclosure::{
+    DisclosurePolicy, DocumentId, DocumentVersion, NAME_CHARS_MAX, NamedPolicy, RuleFault,
+};
 
 use crate::{
-    ChangeSet, ConnectorState, DocumentError, Field, consents, dependencies,
+    ChangeSet, ConnectorState, DocumentError, Field, PolicyRegistry, consents, dependencies,
     effects::ConnectorEvent,
     gates::through_gate,
-    queries::{effective_policy, fields_for_recipient, fields_under_policy},
+    queries::{
+        Supposed, cap_usage, effective_policy, exchanges, fields_for_recipient, fields_under_policy,
+    },
     writes::RecipientPolicyRow,
 };
 
@@ -33,11 +39,13 @@ pub fn put_policy(
     if !faults.is_empty() {
         return Err(DocumentError::Faults(faults));
     }
+    let before = state.policies.clone();
     let row = state.policies.put_named(id, policy, expected, (by, now))?;
+    let fields = revised(state, fields_under_policy(state, id));
+    admit(state, &fields, before)?;
     let mut changes = ChangeSet::default();
     let version = row.key.clone();
     changes.writes.policies.named.push(row);
-    let fields = keys_of(fields_under_policy(state, id));
     apply(state, &mut changes, fields, by, now);
     Ok((version, changes))
 }
@@ -55,34 +63,68 @@ pub fn set_recipient_policy(
     by: &str,
     now: DateTime,
 ) -> Result<(u32, ChangeSet), DocumentError> {
+    let before = state.policies.clone();
     let set = state.policies.set_recipient(recipient, policy_id, expected, (by, now))?;
+    let fields = revised(state, fields_for_recipient(state, recipient));
+    admit(state, &fields, before)?;
     let mut changes = ChangeSet::default();
     let version = set.version;
     let row = RecipientPolicyRow { recipient: recipient.clone(), set };
     changes.writes.policies.recipients.push(row);
-    let fields = keys_of(fields_for_recipient(state, recipient));
     apply(state, &mut changes, fields, by, now);
     Ok((version, changes))
 }
 
-/// Brings these fields to the precision that holds now. Only a changed policy changes it: a revision
-/// with other recipients takes the consent back.
+/// A field with the policy that is in force for it from now on.
+type Revised = (FieldKey, Arc<DisclosurePolicy>);
+
+/// Returns those of these fields whose policy in force changes, sorted, each once. Only a changed
+/// policy changes it: a revision with other recipients takes the consent back.
+fn revised<'s>(state: &ConnectorState, fields: impl Iterator<Item = &'s Field>) -> Vec<Revised> {
+    let revise = |field: &Field| {
+        let decision = field.decision();
+        let policy_id = decision.basis.policy_id.as_ref();
+        let (policy, _) = effective_policy(state, field, &decision.policy, policy_id);
+        (policy != *field.gate().policy()).then(|| (field.key().clone(), policy))
+    };
+    let mut revised: Vec<Revised> = fields.filter_map(revise).collect();
+    revised.sort_by(|left, right| left.0.cmp(&right.0));
+    revised.dedup_by(|left, right| left.0 == right.0);
+    revised
+}
+
+/// Checks that all caps hold with the new policies; otherwise the former documents hold again.
+fn admit(
+    state: &mut ConnectorState,
+    fields: &[Revised],
+    former: PolicyRegistry,
+) -> Result<(), DocumentError> {
+    let mut usage = cap_usage(state);
+    if usage.is_empty() {
+        return Ok(());
+    }
+    let supposed = fields.iter().map(|(key, policy)| {
+        (key.clone(), Supposed { policy: Some(Arc::clone(policy)), variables: None })
+    });
+    let changes = exchanges(state, &supposed.collect());
+    usage.exchange(&changes).map_err(|excesses| {
+        state.policies = former;
+        DocumentError::OverCap(excesses)
+    })
+}
+
+/// Puts the new policies in force.
 fn apply(
     state: &mut ConnectorState,
     changes: &mut ChangeSet,
-    fields: Vec<FieldKey>,
+    fields: Vec<Revised>,
     by: &str,
     now: DateTime,
 ) {
     changes.effects.events.push(ConnectorEvent::Policies);
-    for key in fields {
+    for (key, policy) in fields {
         let Some(field) = state.fields.get(&key) else { continue };
-        let (id, writer, decision) = (field.id(), field.writer(), field.decision());
-        let policy_id = decision.basis.policy_id.as_ref();
-        let (policy, _) = effective_policy(state, field, &decision.policy, policy_id);
-        if policy == *field.gate().policy() {
-            continue;
-        }
+        let (id, writer) = (field.id(), field.writer());
         through_gate(state, id, now, |gate| gate.change_policy(policy, now));
         if let Some(mut field) = state.fields.get_mut(&key) {
             field.change_decision(|decision| {
@@ -95,11 +137,4 @@ fn apply(
         consents::record(state, changes, &key, now);
         changes.to_refresh.insert(writer, now);
     }
-}
-
-fn keys_of<'s>(fields: impl Iterator<Item = &'s Field>) -> Vec<FieldKey> {
-    let mut keys: Vec<FieldKey> = fields.map(|field| field.key().clone()).collect();
-    keys.sort();
-    keys.dedup();
-    keys
 }

@@ -4,7 +4,7 @@ use asi_model::{DateTime, FieldKey, messages::GapCause};
 use disclosure::DecisionBasis;
 use uuid::Uuid;
 
-use super::decide::{DecisionCommand, DecisionError, DecisionRequest, decide_in};
+use super::decide::{Course, DecisionCommand, DecisionError, DecisionRequest, decide_in};
 use crate::{
     ChangeSet, ConnectorState,
     change_set::{EndedConsents, Ending},
@@ -52,6 +52,7 @@ pub fn revoke(
     let mut changes = ChangeSet::default();
     let id = state.ids.next(now);
     changes.ended.push(EndedConsents::new(id, ending));
+    let mut course = Course::of_ending();
     for key in mapped {
         let request = DecisionRequest {
             command: command.clone(),
@@ -59,7 +60,7 @@ pub fn revoke(
             decided_by: revoked_by.clone(),
             basis: DecisionBasis::default(),
         };
-        decide_in(state, &mut changes, &key, request, true, now)?;
+        decide_in(state, &mut changes, &key, request, &mut course, now)?;
     }
     Ok((id, changes))
 }

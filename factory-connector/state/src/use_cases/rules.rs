@@ -3,7 +3,7 @@
 use asi_model::{DateTime, FieldKey, OperationNetworkId};
 use disclosure::{DecisionBasis, DocumentId, DocumentVersion, Rule, RuleAction, RuleFault};
 
-use super::decide::{DecisionCommand, DecisionError, DecisionRequest, decide_in};
+use super::decide::{Course, DecisionCommand, DecisionError, DecisionRequest, decide_in};
 use crate::{
     ChangeSet, ConnectorState, DocumentError, Field, LogRecord, effects::ConnectorEvent,
     queries::rule_offer, writes::RuleDecisionRow,
@@ -78,13 +78,15 @@ pub(super) fn apply_rules_in(
         }
     };
     keys.sort();
-    keys.into_iter().filter(|key| apply_offer(state, changes, key, now)).count()
+    let mut course = Course::new(state);
+    keys.into_iter().filter(|key| apply_offer(state, changes, key, &mut course, now)).count()
 }
 
 fn apply_offer(
     state: &mut ConnectorState,
     changes: &mut ChangeSet,
     key: &FieldKey,
+    course: &mut Course,
     now: DateTime,
 ) -> bool {
     let Some(offer) = rule_offer(state, key) else { return false };
@@ -105,10 +107,10 @@ fn apply_offer(
         basis: DecisionBasis {
             policy_id: offer.policy_id,
             rules: rules.clone(),
-            policies: Vec::new(),
+            ..DecisionBasis::default()
         },
     };
-    if let Err(error) = decide_in(state, changes, key, request, false, now) {
+    if let Err(error) = decide_in(state, changes, key, request, course, now) {
         let reason = error.to_string();
         changes.effects.log.push(LogRecord::RuleNotApplied { field: key.clone(), reason });
         return false;
@@ -149,7 +151,7 @@ pub fn undo_rule_decision(
         decided_by: by.to_owned(),
         basis: DecisionBasis::default(),
     };
-    decide_in(state, &mut changes, key, request, false, now)?;
+    decide_in(state, &mut changes, key, request, &mut Course::of_ending(), now)?;
     changes.writes.policies.undone_rule_decisions.push((id, by.to_owned(), now));
     Ok(changes)
 }

@@ -1,4 +1,4 @@
-//! Rows about policies and standing rules.
+//! Rows about policies, standing rules, alliances and caps.
 
 use asi_model::{DateTime, FieldKey, OrganisationId};
 use disclosure::{DocumentVersion, RuleAction};
@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::recipient_policy::RecipientPolicy;
 
-/// Rows about policies and standing rules.
+/// Rows about policies, standing rules, alliances and caps.
 #[derive(Debug, Default, PartialEq)]
 pub struct PolicyWrites {
     /// New versions of named policies.
@@ -19,20 +19,34 @@ pub struct PolicyWrites {
     pub rule_decisions: Vec<RuleDecisionRow>,
     /// Decisions of standing rules that were undone: number, user and time.
     pub undone_rule_decisions: Vec<(i64, String, DateTime)>,
+    /// New versions of alliances.
+    pub alliances: Vec<DocumentRow>,
+    /// New versions of caps.
+    pub caps: Vec<DocumentRow>,
 }
 
 impl PolicyWrites {
     pub(super) fn merge(&mut self, later: Self) {
-        let Self { named, rules, recipients, rule_decisions, undone_rule_decisions } = later;
+        let Self {
+            named,
+            rules,
+            recipients,
+            rule_decisions,
+            undone_rule_decisions,
+            alliances,
+            caps,
+        } = later;
         self.named.extend(named);
         self.rules.extend(rules);
         self.recipients.extend(recipients);
         self.rule_decisions.extend(rule_decisions);
         self.undone_rule_decisions.extend(undone_rule_decisions);
+        self.alliances.extend(alliances);
+        self.caps.extend(caps);
     }
 }
 
-/// A version of a named policy or standing rule.
+/// A version of a named policy, standing rule, alliance or cap.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DocumentRow {
     pub key: DocumentVersion,
@@ -50,8 +64,8 @@ impl DocumentRow {
         by: &str,
         now: DateTime,
     ) -> Self {
-        let document = serde_json::to_string(document)
-            .expect("policies and rules have text keys and finite numbers");
+        let document =
+            serde_json::to_string(document).expect("documents have text keys and finite numbers");
         Self { key: key.clone(), document, changed_by: by.to_owned(), changed_at: now }
     }
 }

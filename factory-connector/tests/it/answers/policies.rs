@@ -1,4 +1,4 @@
-//! Named policies, standing rules, leak budgets.
+//! Named policies, standing rules, leak budgets, alliances and caps.
 
 use serde_json::json;
 
@@ -33,4 +33,20 @@ pub async fn leak_budgets(answers: &mut Answers<'_>) {
     let measured = &["measured", "valuesPerHourMeasured"];
     answers.without(measured).get("listLeakBudgets", "/leak-budgets").await;
     answers.without(measured).get("summariseLeakBudgets", "/leak-budgets/summary").await;
+}
+
+pub async fn caps(answers: &mut Answers<'_>) {
+    let measured = &["measured", "valuesPerHourMeasured"];
+    let alliance = json!({ "name": "The yard", "memberList": ["acme", "hull"] });
+    answers.put("putAlliance", "/alliances/yard", alliance).await;
+    answers.get("listAlliances", "/alliances").await;
+    answers.get("listAllianceVersions", "/alliances/yard/versions").await;
+    answers.without(measured).get("listAllianceBudgets", "/leak-budgets/alliances").await;
+    // Without an effect, so that the operations after it find what they need.
+    let cap = json!({ "name": "The yard", "subject": { "allianceId": "yard" },
+        "variable": { "sourceId": "none", "nodeId": "nsu=urn:x;i=1" }, "bitsPerHourMax": 0.5 });
+    answers.post("previewCap", "/caps/yard/preview", cap.clone()).await;
+    answers.put("putCap", "/caps/yard", cap).await;
+    answers.get("listCaps", "/caps").await;
+    answers.get("listCapVersions", "/caps/yard/versions").await;
 }

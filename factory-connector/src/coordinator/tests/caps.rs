@@ -1,0 +1,47 @@
+//! Caps in the store: they are read again, and what they hold back stays so.
+
+use connector_state::{
+    queries::fields_held_back,
+    use_cases::{alliances::put_alliance, caps::put_cap},
+};
+
+use super::*;
+
+#[tokio::test]
+async fn caps_and_what_they_hold_back_survive_a_restart() {
+    let running = Running::with_two_open_fields().await;
+    running.enter_both(1).await;
+    let alliance = json!({ "name": "Yard", "memberList": ["acme", "hull"] });
+    let alliance = serde_json::from_value(alliance).expect("an alliance");
+    let id: disclosure::DocumentId = "yard".parse().expect("an id");
+    let put = running.coordinator.execute({
+        let id = id.clone();
+        move |state, now| put_alliance(state, &id, alliance, None, "eve", now)
+    });
+    put.await.expect("written").expect("stored");
+    let cap = json!({ "name": "Yard", "subject": { "allianceId": "yard" }, "bitsPerHourMax": 9 });
+    let cap = serde_json::from_value(cap).expect("a cap");
+    let put = running.coordinator.execute({
+        let id = id.clone();
+        move |state, now| put_cap(state, &id, cap, None, "eve", now)
+    });
+    let (_, held_back) = put.await.expect("written").expect("stored");
+    assert_eq!(held_back.len(), 2, "fields without a bound fit no cap");
+
+    let folder = running.close().await;
+    let path = folder.path().to_owned();
+    let running = Running::open_in(path, Some(folder)).await;
+    let found = running.coordinator.read(move |state| {
+        let held_back = fields_held_back(state).remove(&id);
+        let budgets = state.budgets();
+        (held_back, budgets.alliances().count(), budgets.caps().count())
+    });
+    let (again, alliances, caps) = found.await.expect("read");
+    let mut held_back = held_back;
+    held_back.sort();
+    assert_eq!((again, alliances, caps), (Some(held_back), 1, 1));
+    let consents = running.entries("acme").await;
+    let held = |entry: &&Value| entry["basis"]["caps"] == json!([{ "id": "yard", "version": 1 }]);
+    assert_eq!(consents.iter().filter(held).count(), 2, "{consents:?}");
+    running.close().await;
+}
