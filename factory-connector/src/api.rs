@@ -159,6 +159,15 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(guarded!(revocations::print_revocation))
         .routes(guarded!(spool::show_spool))
         .routes(guarded!(spool::list_dead_letters))
+        .merge(disclosure())
+        .routes(guarded!(events::stream_events))
+        .routes(import.layer(DefaultBodyLimit::max(exchange::IMPORT_BYTES_MAX)))
+        .nest(paths::FIELD, field())
+}
+
+/// Operations on policies, standing rules, leak budgets and caps.
+fn disclosure() -> OpenApiRouter<Api> {
+    OpenApiRouter::new()
         .routes(guarded!(leaks::list_leak_budgets))
         .routes(guarded!(leaks::summarise_leak_budgets))
         .routes(guarded!(policies::list_policies))
@@ -182,9 +191,6 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(guarded!(rules::apply_rules))
         .routes(guarded!(rules::list_rule_decisions))
         .routes(guarded!(rules::undo_rule_decision))
-        .routes(guarded!(events::stream_events))
-        .routes(import.layer(DefaultBodyLimit::max(exchange::IMPORT_BYTES_MAX)))
-        .nest(paths::FIELD, field())
 }
 
 /// Operations on one field.

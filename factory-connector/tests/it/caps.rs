@@ -20,7 +20,10 @@ async fn refused(plant: &Plant, path: &str, body: Value) -> Value {
 async fn caps_refuse_and_hold_back() {
     let plant =
         Plant::start(json!([{ "name": "count", "type": 9 }, { "name": "scrap", "type": 9 }])).await;
-    let (part, other) = (plant.node("Mill1", "PartCounter"), plant.node("Mill1", "ScrapCounter"));
+    let (part, other) = (
+        plant.node("Mill1", "Production.PartCounter"),
+        plant.node("Mill1", "Production.ScrapCounter"),
+    );
     let mapped = |node: &str, values: u32| {
         let mut decision = decision(values);
         decision["mapping"] = json!({ "inputs":
@@ -66,12 +69,10 @@ async fn caps_refuse_and_hold_back() {
     let of_variable = json!({ "name": "Scrap", "subject": { "partner": "acme" }, "bitsPerHourMax": 0,
         "variable": { "sourceId": "Mill1", "nodeId": other } });
     plant.put("/caps/scrap", of_variable).await;
-    let file = json!({ "mappings": [{ "mappingId": "m", "target": {
-        "operationNetworkId": "frame", "operationId": "MakeFrame", "dynamicDataRequestId": "Req",
-        "fieldName": "count" }, "targetType": "UInt64", "inputs": [
-        { "name": "a", "sourceId": "Mill1", "nodeId": other }] }] });
+    let (_, file) = plant.call(Method::GET, "/mappings/export?form=file", None).await;
+    let file = file.replace("PartCounter", "ScrapCounter");
     for is_dry_run in [true, false] {
-        let problem = plant.import("json", &file.to_string(), is_dry_run).await;
+        let problem = plant.import("file", &file, is_dry_run).await;
         let problem = problem.expect_err("the variable may not be told");
         let fault = &problem["faults"][0];
         assert_eq!(

@@ -1,6 +1,67 @@
 // Generated from openapi.json by `npm run generate`. Do not edit.
 
 export interface paths {
+    "/alliances": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Lists the alliances in their newest version, retired ones included.
+         * @description Least role: VIEWER.
+         */
+        get: operations["listAlliances"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/alliances/{allianceId}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Stores a new version of an alliance. Leak budgets and caps of its members count together from now
+         *     on; refused (`OVER_CAP`) where a cap would be exceeded by that. `If-Match` as for policies.
+         * @description Least role: ENGINEER.
+         */
+        put: operations["putAlliance"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/alliances/{allianceId}/versions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Lists every version of an alliance, newest first.
+         * @description Least role: VIEWER.
+         */
+        get: operations["listAllianceVersions"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/application-certificate": {
         parameters: {
             query?: never;
@@ -40,6 +101,90 @@ export interface paths {
          * @description Least role: ENGINEER.
          */
         post: operations["requestApplicationCertificate"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/caps": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Lists the caps in their newest version, retired ones included.
+         * @description Least role: VIEWER.
+         */
+        get: operations["listCaps"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/caps/{capId}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Stores a new version of a cap. Decisions, policies, alliances and mappings that would exceed it are
+         *     refused from now on (`OVER_CAP`). Where the present sum exceeds it, consents end at once until it
+         *     holds: in the order of their decisions each field stays that fits beside the earlier ones.
+         *     `If-Match` as for policies.
+         * @description Least role: ENGINEER.
+         */
+        put: operations["putCap"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/caps/{capId}/preview": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Lists the fields whose consents a draft of a cap would end, in the order of their decisions.
+         *     Changes nothing.
+         * @description Least role: ENGINEER.
+         */
+        post: operations["previewCap"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/caps/{capId}/versions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Lists every version of a cap, newest first.
+         * @description Least role: VIEWER.
+         */
+        get: operations["listCapVersions"];
+        put?: never;
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -583,6 +728,27 @@ export interface paths {
          * @description Least role: VIEWER.
          */
         get: operations["listLeakBudgets"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/leak-budgets/alliances": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Lists the leak budget of each alliance: the sum over the open fields of its members, and the
+         *     conclusions that they permit together.
+         * @description Least role: VIEWER.
+         */
+        get: operations["listAllianceBudgets"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1629,6 +1795,22 @@ export interface components {
          * @enum {string}
          */
         AggregateFunction: "LAST" | "MAXIMUM" | "MINIMUM" | "SUM" | "MEAN";
+        /**
+         * @description A group of partners of which the engineer assumes that they tell each other what they get. No
+         *     partner is told of it.
+         */
+        Alliance: {
+            /** @description True when its members are no longer assumed to tell each other. */
+            isRetired?: boolean;
+            /** @description The organisations, 2 to 100. */
+            memberList: components["schemas"]["OrganisationId"][];
+            /** @description Name for people, 1 to 120 characters. */
+            name: string;
+        };
+        /** @description Leak budget of an alliance over all open fields of its members. */
+        AllianceLeaks: components["schemas"]["LeakBudget"] & {
+            alliance: components["schemas"]["Versioned_Alliance"];
+        };
         /** @description The certificate that the OPC UA server shows its clients. */
         ApplicationCertificateView: {
             /** @description The application it is for. */
@@ -1758,6 +1940,60 @@ export interface components {
             done: boolean;
             problem: boolean;
             start: boolean;
+        };
+        /** @description Limit of the information that a partner or an alliance gets per hour. */
+        Cap: {
+            /**
+             * Format: double
+             * @description Most bits per hour, 0 to 1e15. With 0 nothing is disclosed.
+             */
+            bitsPerHourMax: number;
+            /** @description True when it no longer limits anything. */
+            isRetired?: boolean;
+            /** @description Name for people, 1 to 120 characters. */
+            name: string;
+            subject: components["schemas"]["CapSubject"];
+            variable?: components["schemas"]["VariableKey"] | null;
+        };
+        /** @description A cap that a change would exceed. The text names the figures and the remedies. */
+        CapExcess: {
+            /**
+             * Format: double
+             * @description Limit of the cap, in bits per hour.
+             */
+            bitsPerHourMax: number;
+            /**
+             * Format: double
+             * @description Bits per hour at present; none without a bound.
+             */
+            bitsPerHourNow?: number | null;
+            /**
+             * Format: double
+             * @description Bits per hour with the change; none without a bound.
+             */
+            bitsPerHourThen?: number | null;
+            cap: components["schemas"]["DocumentVersion"];
+            /** @description Name of the cap. */
+            name: string;
+            variable?: components["schemas"]["VariableKey"] | null;
+        };
+        /** @description Those whose information a cap limits. */
+        CapSubject: {
+            /** @description A partner, together with its allies: it learns what they tell it. */
+            partner: components["schemas"]["OrganisationId"];
+        } | {
+            /** @description All members of an alliance together. */
+            allianceId: components["schemas"]["DocumentId"];
+        };
+        /** @description A cap with the sum under it. */
+        CapView: components["schemas"]["Versioned_Cap"] & {
+            /**
+             * Format: double
+             * @description Most bits per hour that its partners get at present; none for a retired cap.
+             */
+            bitsPerHour?: number | null;
+            /** @description Fields that wait since the cap ended their consents, sorted. */
+            heldBack: components["schemas"]["FieldKey"][];
         };
         /** @description Request to an authority, besides application and host names. */
         CertificateRequestBody: {
@@ -2106,8 +2342,16 @@ export interface components {
              */
             quietMs: number;
         };
-        /** @description Named policies and standing rules that a decision is based on, beside the engineer's own policy. */
+        /**
+         * @description Named policies, standing rules and caps that a decision is based on, beside the engineer's own
+         *     policy.
+         */
         DecisionBasis: {
+            /**
+             * @description The caps that hold the field back, in their versions at that time.
+             * @default []
+             */
+            caps?: components["schemas"]["DocumentVersion"][];
             /**
              * @description The named policies that contributed to the precision, in their versions at that time; in
              *     consents only.
@@ -2547,6 +2791,12 @@ export interface components {
         FieldResult: components["schemas"]["Entered"] & {
             key: components["schemas"]["FieldKey"];
         };
+        /** @description A field that a cap would hold back. */
+        FieldToHoldBack: {
+            /** @description The caps beside which it does not fit, with their figures. */
+            excesses: components["schemas"]["CapExcess"][];
+            key: components["schemas"]["FieldKey"];
+        };
         /** @description An OPC UA built-in type: its id (1 to 25) or its name. */
         FieldType: number | ("Boolean" | "SByte" | "Byte" | "Int16" | "UInt16" | "Int32" | "UInt32" | "Int64" | "UInt64" | "Float" | "Double" | "String" | "DateTime" | "Guid" | "ByteString" | "XmlElement" | "NodeId" | "ExpandedNodeId" | "StatusCode" | "QualifiedName" | "LocalizedText" | "ExtensionObject" | "DataValue" | "Variant" | "DiagnosticInfo");
         /** @description A requested field with its decision and value. */
@@ -2789,6 +3039,8 @@ export interface components {
              * @description Values per hour as measured.
              */
             valuesPerHourMeasured: number;
+            /** @description The same by variable: the sum over all fields that rest on it. */
+            variables: components["schemas"]["VariableLeak"][];
             warnings: components["schemas"]["LeakWarning"][];
         };
         /** @description Information that a partner gets in total, as a summary. */
@@ -3496,8 +3748,20 @@ export interface components {
          */
         Overflow: "fault" | "clamp";
         /** @description A page of a list. */
+        Page_AllianceLeaks: {
+            items: components["schemas"]["AllianceLeaks"][];
+            /** @description Cursor of the next page; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
         Page_BrowsedNode: {
             items: components["schemas"]["BrowsedNode"][];
+            /** @description Cursor of the next page; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_CapView: {
+            items: components["schemas"]["CapView"][];
             /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
@@ -3534,6 +3798,12 @@ export interface components {
         /** @description A page of a list. */
         Page_EntryResult: {
             items: components["schemas"]["EntryResult"][];
+            /** @description Cursor of the next page; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_FieldToHoldBack: {
+            items: components["schemas"]["FieldToHoldBack"][];
             /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
@@ -3642,6 +3912,18 @@ export interface components {
         /** @description A page of a list. */
         Page_VersionView: {
             items: components["schemas"]["VersionView"][];
+            /** @description Cursor of the next page; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_Versioned_Alliance: {
+            items: components["schemas"]["Versioned_Alliance"][];
+            /** @description Cursor of the next page; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_Versioned_Cap: {
+            items: components["schemas"]["Versioned_Cap"][];
             /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
@@ -4643,6 +4925,11 @@ export interface components {
             message?: string | null;
             value?: components["schemas"]["ShownValue"] | null;
         };
+        /** @description A stored cap. */
+        StoredCap: components["schemas"]["DocumentVersion"] & {
+            /** @description Fields whose consents ended so that all caps hold. */
+            heldBack: components["schemas"]["FieldKey"][];
+        };
         /** @description A comment as it was made. */
         StoredComment: {
             authorId: string;
@@ -4898,6 +5185,32 @@ export interface components {
          * @enum {string}
          */
         ValueSource: "MAPPING" | "MANUAL" | "EXTERNAL";
+        /** @description A variable of a local OPC UA server. */
+        VariableKey: {
+            /** @description The variable, with its namespace's URI. */
+            nodeId: components["schemas"]["NodeId"];
+            /** @description The local server. */
+            sourceId: components["schemas"]["SourceId"];
+        };
+        /** @description Information about a variable, in all fields that rest on it. */
+        VariableLeak: {
+            /**
+             * Format: double
+             * @description Most bits per hour in these fields; none when one of them has no limit.
+             */
+            bitsPerHourMax?: number | null;
+            /**
+             * @description The fields that rest on it: with it as an input of their mapping, or withheld by the state of
+             *     such a field.
+             */
+            fields: components["schemas"]["FieldKey"][];
+            /**
+             * Format: double
+             * @description Most values per hour in these fields; none when one of them has no limit.
+             */
+            valuesPerHourMax?: number | null;
+            variable: components["schemas"]["VariableKey"];
+        };
         /** @description Result of a verification. */
         Verification: {
             /**
@@ -4969,6 +5282,37 @@ export interface components {
              * @description Number, from 1.
              */
             version: number;
+        };
+        /** @description A document with its version, author and time. */
+        Versioned_Alliance: components["schemas"]["DocumentVersion"] & {
+            /** @description True when its members are no longer assumed to tell each other. */
+            isRetired?: boolean;
+            /** @description The organisations, 2 to 100. */
+            memberList: components["schemas"]["OrganisationId"][];
+            /** @description Name for people, 1 to 120 characters. */
+            name: string;
+        } & {
+            changedAt: components["schemas"]["DateTime"];
+            /** @description User of the last change. */
+            changedBy: string;
+        };
+        /** @description A document with its version, author and time. */
+        Versioned_Cap: components["schemas"]["DocumentVersion"] & {
+            /**
+             * Format: double
+             * @description Most bits per hour, 0 to 1e15. With 0 nothing is disclosed.
+             */
+            bitsPerHourMax: number;
+            /** @description True when it no longer limits anything. */
+            isRetired?: boolean;
+            /** @description Name for people, 1 to 120 characters. */
+            name: string;
+            subject: components["schemas"]["CapSubject"];
+            variable?: components["schemas"]["VariableKey"] | null;
+        } & {
+            changedAt: components["schemas"]["DateTime"];
+            /** @description User of the last change. */
+            changedBy: string;
         };
         /** @description A document with its version, author and time. */
         Versioned_NamedPolicy: components["schemas"]["DocumentVersion"] & {
@@ -5132,6 +5476,97 @@ export interface components {
 }
 export type $defs = Record<string, never>;
 export interface operations {
+    listAlliances: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_Versioned_Alliance"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    putAlliance: {
+        parameters: {
+            query?: never;
+            header?: {
+                "If-Match"?: string | null;
+            };
+            path: {
+                allianceId: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Alliance"];
+            };
+        };
+        responses: {
+            /** @description One version of a policy or rule. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DocumentVersion"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listAllianceVersions: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                allianceId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_Versioned_Alliance"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
     showApplicationCertificate: {
         parameters: {
             query?: never;
@@ -5210,6 +5645,130 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["CertificateRequestView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listCaps: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_CapView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    putCap: {
+        parameters: {
+            query?: never;
+            header?: {
+                "If-Match"?: string | null;
+            };
+            path: {
+                capId: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Cap"];
+            };
+        };
+        responses: {
+            /** @description A stored cap. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StoredCap"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    previewCap: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                capId: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Cap"];
+            };
+        };
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_FieldToHoldBack"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listCapVersions: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                capId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_Versioned_Cap"];
                 };
             };
             400: components["responses"]["BadRequest"];
@@ -6141,6 +6700,33 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Page_PartnerLeaks"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listAllianceBudgets: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_AllianceLeaks"];
                 };
             };
             400: components["responses"]["BadRequest"];

@@ -2,8 +2,8 @@ import { render, screen, within } from '@testing-library/svelte'
 import userEvent from '@testing-library/user-event'
 import { afterEach, describe, expect, it, vi } from 'vitest'
 import { language } from '@/language/language.svelte'
-import { problem, serve } from '../../vitest.server'
-import type { FieldLeak, PartnerLeaks, StatementPart } from '../api/types'
+import { problem, serve, type Asked } from '../../vitest.server'
+import type { FieldLeak, PartnerLeaks, StatementPart, VariableLeak } from '../api/types'
 import LeaksPage from './LeaksPage.svelte'
 import { bitsReach, byWeight, precisionText, rateReach, rateText } from './measure'
 
@@ -23,10 +23,22 @@ const leak = (fieldName: string, more: Partial<FieldLeak> = {}): FieldLeak => ({
 const budget = (more: Partial<PartnerLeaks> = {}): PartnerLeaks => ({
   partner: 'acme',
   fields: [leak('count')],
+  variables: [],
   warnings: [],
   valuesPerHourMeasured: 12,
   ...more,
 })
+const nothing = { items: [] }
+/** Answers to all requests of the page, with those of a test. */
+const connector = (answers: Parameters<typeof serve>[0]): Asked[] =>
+  serve({
+    'GET /leak-budgets': () => nothing,
+    'GET /leak-budgets/alliances': () => nothing,
+    'GET /alliances': () => nothing,
+    'GET /caps': () => nothing,
+    'GET /recipients': () => ({ items: [{ recipient: 'acme', fieldCount: 1 }] }),
+    ...answers,
+  })
 afterEach(() => {
   vi.unstubAllGlobals()
 })
@@ -78,7 +90,7 @@ describe('figures', () => {
 
 describe('the leak budget', () => {
   it('draws each field and says the same in words', async () => {
-    serve({
+    connector({
       'GET /leak-budgets': () => ({
         items: [
           budget({
@@ -110,7 +122,7 @@ describe('the leak budget', () => {
         neededMs: 360_000,
       },
     ]
-    serve({ 'GET /leak-budgets': () => ({ items: [budget({ warnings })] }) })
+    connector({ 'GET /leak-budgets': () => ({ items: [budget({ warnings })] }) })
     render(LeaksPage)
     expect(await screen.findByText('Cycle time')).toBeTruthy()
     expect(screen.getByText(/From 6 min on/)).toBeTruthy()
@@ -131,7 +143,7 @@ describe('the leak budget', () => {
       fields: [leak('count').key],
       neededMs: 900_000,
     }
-    serve({
+    connector({
       'GET /leak-budgets': () => ({
         items: [budget({ fields: [leak('count', { statementParts })], warnings: [cycle] })],
       }),
@@ -150,23 +162,39 @@ describe('the leak budget', () => {
         fields: [leak('count').key],
       },
     ]
-    serve({ 'GET /leak-budgets': () => ({ items: [budget({ warnings })] }) })
+    connector({ 'GET /leak-budgets': () => ({ items: [budget({ warnings })] }) })
     render(LeaksPage)
     expect(await screen.findByText('Pauses tell the shifts.')).toBeTruthy()
   })
   it('keeps many fields out of the document until they are asked for', async () => {
     const fields = Array.from({ length: 5_000 }, (_, number) => leak(`field${number}`))
-    serve({ 'GET /leak-budgets': () => ({ items: [budget({ fields })] }) })
+    connector({ 'GET /leak-budgets': () => ({ items: [budget({ fields })] }) })
     const { container } = render(LeaksPage)
     await userEvent.click(await screen.findByRole('button', { name: '4980 more fields' }))
     expect(container.querySelectorAll('tr[data-field]')).toHaveLength(120)
   })
+  it('sums up by variable, the most telling one first', async () => {
+    const about = (nodeId: string, bitsPerHourMax?: number): VariableLeak => ({
+      variable: { sourceId: 'mill', nodeId },
+      fields: [leak('count').key, leak('rate').key],
+      valuesPerHourMax: 8,
+      ...(bitsPerHourMax === undefined ? {} : { bitsPerHourMax }),
+    })
+    const variables = [about('nsu=urn:x;i=1', 20), about('nsu=urn:x;i=2')]
+    connector({ 'GET /leak-budgets': () => ({ items: [budget({ variables })] }) })
+    render(LeaksPage)
+    const table = within(await screen.findByRole('region', { name: 'By variable' }))
+    const rows = table.getAllByRole('row').map((row) => row.textContent.replace(/\s+/g, ' '))
+    expect(rows[1]).toContain('i=2')
+    expect(rows[1]).toContain('no limit')
+    expect(rows[2]).toMatch(/i=1.*progress \/ rate.*8 per hour.*20 bit/)
+  })
   it('has a word for nothing, and for trouble', async () => {
-    serve({ 'GET /leak-budgets': () => ({ items: [] }) })
+    connector({ 'GET /leak-budgets': () => ({ items: [] }) })
     const { unmount } = render(LeaksPage)
     expect(await screen.findByText('Nothing is disclosed')).toBeTruthy()
     unmount()
-    serve({ 'GET /leak-budgets': () => problem(500, 'The state cannot be read.') })
+    connector({ 'GET /leak-budgets': () => problem(500, 'The state cannot be read.') })
     render(LeaksPage)
     expect((await screen.findByRole('alert')).textContent).toContain('The state cannot be read.')
   })

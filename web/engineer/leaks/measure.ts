@@ -1,5 +1,15 @@
 import { numberText } from '@/format/value'
-import type { FieldKey, FieldLeak, LeakWarning } from '../api/types'
+import type {
+  AllianceView,
+  Cap,
+  CapView,
+  FieldKey,
+  FieldLeak,
+  LeakBudget,
+  LeakWarning,
+  VariableKey,
+  VariableLeak,
+} from '../api/types'
 import { fieldAddress } from '../inbox/address'
 import { texts } from '../language/texts'
 
@@ -40,6 +50,45 @@ export function precisionText(bits: number | null | undefined): string {
 /** Three digits are plenty for a bound. */
 export function figure(value: number): string {
   return numberText(value >= 100 ? Math.round(value) : Number(value.toPrecision(3)))
+}
+
+/** Text of bits per hour, or that there is no limit. */
+export function bitRateText(bits: number | null | undefined): string {
+  return bits == null ? texts.leaks.noLimit : texts.leaks.bits(figure(bits))
+}
+
+export const variableText = ({ sourceId, nodeId }: VariableKey): string => `${sourceId} · ${nodeId}`
+
+/** Sorts variables by information; those without a bound come first. */
+export function byBits(variables: readonly VariableLeak[]): VariableLeak[] {
+  const bits = ({ bitsPerHourMax }: VariableLeak): number => bitsPerHourMax ?? Infinity
+  return [...variables].sort((one, other) =>
+    bits(one) === bits(other) ? 0 : bits(other) - bits(one),
+  )
+}
+
+/** Lists the variables of budgets, each once. */
+export function variablesOf(budgets: readonly LeakBudget[]): VariableKey[] {
+  const known = new Map<string, VariableKey>()
+  for (const { variable } of budgets.flatMap(({ variables }) => variables))
+    known.set(variableText(variable), variable)
+  return [...known.values()]
+}
+
+/** Share of a cap that is used, 0 to 1; `undefined` without a bound. */
+export function capReach({
+  bitsPerHour,
+  bitsPerHourMax,
+}: Pick<CapView, 'bitsPerHour' | 'bitsPerHourMax'>): number | undefined {
+  if (bitsPerHour == null) return undefined
+  return bitsPerHourMax > 0 ? within(bitsPerHour / bitsPerHourMax) : 1
+}
+
+/** Text of those whom a cap counts together. */
+export function subjectText(subject: Cap['subject'], alliances: readonly AllianceView[]): string {
+  if ('partner' in subject) return `${texts.caps.partner}: ${subject.partner}`
+  const known = alliances.find(({ id }) => id === subject.allianceId)
+  return `${texts.caps.alliance}: ${known?.name ?? subject.allianceId}`
 }
 
 export const nameOf = (key: FieldKey): string => fieldAddress(key).join('/')

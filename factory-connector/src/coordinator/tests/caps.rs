@@ -41,7 +41,7 @@ async fn caps_and_what_they_hold_back_survive_a_restart() {
     held_back.sort();
     assert_eq!((again, alliances, caps), (Some(held_back), 1, 1));
     let consents = running.entries("acme").await;
-    let held = |entry: &&Value| entry["basis"]["caps"] == json!([{ "id": "yard", "version": 1 }]);
+    let held = |entry: &&Value| entry["grounds"]["caps"] == json!([{ "id": "yard", "version": 1 }]);
     assert_eq!(consents.iter().filter(held).count(), 2, "{consents:?}");
     running.close().await;
 }

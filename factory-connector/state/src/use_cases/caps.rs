@@ -40,8 +40,8 @@ pub fn put_cap(
     Ok(((version, fields), changes))
 }
 
-/// Ends consents until all caps hold, and returns their fields. The decision is that of whoever set
-/// the cap.
+/// Ends consents until all caps hold, and returns their fields. The decision is that of the person
+/// who set the cap.
 pub(crate) fn hold_back(
     state: &mut ConnectorState,
     changes: &mut ChangeSet,

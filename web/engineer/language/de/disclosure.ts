@@ -152,6 +152,12 @@ export const disclosure: typeof English = {
     unplannedPiece:
       'Der Plan nennt keine Zeit je Stück: Partner können sehen, wann jedes Stück fertig wird.',
     needed: (span: string) => `Ab ${span} ist dieser Rückschluss nicht möglich.`,
+    variables: 'Nach Variablen',
+    variablesHint:
+      'Summe über alle Felder aller Anfragen, die auf der Variablen beruhen: eine Obergrenze dessen, was sie über sie sagen.',
+    variable: 'Variable',
+    rests: 'Felder, die auf ihr beruhen',
+    moreVariables: (n: number) => (n === 1 ? '1 weitere Variable' : `${n} weitere Variablen`),
     moreFields: (n: number) => (n === 1 ? '1 weiteres Feld' : `${n} weitere Felder`),
     moreWarnings: (n: number) => (n === 1 ? '1 weiterer Rückschluss' : `${n} weitere Rückschlüsse`),
     conclusions: {
@@ -178,6 +184,54 @@ export const disclosure: typeof English = {
           'Geben Sie nur eine davon hinaus, oder runden Sie beide auf größere Schritte als den erwarteten Ausschuss.',
       },
     } as Record<string, { what: string; why: string; remedy: string }>,
+  },
+  caps: {
+    title: 'Obergrenzen',
+    hint: 'Höchstmaß an Information je Stunde für einen Partner mit seinen Verbündeten. Was es überschritte, wird abgelehnt.',
+    none: 'Noch keine Obergrenze: Nichts begrenzt die Summen unten.',
+    add: 'Obergrenze hinzufügen',
+    edit: 'Obergrenze ändern',
+    saved: 'Obergrenze gespeichert.',
+    savedAndHeld: (n: number) =>
+      n === 1
+        ? 'Obergrenze gespeichert; 1 Feld wird zurückgehalten.'
+        : `Obergrenze gespeichert; ${n} Felder werden zurückgehalten.`,
+    subject: 'Für',
+    partner: 'Partner',
+    partners: 'Partner, jeder mit seinen Verbündeten',
+    alliance: 'Bündnis',
+    variable: 'Über',
+    allFields: 'Alle Felder',
+    variableHint: 'Eine Variable: Nur Felder zählen, die auf ihr beruhen.',
+    bits: 'Bit je Stunde, höchstens',
+    bitsHint: '0: Nichts wird preisgegeben. Unbegrenzte Felder passen unter keine Obergrenze.',
+    retire: 'Aufheben: Sie begrenzt nichts mehr',
+    retired: 'Aufgehoben',
+    reach: (now: string, most: string) => `${now} von höchstens ${most} Bit je Stunde`,
+    held: (n: number) => (n === 1 ? '1 Feld zurückgehalten' : `${n} Felder zurückgehalten`),
+    heldHint:
+      'Ihre Einwilligungen sind beendet. Der Partner sieht sie als offen. Entscheiden Sie neu, mit einer gröberen Freigabe oder nach Anheben der Obergrenze.',
+    wouldHold: (n: number) =>
+      n === 0
+        ? 'Die jetzigen Felder passen unter diese Obergrenze.'
+        : n === 1
+          ? 'Die Einwilligung in 1 Feld endet sofort:'
+          : `Die Einwilligungen in ${n} Felder enden sofort:`,
+    order:
+      'Felder bleiben in der Reihenfolge ihrer Entscheidungen, solange sie passen: Die neuesten weichen.',
+  },
+  alliances: {
+    title: 'Bündnisse',
+    hint: 'Partner, von denen Sie annehmen, dass sie einander sagen, was sie erhalten. Sie erfahren davon nichts.',
+    none: 'Noch kein Bündnis: Jeder Partner zählt für sich.',
+    add: 'Bündnis hinzufügen',
+    edit: 'Bündnis ändern',
+    saved: 'Bündnis gespeichert.',
+    members: 'Mitglieder',
+    membersHint: 'Kennungen von Organisationen, durch Kommas getrennt; jede in nur einem Bündnis.',
+    retire: 'Auflösen: Seine Mitglieder zählen wieder einzeln',
+    retired: 'Aufgelöst',
+    together: (name: string) => `${name}, zusammen`,
   },
   revocation: {
     open: 'Widerrufen',

@@ -148,6 +148,12 @@ export const disclosure = {
     coarsen: 'Coarsen',
     unplannedPiece: 'The plan has no time per piece: partners may see when each piece is made.',
     needed: (span: string) => `From ${span} on, this cannot be concluded.`,
+    variables: 'By variable',
+    variablesHint:
+      'Sum over all fields of all requests that rest on the variable: an upper bound of what they tell about it.',
+    variable: 'Variable',
+    rests: 'Fields that rest on it',
+    moreVariables: (n: number) => (n === 1 ? '1 more variable' : `${n} more variables`),
     moreFields: (n: number) => (n === 1 ? '1 more field' : `${n} more fields`),
     moreWarnings: (n: number) => (n === 1 ? '1 more conclusion' : `${n} more conclusions`),
     conclusions: {
@@ -173,6 +179,51 @@ export const disclosure = {
           'Disclose only one of them, or round both to steps larger than the scrap you expect.',
       },
     } as Record<string, { what: string; why: string; remedy: string }>,
+  },
+  caps: {
+    title: 'Caps',
+    hint: 'Most information per hour for a partner with its allies. What would exceed a cap is refused.',
+    none: 'No cap yet: nothing limits the sums below.',
+    add: 'Add a cap',
+    edit: 'Edit the cap',
+    saved: 'Cap saved.',
+    savedAndHeld: (n: number) =>
+      n === 1 ? 'Cap saved; 1 field is held back.' : `Cap saved; ${n} fields are held back.`,
+    subject: 'For',
+    partner: 'Partner',
+    partners: 'Partners, each with its allies',
+    alliance: 'Alliance',
+    variable: 'About',
+    allFields: 'All fields',
+    variableHint: 'A variable: only fields that rest on it count.',
+    bits: 'Bits per hour, at most',
+    bitsHint: '0: nothing is disclosed. Fields without a bound fit no cap.',
+    retire: 'Retire it: it no longer limits anything',
+    retired: 'Retired',
+    reach: (now: string, most: string) => `${now} of at most ${most} bit per hour`,
+    held: (n: number) => (n === 1 ? '1 field held back' : `${n} fields held back`),
+    heldHint:
+      'Their consents ended. The partner sees them as pending. Decide again, with a coarser policy or after you raised the cap.',
+    wouldHold: (n: number) =>
+      n === 0
+        ? 'The present fields fit under this cap.'
+        : n === 1
+          ? 'The consent to 1 field ends at once:'
+          : `The consents to ${n} fields end at once:`,
+    order: 'Fields stay in the order of their decisions, as long as they fit: the newest give way.',
+  },
+  alliances: {
+    title: 'Alliances',
+    hint: 'Partners of which you assume that they tell each other what they get. They do not learn of it.',
+    none: 'No alliance yet: each partner counts by itself.',
+    add: 'Add an alliance',
+    edit: 'Edit the alliance',
+    saved: 'Alliance saved.',
+    members: 'Members',
+    membersHint: 'Ids of organisations, separated by commas; each in one alliance only.',
+    retire: 'Dissolve it: its members count separately again',
+    retired: 'Dissolved',
+    together: (name: string) => `${name}, together`,
   },
   revocation: {
     open: 'Revoke',
