@@ -257,6 +257,16 @@ export async function places(page: Page, site: Site): Promise<Place[]> {
       act: (shown) => press(shown, /^(add a policy|freigabe hinzufügen)$/i),
     },
     { name: 'leaks', hash: '#/leaks' },
+    {
+      name: 'cap',
+      hash: '#/leaks',
+      act: (shown) => press(shown, /^(add a cap|obergrenze hinzufügen)$/i),
+    },
+    {
+      name: 'alliance',
+      hash: '#/leaks',
+      act: (shown) => press(shown, /^(add an alliance|bündnis hinzufügen)$/i),
+    },
     { name: 'mappings', hash: '#/mappings' },
     ...(source === undefined ? [] : [{ name: 'source', hash: hash('sources', source) }]),
     {

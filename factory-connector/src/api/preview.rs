@@ -1,6 +1,6 @@
 //! Preview of a decision: exactly the message that a partner would receive.
 
-use std::sync::Arc;
+use std::{collections::BTreeSet, sync::Arc};
 
 use asi_model::{
     DataValue, DateTime, FieldKey, StatusCode,
@@ -15,8 +15,8 @@ use axum::{Json, extract::State};
 use connector_state::{ConnectorState, operator::typed_value, queries};
 use daemon::web::{ApiJson, ApiPath, Problem};
 use disclosure::{
-    DisclosurePolicy, DocumentId, Effect, GateOutcome, LeakWarning, Statement, effects,
-    leak_warnings,
+    CapExcess, DisclosurePolicy, DocumentId, Effect, GateOutcome, LeakWarning, Statement,
+    VariableKey, effects, leak_warnings,
 };
 use mapping_engine::{DryRunSample, MappingDiagnostic, TraceRun};
 use serde::{Deserialize, Serialize};
@@ -92,8 +92,8 @@ pub struct Preview {
     effective_disclosure: DisclosurePolicy,
     /// Effect of each part of the policy on this value.
     effects: Vec<Effect>,
-    /// Conclusions that the decision would permit to partners.
-    warnings: Vec<LeakWarning>,
+    #[serde(flatten)]
+    leaks: Leaks,
     /// Nothing would leave now: the policy withholds the present state, or one that is not known.
     is_withheld: bool,
     /// The NetworkMessage that the partner would receive, byte for byte but for its id, numbers and
@@ -101,6 +101,16 @@ pub struct Preview {
     message: Option<String>,
     /// Errors and warnings about the mapping.
     diagnostics: Vec<MappingDiagnostic>,
+}
+
+/// Information that the decision would let out.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Leaks {
+    /// Conclusions that the decision would permit to partners.
+    warnings: Vec<LeakWarning>,
+    /// Caps that the decision would exceed, so that it would be refused.
+    cap_excesses: Vec<CapExcess>,
 }
 
 /// Runs a draft on the live values of its inputs; nothing is changed and nothing leaves.
@@ -121,6 +131,9 @@ pub async fn preview_decision(
     let field = path.into_key();
     let now = now();
     let policy = effective(&api, &field, draft.disclosure, draft.policy_id).await?;
+    let is_mapping = draft.value_source == ValueSource::Mapping;
+    let inputs = draft.mapping.as_ref().filter(|_| is_mapping).map(|mapping| &mapping.inputs[..]);
+    let variables = queries::variables_of(inputs.unwrap_or_default());
     let mut preview = Preview {
         inputs: Vec::new(),
         steps: Vec::new(),
@@ -130,7 +143,7 @@ pub async fn preview_decision(
         statement: statement(&api, &field, &policy).await?,
         effective_disclosure: (*policy).clone(),
         effects: Vec::new(),
-        warnings: warnings(&api, &field, &policy, now).await?,
+        leaks: leaks(&api, &field, &policy, variables, now).await?,
         is_withheld: false,
         message: None,
         diagnostics: Vec::new(),
@@ -194,25 +207,28 @@ async fn effective(
     found.ok_or_else(|| Problem::not_found("such field"))
 }
 
-/// Returns the conclusions that any partner could draw with this field, once each.
-async fn warnings(
+/// Returns the conclusions that any partner could draw with this field, once each, and the caps that
+/// it would exceed.
+async fn leaks(
     api: &Api,
     field: &FieldKey,
     policy: &Arc<DisclosurePolicy>,
+    variables: BTreeSet<VariableKey>,
     now: DateTime,
-) -> Result<Vec<LeakWarning>, Problem> {
+) -> Result<Leaks, Problem> {
     let (key, policy) = (field.clone(), Arc::clone(policy));
     let found = api
         .coordinator
         .read(move |state| {
-            let mut found: Vec<LeakWarning> = Vec::new();
+            let mut warnings: Vec<LeakWarning> = Vec::new();
             let open = queries::open_fields(state, now, Some((&key, &policy)));
             for warning in open.into_values().flat_map(|fields| leak_warnings(&fields)) {
-                if warning.fields.contains(&key) && !found.contains(&warning) {
-                    found.push(warning);
+                if warning.fields.contains(&key) && !warnings.contains(&warning) {
+                    warnings.push(warning);
                 }
             }
-            found
+            let cap_excesses = queries::opening_excesses(state, &key, policy, variables);
+            Leaks { warnings, cap_excesses }
         })
         .await?;
     Ok(found)

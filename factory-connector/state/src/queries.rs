@@ -10,8 +10,11 @@ mod report_frame;
 mod rule_offers;
 mod suggestion_context;
 
-pub use caps::{HeldBack, cap_preview, cap_usage, fields_held_back, import_excesses, variables_of};
-pub(crate) use caps::{Supposed, exchanges, held_back};
+pub use caps::{
+    HeldBack, cap_preview, cap_usage, fields_held_back, import_excesses, opening_excesses,
+    variables_of,
+};
+pub(crate) use caps::{Supposed, exchanges, held_back, opening};
 pub(crate) use disclosed::fields_named_by;
 pub use disclosed::{draft_gate, withholding_faults, write_refusal};
 pub use mapping_import::{FieldMismatch, ImportEffect, import_effect, validate_for_field};

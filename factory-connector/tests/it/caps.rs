@@ -41,6 +41,9 @@ async fn caps_refuse_and_hold_back() {
     let cap = |most: f64| json!({ "name": "Acme", "subject": { "partner": "acme" }, "bitsPerHourMax": most });
     let stored = plant.put("/caps/acme", cap(1.5 * one)).await;
     assert_eq!(stored, json!({ "id": "acme", "version": 1, "heldBack": [] }));
+    let draft = plant.post(&format!("{}/preview", field("scrap")), mapped(&other, 8)).await;
+    let excess = &draft["capExcesses"][0];
+    assert_eq!(excess["bitsPerHourNow"].as_f64(), Some(one), "{draft:#}");
     let problem = refused(&plant, &path("scrap"), mapped(&other, 8)).await;
     assert_eq!(
         (&problem["code"], &problem["faults"][0]["pointer"]),

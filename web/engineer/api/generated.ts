@@ -3096,6 +3096,13 @@ export interface components {
             /** @description English text, with the remedy. */
             text: string;
         };
+        /** @description Information that the decision would let out. */
+        Leaks: {
+            /** @description Caps that the decision would exceed, so that it would be refused. */
+            capExcesses: components["schemas"]["CapExcess"][];
+            /** @description Conclusions that the decision would permit to partners. */
+            warnings: components["schemas"]["LeakWarning"][];
+        };
         /** @description A connector that holds the lease or asked for it. */
         LeaseParty: {
             /** @description Its machine and folder. */
@@ -4006,7 +4013,7 @@ export interface components {
             recipients: components["schemas"]["OrganisationId"][];
         };
         /** @description Side by side: machine, mapping, what is disclosed, and the message. */
-        Preview: components["schemas"]["Statement"] & {
+        Preview: components["schemas"]["Statement"] & components["schemas"]["Leaks"] & {
             candidate?: components["schemas"]["ShownValue"] | null;
             /** @description Errors and warnings about the mapping. */
             diagnostics: components["schemas"]["MappingDiagnostic"][];
@@ -4030,8 +4037,6 @@ export interface components {
             message?: string | null;
             /** @description Results of the mapping's functions, in order. */
             steps: components["schemas"]["StepView"][];
-            /** @description Conclusions that the decision would permit to partners. */
-            warnings: components["schemas"]["LeakWarning"][];
         };
         /**
          * @description A problem document. `code` is stable and for programs, `detail` is for people; what went wrong

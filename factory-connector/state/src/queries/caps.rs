@@ -10,7 +10,7 @@ use disclosure::{
     Cap, CapExcess, CapUsage, DisclosurePolicy, DocumentId, DocumentVersion, Exchange, FieldUse,
     VariableKey, bits_per_hour,
 };
-use mapping::Mapping;
+use mapping::{Mapping, MappingInput};
 
 use super::fields_named_by;
 use crate::{BudgetRegistry, ConnectorState, DocumentError, Field};
@@ -32,12 +32,12 @@ pub type HeldBack = (FieldKey, Vec<CapExcess>);
 
 /// Returns the variables that a mapping reads.
 #[must_use]
-pub fn variables_of(mapping: &Mapping) -> BTreeSet<VariableKey> {
-    let key = |input: &mapping::MappingInput| VariableKey {
+pub fn variables_of(inputs: &[MappingInput]) -> BTreeSet<VariableKey> {
+    let key = |input: &MappingInput| VariableKey {
         source_id: input.source_id.clone(),
         node_id: input.node_id.clone(),
     };
-    mapping.inputs.iter().map(key).collect()
+    inputs.iter().map(key).collect()
 }
 
 /// Returns the variables that a field rests on under a policy: those of its mapping, and those of
@@ -66,7 +66,8 @@ fn inputs(
     }
     let decision = state.field(key).map(Field::decision);
     let mapped = decision.filter(|decision| decision.is_open_for(ValueSource::Mapping));
-    mapped.and_then(|decision| decision.mapping.as_deref()).map(variables_of).unwrap_or_default()
+    let mapping = mapped.and_then(|decision| decision.mapping.as_deref());
+    mapping.map(|mapping| variables_of(&mapping.inputs)).unwrap_or_default()
 }
 
 /// Returns the information of a field; `None` while it is not disclosed.
@@ -123,6 +124,28 @@ pub(crate) fn exchanges(state: &ConnectorState, suppositions: &Suppositions) -> 
     concerned.iter().filter_map(exchange).collect()
 }
 
+/// Returns what a decision changes that discloses a field under this policy, from these variables.
+pub(crate) fn opening(
+    state: &ConnectorState,
+    key: &FieldKey,
+    policy: Arc<DisclosurePolicy>,
+    variables: BTreeSet<VariableKey>,
+) -> Vec<Exchange> {
+    let supposed = Supposed { policy: Some(policy), variables: Some(variables) };
+    exchanges(state, &[(key.clone(), supposed)].into())
+}
+
+/// Returns the caps that such a decision would exceed.
+#[must_use]
+pub fn opening_excesses(
+    state: &ConnectorState,
+    key: &FieldKey,
+    policy: Arc<DisclosurePolicy>,
+    variables: BTreeSet<VariableKey>,
+) -> Vec<CapExcess> {
+    cap_usage(state).exchange(&opening(state, key, policy, variables)).err().unwrap_or_default()
+}
+
 /// Returns the caps that imported mappings would exceed: they read other variables.
 #[must_use]
 pub fn import_excesses<'m>(
@@ -138,7 +161,7 @@ pub fn import_excesses<'m>(
         decision.is_some_and(|decision| decision.is_open_for(ValueSource::Mapping))
     });
     let supposed = published.map(|mapping| {
-        let variables = Some(variables_of(mapping));
+        let variables = Some(variables_of(&mapping.inputs));
         (mapping.target.clone(), Supposed { policy: None, variables })
     });
     usage.exchange(&exchanges(state, &supposed.collect())).err().unwrap_or_default()

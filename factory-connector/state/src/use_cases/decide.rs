@@ -15,7 +15,7 @@ use crate::{
     consents, dependencies,
     effects::EngineCommand,
     gates::through_gate,
-    queries::{Supposed, cap_usage, effective_policy, exchanges, variables_of, withholding_faults},
+    queries::{cap_usage, effective_policy, opening, variables_of, withholding_faults},
 };
 
 /// A decision about a field.
@@ -220,11 +220,9 @@ fn admit(
     };
     let Some(field) = state.field(key).filter(|_| !usage.is_empty()) else { return Ok(()) };
     let mapping = mapping.as_deref().filter(|_| *value_source == ValueSource::Mapping);
-    let supposed = Supposed {
-        policy: Some(effective_policy(state, field, policy, request.basis.policy_id.as_ref()).0),
-        variables: Some(mapping.map(variables_of).unwrap_or_default()),
-    };
-    let changes = exchanges(state, &[(field.key().clone(), supposed)].into());
+    let variables = mapping.map(|mapping| variables_of(&mapping.inputs)).unwrap_or_default();
+    let (policy, _) = effective_policy(state, field, policy, request.basis.policy_id.as_ref());
+    let changes = opening(state, key, policy, variables);
     usage.exchange(&changes).map_err(DecisionError::OverCap)
 }
 

@@ -211,12 +211,15 @@ export const disclosure: typeof English = {
     held: (n: number) => (n === 1 ? '1 Feld zurückgehalten' : `${n} Felder zurückgehalten`),
     heldHint:
       'Ihre Einwilligungen sind beendet. Der Partner sieht sie als offen. Entscheiden Sie neu, mit einer gröberen Freigabe oder nach Anheben der Obergrenze.',
+    effect: 'Wirkung auf die jetzigen Felder',
     wouldHold: (n: number) =>
       n === 0
         ? 'Die jetzigen Felder passen unter diese Obergrenze.'
         : n === 1
           ? 'Die Einwilligung in 1 Feld endet sofort:'
           : `Die Einwilligungen in ${n} Felder enden sofort:`,
+    exceeded: (name: string, most: string, then: string) =>
+      `Die Obergrenze „${name}“ würde das ablehnen: Sie erlaubt ${most} Bit je Stunde, die Summe wäre: ${then}. Vergröbern Sie mehr, beenden Sie eine andere Einwilligung oder heben Sie die Obergrenze an.`,
     order:
       'Felder bleiben in der Reihenfolge ihrer Entscheidungen, solange sie passen: Die neuesten weichen.',
   },

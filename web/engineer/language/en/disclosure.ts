@@ -204,12 +204,15 @@ export const disclosure = {
     held: (n: number) => (n === 1 ? '1 field held back' : `${n} fields held back`),
     heldHint:
       'Their consents ended. The partner sees them as pending. Decide again, with a coarser policy or after you raised the cap.',
+    effect: 'Effect on the present fields',
     wouldHold: (n: number) =>
       n === 0
         ? 'The present fields fit under this cap.'
         : n === 1
           ? 'The consent to 1 field ends at once:'
           : `The consents to ${n} fields end at once:`,
+    exceeded: (name: string, most: string, then: string) =>
+      `The cap “${name}” would refuse this: it allows ${most} bit per hour, the sum would be: ${then}. Coarsen more, end another consent, or raise the cap.`,
     order: 'Fields stay in the order of their decisions, as long as they fit: the newest give way.',
   },
   alliances: {

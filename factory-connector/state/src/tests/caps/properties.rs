@@ -10,6 +10,7 @@ use serde_json::json;
 use super::plant::{FIELDS, Plant, REQUESTS, hourly, variable};
 use crate::{
     Field,
+    queries::variables_of,
     scene::at,
     use_cases::{
         decide::DecisionCommand,
@@ -105,7 +106,7 @@ fn act(plant: &mut Plant, act: Act) {
 fn inputs(field: &Field) -> BTreeSet<disclosure::VariableKey> {
     let mapping = field.decision().mapping.as_deref();
     let mapping = mapping.filter(|_| field.decision().is_open_for(ValueSource::Mapping));
-    mapping.map(crate::queries::variables_of).unwrap_or_default()
+    mapping.map(|mapping| variables_of(&mapping.inputs)).unwrap_or_default()
 }
 
 /// Returns the bits per hour under each cap in force, with the cap, by going through all fields.
