@@ -120,7 +120,8 @@ async fn add_browse_paths(api: &Api, mapping: &mut Mapping) {
     }
 }
 
-/// Decides about a field. The partner is notified; values flow or stop at once.
+/// Decides about a field. The partner is notified; values flow or stop at once. Refused (`OVER_CAP`)
+/// where partners would get more information than a cap allows.
 #[utoipa::path(
     put,
     path = "/decision",

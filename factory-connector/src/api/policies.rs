@@ -76,8 +76,9 @@ pub async fn list_policies(
 }
 
 /// Stores a new version of a named policy. Values of fields and recipients with it change at once;
-/// each change is a consent in the ledger, and the partner is notified. `If-Match` with the version
-/// read (`"0"` for a new one) keeps two engineers from overwriting each other.
+/// each change is a consent in the ledger, and the partner is notified. Refused (`OVER_CAP`) where a
+/// cap would be exceeded by that. `If-Match` with the version read (`"0"` for a new one) keeps two
+/// engineers from overwriting each other.
 #[utoipa::path(
     put,
     path = "/policies/{policyId}",
@@ -240,6 +241,7 @@ pub struct RecipientVersion {
 
 /// Sets a named policy for everything that a recipient gets. All recipients of a request get the same
 /// values, so the strictest of the field's and of all its recipients' policies applies, at once.
+/// Refused (`OVER_CAP`) where a cap would be exceeded by that.
 #[utoipa::path(
     put,
     path = "/recipients/{recipient}/policy",

@@ -433,7 +433,8 @@ export interface paths {
         };
         get?: never;
         /**
-         * Decides about a field. The partner is notified; values flow or stop at once.
+         * Decides about a field. The partner is notified; values flow or stop at once. Refused (`OVER_CAP`)
+         *     where partners would get more information than a cap allows.
          * @description Least role: ENGINEER.
          */
         put: operations["decideField"];
@@ -1168,8 +1169,9 @@ export interface paths {
         get?: never;
         /**
          * Stores a new version of a named policy. Values of fields and recipients with it change at once;
-         *     each change is a consent in the ledger, and the partner is notified. `If-Match` with the version
-         *     read (`"0"` for a new one) keeps two engineers from overwriting each other.
+         *     each change is a consent in the ledger, and the partner is notified. Refused (`OVER_CAP`) where a
+         *     cap would be exceeded by that. `If-Match` with the version read (`"0"` for a new one) keeps two
+         *     engineers from overwriting each other.
          * @description Least role: ENGINEER.
          */
         put: operations["putPolicy"];
@@ -1251,6 +1253,7 @@ export interface paths {
         /**
          * Sets a named policy for everything that a recipient gets. All recipients of a request get the same
          *     values, so the strictest of the field's and of all its recipients' policies applies, at once.
+         *     Refused (`OVER_CAP`) where a cap would be exceeded by that.
          * @description Least role: ENGINEER.
          */
         put: operations["putRecipientPolicy"];
