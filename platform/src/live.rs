@@ -43,6 +43,7 @@ pub enum LiveEvent {
         key: FieldKey,
         /// `PENDING`, `MAPPED` or `REFUSED`.
         mapping_state: asi_model::messages::MappingState,
+        /// The engineer's reason; absent for whom the decision may not have been made.
         reason: Option<String>,
         decided_at: DateTime,
     },

@@ -49,7 +49,9 @@ pub use database::Database;
 pub use dead_letters::{DeadLetters, NewDeadLetter, StoredDeadLetter};
 pub use error::StoreError;
 pub use factories::{Factories, Factory, Heard};
-pub use fields::{AskedField, CurrentValue, DecisionEffect, FieldRow, Fields, NewField};
+pub use fields::{
+    AskedField, CurrentValue, DecisionAudience, DecisionEffect, FieldRow, Fields, NewField,
+};
 pub use inbox::{Inbox, NewInboxMessage};
 pub use leases::Leases;
 pub use meta_data::MetaData;

@@ -1,13 +1,26 @@
 //! The fields that are asked for: what was decided about them, and their current values.
 
+/// Condition on a row `r` of `request_recipient`: the factory consented to the recipient before, or
+/// has answered the newest revision, so that what it decides is meant for the recipient, too.
+macro_rules! known_to_factory {
+    ($factory:literal) => {
+        concat!(
+            "(r.consented_at IS NOT NULL OR EXISTS (SELECT 1 FROM network_part p
+                 WHERE p.operation_network_id = r.operation_network_id AND p.factory_id = ",
+            $factory,
+            " AND p.state IN ('ACCEPTED', 'UNCHANGED')))"
+        )
+    };
+}
+
 mod decisions;
 
 use asi_model::{
     DateTime, DynamicDataRequestId, FactoryId, FieldKey, FieldName, OperationId,
-    OperationNetworkId, OrganisationId, RequestKey, StatusCode,
+    OperationNetworkId, RequestKey, StatusCode,
     messages::{DisclosureStatement, MappingState},
 };
-pub use decisions::DecisionEffect;
+pub use decisions::{DecisionAudience, DecisionEffect};
 use sqlx::QueryBuilder;
 
 use super::{
@@ -58,8 +71,9 @@ pub struct FieldRow {
     /// The factory that is asked.
     pub factory_id: FactoryId,
     pub mapping_state: MappingState,
+    /// The engineer's reason; absent for whom the decision was not made.
     pub reason: Option<String>,
-    /// The precision that recipients get.
+    /// The precision that recipients get; absent for whom the decision was not made.
     pub disclosure: Option<DisclosureStatement>,
     /// Time of the decision.
     pub decided_at: Option<DateTime>,
@@ -230,8 +244,10 @@ impl Fields<'_> {
     }
 
     /// The fields of a network that concern the viewer: as recipient, those that are open with the
-    /// values that were released to it; as owner of the factory that is asked without. In the order
-    /// of the document.
+    /// values that were released to it; as owner of the factory that is asked without. Reason and
+    /// precision of a decision are withheld from recipients to whom the factory has not consented
+    /// and of whom it has not confirmed to know: the decision may be to a former revision, which did
+    /// not name them. In the order of the document.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -240,21 +256,29 @@ impl Fields<'_> {
         scope: &Scope,
         network: &OperationNetworkId,
     ) -> Result<Vec<FieldRow>, StoreError> {
-        let sql = "SELECT f.*, v.epoch, v.sequence, v.value, v.built_in_type, v.status, v.source_timestamp,
+        let sql = concat!(
+            "SELECT f.*, v.epoch, v.sequence, v.value, v.built_in_type, v.status, v.source_timestamp,
                        v.report_timestamp, v.received_at, v.recipient_set_id
                    FROM (SELECT f.*, (CASE WHEN CAST($2 AS TEXT) IS NULL OR EXISTS (
                              SELECT 1 FROM request_recipient r WHERE r.operation_network_id = f.operation_network_id
                              AND r.dynamic_data_request_id = f.dynamic_data_request_id AND r.organisation_id = $2)
-                             THEN 1 ELSE 0 END) AS is_recipient
+                             THEN 1 ELSE 0 END) AS is_recipient,
+                         (CASE WHEN EXISTS (SELECT 1 FROM factory o WHERE o.factory_id = f.factory_id
+                             AND o.organisation_id = $2) THEN 1 ELSE 0 END) AS is_owner,
+                         (CASE WHEN CAST($2 AS TEXT) IS NULL OR EXISTS (
+                             SELECT 1 FROM request_recipient r WHERE r.operation_network_id = f.operation_network_id
+                             AND r.dynamic_data_request_id = f.dynamic_data_request_id AND r.organisation_id = $2
+                             AND ",
+            known_to_factory!("f.factory_id"),
+            ") THEN 1 ELSE 0 END) AS is_known
                          FROM request_field f WHERE f.operation_network_id = $1) f
                    LEFT JOIN field_value v ON f.is_recipient = 1 AND f.mapping_state = 'MAPPED'
                        AND (CAST($2 AS TEXT) IS NULL OR EXISTS (SELECT 1 FROM recipient_set_member m
                             WHERE m.recipient_set_id = v.recipient_set_id AND m.organisation_id = $2))
                        AND v.operation_network_id = f.operation_network_id
                        AND v.dynamic_data_request_id = f.dynamic_data_request_id AND v.field_name = f.field_name
-                   WHERE f.is_recipient = 1 OR EXISTS (
-                       SELECT 1 FROM factory o WHERE o.factory_id = f.factory_id AND o.organisation_id = $2)
-                   ORDER BY f.position";
+                   WHERE f.is_recipient = 1 OR f.is_owner = 1 ORDER BY f.position"
+        );
         let rows = sqlx::query(sql)
             .bind(network.as_str())
             .bind(scope.recipient())
@@ -262,29 +286,6 @@ impl Fields<'_> {
             .await
             .map_err(StoreError::during("list fields"))?;
         rows.iter().map(read).collect()
-    }
-
-    /// Lists the organisations that may know of a decision about a request's field: its recipients
-    /// and the owner of the factory.
-    ///
-    /// # Errors
-    /// [`StoreError`].
-    pub async fn concerned(
-        &mut self,
-        network: &OperationNetworkId,
-        request: &str,
-    ) -> Result<Vec<OrganisationId>, StoreError> {
-        let sql = "SELECT organisation_id FROM request_recipient
-                   WHERE operation_network_id = $1 AND dynamic_data_request_id = $2
-                   UNION SELECT o.organisation_id FROM request_field f JOIN factory o ON o.factory_id = f.factory_id
-                   WHERE f.operation_network_id = $1 AND f.dynamic_data_request_id = $2 ORDER BY 1";
-        let rows = sqlx::query(sql)
-            .bind(network.as_str())
-            .bind(request)
-            .fetch_all(&mut *self.0)
-            .await
-            .map_err(StoreError::during("list who is concerned"))?;
-        rows.iter().map(|row| row.parsed("organisation_id")).collect()
     }
 }
 
@@ -320,6 +321,8 @@ fn read(row: &DatabaseRow) -> Result<FieldRow, StoreError> {
         }),
     };
     let state: String = row.column("mapping_state")?;
+    let is_told = row.unsigned::<u8>("is_owner")? != 0 || row.unsigned::<u8>("is_known")? != 0;
+    let reason: Option<String> = row.column("reason")?;
     let disclosure: Option<String> = row.column("disclosure")?;
     Ok(FieldRow {
         key,
@@ -329,8 +332,8 @@ fn read(row: &DatabaseRow) -> Result<FieldRow, StoreError> {
             "REFUSED" => MappingState::Refused,
             _ => MappingState::Pending,
         },
-        reason: row.column("reason")?,
-        disclosure: disclosure.map(|_| row.json("disclosure")).transpose()?,
+        reason: reason.filter(|_| is_told),
+        disclosure: disclosure.filter(|_| is_told).map(|_| row.json("disclosure")).transpose()?,
         decided_at: row.time_option("decided_at")?,
         current,
     })

@@ -86,6 +86,49 @@ async fn a_recipient_added_later_sees_only_what_was_released_to_it() {
     assert_eq!(sequences(&buyer).await, [0, 1, 2]);
 }
 
+/// Returns what a viewer sees of the decision about `progressStatus`: state, reason and precision.
+async fn decision_shown(api: &Api) -> (Value, Value, Value) {
+    let view = api.get(&network_path()).await.expect_ok();
+    let field = &view["fields"][0];
+    (field["mappingState"].clone(), field["reason"].clone(), field["disclosure"].clone())
+}
+
+/// The reason of a decision, and the precision, were meant for those whom the factory knew of.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_decision_to_a_former_revision_shows_a_new_recipient_the_state_alone() {
+    let world = World::start().await;
+    let (_, buyer, munich, _hamburg) = story::accepted(&world).await;
+    let inspector = story::planner(&world, INSPECTOR).await;
+    let view = inspector.get(&network_path()).await.expect_ok();
+    let mut live = inspector.live(view["lastEventId"].as_str()).await;
+    let precision = json!({ "description": "Rounded to whole dozens." });
+    let whole = (json!("MAPPED"), json!("as agreed"), precision.clone());
+    let consent_at = |time: &str| {
+        let mut decision = story::decision_at(time, "MAPPED", Some("as agreed"));
+        decision["disclosure"] = precision.clone();
+        decision
+    };
+
+    story::put_network(&buyer, network_to(&[BUYER, INSPECTOR])).await;
+    munich.send("decision", &consent_at("2019-04-18T18:25:00Z"));
+    story::state_is(&buyer, "MAPPED").await;
+    assert_eq!(decision_shown(&buyer).await, whole, "it was made for the buyer");
+    let bare = (json!("MAPPED"), Value::Null, Value::Null);
+    assert_eq!(decision_shown(&inspector).await, bare);
+    let (_, event) = live.next("decision").await;
+    assert_eq!((&event["mappingState"], &event["reason"]), (&json!("MAPPED"), &Value::Null));
+
+    let part = munich.receive("operation-network", |part| part["revision"] == 2).await;
+    munich.send("decision", &story::decision_at("2019-04-18T18:30:00Z", "PENDING", None));
+    munich.accept(&part);
+    munich.send("decision", &consent_at("2019-04-18T18:35:00Z"));
+    eventually("the decision", || async {
+        let shown = decision_shown(&inspector).await;
+        if shown == whole { Ok(()) } else { Err(format!("{shown:?}")) }
+    })
+    .await;
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn a_removed_recipient_keeps_the_past_and_gets_nothing_new() {
     let world = World::start().await;

@@ -137,14 +137,17 @@ async fn decision(
         let (factory, at) = (&decision.factory_id, decision.decided_at);
         unit.work.recipients().consent(network, request, factory, at).await?;
     }
-    let concerned = unit.work.fields().concerned(network, request.as_str()).await?;
-    let event = LiveEvent::Decision {
-        key,
+    let audience = unit.work.fields().audience(network, request, &decision.factory_id).await?;
+    let event = |reason: Option<String>| LiveEvent::Decision {
+        key: key.clone(),
         mapping_state: decision.mapping_state,
-        reason: decision.reason.clone(),
+        reason,
         decided_at: decision.decided_at,
     };
-    unit.effects.notifications.push(event.to(concerned));
+    unit.effects.notifications.extend([
+        event(decision.reason.clone()).to(audience.whole),
+        event(None).to(audience.others),
+    ]);
     Ok(effect)
 }
 

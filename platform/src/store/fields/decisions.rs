@@ -1,7 +1,7 @@
 //! Decisions of factories about the fields that are asked for.
 
 use asi_model::{
-    FieldKey,
+    DynamicDataRequestId, FactoryId, FieldKey, OperationNetworkId, OrganisationId,
     messages::{Decision, MappingState},
 };
 
@@ -20,6 +20,16 @@ pub enum DecisionEffect {
     Changed,
     /// The field was opened: values from before do not belong to this consent.
     Opened,
+}
+
+/// Organisations that may know of a decision, by id.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DecisionAudience {
+    /// The factory's organisation and those for whom the decision was made: with reason and
+    /// precision.
+    pub whole: Vec<OrganisationId>,
+    /// Recipients of whom the factory may not have known: the bare state.
+    pub others: Vec<OrganisationId>,
 }
 
 impl Fields<'_> {
@@ -86,5 +96,43 @@ impl Fields<'_> {
         } else {
             DecisionEffect::Changed
         })
+    }
+
+    /// Returns the organisations that may know of a factory's decision about a request's field: its
+    /// recipients and the owner of the factory.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn audience(
+        &mut self,
+        network: &OperationNetworkId,
+        request: &DynamicDataRequestId,
+        factory: &FactoryId,
+    ) -> Result<DecisionAudience, StoreError> {
+        let sql = concat!(
+            "SELECT organisation_id, MAX(is_whole) AS is_whole FROM (
+                 SELECT r.organisation_id, (CASE WHEN ",
+            known_to_factory!("$3"),
+            " THEN 1 ELSE 0 END) AS is_whole FROM request_recipient r
+                 WHERE r.operation_network_id = $1 AND r.dynamic_data_request_id = $2
+                 UNION ALL SELECT o.organisation_id, 1 FROM request_field f
+                 JOIN factory o ON o.factory_id = f.factory_id
+                 WHERE f.operation_network_id = $1 AND f.dynamic_data_request_id = $2) c
+             GROUP BY organisation_id ORDER BY organisation_id"
+        );
+        let rows = sqlx::query(sql)
+            .bind(network.as_str())
+            .bind(request.as_str())
+            .bind(factory.as_str())
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list who may know of a decision"))?;
+        let mut audience = DecisionAudience { whole: Vec::new(), others: Vec::new() };
+        for row in &rows {
+            let is_whole = row.unsigned::<u8>("is_whole")? != 0;
+            let readers = if is_whole { &mut audience.whole } else { &mut audience.others };
+            readers.push(row.parsed("organisation_id")?);
+        }
+        Ok(audience)
     }
 }
