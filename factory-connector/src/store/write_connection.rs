@@ -161,7 +161,8 @@ mod tests {
 
     async fn count(writer: &mut WriteConnection) -> i64 {
         let count = |transaction: &Transaction<'_>| {
-            let count = transaction.query_row("SELECT count(*) FROM number", (), |row| row.get(0));
+            let sql = "SELECT count(*) AS count FROM number";
+            let count = transaction.query_row(sql, (), |row| row.get("count"));
             count.map_err(StoreError::while_writing("count"))
         };
         writer.transact("count", count).await.expect("counted")

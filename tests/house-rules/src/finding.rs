@@ -28,6 +28,7 @@ pub enum Rule {
     FunctionLength,
     ImplSpread,
     TypeSize,
+    ColumnByPlace,
     BannedWord,
 }
 
@@ -45,6 +46,7 @@ impl fmt::Display for Rule {
             Self::FunctionLength => "function-length",
             Self::ImplSpread => "impl-spread",
             Self::TypeSize => "type-size",
+            Self::ColumnByPlace => "column-by-place",
             Self::BannedWord => "banned-word",
         })
     }

@@ -6,6 +6,7 @@
 //! is no Rust.
 
 mod circles;
+mod columns;
 mod docs;
 mod finding;
 mod imports;
@@ -34,6 +35,7 @@ pub use words::{BANNED_WORDS, BannedWord};
 pub fn check(package: &Package) -> Vec<Finding> {
     let graph = imports::ImportGraph::of(package);
     let mut findings = circles::check(&graph);
+    findings.extend(columns::check(package));
     findings.extend(docs::check(package, &graph));
     findings.extend(size::check(package));
     findings.extend(types::check_spread(package, &graph));

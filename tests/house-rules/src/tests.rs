@@ -3,9 +3,10 @@
 mod circles;
 
 use crate::{
-    Exemption, Finding, Package, Rule, Wall, check, check_type_sizes, check_walls,
-    texts::check_text, words::banned_in,
+    Finding, Package, Rule, Wall, check, check_walls, texts::check_text, words::banned_in,
 };
+
+mod types;
 
 fn package(sources: &[(&str, &str)]) -> Package {
     Package::from_sources("demo", sources).unwrap()
@@ -156,30 +157,19 @@ fn methods_of_a_type_stay_in_three_files() {
 }
 
 #[test]
-fn types_have_bounds_but_those_of_the_wire() {
-    let fields = |count: usize| (0..count).map(|n| format!("f{n}: u8,")).collect::<String>();
-    let methods = (0..41).map(|n| format!("fn m{n}() {{}}")).collect::<String>();
-    let source = format!(
-        "struct Fits {{ {} }}\nstruct Large {{ {} }}\n#[derive(Debug, serde::Serialize)]\n\
-         struct Wire {{ {} }}\nstruct Busy;\nimpl Busy {{ {methods} }}",
-        fields(12),
-        fields(13),
-        fields(13)
-    );
-    let package = package(&[("src/lib.rs", &source)]);
-    let sizes =
-        |exemptions: &[Exemption]| texts(check_type_sizes(&package, exemptions), Rule::TypeSize);
-    let exempt = |type_name| Exemption { package: "demo", type_name, reason: "a test" };
+fn stores_read_columns_by_name() {
+    let source = "fn f() {\nlet a = row.try_get::<i64, _>(1)?;\nlet b: u8 = row.get(0);\n\
+                  let c: u8 = row.get(\"c\");\nlist.get(at);\n}";
+    let sources = [
+        ("src/cache.rs", source),
+        ("src/store.rs", source),
+        ("src/store/rows.rs", "fn f() { |row| row.get(2) }"),
+    ];
+    let text = "a column is read by its place: read it by its name";
     assert_eq!(
-        sizes(&[]),
-        [
-            "src/lib.rs:1 `Busy` has 41 methods, at most 40 are allowed",
-            "src/lib.rs:2 `Large` has 13 fields, at most 12 are allowed"
-        ]
-    );
-    assert_eq!(
-        sizes(&[exempt("Busy"), exempt("Large"), exempt("Wire")]),
-        ["src/lib.rs:1 `Wire` needs no exemption"]
+        found(Rule::ColumnByPlace, &sources),
+        ["src/store.rs:2", "src/store.rs:3", "src/store/rows.rs:1"]
+            .map(|at| format!("{at} {text}"))
     );
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use syn::{Attribute, ImplItem, Item, Type};
+use syn::{Attribute, Field, Ident, ImplItem, Item, ReceiverKind, Type, visit::Visit};
 
 use crate::{
     finding::{Finding, Rule},
@@ -16,9 +16,30 @@ use crate::{
 const IMPL_FILES_MAX: usize = 3;
 const FIELDS_MAX: usize = 12;
 const METHODS_MAX: usize = 40;
-/// Derives of types that copy a document, a row or a command line: their size is not ours to choose.
+/// Derives of types that copy a document, a row or a command line: their size is not ours to choose
+/// as long as they are nothing but data.
 const WIRE_DERIVES: [&str; 6] =
     ["Serialize", "Deserialize", "ToSchema", "JsonSchema", "Parser", "Args"];
+
+/// Types of fields by which a value holds state that others change, or talks to others; the atomic
+/// types are found by their prefix.
+const HOLDERS: [&str; 15] = [
+    "Mutex",
+    "RwLock",
+    "Cell",
+    "RefCell",
+    "OnceCell",
+    "OnceLock",
+    "LazyLock",
+    "UnsafeCell",
+    "Sender",
+    "Receiver",
+    "UnboundedSender",
+    "UnboundedReceiver",
+    "JoinHandle",
+    "Notify",
+    "Semaphore",
+];
 
 /// A type that may be larger, with the reason.
 #[derive(Debug, Clone, Copy)]
@@ -31,17 +52,19 @@ pub struct Exemption {
 /// Type by the file that defines it and its name.
 type TypeKey = (usize, String);
 
-/// Inherent methods of one type.
+/// Inherent methods of one type, and whether any method changes it.
 #[derive(Default)]
 struct Methods {
     count: usize,
     files: BTreeSet<usize>,
+    /// True where one of them, or one of a trait, takes the type as `&mut self`.
+    has_change: bool,
 }
 
 /// Reports types whose methods are spread over too many files.
 pub(crate) fn check_spread(package: &Package, graph: &ImportGraph) -> Vec<Finding> {
     let mut findings = Vec::new();
-    for ((file, name), methods) in inherent_methods(package, graph) {
+    for ((file, name), methods) in methods_of_types(package, graph) {
         if methods.files.len() > IMPL_FILES_MAX {
             let files: Vec<&str> =
                 methods.files.iter().map(|file| graph.files[*file].as_str()).collect();
@@ -60,12 +83,13 @@ pub(crate) fn check_spread(package: &Package, graph: &ImportGraph) -> Vec<Findin
     findings
 }
 
-/// Reports types with too many fields or methods, but those of configuration and of the wire, and
-/// those exempted; and exemptions that no type needs.
+/// Reports types with too many fields or methods, and exemptions that no type needs. Types of the
+/// wire and of configuration may have as many fields as their document: those that derive it, hold
+/// no state by a field, and that no method changes.
 #[must_use]
 pub fn check_type_sizes(package: &Package, exemptions: &[Exemption]) -> Vec<Finding> {
     let graph = ImportGraph::of(package);
-    let methods = inherent_methods(package, &graph);
+    let methods = methods_of_types(package, &graph);
     let mut large: BTreeMap<TypeKey, Vec<Finding>> = BTreeMap::new();
     let mut report = |key: &TypeKey, line: usize, what: &str, count: usize, max: usize| {
         if count > max {
@@ -82,17 +106,12 @@ pub fn check_type_sizes(package: &Package, exemptions: &[Exemption]) -> Vec<Find
             continue;
         }
         for item in &file.syntax.items {
-            if let Item::Struct(item) = item
-                && !is_wire(&item.attrs)
-            {
+            let Item::Struct(item) = item else { continue };
+            let key = (index, item.ident.to_string());
+            let has_change = methods.get(&key).is_some_and(|methods| methods.has_change);
+            if !is_wire(&item.attrs) || has_change || item.fields.iter().any(holds_state) {
                 let line = item.ident.span().start().line;
-                report(
-                    &(index, item.ident.to_string()),
-                    line,
-                    "fields",
-                    item.fields.len(),
-                    FIELDS_MAX,
-                );
+                report(&key, line, "fields", item.fields.len(), FIELDS_MAX);
             }
         }
     }
@@ -131,7 +150,21 @@ fn is_wire(attributes: &[Attribute]) -> bool {
     })
 }
 
-fn inherent_methods(package: &Package, graph: &ImportGraph) -> BTreeMap<TypeKey, Methods> {
+/// True for a field of a type that is, or contains, a lock, a cell or an end of a channel.
+fn holds_state(field: &Field) -> bool {
+    struct Finder(bool);
+    impl<'ast> Visit<'ast> for Finder {
+        fn visit_ident(&mut self, ident: &'ast Ident) {
+            let name = ident.to_string();
+            self.0 |= HOLDERS.contains(&name.as_str()) || name.starts_with("Atomic");
+        }
+    }
+    let mut finder = Finder(false);
+    finder.visit_type(&field.ty);
+    finder.0
+}
+
+fn methods_of_types(package: &Package, graph: &ImportGraph) -> BTreeMap<TypeKey, Methods> {
     let mut methods = BTreeMap::new();
     for (id, module) in graph.tree.modules.iter().enumerate() {
         let is_file = module.parent.is_none_or(|up| graph.tree.modules[up].file != module.file);
@@ -151,7 +184,7 @@ fn collect(
     for item in items {
         let Item::Impl(block) = item else { continue };
         let Type::Path(of) = &*block.self_ty else { continue };
-        if block.trait_.is_some() || is_test_only(&block.attrs) {
+        if is_test_only(&block.attrs) {
             continue;
         }
         let path: Vec<String> =
@@ -162,7 +195,18 @@ fn collect(
         };
         let file = graph.tree.modules[module].file;
         let of = methods.entry((graph.tree.modules[definer].file, name.clone())).or_default();
-        of.files.insert(file);
-        of.count += block.items.iter().filter(|item| matches!(item, ImplItem::Fn(_))).count();
+        of.has_change |= block.items.iter().any(is_change);
+        if block.trait_.is_none() {
+            of.files.insert(file);
+            of.count += block.items.iter().filter(|item| matches!(item, ImplItem::Fn(_))).count();
+        }
     }
+}
+
+/// True for a method that takes `&mut self`.
+fn is_change(item: &ImplItem) -> bool {
+    let ImplItem::Fn(function) = item else { return false };
+    let receiver = function.sig.receiver();
+    // `mut self` is a value that its owner gave away.
+    receiver.is_some_and(|receiver| matches!(receiver.kind, ReceiverKind::Reference(_, _, Some(_))))
 }

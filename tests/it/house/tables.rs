@@ -4,7 +4,8 @@
 use house_rules::{Exemption, Wall};
 
 /// Packages of the connector, whose types have bounds.
-pub const CONNECTOR: &[&str] = &["factory-connector", "connector-state", "disclosure", "ledger"];
+pub const CONNECTOR: &[&str] =
+    &["factory-connector", "connector-state", "disclosure", "ledger", "twin"];
 
 /// Types of the connector that may have more fields or methods.
 pub const LARGE_TYPES: &[Exemption] = &[];

@@ -80,9 +80,9 @@ pub(super) async fn unreceipted_reports(
         .iter()
         .map(|row| ReportKey {
             factory: factory.to_owned(),
-            writer: row.get(0),
-            epoch: row.get(1),
-            sequence: row.get(2),
+            writer: row.get("writer_id"),
+            epoch: row.get("epoch"),
+            sequence: row.get("sequence"),
         })
         .collect())
 }
@@ -138,7 +138,7 @@ pub(super) async fn queued(folder: &Path) -> anyhow::Result<Vec<(String, Vec<u8>
         Err(error) => return Err(error.into()),
     };
     store.close().await?;
-    Ok(rows.iter().map(|row| (row.get(0), row.get(1))).collect())
+    Ok(rows.iter().map(|row| (row.get("name"), row.get("body"))).collect())
 }
 
 /// Doubles every message that waits at the broker.
@@ -178,15 +178,15 @@ pub(super) async fn left(
         .map(|row| {
             let key = ReportKey {
                 factory: factory.to_owned(),
-                writer: row.get(0),
-                epoch: row.get(1),
-                sequence: row.get(2),
+                writer: row.get("writer_id"),
+                epoch: row.get("epoch"),
+                sequence: row.get("sequence"),
             };
-            let recipients: Value = serde_json::from_str(row.get(4))?;
-            let body: Value =
-                serde_json::from_str(row.get(5)).with_context(|| format!("the body of {key:?}"))?;
+            let recipients: Value = serde_json::from_str(row.get("recipients"))?;
+            let body: Value = serde_json::from_str(row.get("body"))
+                .with_context(|| format!("the body of {key:?}"))?;
             let left = Left {
-                state: row.get(3),
+                state: row.get("state"),
                 recipients: recipients.as_array().map_or(0, Vec::len),
                 values: payload_values(&body["Payload"]),
             };
@@ -198,10 +198,11 @@ pub(super) async fn left(
 /// Returns the number of reports in all chains of a connector's ledger.
 pub(super) async fn ledger_entries(folder: &Path, factory: &str) -> anyhow::Result<usize> {
     let mut store = open(&connector_store(folder, factory)).await?;
-    let row = sqlx::query("SELECT count(*) FROM ledger_entry WHERE report_id IS NOT NULL")
-        .fetch_one(&mut store)
-        .await?;
-    Ok(usize::try_from(row.get::<i64, _>(0))?)
+    let row =
+        sqlx::query("SELECT count(*) AS entries FROM ledger_entry WHERE report_id IS NOT NULL")
+            .fetch_one(&mut store)
+            .await?;
+    Ok(usize::try_from(row.get::<i64, _>("entries"))?)
 }
 
 /// Returns every gap that a factory has announced: the keys of the reports it gave up.
@@ -216,8 +217,8 @@ pub(super) async fn gaps(folder: &Path, factory: &str) -> anyhow::Result<Vec<Rep
     Ok(rows
         .iter()
         .flat_map(|row| {
-            let (writer, epoch): (i64, i64) = (row.get(0), row.get(1));
-            (row.get::<i64, _>(2)..=row.get::<i64, _>(3))
+            let (writer, epoch): (i64, i64) = (row.get("data_set_writer_id"), row.get("epoch"));
+            (row.get::<i64, _>("first_sequence")..=row.get::<i64, _>("last_sequence"))
                 .map(move |sequence| (writer, epoch, sequence))
         })
         .map(|(writer, epoch, sequence)| ReportKey {
@@ -246,14 +247,17 @@ pub(super) async fn arrived(
         .map(|row| {
             let key = ReportKey {
                 factory: factory.to_owned(),
-                writer: row.get(0),
-                epoch: row.get(1),
-                sequence: row.get(2),
+                writer: row.get("data_set_writer_id"),
+                epoch: row.get("epoch"),
+                sequence: row.get("sequence"),
             };
-            let fields: Value = serde_json::from_str(row.get(4))?;
+            let fields: Value = serde_json::from_str(row.get("fields"))?;
             Ok((
                 key,
-                Arrived { is_replay: row.get::<i64, _>(3) != 0, values: shown_values(&fields) },
+                Arrived {
+                    is_replay: row.get::<i64, _>("is_replay") != 0,
+                    values: shown_values(&fields),
+                },
             ))
         })
         .collect()
@@ -267,11 +271,13 @@ pub(super) async fn comments(
 ) -> anyhow::Result<(Vec<Comment>, Vec<Comment>)> {
     let comment = |row: &SqliteRow| Comment {
         factory: factory.to_owned(),
-        is_from_factory: row.get::<i64, _>(0) != 0,
-        text: row.get(1),
+        is_from_factory: row.get::<i64, _>("is_from_factory") != 0,
+        text: row.get("text"),
     };
     let mut store = open(&connector_store(folder, factory)).await?;
-    let here = sqlx::query("SELECT is_own, text FROM comment").fetch_all(&mut store).await?;
+    let here = sqlx::query("SELECT is_own AS is_from_factory, text FROM comment")
+        .fetch_all(&mut store)
+        .await?;
     let mut store = open(&platform_store(folder)).await?;
     let there = sqlx::query("SELECT is_from_factory, text FROM comment WHERE factory_id = ?")
         .bind(factory)
@@ -283,11 +289,15 @@ pub(super) async fn comments(
 /// Number of repeats that the platform has discarded, and of messages it could not use.
 pub(super) async fn repeats_and_dead_letters(folder: &Path) -> anyhow::Result<(u64, u64)> {
     let mut store = open(&platform_store(folder)).await?;
-    let repeats = sqlx::query("SELECT coalesce(sum(duplicates), 0) FROM data_set_writer")
+    let repeats = sqlx::query("SELECT coalesce(sum(duplicates), 0) AS count FROM data_set_writer")
         .fetch_one(&mut store)
         .await?;
-    let letters = sqlx::query("SELECT count(*) FROM dead_letter").fetch_one(&mut store).await?;
-    Ok((u64::try_from(repeats.get::<i64, _>(0))?, u64::try_from(letters.get::<i64, _>(0))?))
+    let letters =
+        sqlx::query("SELECT count(*) AS count FROM dead_letter").fetch_one(&mut store).await?;
+    Ok((
+        u64::try_from(repeats.get::<i64, _>("count"))?,
+        u64::try_from(letters.get::<i64, _>("count"))?,
+    ))
 }
 
 /// Decodes the fields of a payload in the reversible encoding: a variant, or a data value in one. A

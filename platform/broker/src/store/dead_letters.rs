@@ -21,19 +21,19 @@ pub(crate) async fn dead_letters(
     .await?;
     rows.into_iter()
         .map(|row| {
-            let origin: String = row.try_get(1)?;
-            let at_ms: i64 = row.try_get(7)?;
+            let origin: String = row.try_get("origin")?;
+            let at_ms: i64 = row.try_get("at_ms")?;
             Ok(BrokerDeadLetter {
-                id: row.try_get(0)?,
+                id: row.try_get("message_id")?,
                 queue: origin.parse().map_err(|e| sqlx::Error::Decode(Box::new(e)))?,
-                message_id: row.try_get(2)?,
-                subject: row.try_get(3)?,
-                principal: row.try_get(4)?,
-                code: row.try_get(5)?,
-                reason: row.try_get(6)?,
+                message_id: row.try_get("wire_id")?,
+                subject: row.try_get("subject")?,
+                principal: row.try_get("principal")?,
+                code: row.try_get("code")?,
+                reason: row.try_get("reason")?,
                 at: OffsetDateTime::from_unix_timestamp_nanos(i128::from(at_ms) * 1_000_000)
                     .map_err(|e| sqlx::Error::Decode(Box::new(e)))?,
-                bytes: row.try_get::<i64, _>(8)?.unsigned_abs(),
+                bytes: row.try_get::<i64, _>("bytes")?.unsigned_abs(),
             })
         })
         .collect()

@@ -28,15 +28,15 @@ pub(crate) async fn load(pool: &SqlitePool) -> Result<Vec<StoredQueue>, sqlx::Er
     .await?;
     let mut queues = Vec::with_capacity(rows.len());
     for row in rows {
-        let name: String = row.try_get(1)?;
+        let name: String = row.try_get("name")?;
         let name = name.parse().map_err(|e| sqlx::Error::Decode(Box::new(e)))?;
         let options = QueueOptions {
-            messages_max: row.try_get::<i64, _>(2)?.unsigned_abs(),
-            bytes_max: row.try_get::<i64, _>(3)?.unsigned_abs(),
-            deliveries_max: row.try_get::<i64, _>(4)?.try_into().unwrap_or(u32::MAX),
-            is_single_active_consumer: row.try_get::<i64, _>(5)? != 0,
+            messages_max: row.try_get::<i64, _>("messages_max")?.unsigned_abs(),
+            bytes_max: row.try_get::<i64, _>("bytes_max")?.unsigned_abs(),
+            deliveries_max: row.try_get::<i64, _>("deliveries_max")?.try_into().unwrap_or(u32::MAX),
+            is_single_active_consumer: row.try_get::<i64, _>("is_single_active_consumer")? != 0,
         };
-        queues.push(StoredQueue { id: row.try_get(0)?, name, options, entries: Vec::new() });
+        queues.push(StoredQueue { id: row.try_get("id")?, name, options, entries: Vec::new() });
     }
     let mut rows = sqlx::query(
         "SELECT id, queue_id, bytes, expires_at_ms, delivery_count FROM messages ORDER BY id",
@@ -45,12 +45,12 @@ pub(crate) async fn load(pool: &SqlitePool) -> Result<Vec<StoredQueue>, sqlx::Er
     let by_id: std::collections::HashMap<i64, usize> =
         queues.iter().enumerate().map(|(at, q)| (q.id, at)).collect();
     while let Some(row) = futures::TryStreamExt::try_next(&mut rows).await? {
-        let Some(at) = by_id.get(&row.try_get::<i64, _>(1)?) else { continue };
+        let Some(at) = by_id.get(&row.try_get::<i64, _>("queue_id")?) else { continue };
         queues[*at].entries.push(QueueEntry {
-            id: row.try_get(0)?,
-            bytes: row.try_get::<i64, _>(2)?.unsigned_abs(),
-            expires_at_ms: row.try_get(3)?,
-            delivery_count: row.try_get::<i64, _>(4)?.try_into().unwrap_or(u32::MAX),
+            id: row.try_get("id")?,
+            bytes: row.try_get::<i64, _>("bytes")?.unsigned_abs(),
+            expires_at_ms: row.try_get("expires_at_ms")?,
+            delivery_count: row.try_get::<i64, _>("delivery_count")?.try_into().unwrap_or(u32::MAX),
             // Leases are not stored: it may have been delivered when the broker stopped.
             is_redelivered: true,
         });
@@ -73,10 +73,10 @@ pub(crate) async fn bodies(
     .await?;
     rows.into_iter()
         .map(|row| {
-            let body: Vec<u8> = row.try_get(2)?;
+            let body: Vec<u8> = row.try_get("body")?;
             Ok((
-                row.try_get(0)?,
-                row.try_get::<i64, _>(1)?.unsigned_abs(),
+                row.try_get("id")?,
+                row.try_get::<i64, _>("bytes")?.unsigned_abs(),
                 message::decode(&body).ok(),
             ))
         })
