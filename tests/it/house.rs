@@ -254,12 +254,29 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Returns the folders of all packages of the workspace.
+/// Returns the folders of all packages that are committed, those outside the workspace as well; not
+/// the patched copies of others.
 fn package_folders() -> Vec<String> {
+    let out = Command::new("git")
+        .args(["ls-files", "-z", "*/Cargo.toml"])
+        .current_dir(root())
+        .output()
+        .unwrap();
+    let manifests = String::from_utf8(out.stdout).unwrap();
+    let folders = manifests.split('\0').filter_map(|file| file.strip_suffix("/Cargo.toml"));
+    folders.filter(|folder| !folder.starts_with("vendor/")).map(str::to_owned).collect()
+}
+
+#[test]
+fn every_package_is_checked() {
+    let folders = package_folders();
     let manifest = std::fs::read_to_string(root().join("Cargo.toml")).unwrap();
     let manifest: toml::Table = manifest.parse().unwrap();
     let members = manifest["workspace"]["members"].as_array().unwrap();
-    members.iter().map(|member| member.as_str().unwrap().to_owned()).collect()
+    let members = members.iter().map(|member| member.as_str().unwrap());
+    for folder in members.chain(["mapping-engine/script-deno"]) {
+        assert!(folders.iter().any(|known| known == folder), "{folder} is not checked");
+    }
 }
 
 /// Reads and checks packages in threads: parsing is most of the work.
