@@ -1,14 +1,24 @@
 //! Clock and random numbers of this machine, for the state, which has neither.
 
 use asi_model::{DateTime, MessageId};
-use connector_state::IdSource;
+use connector_state::{IdSource, operator::EntryId};
 use ledger::SALT_BYTES;
 use rand::RngCore as _;
 
 /// Returns a new message id, ordered by time.
 #[must_use]
 pub fn new_message_id() -> MessageId {
-    MessageId::from(uuid::Uuid::now_v7())
+    MessageId::from(new_uuid())
+}
+
+/// Returns the id of an operator entry that the API makes, ordered by time.
+pub(crate) fn new_entry_id() -> EntryId {
+    EntryId::try_from(new_uuid().to_string()).expect("a UUID is an id")
+}
+
+#[expect(clippy::disallowed_methods, reason = "the ids of the connector")]
+fn new_uuid() -> uuid::Uuid {
+    uuid::Uuid::now_v7()
 }
 
 /// Reads the machine's clock.

@@ -36,6 +36,7 @@ impl fmt::Debug for Clock {
 }
 
 /// Makes a new message id: a UUIDv7, so that ids sort by time.
+#[expect(clippy::disallowed_methods, reason = "the ids of the platform")]
 #[must_use]
 pub fn new_message_id() -> asi_model::MessageId {
     uuid::Uuid::now_v7().into()

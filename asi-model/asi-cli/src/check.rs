@@ -113,6 +113,7 @@ impl Check {
         factory: Option<&FactoryId>,
         out: &mut dyn Write,
     ) -> anyhow::Result<CommandOutcome> {
+        #[expect(clippy::disallowed_methods, reason = "the program runs once, by this clock")]
         let new_id = || MessageId::from(uuid::Uuid::now_v7());
         let unnamed = || "unknown".parse::<FactoryId>().context("`unknown` is a factory id");
         let acknowledgement = match (&self.message, self.rejection.clone()) {

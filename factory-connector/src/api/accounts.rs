@@ -4,13 +4,17 @@
 //! it, on a page or on the command line. The one exception is the session in which a person changes
 //! the own password.
 
-use std::{collections::HashMap, sync::Arc, time::SystemTime};
+use std::{collections::HashMap, sync::Arc};
 
+use asi_model::DateTime;
 use async_trait::async_trait;
 use daemon::web::session::{Accounts, AccountsError, PasswordHash, SessionId, StoredSession};
 use parking_lot::Mutex;
 
-use crate::store::{Readers, Role, StoreError, User};
+use crate::{
+    clock::now,
+    store::{Readers, Role, StoreError, User},
+};
 
 /// Most sessions at the same time. One more replaces the session that would end first.
 const SESSIONS_MAX: usize = 10_000;
@@ -89,9 +93,8 @@ impl Accounts for StoredAccounts {
         let owner = self.user(&session.user_name).await.map_err(AccountsError::new)?;
         let valid_for = owner.into_iter().map(|user| user.password_hash).collect();
         let mut sessions = self.sessions.lock();
-        #[expect(clippy::disallowed_methods, reason = "sessions end by the machine's clock")]
-        let now = SystemTime::now();
-        sessions.retain(|_, active| active.session.expires_at > now);
+        let now = now();
+        sessions.retain(|_, active| DateTime::from(active.session.expires_at) > now);
         if sessions.len() >= SESSIONS_MAX
             && let Some(first) = sessions
                 .values()

@@ -7,7 +7,7 @@ use asi_model::{
 };
 use axum::{Json, extract::State};
 use connector_state::{
-    operator::{Action, EntryFault, EntryId, OperationKey, OperatorEntry},
+    operator::{Action, EntryFault, OperationKey, OperatorEntry},
     use_cases::{
         decide::{DecisionCommand, DecisionRequest, decide},
         enter::{EntryOutcome, enter},
@@ -26,7 +26,7 @@ use super::{
     roles::{Engineer, Operator, Viewer},
     view::FieldView,
 };
-use crate::clock::now;
+use crate::clock::{new_entry_id, now};
 
 /// Time for a server to return the browse path of a variable.
 const BROWSE_PATH_TIMEOUT: std::time::Duration = std::time::Duration::from_secs(2);
@@ -251,9 +251,8 @@ pub async fn enter_value(
     }
     // The store keeps microseconds: rounded here, the time is the same after a restart.
     let moment = DateTime::from_unix_micros(now().unix_micros());
-    let entry_id = EntryId::try_from(uuid::Uuid::now_v7().to_string()).expect("a UUID is an id");
     let entry = OperatorEntry {
-        entry_id,
+        entry_id: new_entry_id(),
         operation,
         made_at: moment,
         received_at: moment,
