@@ -10,4 +10,4 @@ pub use api::{Api, ApiError};
 pub use daemon::{Daemon, DaemonCommand, binary};
 pub use foreign::{python, repository};
 pub use steps::{Steps, say};
-pub use wait::{Deadline, eventually};
+pub use wait::{Deadline, eventually, until};

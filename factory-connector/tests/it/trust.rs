@@ -72,14 +72,20 @@ async fn read_state(session: &Session) -> Result<(), StatusCode> {
         .map_err(|error| error.status())
 }
 
+/// Longest time that an answer of the server may take.
+const ANSWER_MAX: Duration = Duration::from_secs(10);
+
 /// Waits until a session is no longer good for anything.
 async fn ends(session: &Session) {
-    let ended = async {
-        while read_state(session).await.is_ok() {
-            tokio::time::sleep(Duration::from_millis(50)).await;
+    let has_ended = || async {
+        match tokio::time::timeout(ANSWER_MAX, read_state(session)).await {
+            Ok(Ok(())) => Err("it is good".to_owned()),
+            Ok(Err(_)) => Ok(()),
+            Err(_) => Err("no answer".to_owned()),
         }
     };
-    tokio::time::timeout(Duration::from_secs(30), ended).await.expect("the session ends");
+    let ended = testkit::wait::eventually("the session ends", Duration::from_secs(30), has_ended);
+    ended.await.expect("it ends");
 }
 
 async fn endpoint(plant: &Plant) -> String {

@@ -10,11 +10,15 @@ use simulator::{
     blueprint, signals::Moment,
 };
 use tempfile::TempDir;
+use testkit::wait::eventually;
 use tokio::{
     io::{AsyncReadExt as _, AsyncWriteExt as _},
     net::TcpStream,
 };
 use tokio_util::sync::{CancellationToken, DropGuard};
+
+/// Longest time that a state may take.
+const PATIENCE: Duration = Duration::from_secs(10);
 
 async fn start(mut config: Config) -> (SimulatorHandle, TempDir, DropGuard) {
     let directory = tempfile::tempdir().expect("a folder for certificates");
@@ -102,14 +106,12 @@ async fn a_fixed_epoch_lets_counters_go_on_and_speed_hurries_them() {
     fast.speed = 1000.0;
     let (handle, _directory, _stop) = start(fast).await;
     let machine = handle.machine("Cell").expect("configured");
-    let begun = Instant::now();
-    while parts(machine.values().await.expect("running")) < 50 {
-        assert!(
-            begun.elapsed() < Duration::from_secs(10),
-            "50 parts take a quarter of a simulated second each"
-        );
-        tokio::time::sleep(Duration::from_millis(10)).await;
-    }
+    let are_made = || async {
+        let count = parts(machine.values().await.expect("running"));
+        if count >= 50 { Ok(()) } else { Err(format!("{count} parts")) }
+    };
+    let made = eventually("50 parts, of a quarter of a simulated second each", PATIENCE, are_made);
+    made.await.expect("they are made");
 }
 
 #[tokio::test]
@@ -129,9 +131,11 @@ async fn what_is_set_stays_until_it_is_released() {
         assert_eq!(value().await.value, Variant::from(99.5));
     }
     cell.release("Spindle.Temperature").await.expect("released");
-    while value().await.value == Variant::from(99.5) {
-        assert!(begun.elapsed() < Duration::from_secs(10), "it must run again");
-    }
+    let runs = || async {
+        let value = value().await.value;
+        if value == Variant::from(99.5) { Err("it stays".to_owned()) } else { Ok(()) }
+    };
+    eventually("the value runs again", PATIENCE, runs).await.expect("it runs");
     let wrong = SimulatorError::WrongType { expected: BuiltInType::Double };
     assert_eq!(cell.set("Spindle.Temperature", 1_i32).await, Err(wrong));
     let unknown = SimulatorError::UnknownVariable("Spindle.Colour".into());

@@ -8,7 +8,6 @@ mod broker_under_test;
 mod made_up;
 
 use std::{
-    future::ready,
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -26,7 +25,7 @@ use super::{
     part::Part,
     usage::Usage,
 };
-use crate::harness::eventually;
+use crate::harness::until;
 
 /// Times that each is measured; the fastest counts, for disturbances only slow down.
 const ROUNDS: usize = 3;
@@ -89,7 +88,7 @@ async fn link_send(broker: &BrokerUnderTest) -> anyhow::Result<Duration> {
     let sender =
         RunningLink::start(broker, &broker.sender, &[], Arc::clone(&spool), Arc::default())?;
     let began = Instant::now();
-    until("everything is sent", || spool.accepted() >= MESSAGES).await?;
+    until("everything is sent", PATIENCE, || spool.accepted() >= MESSAGES).await?;
     let took = began.elapsed();
     sender.stop().await?;
     Ok(took)
@@ -102,7 +101,8 @@ async fn link_receive(broker: &BrokerUnderTest, messages: u64) -> anyhow::Result
     let began = Instant::now();
     let receiver =
         RunningLink::start(broker, &broker.receiver, &consumed, nothing, Arc::clone(&inbox))?;
-    until("everything is received", || inbox.received() >= messages && receiver.is_up()).await?;
+    until("everything is received", PATIENCE, || inbox.received() >= messages && receiver.is_up())
+        .await?;
     let took = began.elapsed();
     // Settlements are on their way still.
     tokio::time::sleep(Duration::from_millis(300)).await;
@@ -126,7 +126,7 @@ pub(super) async fn traffic() -> anyhow::Result<Vec<Value>> {
     let sender = RunningLink::start(&broker, &broker.sender, &[], Arc::new(spool), Arc::default())?;
     let (mut early, mut highest) = (0.0, 0.0_f64);
     for batch in 1..=MANY / WARM {
-        until("a batch is received", || {
+        until("a batch is received", PATIENCE, || {
             sender.handle.wake();
             inbox.received() >= batch * WARM
         })
@@ -192,11 +192,4 @@ impl RunningLink {
         self.stop.cancel();
         Ok(self.running.await?)
     }
-}
-
-async fn until(what: &str, mut holds: impl FnMut() -> bool) -> anyhow::Result<()> {
-    eventually(what, PATIENCE, || {
-        ready(holds().then_some(()).ok_or_else(|| "it does not hold".to_owned()))
-    })
-    .await
 }

@@ -1,7 +1,7 @@
 //! Polling of conditions until a deadline, in place of sleeps of a fixed time.
 
 use std::{
-    future::Future,
+    future::{Future, ready},
     time::{Duration, Instant},
 };
 
@@ -33,4 +33,17 @@ where
     Fut: Future<Output = Result<T, String>>,
 {
     Ok(testkit::wait::eventually(what, limit, condition).await?)
+}
+
+/// Polls `holds` every few milliseconds until it is true.
+///
+/// # Errors
+/// When `limit` passes first; the message names what was waited for.
+pub async fn until(
+    what: &str,
+    limit: Duration,
+    mut holds: impl FnMut() -> bool,
+) -> anyhow::Result<()> {
+    let look = || ready(holds().then_some(()).ok_or_else(|| "it does not hold".to_owned()));
+    eventually(what, limit, look).await
 }

@@ -40,18 +40,14 @@ async fn small_ledger() -> TempDir {
     running.accept(&rows).await;
     running.receipt(&reports(&rows[0])[0], 0).await;
     running.revoke(None).await;
-    let until = Instant::now() + DEADLINE;
-    loop {
+    let is_made = || async {
         let count: i64 = sqlx::query_scalar("SELECT count(*) FROM ledger_checkpoint")
             .fetch_one(running.session().await.connection())
             .await
             .expect("counted");
-        if count > 0 {
-            break;
-        }
-        assert!(Instant::now() < until, "the daily checkpoint is made");
-        tokio::time::sleep(PAUSE).await;
-    }
+        if count > 0 { Ok(()) } else { Err("none".to_owned()) }
+    };
+    testkit::wait::eventually("the daily checkpoint", DEADLINE, is_made).await.expect("made");
     running.close().await
 }
 
@@ -167,7 +163,7 @@ async fn every_bit_of_the_ledger_is_guarded() {
                 .expect("read");
             for row in rows {
                 assert_eq!(row.column(1).name(), *column);
-                let place: i64 = row.get(0);
+                let place: i64 = row.get("place");
                 for flipped in flips(&cell(&row, 1)) {
                     let mut attempt = connection.begin().await.expect("a transaction");
                     if put(&mut attempt, table, column, place, &flipped).await {

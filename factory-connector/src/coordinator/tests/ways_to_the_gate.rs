@@ -210,15 +210,19 @@ async fn every_way_in_passes_the_gate() {
         running.bring(way, number).await;
         let expected =
             if matches!(way, Way::LostSource) { Variant::Null } else { Variant::from(number + 3) };
-        let deadline = tokio::time::Instant::now() + Duration::from_secs(10);
-        while running.shown().await.is_none_or(|shown| shown.value != expected) {
-            assert!(tokio::time::Instant::now() < deadline, "{way:?} never arrived");
-            tokio::time::sleep(Duration::from_millis(2)).await;
-        }
-        while running.left().await.len() == before {
-            assert!(tokio::time::Instant::now() < deadline, "{way:?} was never reported");
-            tokio::time::sleep(Duration::from_millis(2)).await;
-        }
+        let is_shown = || async {
+            let shown = running.shown().await;
+            let is_it = shown.as_ref().is_some_and(|shown| shown.value == expected);
+            if is_it { Ok(()) } else { Err(format!("{shown:?}")) }
+        };
+        let arrival = format!("{way:?} arrives");
+        testkit::wait::eventually(&arrival, DEADLINE, is_shown).await.expect("it arrives");
+        let is_reported = || async {
+            let count = running.left().await.len();
+            if count > before { Ok(()) } else { Err(format!("{count} reports")) }
+        };
+        let report = format!("{way:?} is reported");
+        testkit::wait::eventually(&report, DEADLINE, is_reported).await.expect("it is reported");
         let left = running.left().await;
         // Restored from the store, the gate shows what it showed, and nothing else leaves.
         running.stop().await;
