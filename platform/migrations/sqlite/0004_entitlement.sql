@@ -1,5 +1,5 @@
 -- Who may read what is settled with each report, and stored with it. Each set of organisations is stored once; a report
--- without one is for nobody.
+-- without one is for nobody, but for those of before (former_report_recipients).
 CREATE TABLE recipient_set (
     recipient_set_id INTEGER PRIMARY KEY AUTOINCREMENT,
     -- The ids of its members in ascending order, as a JSON list.
@@ -43,7 +43,16 @@ INSERT OR IGNORE INTO asked_request (operation_network_id, dynamic_data_request_
 SELECT operation_network_id, dynamic_data_request_id, factory_id, operation_id FROM request_field;
 
 -- What is stored already is for the recipients in effect, as it was until now; but for reports of factories that were
--- never asked.
+-- never asked. The reports themselves are many and stay as they are: these rows say whose those are that have no set and
+-- a number up to the last one of before.
+CREATE TABLE former_report_recipients (
+    operation_network_id TEXT NOT NULL,
+    dynamic_data_request_id TEXT NOT NULL,
+    factory_id TEXT NOT NULL,
+    last_report_id INTEGER NOT NULL,
+    recipient_set_id INTEGER NOT NULL REFERENCES recipient_set (recipient_set_id),
+    PRIMARY KEY (operation_network_id, dynamic_data_request_id, factory_id)
+) STRICT, WITHOUT ROWID;
 CREATE TABLE recipients_in_effect (
     operation_network_id TEXT NOT NULL,
     dynamic_data_request_id TEXT NOT NULL,
@@ -56,13 +65,14 @@ FROM request_recipient GROUP BY operation_network_id, dynamic_data_request_id;
 INSERT INTO recipient_set (members) SELECT DISTINCT members FROM recipients_in_effect;
 INSERT INTO recipient_set_member (recipient_set_id, organisation_id)
 SELECT s.recipient_set_id, m.value FROM recipient_set s, json_each(s.members) m;
-UPDATE report SET recipient_set_id = (
-    SELECT s.recipient_set_id FROM recipients_in_effect e JOIN recipient_set s ON s.members = e.members
-    WHERE e.operation_network_id = report.operation_network_id
-      AND e.dynamic_data_request_id = report.dynamic_data_request_id)
-WHERE EXISTS (
-    SELECT 1 FROM asked_request a WHERE a.operation_network_id = report.operation_network_id
-      AND a.dynamic_data_request_id = report.dynamic_data_request_id AND a.factory_id = report.factory_id);
+INSERT INTO former_report_recipients
+    (operation_network_id, dynamic_data_request_id, factory_id, last_report_id, recipient_set_id)
+SELECT DISTINCT a.operation_network_id, a.dynamic_data_request_id, a.factory_id,
+    (SELECT COALESCE(MAX(report_id), 0) FROM report), s.recipient_set_id
+FROM asked_request a
+JOIN recipients_in_effect e ON e.operation_network_id = a.operation_network_id
+    AND e.dynamic_data_request_id = a.dynamic_data_request_id
+JOIN recipient_set s ON s.members = e.members;
 UPDATE field_value SET recipient_set_id = (
     SELECT s.recipient_set_id FROM recipients_in_effect e JOIN recipient_set s ON s.members = e.members
     WHERE e.operation_network_id = field_value.operation_network_id
@@ -84,5 +94,8 @@ CREATE TABLE writer_recipient_set (
     PRIMARY KEY (factory_id, data_set_writer_id, epoch, recipient_set_id)
 ) STRICT, WITHOUT ROWID;
 INSERT INTO writer_recipient_set (factory_id, data_set_writer_id, epoch, recipient_set_id)
-SELECT DISTINCT factory_id, data_set_writer_id, epoch, recipient_set_id FROM report
-WHERE recipient_set_id IS NOT NULL;
+SELECT w.factory_id, w.data_set_writer_id, w.epoch, r.recipient_set_id FROM data_set_writer w
+JOIN former_report_recipients r ON r.operation_network_id = w.operation_network_id
+    AND r.dynamic_data_request_id = w.dynamic_data_request_id AND r.factory_id = w.factory_id
+WHERE EXISTS (SELECT 1 FROM report p WHERE p.factory_id = w.factory_id
+    AND p.data_set_writer_id = w.data_set_writer_id AND p.epoch = w.epoch);

@@ -87,6 +87,23 @@ pub struct ReportQuery {
     pub is_newest: bool,
 }
 
+/// Condition on a row `p` of `report`: it was released to the viewer `$1`, and matches the query.
+/// Reports of before the column was there are for the recipients of that time.
+macro_rules! chosen {
+    () => {
+        "p.report_id > $2
+             AND (CAST($3 AS TEXT) IS NULL OR p.operation_network_id = $3)
+             AND (CAST($4 AS TEXT) IS NULL OR p.dynamic_data_request_id = $4)
+             AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
+                 SELECT 1 FROM recipient_set_member m WHERE m.organisation_id = $1
+                 AND m.recipient_set_id = COALESCE(p.recipient_set_id, (
+                     SELECT r.recipient_set_id FROM former_report_recipients r
+                     WHERE r.operation_network_id = p.operation_network_id
+                     AND r.dynamic_data_request_id = p.dynamic_data_request_id
+                     AND r.factory_id = p.factory_id AND p.report_id <= r.last_report_id))))"
+    };
+}
+
 /// Repository of reports.
 pub struct Reports<'w>(pub(super) &'w mut Connection);
 
@@ -169,22 +186,13 @@ impl Reports<'_> {
         scope: &Scope,
         query: &ReportQuery,
     ) -> Result<Vec<Report>, StoreError> {
-        let sql = "SELECT p.* FROM report p
-                   WHERE p.report_id > $2
-                     AND (CAST($3 AS TEXT) IS NULL OR p.operation_network_id = $3)
-                     AND (CAST($4 AS TEXT) IS NULL OR p.dynamic_data_request_id = $4)
-                     AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
-                         SELECT 1 FROM recipient_set_member m
-                         WHERE m.recipient_set_id = p.recipient_set_id AND m.organisation_id = $1))
-                   ORDER BY p.report_id LIMIT $5";
-        let newest = "SELECT p.* FROM report p
-                      WHERE p.report_id > $2
-                        AND (CAST($3 AS TEXT) IS NULL OR p.operation_network_id = $3)
-                        AND (CAST($4 AS TEXT) IS NULL OR p.dynamic_data_request_id = $4)
-                        AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
-                            SELECT 1 FROM recipient_set_member m
-                            WHERE m.recipient_set_id = p.recipient_set_id AND m.organisation_id = $1))
-                      ORDER BY p.report_id DESC LIMIT $5";
+        let sql =
+            concat!("SELECT p.* FROM report p WHERE ", chosen!(), " ORDER BY p.report_id LIMIT $5");
+        let newest = concat!(
+            "SELECT p.* FROM report p WHERE ",
+            chosen!(),
+            " ORDER BY p.report_id DESC LIMIT $5"
+        );
         let mut rows = sqlx::query(if query.is_newest { newest } else { sql })
             .bind(scope.recipient())
             .bind(i64::try_from(query.after).unwrap_or(i64::MAX))

@@ -2,8 +2,8 @@
 
 use std::{path::Path, str::FromStr};
 
-use asi_model::{DateTime, FactoryId, OperationNetworkId};
-use platform::store::{ReportQuery, Scope, Store, Work};
+use asi_model::{DateTime, FactoryId, OperationNetworkId, RequestKey};
+use platform::store::{NewReport, ReportQuery, Scope, Store, Work};
 use serde_json::json;
 use sqlx::{
     Connection as _, SqlSafeStr as _, SqliteConnection,
@@ -33,6 +33,8 @@ const ROWS: &str = "
     INSERT INTO report (factory_id, data_set_writer_id, epoch, sequence, operation_network_id, operation_id,
             dynamic_data_request_id, report_name, received_at, is_replay, fields)
         VALUES ('F', 1, 1, 7, 'net', 'op', 'req', 'r', 0, 0, '{}'), ('G', 1, 1, 8, 'net', 'op', 'req', 'r', 0, 0, '{}');
+    INSERT INTO data_set_writer VALUES ('F', 1, 1, 7, '[]', 1, 0, 'net', 'req', 0, NULL, 0),
+        ('G', 1, 1, 8, '[]', 1, 0, 'net', 'req', 0, NULL, 0);
     INSERT INTO field_value
         VALUES ('net', 'req', 'open', 'op', 1, 7, '1', 7, 0, NULL, NULL, 0),
             ('net', 'req', 'closed', 'op', 1, 7, '2', 7, 0, NULL, NULL, 0);";
@@ -90,5 +92,38 @@ async fn what_was_stored_stays_with_those_who_could_read_it() {
         let factory: FactoryId = factory.parse().expect("an id");
         let found = work.asked_requests().is_asked(&net, &request, &factory).await.expect("read");
         assert_eq!(found, is_asked, "{factory}");
+        let writers = work.writers().of_factory(&organisation("a"), &factory).await.expect("read");
+        assert_eq!(writers.len(), usize::from(is_asked), "{factory}");
     }
+}
+
+/// A report for nobody looks like one of before, but for its number.
+#[tokio::test]
+async fn what_is_for_nobody_later_stays_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store.sqlite");
+    make_former_store(&path).await;
+    let store = Store::open(&path).await.expect("it opens");
+    let mut work = store.begin().await.expect("begun");
+    let report = NewReport {
+        factory_id: "F".parse().expect("an id"),
+        data_set_writer_id: 1,
+        epoch: 1,
+        sequence: 9,
+        request: RequestKey {
+            operation_network_id: "net".parse().expect("an id"),
+            operation_id: "op".parse().expect("an id"),
+            dynamic_data_request_id: "req".parse().expect("an id"),
+        },
+        report_name: "r".to_owned(),
+        shopfloor_timestamp: None,
+        report_timestamp: None,
+        received_at: DateTime::from_ticks(20),
+        is_replay: false,
+        recipient_set: None,
+        fields: Default::default(),
+    };
+    work.reports().add(&[report]).await.expect("stored");
+    assert_eq!(sequences(&mut work, &organisation("a")).await, [7]);
+    assert_eq!(sequences(&mut work, &Scope::Platform).await, [7, 8, 9]);
 }
