@@ -1,10 +1,12 @@
 //! Live events for pages, published after the commit, each to its audience only.
 
 use asi_model::{
-    DateTime, FactoryId, FieldKey, OperationNetworkId, OrganisationId, RequestKey, messages::Fault,
+    DateTime, FactoryId, FieldKey, OperationNetworkId, OrganisationId, RequestKey,
+    messages::{Fault, MappingState},
 };
-use daemon::web::events::EventLog;
+use daemon::web::events::{EventLog, ServerSentEvent};
 use serde::Serialize;
+use utoipa::ToSchema;
 
 use crate::{progress::OperationProgress, store::PartState};
 
@@ -25,11 +27,12 @@ pub struct Notification {
     pub is_structure: bool,
 }
 
-/// An event for pages.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(untagged, rename_all_fields = "camelCase")]
+/// Live event: `event` is its name, `data` says what changed.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[serde(tag = "event", content = "data", rename_all = "camelCase")]
 pub enum LiveEvent {
-    /// `value`: a report brought newer values.
+    /// Newer values, brought by a report.
+    #[serde(rename_all = "camelCase")]
     Value {
         /// The request it answers.
         #[serde(flatten)]
@@ -38,16 +41,18 @@ pub enum LiveEvent {
         /// The values, each as `GET /operation-networks/{operationNetworkId}` would show it now.
         fields: Vec<FieldUpdate>,
     },
-    /// `decision`: the factory's engineer decided about a field.
+    /// Decision of the factory's engineer about a field.
+    #[serde(rename_all = "camelCase")]
     Decision {
         key: FieldKey,
         /// `PENDING`, `MAPPED` or `REFUSED`.
-        mapping_state: asi_model::messages::MappingState,
+        mapping_state: MappingState,
         /// The engineer's reason; absent for whom the decision may not have been made.
         reason: Option<String>,
         decided_at: DateTime,
     },
-    /// `part`: a factory was sent its part, or answered.
+    /// State of a factory's part after it was sent or answered.
+    #[serde(rename_all = "camelCase")]
     Part {
         operation_network_id: OperationNetworkId,
         factory_id: FactoryId,
@@ -58,36 +63,43 @@ pub enum LiveEvent {
         /// Faults for which it was rejected.
         fault_list: Vec<Fault>,
     },
-    /// `factory`: something arrived of a factory; at most once a second each.
+    /// Sign of life of a factory; at most once a second each.
+    #[serde(rename_all = "camelCase")]
     Factory {
         factory_id: FactoryId,
         last_seen_at: DateTime,
         /// State that its publisher reported last.
         publisher_state: Option<String>,
     },
-    /// `progress`: how an operation stands, as far as this audience may know.
+    /// Progress of an operation, as far as this audience may know.
+    #[serde(rename_all = "camelCase")]
     Progress {
         operation_network_id: OperationNetworkId,
         #[serde(flatten)]
         operation: OperationProgress,
     },
-    /// `network`: a new revision, or a withdrawal.
+    /// New revision of a network, or its withdrawal.
+    #[serde(rename_all = "camelCase")]
     Network { operation_network_id: OperationNetworkId, revision: u64 },
-    /// `comment`: a comment was added.
+    /// New comment.
+    #[serde(rename_all = "camelCase")]
     Comment {
         /// The network talked about.
         operation_network_id: OperationNetworkId,
         /// The comment's number.
         comment_id: u64,
     },
+    /// Loss of events: more happened than the platform remembers, and the page loads afresh.
+    Reset {},
 }
 
 /// A newer value of a field.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct FieldUpdate {
     pub key: FieldKey,
     /// The value; 64-bit integers are texts.
+    #[schema(value_type = asi_model::openapi::PlainValue)]
     pub value: serde_json::Value,
     /// Its quality, by the standard's name.
     pub status: String,
@@ -104,20 +116,6 @@ pub struct FieldUpdate {
 }
 
 impl LiveEvent {
-    /// Returns the event's name on the stream.
-    #[must_use]
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::Value { .. } => "value",
-            Self::Decision { .. } => "decision",
-            Self::Part { .. } => "part",
-            Self::Factory { .. } => "factory",
-            Self::Progress { .. } => "progress",
-            Self::Network { .. } => "network",
-            Self::Comment { .. } => "comment",
-        }
-    }
-
     /// Addresses the event to an audience.
     #[must_use]
     pub const fn to(self, audience: Vec<OrganisationId>) -> Notification {
@@ -128,19 +126,16 @@ impl LiveEvent {
 }
 
 impl Notification {
-    /// Returns name and JSON of the event if a viewer for `organisation` (or, without one, as
-    /// administrator) may see it.
+    /// Returns the event if a viewer for `organisation` (or, without one, as administrator) may see
+    /// it.
     #[must_use]
     pub fn shown_to(
         &self,
         organisation: Option<&OrganisationId>,
         is_administrator: bool,
-    ) -> Option<(&'static str, String)> {
+    ) -> Option<ServerSentEvent> {
         let is_concerned = organisation.is_some_and(|id| self.audience.contains(id));
         let is_shown = is_concerned || (is_administrator && self.is_structure);
-        if !is_shown {
-            return None;
-        }
-        serde_json::to_string(&self.event).ok().map(|json| (self.event.name(), json))
+        is_shown.then(|| ServerSentEvent::of(&self.event))
     }
 }

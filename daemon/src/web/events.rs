@@ -5,6 +5,8 @@
 //! and loads afresh. Ids carry a mark of this start of the daemon, so that an id from before a
 //! restart also leads to `reset`.
 
+mod server_sent_event;
+
 use std::{collections::VecDeque, convert::Infallible, sync::Arc, time::Duration};
 
 use axum::{
@@ -18,6 +20,8 @@ use futures::{StreamExt, stream::BoxStream};
 use parking_lot::RwLock;
 use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
+
+pub use self::server_sent_event::ServerSentEvent;
 
 /// The newest events, shared by all readers. Clones share one log.
 pub struct EventLog<T> {
@@ -122,13 +126,14 @@ impl<T: Send + Sync + 'static> EventLog<T> {
     }
 
     /// A stream of server-sent events after `last_event_id`, or of what comes from now on. `show`
-    /// yields name and JSON of an event, or `None` where the viewer must not see it. The stream
-    /// ends at shutdown.
+    /// yields an event, or `None` where the viewer must not see it; `reset` is sent in the place of
+    /// events that the log no longer has. The stream ends at shutdown.
     pub fn stream(
         &self,
         last_event_id: Option<&str>,
+        reset: ServerSentEvent,
         shutdown: CancellationToken,
-        mut show: impl FnMut(&T) -> Option<(&'static str, String)> + Send + 'static,
+        mut show: impl FnMut(&T) -> Option<ServerSentEvent> + Send + 'static,
     ) -> Response {
         let (start, must_reset) = match last_event_id {
             None => (*self.newest.borrow(), false),
@@ -141,7 +146,7 @@ impl<T: Send + Sync + 'static> EventLog<T> {
         let mut wake = self.newest.subscribe();
         let stream = async_stream(move |sink| async move {
             let mut after = start;
-            if must_reset && sink.send(reset(&log.id(after))).await.is_err() {
+            if must_reset && sink.send(reset.with_id(log.id(after))).await.is_err() {
                 return;
             }
             loop {
@@ -151,12 +156,12 @@ impl<T: Send + Sync + 'static> EventLog<T> {
                         Next::Nothing => break,
                         Next::Reset(newest) => {
                             after = newest;
-                            reset(&log.id(newest))
+                            reset.with_id(log.id(newest))
                         }
                         Next::Event(number, event) => {
                             after = number;
-                            let Some((name, json)) = show(&event) else { continue };
-                            Event::default().id(log.id(number)).event(name).data(json)
+                            let Some(shown) = show(&event) else { continue };
+                            shown.with_id(log.id(number))
                         }
                     };
                     if sink.send(event).await.is_err() {
@@ -184,10 +189,6 @@ const KEEP_ALIVE_INTERVAL: Duration = Duration::from_secs(15);
 /// Events written ahead of the socket per page.
 const AHEAD_MAX: usize = 64;
 
-fn reset(id: &str) -> Event {
-    Event::default().id(id).event("reset").data("{}")
-}
-
 /// A stream fed by a task that ends with it.
 fn async_stream<F, Fut>(feed: F) -> EventStream
 where
@@ -203,6 +204,7 @@ where
 #[cfg(test)]
 mod tests {
     use axum::body::HttpBody;
+    use serde_json::{Value, json};
 
     use super::*;
 
@@ -212,10 +214,15 @@ mod tests {
         log
     }
 
+    fn sent(name: &str, data: &Value) -> ServerSentEvent {
+        ServerSentEvent::of(&json!({ "event": name, "data": data }))
+    }
+
     /// Reads until `count` events have come.
     async fn read(log: &EventLog<u32>, last: Option<&str>, count: usize) -> String {
-        let response = log.stream(last, CancellationToken::new(), |event| {
-            (*event != 13).then(|| ("value", event.to_string()))
+        let reset = sent("reset", &json!({}));
+        let response = log.stream(last, reset, CancellationToken::new(), |event| {
+            (*event != 13).then(|| sent("value", &json!(event)))
         });
         let mut body = response.into_body();
         let mut text = String::new();

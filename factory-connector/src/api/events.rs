@@ -1,30 +1,84 @@
 //! Server-sent events.
 
+use asi_model::{FieldKey, OperationNetworkId, messages::MappingState};
 use axum::{extract::State, http::HeaderMap, response::Response};
-use connector_state::{ConnectorEvent, FieldEvent};
-use daemon::web::events::last_event_id;
+use connector_state::{ConnectorEvent, DecisionCounts, FieldEvent, operator::OperationKey};
+use daemon::web::events::{ServerSentEvent, last_event_id};
+use serde::Serialize;
+use utoipa::ToSchema;
 
 use super::{context::Api, problems::Problems, roles::Viewer};
 use crate::values::ShownValue;
 
+/// Live event: `event` is its name, `data` says what changed.
+#[derive(Serialize, ToSchema)]
+#[serde(tag = "event", content = "data", rename_all = "camelCase")]
+pub enum LiveEvent {
+    /// State of a field that was decided or has another value.
+    Field(Box<FieldChangeView>),
+    /// Number of fields decided at once.
+    Decisions(DecisionCounts),
+    /// New revision of a network, or its withdrawal.
+    #[serde(rename_all = "camelCase")]
+    Inbox { operation_network_id: OperationNetworkId },
+    /// New comment on a network.
+    #[serde(rename_all = "camelCase")]
+    Comment { operation_network_id: OperationNetworkId },
+    /// Operation that an operator entered something about.
+    Operator(OperationKey),
+    /// End of consents.
+    #[serde(rename_all = "camelCase")]
+    Revocation {
+        /// Id of the receipt.
+        revocation_id: String,
+    },
+    /// Change of policies or standing rules.
+    Policies {},
+    /// New entries of the ledger; at most every other second.
+    Ledger {},
+    /// Change of the link's or a local server's state.
+    Status {},
+    /// Loss of events: more happened than the connector remembers, and the page loads afresh.
+    Reset {},
+}
+
+impl From<&ConnectorEvent> for LiveEvent {
+    fn from(event: &ConnectorEvent) -> Self {
+        match event {
+            ConnectorEvent::Field(change) => Self::Field(Box::new((&**change).into())),
+            ConnectorEvent::Decisions(made) => Self::Decisions(*made),
+            ConnectorEvent::Inbox(id) => Self::Inbox { operation_network_id: id.clone() },
+            ConnectorEvent::Comment(id) => Self::Comment { operation_network_id: id.clone() },
+            ConnectorEvent::Operator(operation) => Self::Operator(operation.clone()),
+            ConnectorEvent::Revocation(id) => Self::Revocation { revocation_id: id.clone() },
+            ConnectorEvent::Policies => Self::Policies {},
+            ConnectorEvent::Ledger => Self::Ledger {},
+            ConnectorEvent::Status => Self::Status {},
+        }
+    }
+}
+
 /// State of a field after a change. The members of the key are there twice, flat and as `key`.
-#[derive(serde::Serialize)]
+#[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
-struct FieldChangeView<'c> {
+pub struct FieldChangeView {
     #[serde(flatten)]
-    address: &'c asi_model::FieldKey,
-    key: &'c asi_model::FieldKey,
-    mapping_state: asi_model::messages::MappingState,
+    address: FieldKey,
+    key: FieldKey,
+    mapping_state: MappingState,
+    /// Number of the consent in force.
     consent_version: u32,
+    /// True while no value leaves.
     is_withheld: bool,
+    /// Newest disclosed value, which the partner has.
     value: Option<ShownValue>,
 }
 
-impl<'c> From<&'c FieldEvent> for FieldChangeView<'c> {
-    fn from(change: &'c FieldEvent) -> Self {
+impl From<&FieldEvent> for FieldChangeView {
+    fn from(change: &FieldEvent) -> Self {
         Self {
-            address: &change.key,
-            key: &change.key,
+            address: change.key.clone(),
+            key: change.key.clone(),
             mapping_state: change.mapping_state,
             consent_version: change.consent_version,
             is_withheld: change.is_withheld,
@@ -33,43 +87,17 @@ impl<'c> From<&'c FieldEvent> for FieldChangeView<'c> {
     }
 }
 
-/// Streams server-sent events: `field` with the field's key, its state and its newest disclosed
-/// value, `decisions` with the number of fields decided at once and of those decided by standing
-/// rules, `inbox` and `comment` with the network's id, `operator` with the operation's key,
-/// `revocation` with the receipt's id, `policies`, `ledger` every other second while it grows,
-/// `status` when the link or a local server changes its state, and `reset` when events were missed
-/// and the page must load again.
+/// Streams server-sent events (HTML living standard §9.2). Of each event, the schema's `event` is
+/// the line `event:`, and its `data` is the JSON of the line `data:`.
 #[utoipa::path(
     get,
     path = "/events",
     tag = "events",
-    responses((status = 200, content_type = "text/event-stream", body = String), Problems)
+    responses((status = 200, content_type = "text/event-stream", body = LiveEvent), Problems)
 )]
 pub async fn stream_events(_: Viewer, State(api): State<Api>, headers: HeaderMap) -> Response {
-    api.events.stream(last_event_id(&headers), api.server.shutdown.clone(), |event| {
-        Some(match event {
-            ConnectorEvent::Field(change) => (
-                "field",
-                serde_json::to_string(&FieldChangeView::from(&**change)).unwrap_or_default(),
-            ),
-            ConnectorEvent::Inbox(id) => {
-                ("inbox", serde_json::json!({ "operationNetworkId": id }).to_string())
-            }
-            ConnectorEvent::Comment(id) => {
-                ("comment", serde_json::json!({ "operationNetworkId": id }).to_string())
-            }
-            ConnectorEvent::Operator(operation) => {
-                ("operator", serde_json::to_string(operation).unwrap_or_default())
-            }
-            ConnectorEvent::Decisions(made) => {
-                ("decisions", serde_json::to_string(made).unwrap_or_default())
-            }
-            ConnectorEvent::Ledger => ("ledger", "{}".to_owned()),
-            ConnectorEvent::Policies => ("policies", "{}".to_owned()),
-            ConnectorEvent::Revocation(id) => {
-                ("revocation", serde_json::json!({ "revocationId": id }).to_string())
-            }
-            ConnectorEvent::Status => ("status", "{}".to_owned()),
-        })
+    let reset = ServerSentEvent::of(&LiveEvent::Reset {});
+    api.events.stream(last_event_id(&headers), reset, api.server.shutdown.clone(), |event| {
+        Some(ServerSentEvent::of(&LiveEvent::from(event)))
     })
 }

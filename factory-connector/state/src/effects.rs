@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use asi_model::{DataValue, FieldKey, OperationNetworkId, messages::MappingState};
 use mapping::{MappingId, PublishRequest};
+use serde::Serialize;
+use utoipa::ToSchema;
 
 use crate::{log_record::LogRecord, operator::OperationKey};
 
@@ -89,7 +91,7 @@ pub struct LinkSignals {
 }
 
 /// Number of decisions in one transaction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct DecisionCounts {
     /// All decisions, those of standing rules included.

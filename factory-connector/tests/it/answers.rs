@@ -1,9 +1,10 @@
-//! One answer of every operation, as a snapshot that the description of the API allows. A new
-//! operation without one fails the test.
+//! One answer of every operation, as a snapshot that the description of the API allows, and live
+//! events that it allows. A new operation or kind of event without one fails the test.
 //!
 //! Members and texts that differ from run to run are replaced, see [`redaction`].
 
 mod decisions;
+mod events;
 mod ledger;
 mod mappings;
 mod people;
@@ -29,7 +30,7 @@ struct Answers<'p> {
     contract: Contract,
     /// Operations with a snapshot so far.
     seen: BTreeSet<String>,
-    /// Answers that the description does not allow.
+    /// Answers and events that the description does not allow.
     faults: Vec<String>,
     /// Members that the next answer is compared without.
     volatile: &'static [&'static str],
@@ -101,6 +102,7 @@ async fn every_operation_answers_as_in_its_snapshot() {
     mill.security.protected = true;
     let plant = Plant::start_with(fields(), mill).await;
     let mut answers = Answers::new(&plant);
+    let events = events::open(&answers).await;
     people::sign_in(&mut answers).await;
     people::manage(&mut answers).await;
     requests::read(&mut answers).await;
@@ -122,12 +124,13 @@ async fn every_operation_answers_as_in_its_snapshot() {
     twin::authorities(&mut answers).await;
     twin::application_certificate(&mut answers).await;
     ledger::revoke(&mut answers).await;
+    events::check(&mut answers, events).await;
     answers.delete("signOut", "/session").await;
 
     assert!(answers.faults.is_empty(), "the description differs:\n{}", answers.faults.join("\n"));
-    // A stream has no single answer.
+    // A stream has no single answer: its events are compared one by one.
     let mut operations = answers.contract.operations();
-    operations.remove("streamEvents");
+    operations.remove(events::STREAM);
     let missing: Vec<&String> = operations.difference(&answers.seen).collect();
     assert!(missing.is_empty(), "operations without a snapshot: {missing:?}");
 }

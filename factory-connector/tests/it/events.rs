@@ -3,17 +3,18 @@
 use std::time::Duration;
 
 use serde_json::{Value, json};
+use testkit::Event;
 use tokio::sync::mpsc;
 
 use crate::plant::{Plant, field};
 
 /// The next event of this name.
-async fn next(events: &mut mpsc::UnboundedReceiver<(String, Value)>, name: &str) -> Value {
+async fn next(events: &mut mpsc::UnboundedReceiver<Event>, name: &str) -> Value {
     let found = async {
         loop {
-            let (event, body) = events.recv().await.expect("the stream goes on");
-            if event == name {
-                return body;
+            let event = events.recv().await.expect("the stream goes on");
+            if event.name == name {
+                return event.data;
             }
         }
     };
@@ -27,7 +28,7 @@ async fn pages_receive_events_of_rule_decisions_the_ledger_and_lost_machines() {
     let fields = json!([{ "name": "power", "type": 11, "unit": "WTT" }, { "name": "energy", "type": 11, "unit": "WTT" },
         { "name": "count", "type": 9 }]);
     let plant = Plant::start(fields).await;
-    let mut events = plant.events().await;
+    let mut events = plant.events(None).await;
     let accept = json!({ "name": "Power of acme", "isEnabled": true, "action": "ACCEPT", "valueSource": "MANUAL",
         "disclosure": {}, "when": { "partners": ["acme"], "units": ["WTT"] } });
     plant.put("/rules/power", accept).await;

@@ -21,7 +21,7 @@ use reqwest::{Method, StatusCode};
 use serde_json::{Value, json};
 use simulator::{MachineConfig, MachineKind, Simulator, SimulatorHandle};
 use tempfile::TempDir;
-use testkit::ApiClient;
+use testkit::{ApiClient, Event};
 use tokio::sync::mpsc;
 use tokio_util::sync::{CancellationToken, DropGuard};
 
@@ -226,14 +226,14 @@ impl SignedIn {
         (answer.status(), answer.text().await.expect("a text"))
     }
 
-    /// The names of live events with their bodies, as they come.
-    pub async fn events(&self) -> mpsc::UnboundedReceiver<(String, Value)> {
-        let stream = self.client.events("/api/v1/events", None).await;
+    /// The live events after that with an id, or from now on, as they come.
+    pub async fn events(&self, last_event_id: Option<&str>) -> mpsc::UnboundedReceiver<Event> {
+        let stream = self.client.events("/api/v1/events", last_event_id).await;
         let mut stream = stream.expect("the stream opens");
         let (sender, receiver) = mpsc::unbounded_channel();
         tokio::spawn(async move {
             while let Ok(Some(event)) = stream.next().await {
-                if sender.send((event.name, event.data)).is_err() {
+                if sender.send(event).is_err() {
                     return;
                 }
             }

@@ -1,12 +1,16 @@
 //! Live notifications.
 
 use axum::{extract::State, http::HeaderMap, response::Response};
-use daemon::web::{ApiQuery, events::last_event_id, session::SignedIn};
+use daemon::web::{
+    ApiQuery,
+    events::{ServerSentEvent, last_event_id},
+    session::SignedIn,
+};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
 use super::problems::ReadProblems;
-use crate::{application::Application, principal::Principal};
+use crate::{application::Application, live::LiveEvent, principal::Principal};
 
 /// From where on.
 #[derive(Deserialize, IntoParams)]
@@ -18,10 +22,10 @@ pub struct Query {
     last_event_id: Option<String>,
 }
 
-/// Server-sent events: `value`, `decision`, `part`, `progress`, `network`, `factory`, `comment`,
-/// and `reset` where events were missed and the page must load afresh.
+/// Streams server-sent events (HTML living standard §9.2). Of each event, the schema's `event` is
+/// the line `event:`, and its `data` is the JSON of the line `data:`.
 #[utoipa::path(get, operation_id = "streamLive", path = "/live", tag = "live", security(("session" = [])), params(Query),
-    responses((status = 200, content_type = "text/event-stream", body = String), ReadProblems))]
+    responses((status = 200, content_type = "text/event-stream", body = LiveEvent), ReadProblems))]
 pub async fn stream(
     State(app): State<Application>,
     who: SignedIn<Principal>,
@@ -30,7 +34,8 @@ pub async fn stream(
 ) -> Response {
     let after = last_event_id(&headers).map(str::to_owned).or(query.last_event_id);
     let principal = who.principal;
-    app.live.stream(after.as_deref(), app.shutdown.clone(), move |notification| {
+    let reset = ServerSentEvent::of(&LiveEvent::Reset {});
+    app.live.stream(after.as_deref(), reset, app.shutdown.clone(), move |notification| {
         notification.shown_to(principal.organisation(), principal.is_administrator())
     })
 }

@@ -1,5 +1,5 @@
-//! One answer of every operation, as a snapshot that the description of the API allows. A new
-//! operation without one fails the test.
+//! One answer of every operation, as a snapshot that the description of the API allows, and live
+//! events that it allows. A new operation or kind of event without one fails the test.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use testkit::Contract;
 
 use crate::{
-    harness::{Answer, Api, PASSWORD, World, eventually},
+    harness::{Answer, Api, Live, PASSWORD, World, eventually},
     leases::{ask, with_leases},
     story::{self, NETWORK},
 };
@@ -28,12 +28,17 @@ const VOLATILE: [&str; 12] = [
     "version",
 ];
 
+/// Operation that answers with live events.
+const STREAM: &str = "streamLive";
+
 /// Checks of the answers of one platform.
 struct Answers {
     contract: Contract,
     /// Operations with a snapshot so far.
     seen: BTreeSet<String>,
-    /// Answers that the description does not allow.
+    /// Kinds of live events that have not come so far.
+    unheard: BTreeSet<String>,
+    /// Answers and events that the description does not allow.
     faults: Vec<String>,
 }
 
@@ -41,7 +46,8 @@ impl Answers {
     fn new() -> Self {
         let description = serde_json::to_value(platform::api::openapi()).expect("it serialises");
         let contract = Contract::new(&description);
-        Self { contract, seen: BTreeSet::new(), faults: Vec::new() }
+        let unheard = contract.events(STREAM);
+        Self { contract, seen: BTreeSet::new(), unheard, faults: Vec::new() }
     }
 
     /// Compares an answer with the description and the snapshot of its operation.
@@ -50,6 +56,14 @@ impl Answers {
         let document = json!({ "status": answer.status, "body": redacted(&answer.body) });
         insta::assert_json_snapshot!(operation, document);
         assert!(self.seen.insert(operation.to_owned()), "{operation} has two answers");
+    }
+
+    /// Compares the next live event with the description.
+    async fn hear(&mut self, live: &mut Live) {
+        let event = live.event().await;
+        let event = event.unwrap_or_else(|| panic!("events that did not come: {:?}", self.unheard));
+        self.faults.extend(self.contract.event_faults(STREAM, &event));
+        self.unheard.remove(&event.name);
     }
 
     async fn get(&mut self, api: &Api, operation: &str, path: &str) {
@@ -94,7 +108,7 @@ async fn every_operation_answers_as_in_its_snapshot() {
     ask(&munich, "a", "here").await;
     ask(&munich, "b", "there").await;
     munich.send_under(1, "ua-data", &story::report("m0", 0, 3));
-    story::value_is(&buyer, "3").await;
+    let view = story::value_is(&buyer, "3").await;
     let mut unusable = story::report("m1", 1, 4);
     unusable["Messages"][0].as_object_mut().expect("a message").remove("SequenceNumber");
     munich.send_under(1, "ua-data", &unusable);
@@ -107,15 +121,17 @@ async fn every_operation_answers_as_in_its_snapshot() {
     let mut answers = Answers::new();
     reading(&mut answers, &admin, &buyer).await;
     structure(&mut answers, &admin).await;
+    comments(&mut answers, &buyer).await;
+    events(&mut answers, &buyer, &view).await;
     networks(&mut answers, &buyer).await;
     let body = json!({ "userName": "acme-aero-viewer", "password": PASSWORD });
     answers.post(&world.anonymous(), "signIn", "/session", body).await;
     answers.delete(&buyer, "signOut", "/session").await;
 
     assert!(answers.faults.is_empty(), "the description differs:\n{}", answers.faults.join("\n"));
-    // A stream has no single answer.
+    // A stream has no single answer: its events are compared one by one.
     let mut operations = answers.contract.operations();
-    operations.remove("streamLive");
+    operations.remove(STREAM);
     assert_eq!(answers.seen, operations);
 }
 
@@ -163,11 +179,26 @@ async fn structure(answers: &mut Answers, admin: &Api) {
     answers.put(admin, "addCollaborationFactory", path, json!({})).await;
 }
 
-async fn networks(answers: &mut Answers, buyer: &Api) {
+async fn comments(answers: &mut Answers, buyer: &Api) {
     let path = format!("/operation-networks/{NETWORK}/comments");
     let body = json!({ "factoryId": "FOR_MUC", "text": "On time?" });
     answers.post(buyer, "addComment", &path, body).await;
     answers.get(buyer, "listComments", &path).await;
+}
+
+/// Compares the events since the beginning with the description, until each kind has come.
+async fn events(answers: &mut Answers, buyer: &Api, view: &Value) {
+    let newest = view["lastEventId"].as_str().expect("an id");
+    let beginning = format!("{}-0", newest.split('-').next().expect("a mark"));
+    // The platform does not know the first id.
+    answers.hear(&mut buyer.live(Some("unknown")).await).await;
+    let mut live = buyer.live(Some(&beginning)).await;
+    while !answers.unheard.is_empty() {
+        answers.hear(&mut live).await;
+    }
+}
+
+async fn networks(answers: &mut Answers, buyer: &Api) {
     let path = format!("/operation-networks/{NETWORK}/operations/MakeFrame1/requests");
     let body = story::request("ReqResponse2", "acme-aero");
     answers.post(buyer, "addDynamicDataRequest", &path, body).await;

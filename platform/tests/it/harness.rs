@@ -10,7 +10,7 @@ use platform::{
 };
 use reqwest::Method;
 use serde_json::{Value, json};
-use testkit::{ApiClient, EventStream};
+use testkit::{ApiClient, Event, EventStream};
 
 pub const ADMIN: &str = "admin";
 pub const PASSWORD: &str = "correct horse battery";
@@ -177,13 +177,17 @@ impl Live {
     /// The next event: id, name and data.
     pub async fn any(&mut self) -> (String, String, Value) {
         loop {
-            let event = tokio::time::timeout(PATIENCE, self.stream.next()).await;
-            let event = event.expect("an event in time").expect("no error");
-            let event = event.expect("the stream goes on");
+            let event = self.event().await.expect("an event in time");
             if let Some(id) = event.id {
                 return (id, event.name, event.data);
             }
         }
+    }
+
+    /// The next event; none where it did not come in time.
+    pub async fn event(&mut self) -> Option<Event> {
+        let event = tokio::time::timeout(PATIENCE, self.stream.next()).await.ok()?;
+        Some(event.expect("no error").expect("the stream goes on"))
     }
 }
 

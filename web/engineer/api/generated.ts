@@ -366,12 +366,8 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Streams server-sent events: `field` with the field's key, its state and its newest disclosed
-         *     value, `decisions` with the number of fields decided at once and of those decided by standing
-         *     rules, `inbox` and `comment` with the network's id, `operator` with the operation's key,
-         *     `revocation` with the receipt's id, `policies`, `ledger` every other second while it grows,
-         *     `status` when the link or a local server changes its state, and `reset` when events were missed
-         *     and the page must load again.
+         * Streams server-sent events (HTML living standard §9.2). Of each event, the schema's `event` is
+         *     the line `event:`, and its `data` is the JSON of the line `data:`.
          * @description Least role: VIEWER.
          */
         get: operations["streamEvents"];
@@ -2380,6 +2376,13 @@ export interface components {
             reason?: string | null;
             valueSource?: components["schemas"]["ValueSource"] | null;
         };
+        /** @description Number of decisions in one transaction. */
+        DecisionCounts: {
+            /** @description All decisions, those of standing rules included. */
+            count: number;
+            /** @description Decisions of standing rules among them. */
+            ruleCount: number;
+        };
         /** @description Entries that a page has collected. */
         Delivery: {
             /** @description Up to 500, in any order. */
@@ -2747,6 +2750,19 @@ export interface components {
          * @enum {string}
          */
         FieldChange: "ADDED" | "CHANGED" | "REMOVED";
+        /** @description State of a field after a change. The members of the key are there twice, flat and as `key`. */
+        FieldChangeView: components["schemas"]["FieldKey"] & {
+            /**
+             * Format: int32
+             * @description Number of the consent in force.
+             */
+            consentVersion: number;
+            /** @description True while no value leaves. */
+            isWithheld: boolean;
+            key: components["schemas"]["FieldKey"];
+            mappingState: components["schemas"]["MappingState"];
+            value?: components["schemas"]["ShownValue"] | null;
+        };
         /** @description Difference of one field, with its effects. */
         FieldDifference: {
             change: components["schemas"]["FieldChange"];
@@ -3227,6 +3243,65 @@ export interface components {
             type: components["schemas"]["TypeName"];
             /** @description The value; 64-bit integers as text. */
             value: components["schemas"]["PlainValue"];
+        };
+        /** @description Live event: `event` is its name, `data` says what changed. */
+        LiveEvent: {
+            /** @description State of a field that was decided or has another value. */
+            data: components["schemas"]["FieldChangeView"];
+            /** @enum {string} */
+            event: "field";
+        } | {
+            /** @description Number of fields decided at once. */
+            data: components["schemas"]["DecisionCounts"];
+            /** @enum {string} */
+            event: "decisions";
+        } | {
+            /** @description New revision of a network, or its withdrawal. */
+            data: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+            };
+            /** @enum {string} */
+            event: "inbox";
+        } | {
+            /** @description New comment on a network. */
+            data: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+            };
+            /** @enum {string} */
+            event: "comment";
+        } | {
+            /** @description Operation that an operator entered something about. */
+            data: components["schemas"]["OperationKey"];
+            /** @enum {string} */
+            event: "operator";
+        } | {
+            /** @description End of consents. */
+            data: {
+                /** @description Id of the receipt. */
+                revocationId: string;
+            };
+            /** @enum {string} */
+            event: "revocation";
+        } | {
+            /** @description Change of policies or standing rules. */
+            data: Record<string, never>;
+            /** @enum {string} */
+            event: "policies";
+        } | {
+            /** @description New entries of the ledger; at most every other second. */
+            data: Record<string, never>;
+            /** @enum {string} */
+            event: "ledger";
+        } | {
+            /** @description Change of the link's or a local server's state. */
+            data: Record<string, never>;
+            /** @enum {string} */
+            event: "status";
+        } | {
+            /** @description Loss of events: more happened than the connector remembers, and the page loads afresh. */
+            data: Record<string, never>;
+            /** @enum {string} */
+            event: "reset";
         };
         /** @description From values to values by a table. */
         Lookup: {
@@ -6057,7 +6132,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "text/event-stream": string;
+                    "text/event-stream": components["schemas"]["LiveEvent"];
                 };
             };
             400: components["responses"]["BadRequest"];

@@ -234,8 +234,8 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Server-sent events: `value`, `decision`, `part`, `progress`, `network`, `factory`, `comment`,
-         *     and `reset` where events were missed and the page must load afresh.
+         * Streams server-sent events (HTML living standard §9.2). Of each event, the schema's `event` is
+         *     the line `event:`, and its `data` is the JSON of the line `data:`.
          */
         get: operations["streamLive"];
         put?: never;
@@ -766,6 +766,28 @@ export interface components {
         FieldName: string;
         /** @description An OPC UA built-in type: its id (1 to 25) or its name. */
         FieldType: number | ("Boolean" | "SByte" | "Byte" | "Int16" | "UInt16" | "Int32" | "UInt32" | "Int64" | "UInt64" | "Float" | "Double" | "String" | "DateTime" | "Guid" | "ByteString" | "XmlElement" | "NodeId" | "ExpandedNodeId" | "StatusCode" | "QualifiedName" | "LocalizedText" | "ExtensionObject" | "DataValue" | "Variant" | "DiagnosticInfo");
+        /** @description A newer value of a field. */
+        FieldUpdate: {
+            /**
+             * Format: int32
+             * @description The writer's epoch.
+             */
+            epoch: number;
+            key: components["schemas"]["FieldKey"];
+            /** @description Time of arrival at the platform. */
+            receivedAt: components["schemas"]["DateTime"];
+            reportTimestamp?: components["schemas"]["DateTime"] | null;
+            /**
+             * Format: int32
+             * @description The report's sequence number.
+             */
+            sequence: number;
+            sourceTimestamp?: components["schemas"]["DateTime"] | null;
+            /** @description Its quality, by the standard's name. */
+            status: string;
+            /** @description The value; 64-bit integers are texts. */
+            value: components["schemas"]["PlainValue"];
+        };
         /** @description A field with its decision and newest value. */
         FieldView: {
             decidedAt?: components["schemas"]["DateTime"] | null;
@@ -907,6 +929,89 @@ export interface components {
              * @description Time at which the phase was entered.
              */
             since: string;
+        };
+        /** @description Live event: `event` is its name, `data` says what changed. */
+        LiveEvent: {
+            /** @description Newer values, brought by a report. */
+            data: components["schemas"]["RequestKey"] & {
+                factoryId: components["schemas"]["FactoryId"];
+                /** @description The values, each as `GET /operation-networks/{operationNetworkId}` would show it now. */
+                fields: components["schemas"]["FieldUpdate"][];
+            };
+            /** @enum {string} */
+            event: "value";
+        } | {
+            /** @description Decision of the factory's engineer about a field. */
+            data: {
+                decidedAt: components["schemas"]["DateTime"];
+                key: components["schemas"]["FieldKey"];
+                /** @description `PENDING`, `MAPPED` or `REFUSED`. */
+                mappingState: components["schemas"]["MappingState"];
+                reason?: string | null;
+            };
+            /** @enum {string} */
+            event: "decision";
+        } | {
+            /** @description State of a factory's part after it was sent or answered. */
+            data: {
+                factoryId: components["schemas"]["FactoryId"];
+                /** @description Faults for which it was rejected. */
+                faultList: components["schemas"]["Fault"][];
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                /**
+                 * Format: int64
+                 * @description The part's revision; absent for those who may know the state alone.
+                 */
+                revision?: number | null;
+                /** @description State of the part. */
+                state: components["schemas"]["PartState"];
+            };
+            /** @enum {string} */
+            event: "part";
+        } | {
+            /** @description Sign of life of a factory; at most once a second each. */
+            data: {
+                factoryId: components["schemas"]["FactoryId"];
+                lastSeenAt: components["schemas"]["DateTime"];
+                /** @description State that its publisher reported last. */
+                publisherState?: string | null;
+            };
+            /** @enum {string} */
+            event: "factory";
+        } | {
+            /** @description Progress of an operation, as far as this audience may know. */
+            data: components["schemas"]["OperationProgress"] & {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+            };
+            /** @enum {string} */
+            event: "progress";
+        } | {
+            /** @description New revision of a network, or its withdrawal. */
+            data: {
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+                /** Format: int64 */
+                revision: number;
+            };
+            /** @enum {string} */
+            event: "network";
+        } | {
+            /** @description New comment. */
+            data: {
+                /**
+                 * Format: int64
+                 * @description The comment's number.
+                 */
+                commentId: number;
+                /** @description The network talked about. */
+                operationNetworkId: components["schemas"]["OperationNetworkId"];
+            };
+            /** @enum {string} */
+            event: "comment";
+        } | {
+            /** @description Loss of events: more happened than the platform remembers, and the page loads afresh. */
+            data: Record<string, never>;
+            /** @enum {string} */
+            event: "reset";
         };
         /**
          * @description State of a field's decision.
@@ -2027,7 +2132,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "text/event-stream": string;
+                    "text/event-stream": components["schemas"]["LiveEvent"];
                 };
             };
             400: components["responses"]["BadRequest"];
