@@ -81,7 +81,7 @@ pub enum LiveEvent {
     /// New revision of a network, or its withdrawal.
     #[serde(rename_all = "camelCase")]
     Network { operation_network_id: OperationNetworkId, revision: u64 },
-    /// New comment.
+    /// Comment that was added to a network.
     #[serde(rename_all = "camelCase")]
     Comment {
         /// The network talked about.

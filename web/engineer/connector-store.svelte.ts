@@ -1,7 +1,7 @@
 /* eslint-disable svelte/prefer-svelte-reactivity -- pending fields and registrations are not drawn */
 import { poll, Resource } from '@/transport/resource.svelte'
 import { connector, feed, FIELD } from './api/client'
-import type { Field, InboxRequest, InboxTotals, RequestKey } from './api/types'
+import type { Field, InboxRequest, InboxTotals, LiveData, RequestKey } from './api/types'
 import { withLink, type LinkedStatus } from './link/link-state'
 import { unreadComments } from './comments/unread-comments.svelte'
 
@@ -10,6 +10,9 @@ const STATUS_EVERY_MS = 5_000
 /** Events announce requests and decisions; requests that became overdue or ended are polled. */
 const TOTALS_EVERY_MS = 300_000
 const TOGETHER_MS = 100
+
+/** Members of a field that an event brings. */
+type FieldChange = LiveData<'field'>
 
 /** Requests that a page shows. */
 type Shown = Pick<Resource<{ items: InboxRequest[] }>, 'value' | 'amendByEvent' | 'refreshSoon'>
@@ -27,7 +30,7 @@ class ConnectorStore {
   )
   readonly pending = $derived(this.totals.value?.pending ?? 0)
   readonly #shown = new Set<Shown>()
-  readonly #changed = new Map<string, Field>()
+  readonly #changed = new Map<string, FieldChange>()
   #isDrawing = false
 
   /** Starts reading and listening. Returns a function that stops. */
@@ -41,8 +44,8 @@ class ConnectorStore {
       poll(TOTALS_EVERY_MS, this.totals),
       unreadComments.open(),
       feed.keepFresh(['inbox', 'decisions'], this),
-      feed.on('field', (event) => {
-        this.#take(event)
+      feed.on('field', ({ data }) => {
+        this.#take(data)
       }),
     ]
     return () => {
@@ -71,7 +74,7 @@ class ConnectorStore {
     this.refreshSoon()
   }
 
-  #known(field: Field): Field | undefined {
+  #known(field: FieldChange): Field | undefined {
     for (const { value } of this.#shown) {
       const request = value?.items.find(({ key }) => sameRequest(key, field.key))
       const known = request?.fields.find(({ key }) => key.fieldName === field.key.fieldName)
@@ -80,8 +83,8 @@ class ConnectorStore {
     return undefined
   }
 
-  #put(fields: readonly Field[]): void {
-    const byRequest = new Map<string, Field[]>()
+  #put(fields: readonly (Field | FieldChange)[]): void {
+    const byRequest = new Map<string, (Field | FieldChange)[]>()
     for (const field of fields)
       byRequest.set(nameOf(field.key), [...(byRequest.get(nameOf(field.key)) ?? []), field])
     for (const shown of this.#shown) {
@@ -107,16 +110,11 @@ class ConnectorStore {
    * Collects values of events, which may come often, so that the page is drawn a few times a
    * second.
    */
-  #take(event: unknown): void {
-    if (event === null || typeof event !== 'object' || !('key' in event)) {
-      this.refreshSoon()
-      return
-    }
-    const field = event as Field
+  #take(field: FieldChange): void {
     const known = this.#known(field)
     if (known === undefined) return
     // A decision has more members than its event: the field is read again.
-    if (field.mappingState !== undefined && field.mappingState !== known.mappingState) {
+    if (field.mappingState !== known.mappingState) {
       void connector.get(FIELD, { path: field.key }).then(
         (whole) => {
           this.put(whole)

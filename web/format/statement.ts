@@ -5,7 +5,8 @@ import { language, type LanguageCode } from '@/language/language.svelte'
 import { weekday } from './time'
 
 const CATALOGUES = { de, en }
-const DAYS: readonly Weekday[] = [
+/** The days of a week, from Monday on. */
+export const DAYS: readonly Weekday[] = [
   'MONDAY',
   'TUESDAY',
   'WEDNESDAY',

@@ -1,14 +1,20 @@
 import { isoDuration, shortMoment, span } from '@/format/time'
 import { words } from '@/language/words'
+import type {
+  Operation,
+  OperationProgress,
+  OperationRelation,
+  RelationCondition,
+} from '@/partner/api/types'
 
 /** Operation as the graph and the timeline draw it. */
 export interface GraphOperation {
   operationId: string
   name: string
-  operationType: string
+  operationType: Operation['operationType']
   owner?: string | undefined
   isStub: boolean
-  state?: string | undefined
+  state?: OperationProgress['state']
   quantity?: number | undefined
   plannedQuantity?: number | undefined
   quantityUnit?: string | undefined
@@ -22,23 +28,11 @@ export interface GraphOperation {
   fields: { mapped: number; pending: number; refused: number }
 }
 
-export interface DrawnCondition {
-  conditionId: string
-  conditionKind: string
-  time?: string | null | undefined
-  duration?: string | null | undefined
-}
-
-export interface GraphRelation {
-  operationRelationId: string
-  relationType: string
-  predecessorOperationId: string
-  successorOperationId: string
-  conditionList: DrawnCondition[]
-}
+/** Relation as the graph draws it, with the conditions it has or none. */
+export type GraphRelation = OperationRelation & Pick<Required<OperationRelation>, 'conditionList'>
 
 /** A condition in a sentence: "gap of at most 8 h". */
-export function conditionText(condition: DrawnCondition): string {
+export function conditionText(condition: RelationCondition): string {
   const length = condition.duration ? isoDuration(condition.duration) : undefined
   const what =
     length !== undefined ? span(length) : condition.time ? shortMoment(condition.time) : '?'

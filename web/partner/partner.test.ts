@@ -1,12 +1,13 @@
-import { describe, expect, it, vi } from 'vitest'
+import { describe, expect, it } from 'vitest'
 import { language } from '@/language/language.svelte'
 import { Resource } from '@/transport/resource.svelte'
 import type { SignedIn } from '@/transport/session.svelte'
-import type { DisclosureStatement, FieldState, NetworkView } from './api/types'
+import type { DisclosureStatement, FieldState, LiveData, NetworkView } from './api/types'
 import { ranges } from './factories/ranges'
+import { texts } from './language/texts'
 import { eventText } from './live/event-text'
 import { graphOperations } from './networks/graph-model'
-import { takeEvent, takeProgress } from './networks/events'
+import { takeProgress, takeValues } from './networks/events'
 import { series, takeReport, type Point } from './operation/history'
 import { precisionText } from './operation/precision'
 import { cadenceMs } from './requests/cadence'
@@ -27,6 +28,27 @@ const state = (more: Partial<FieldState> = {}): FieldState => ({
   epoch: 1,
   sequence: 5,
   ...more,
+})
+type Values = LiveData<'value'>
+const update = (more: Partial<Values['fields'][number]>): Values['fields'][number] => ({
+  key,
+  value: '3',
+  status: 'Good',
+  receivedAt: '2026-11-21T10:00:00Z',
+  epoch: 1,
+  sequence: 6,
+  ...more,
+})
+const values = (
+  more: Partial<Values['fields'][number]>,
+  request: Partial<Values> = {},
+): Values => ({
+  operationNetworkId: 'n',
+  operationId: 'o',
+  dynamicDataRequestId: 'r',
+  factoryId: 'F',
+  ...request,
+  fields: [update(more)],
 })
 const view = (fields: FieldState[] = [state()]): NetworkView => ({
   collaborationId: 'c',
@@ -73,7 +95,7 @@ async function loaded<T>(value: T): Promise<Resource<T>> {
 describe('live values', () => {
   it('take the place of older ones at once', async () => {
     const resource = await loaded(view())
-    takeEvent(resource, 'n', { ...key, fields: [state({ value: '4', sequence: 6 })] })
+    takeValues(resource, 'n', values({ value: '4' }))
     expect(resource.value?.fields[0]).toMatchObject({
       value: '4',
       sequence: 6,
@@ -82,23 +104,16 @@ describe('live values', () => {
   })
   it('do not take the place of newer ones, except after a new start', async () => {
     const resource = await loaded(view())
-    takeEvent(resource, 'n', { fields: [state({ value: '2', sequence: 4 })] })
+    takeValues(resource, 'n', values({ value: '2', sequence: 4 }))
     expect(resource.value?.fields[0]?.value).toBe('3')
-    takeEvent(resource, 'n', { fields: [state({ value: '0', sequence: 0, epoch: 2 })] })
+    takeValues(resource, 'n', values({ value: '0', sequence: 0, epoch: 2 }))
     expect(resource.value?.fields[0]?.value).toBe('0')
   })
   it('of other networks are left alone', async () => {
     const resource = await loaded(view())
-    takeEvent(resource, 'n', {
-      fields: [state({ key: { ...key, operationNetworkId: 'other' }, value: '9', sequence: 9 })],
-    })
+    const other = { operationNetworkId: 'other' }
+    takeValues(resource, 'n', values({ key: { ...key, ...other }, value: '9' }, other))
     expect(resource.value?.fields[0]?.value).toBe('3')
-  })
-  it('that cannot be placed make the page read again', async () => {
-    const resource = await loaded(view())
-    const again = vi.spyOn(resource, 'refreshSoon')
-    takeEvent(resource, 'n', 'what?')
-    expect(again).toHaveBeenCalledOnce()
   })
   it('bring progress', async () => {
     const resource = await loaded(view())
@@ -117,14 +132,10 @@ describe('live values', () => {
   })
   it('go on with the curve', async () => {
     const points = await loaded<Point[]>([{ at: '2026-11-21T10:00:00Z', fields: { made: '3' } }])
-    takeReport(points, key, {
-      fields: [state({ value: '4', reportTimestamp: '2026-11-21T10:00:05Z' })],
-    })
-    takeReport(
-      points,
-      { ...key, dynamicDataRequestId: 'other' },
-      { fields: [state({ value: '5', reportTimestamp: '2026-11-21T10:00:06Z' })] },
-    )
+    const at = (second: number): string => `2026-11-21T10:00:0${second}Z`
+    takeReport(points, key, values({ value: '4', reportTimestamp: at(5) }))
+    const other = { ...key, dynamicDataRequestId: 'other' }
+    takeReport(points, other, values({ value: '5', reportTimestamp: at(6) }))
     expect(series(points.value ?? [], 'made').map((point) => point.value)).toEqual([3, 4])
   })
 })
@@ -204,15 +215,29 @@ it.each<[SignedIn['role'], string | null, string | null, boolean, boolean]>([
 })
 
 it('events are told on one line', () => {
-  expect(eventText({ key, factoryId: 'F', mappingState: 'REFUSED', reason: 'Secret.' })).toEqual({
-    where: 'F / n / o / r / made',
-    what: 'Refused · Secret.',
-  })
-  const { fieldName: _, ...request } = key
-  expect(eventText({ ...request, factoryId: 'F', fields: [state({ value: '4' })] })).toEqual({
+  const decidedAt = '2026-11-21T10:00:00Z'
+  expect(
+    eventText({
+      event: 'decision',
+      data: { key, mappingState: 'REFUSED', reason: 'Secret.', decidedAt },
+    }),
+  ).toEqual({ where: 'n / o / r / made', what: 'Refused · Secret.' })
+  expect(eventText({ event: 'value', data: values({ value: '4' }) })).toEqual({
     where: 'F / n / o / r',
     what: 'made 4',
   })
+  expect(
+    eventText({
+      event: 'part',
+      data: {
+        operationNetworkId: 'n',
+        factoryId: 'F',
+        revision: null,
+        state: 'ACCEPTED',
+        faultList: [],
+      },
+    }),
+  ).toEqual({ where: 'F / n', what: texts.network.part['ACCEPTED'] })
 })
 
 describe('a precision', () => {

@@ -3,10 +3,29 @@ import { clock } from '@/format/clock.svelte'
 
 export type FeedState = 'connecting' | 'live' | 'interrupted'
 
+/** State of a feed, and since when it is in it. */
+export interface FeedStatus {
+  readonly state: FeedState
+  readonly since: number
+}
+
+/** Event of a stream as an API describes it: its name and its data. */
+export interface StreamEvent {
+  event: string
+  data: unknown
+}
+
+/** Names of the events that pages listen to; the feed itself heeds `reset`. */
+export type NameOf<E extends StreamEvent> = Exclude<E['event'], 'reset'>
+/** Event with a name, or with one of several. */
+export type EventOf<E extends StreamEvent, Name extends E['event']> = Extract<E, { event: Name }>
+
 const BACKOFF_MIN_MS = 1_000
 const BACKOFF_MAX_MS = 15_000
 
-type Listener = (event: unknown) => void
+type Listeners<E extends StreamEvent> = {
+  [Name in NameOf<E>]?: Set<(event: EventOf<E, Name>) => void>
+}
 
 /**
  * Server-sent events of a daemon. The browser reconnects and sends the last event id, so that the
@@ -14,23 +33,23 @@ type Listener = (event: unknown) => void
  * pauses. After every interruption the pages read their state again, as the server may not remember
  * all missed events.
  */
-export class LiveFeed {
+export class LiveFeed<E extends StreamEvent> implements FeedStatus {
   state = $state<FeedState>('connecting')
   since = $state(clock.now)
   lastEventAt = $state<number | undefined>()
 
   readonly #address: string
-  readonly #types: readonly string[]
-  readonly #listeners = new Map<string, Set<Listener>>()
+  readonly #names: readonly NameOf<E>[]
+  readonly #listeners: Listeners<E> = {}
   readonly #catchUps = new Set<() => void>()
   #source: EventSource | undefined
   #retry: ReturnType<typeof setTimeout> | undefined
   #pause = BACKOFF_MIN_MS
   #wasLive = false
 
-  constructor(address: string, types: readonly string[]) {
+  constructor(address: string, names: readonly NameOf<E>[]) {
     this.#address = address
-    this.#types = types
+    this.#names = names
   }
 
   start(): void {
@@ -52,9 +71,9 @@ export class LiveFeed {
     source.addEventListener('reset', () => {
       this.#catchUp()
     })
-    for (const type of this.#types) {
-      source.addEventListener(type, (message) => {
-        this.#hear(type, message as MessageEvent<string>)
+    for (const name of this.#names) {
+      source.addEventListener(name, (message: MessageEvent<string>) => {
+        this.#hear(name, message.data)
       })
     }
   }
@@ -67,9 +86,12 @@ export class LiveFeed {
     this.#become('connecting')
   }
 
-  /** Calls `listener` with the body of every event of these types. Returns how to stop that. */
-  on(types: string | readonly string[], listener: Listener): () => void {
-    const names = typeof types === 'string' ? [types] : types
+  /** Calls `listener` with every event of these names. Returns a function that stops this. */
+  on<Name extends NameOf<E>>(
+    wanted: Name | readonly Name[],
+    listener: (event: EventOf<E, Name>) => void,
+  ): () => void {
+    const names = typeof wanted === 'string' ? [wanted] : wanted
     for (const name of names) this.#of(name).add(listener)
     return () => {
       for (const name of names) this.#of(name).delete(listener)
@@ -86,40 +108,38 @@ export class LiveFeed {
   }
 
   /**
-   * Refreshes resources on events of these types and after interruptions. Returns a function that
+   * Refreshes resources on events of these names and after interruptions. Returns a function that
    * stops.
    */
-  keepFresh(types: readonly string[], ...resources: { refreshSoon(): void }[]): () => void {
+  keepFresh(names: readonly NameOf<E>[], ...resources: { refreshSoon(): void }[]): () => void {
     const refresh = (): void => {
       for (const each of resources) each.refreshSoon()
     }
-    const stops = [this.on(types, refresh), this.onCatchUp(refresh)]
+    const stops = [this.on(names, refresh), this.onCatchUp(refresh)]
     return () => {
       for (const stop of stops) stop()
     }
   }
 
-  #hear(type: string, message: MessageEvent<string>): void {
+  #hear<Name extends NameOf<E>>(name: Name, json: string): void {
     this.lastEventAt = clock.now
-    let body: unknown
+    let event: EventOf<E, Name>
     try {
-      body = JSON.parse(message.data)
+      event = { event: name, data: JSON.parse(json) } as EventOf<E, Name>
     } catch {
-      body = message.data
+      // An event that cannot be read is as good as lost.
+      this.#catchUp()
+      return
     }
-    for (const listener of this.#of(type)) listener(body)
+    for (const listener of this.#of(name)) listener(event)
   }
 
   #catchUp(): void {
     for (const catchUp of this.#catchUps) catchUp()
   }
 
-  #of(type: string): Set<Listener> {
-    const known = this.#listeners.get(type)
-    if (known !== undefined) return known
-    const fresh = new Set<Listener>()
-    this.#listeners.set(type, fresh)
-    return fresh
+  #of<Name extends NameOf<E>>(name: Name): Set<(event: EventOf<E, Name>) => void> {
+    return (this.#listeners[name] ??= new Set<(event: EventOf<E, Name>) => void>())
   }
 
   #become(state: FeedState): void {

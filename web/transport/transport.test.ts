@@ -198,6 +198,12 @@ describe('a list in pages', () => {
   })
 })
 
+/** Event of the stream of these tests. */
+interface Values {
+  event: 'value'
+  data: { a: number }
+}
+
 class FakeEventSource extends EventTarget {
   static readonly CLOSED = 2
   static opened: FakeEventSource[] = []
@@ -221,18 +227,28 @@ describe('the live feed', () => {
   })
   const latest = (): FakeEventSource => FakeEventSource.opened.at(-1) ?? new FakeEventSource()
 
-  it('tells the body of events to who listens', () => {
-    const feed = new LiveFeed('/live', ['value'])
+  it('tells events to who listens', () => {
+    const feed = new LiveFeed<Values>('/live', ['value'])
     const heard = vi.fn()
     const stop = feed.on('value', heard)
     feed.start()
     latest().dispatchEvent(new MessageEvent('value', { data: '{"a":1}' }))
     stop()
     latest().dispatchEvent(new MessageEvent('value', { data: '{"a":2}' }))
-    expect(heard.mock.calls).toEqual([[{ a: 1 }]])
+    expect(heard.mock.calls).toEqual([[{ event: 'value', data: { a: 1 } }]])
+  })
+  it('lets pages catch up after an event that cannot be read', () => {
+    const feed = new LiveFeed<Values>('/live', ['value'])
+    const [heard, caughtUp] = [vi.fn(), vi.fn()]
+    feed.on('value', heard)
+    feed.onCatchUp(caughtUp)
+    feed.start()
+    latest().dispatchEvent(new MessageEvent('value', { data: 'what?' }))
+    expect([heard.mock.calls.length, caughtUp.mock.calls.length]).toEqual([0, 1])
+    feed.stop()
   })
   it('says that it is interrupted, starts again with growing pauses, and lets pages catch up', async () => {
-    const feed = new LiveFeed('/live', ['value'])
+    const feed = new LiveFeed<Values>('/live', ['value'])
     const caughtUp = vi.fn()
     feed.onCatchUp(caughtUp)
     feed.start()

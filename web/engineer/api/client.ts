@@ -1,6 +1,7 @@
 import { Api } from '@/transport/api'
 import { LiveFeed } from '@/transport/live.svelte'
 import type { paths } from './generated'
+import type { LiveEvent } from './types'
 
 /** The connector's API. */
 export const connector = new Api<paths>()
@@ -13,7 +14,7 @@ export const REQUEST =
   '/requests/{operationNetworkId}/{operationId}/{dynamicDataRequestId}' as const
 
 /** Events of the connector as they happen. */
-export const feed = new LiveFeed('/api/v1/events', [
+export const feed = new LiveFeed<LiveEvent>('/api/v1/events', [
   'field',
   'decisions',
   'inbox',

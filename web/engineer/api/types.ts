@@ -1,4 +1,5 @@
 /** Names of the connector's schemas as the pages use them. */
+import type { EventOf } from '@/transport/live.svelte'
 import type { components, paths } from './generated'
 
 type Schemas = components['schemas']
@@ -8,6 +9,7 @@ export type Alliance = Schemas['Alliance']
 export type AllianceLeaks = Schemas['AllianceLeaks']
 export type AllianceView = Schemas['Versioned_Alliance']
 export type ApplicationCertificate = Schemas['ApplicationCertificateView']
+export type BuiltInType = Schemas['BuiltInType']
 export type BrowsedNode = Schemas['BrowsedNode']
 export type Cap = Schemas['Cap']
 export type CapView = Schemas['CapView']
@@ -42,6 +44,7 @@ export type LeakBudget = Schemas['LeakBudget']
 export type LeakWarning = Schemas['LeakWarning']
 export type LeaseStatus = Schemas['LeaseStatus']
 export type LedgerEntry = Schemas['EntryView']
+export type LedgerExportQuery = paths['/ledger/export']['get']['parameters']['query']
 export type LedgerQuery = NonNullable<paths['/ledger']['get']['parameters']['query']>
 export type Mapping = Schemas['MappingDraft']
 export type MappingChange = Schemas['MappingChange']
@@ -52,12 +55,18 @@ export type MappingState = Schemas['MappingState']
 export type MappingSurvey = Schemas['MappingSurvey']
 export type MappingStatus = Schemas['MappingStatus']
 export type LinkStatus = Schemas['LinkStatus']
+/** Live event with its name and its data. */
+export type LiveEvent = Schemas['LiveEvent']
+/** Data of the live events with a name. */
+export type LiveData<Name extends LiveEvent['event']> = EventOf<LiveEvent, Name>['data']
 export type MappingTemplate = Schemas['TemplateView']
 export type MappingVersion = Schemas['VersionView']
 export type NamedPolicy = Schemas['NamedPolicy']
+export type OperationState = Schemas['OperationState']
 export type OperatorField = Schemas['OperatorField']
 export type OperatorOperation = Schemas['OperatorOperation']
 export type PartnerLeaks = Schemas['PartnerLeaks']
+export type Piece = Schemas['Piece']
 export type PolicyView = Schemas['PolicyView']
 export type Preview = Schemas['Preview']
 export type PreviewStep = Schemas['StepView']
@@ -78,6 +87,8 @@ export type SourceStatus = Schemas['SourceStatus']
 /** Part of a precision as the partner reads it: a code with its parameters. */
 export type StatementPart = Schemas['StatementPart']
 export type Status = Schemas['Status']
+/** Function of a mapping. */
+export type Step = Schemas['Step']
 export type Suggestion = Schemas['SuggestedVariable']
 export type Suggestions = Schemas['Suggestions']
 export type TraceRun = Schemas['TraceRun']

@@ -7,9 +7,8 @@ class UnreadComments {
 
   /** Starts listening. Returns a function that stops. */
   open(): () => void {
-    return feed.on('comment', (event) => {
-      if (event !== null && typeof event === 'object' && 'operationNetworkId' in event)
-        this.#unread.add(String(event.operationNetworkId))
+    return feed.on('comment', ({ data }) => {
+      this.#unread.add(data.operationNetworkId)
     })
   }
 

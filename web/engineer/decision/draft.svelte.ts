@@ -8,13 +8,13 @@ import type {
   MappingInput,
   ValueSource,
 } from '../api/types'
-import { newStep, type Step } from './step-catalogue'
+import { newStep, stepKind, type StepDraft } from './step-catalogue'
 
 /** Decision on a field that is being prepared; nothing takes effect before consent. */
 export class Draft {
   source = $state<ValueSource>('MAPPING')
   inputs = $state<MappingInput[]>([])
-  steps = $state<Step[]>([])
+  steps = $state<StepDraft[]>([])
   disclosure = $state<Disclosure>({})
   /** A named policy that holds beside it. */
   policyId = $state('')
@@ -117,7 +117,7 @@ export class Draft {
     return () => {
       this.source = source
       this.inputs = inputs as MappingInput[]
-      this.steps = steps as Step[]
+      this.steps = steps as StepDraft[]
     }
   }
 
@@ -126,7 +126,8 @@ export class Draft {
   }
 
   addStep(name: string): void {
-    this.steps.push(newStep(name))
+    const kind = stepKind(name)
+    if (kind !== undefined) this.steps.push(newStep(kind))
   }
 
   addTypeConversion(): void {

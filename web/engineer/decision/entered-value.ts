@@ -1,4 +1,13 @@
-const INTEGERS = ['SByte', 'Byte', 'Int16', 'UInt16', 'Int32', 'UInt32']
+import type { BuiltInType } from '../api/types'
+
+const INTEGERS: readonly string[] = [
+  'SByte',
+  'Byte',
+  'Int16',
+  'UInt16',
+  'Int32',
+  'UInt32',
+] satisfies BuiltInType[]
 
 /**
  * Returns a typed text as a JSON value of the field's type, or `undefined` if it is none. 64-bit

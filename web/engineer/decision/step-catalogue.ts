@@ -1,11 +1,16 @@
-/** Function of a mapping in the editor, which shows any function by its catalogue. */
-export interface Step {
-  function: string
+import type { BuiltInType, Step } from '../api/types'
+
+/**
+ * Function of a mapping in the editor. Its parameters may be absent or wrong until the connector
+ * has checked them.
+ */
+export interface StepDraft {
+  function: Step['function']
   [parameter: string]: unknown
 }
 
 /** Input control of a parameter. */
-export type ParameterKind =
+export type ParameterKind<Option extends string = string> =
   | { is: 'number' }
   | { is: 'text'; wide?: boolean }
   | { is: 'flag' }
@@ -13,25 +18,35 @@ export type ParameterKind =
   | { is: 'type' }
   | { is: 'input' }
   | { is: 'inputs' }
-  | { is: 'choice'; options: readonly string[] }
+  | { is: 'choice'; options: readonly Option[] }
   | { is: 'table' }
   | { is: 'texts' }
   | { is: 'bits' }
   | { is: 'script' }
 
-export interface Parameter {
-  name: string
-  kind: ParameterKind
+export interface Parameter<Name extends string = string, Option extends string = string> {
+  name: Name
+  kind: ParameterKind<Option>
   /** Must be given; all others may stay empty. */
   needed?: boolean
 }
 
 export interface StepKind {
-  function: string
+  function: Step['function']
   parameters: readonly Parameter[]
   /** Initial parameters of a new function. */
-  initial: Step
+  initial: StepDraft
 }
+
+/** Parameters of the function with a name. */
+type ParametersOf<Name extends Step['function']> = Omit<
+  Extract<Step, { function: Name }>,
+  'function'
+>
+/** Input control for one of these parameters; the options to choose from are among its values. */
+type ParameterOf<Parameters> = {
+  [Name in keyof Parameters & string]: Parameter<Name, '' | Extract<Parameters[Name], string>>
+}[keyof Parameters & string]
 
 export const BUILT_IN_TYPES = [
   'Boolean',
@@ -48,19 +63,26 @@ export const BUILT_IN_TYPES = [
   'String',
   'DateTime',
   'Guid',
-] as const
+] as const satisfies readonly BuiltInType[]
 
-const number = (name: string, needed = false): Parameter => ({
+const number = <Name extends string>(name: Name, needed = false): Parameter<Name, never> => ({
   name,
   kind: { is: 'number' },
   needed,
 })
-const text = (name: string, wide = false, needed = false): Parameter => ({
+const text = <Name extends string>(
+  name: Name,
+  wide = false,
+  needed = false,
+): Parameter<Name, never> => ({
   name,
   kind: { is: 'text', wide },
   needed,
 })
-const choice = (name: string, ...options: string[]): Parameter => ({
+const choice = <Name extends string, Option extends string>(
+  name: Name,
+  ...options: Option[]
+): Parameter<Name, Option> => ({
   name,
   kind: { is: 'choice', options },
 })
@@ -171,23 +193,23 @@ export function stepKind(name: string): StepKind | undefined {
 }
 
 /** A new function of this kind, sharing nothing with others. */
-export function newStep(name: string): Step {
-  return structuredClone(stepKind(name)?.initial ?? { function: name })
+export function newStep(kind: StepKind): StepDraft {
+  return structuredClone(kind.initial)
 }
 
 /**
  * Returns the function with one parameter changed. An empty parameter is left out, so that the
  * connector uses its default.
  */
-export function withParameter(step: Step, parameter: Parameter, value: unknown): Step {
-  const { [parameter.name]: _, ...others } = step
+export function withParameter(step: StepDraft, parameter: Parameter, value: unknown): StepDraft {
+  const changed = { ...step }
   const isEmpty =
     value === undefined ||
     value === '' ||
     (Array.isArray(value) && value.length === 0 && parameter.kind.is === 'inputs')
-  return (
-    isEmpty && parameter.needed !== true ? others : { ...others, [parameter.name]: value ?? '' }
-  ) as Step
+  if (isEmpty && parameter.needed !== true) Reflect.deleteProperty(changed, parameter.name)
+  else changed[parameter.name] = value ?? ''
+  return changed
 }
 
 /**
@@ -211,10 +233,10 @@ export function writeLiteral(value: unknown): string {
   return JSON.stringify(value)
 }
 
-function kind(
-  name: string,
-  initial: Record<string, unknown>,
-  ...parameters: Parameter[]
+function kind<Name extends Step['function']>(
+  name: Name,
+  initial: Partial<ParametersOf<Name>>,
+  ...parameters: ParameterOf<ParametersOf<Name>>[]
 ): StepKind {
   return { function: name, parameters, initial: { function: name, ...initial } }
 }

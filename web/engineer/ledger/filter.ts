@@ -1,7 +1,8 @@
-import type { FieldKey, LedgerQuery } from '../api/types'
+import type { FieldKey, LedgerExportQuery, LedgerQuery } from '../api/types'
 
 /** Part of the ledger: a recipient, a time, a kind of entry, a subject. */
-export type LedgerFilter = Omit<LedgerQuery, 'kind' | 'after' | 'limit'> & { kind?: EntryKind }
+export type LedgerFilter = Omit<LedgerQuery, 'after' | 'limit'>
+export type EntryKind = NonNullable<LedgerQuery['kind']>
 
 export const ENTRY_KINDS = [
   'CONSENT',
@@ -12,8 +13,7 @@ export const ENTRY_KINDS = [
   'EXPIRED',
   'PURGED',
   'REVOKED',
-] as const
-export type EntryKind = (typeof ENTRY_KINDS)[number]
+] as const satisfies readonly EntryKind[]
 
 export type LedgerSubject = Pick<
   LedgerFilter,
@@ -61,7 +61,7 @@ export function subjectsOf(keys: readonly FieldKey[]): LedgerSubject[] {
   return [...subjects.values()]
 }
 
-export type ExportFormat = 'jsonl' | 'csv' | 'html'
+export type ExportFormat = LedgerExportQuery['format']
 
 /** Converts the text of a local date and time input to a moment; `undefined` if it is empty. */
 export function momentOf(written: string): string | undefined {

@@ -1,4 +1,4 @@
-import type { Entry, OperatorOperation } from '../api/types'
+import type { Entry, OperationState, OperatorOperation } from '../api/types'
 
 /**
  * Entry with its author. On a shared tablet each person's entries are sent in that person's name.
@@ -10,7 +10,7 @@ export interface StoredEntry {
 
 /** Expected state of an operation once all entries that wait to be sent have arrived. */
 export interface Expected {
-  state: string | null
+  state: OperationState | null
   good: number
   scrap: number
   problem: string | null

@@ -1,4 +1,6 @@
-const NUMERIC = [
+import type { BuiltInType } from '../api/types'
+
+const NUMERIC: readonly string[] = [
   'SByte',
   'Byte',
   'Int16',
@@ -9,7 +11,7 @@ const NUMERIC = [
   'UInt64',
   'Float',
   'Double',
-]
+] satisfies BuiltInType[]
 
 /** Returns whether values of this type can be rounded. */
 export function isNumber(type: string): boolean {

@@ -1,12 +1,13 @@
 import { Api } from '@/transport/api'
 import { LiveFeed } from '@/transport/live.svelte'
 import type { paths } from './generated'
+import type { LiveEvent } from './types'
 
 /** The platform's API. */
 export const platform = new Api<paths>()
 
 /** Events of the factories as they arrive. */
-export const feed = new LiveFeed('/api/v1/live', [
+export const feed = new LiveFeed<LiveEvent>('/api/v1/live', [
   'value',
   'decision',
   'part',

@@ -995,7 +995,7 @@ export interface components {
             /** @enum {string} */
             event: "network";
         } | {
-            /** @description New comment. */
+            /** @description Comment that was added to a network. */
             data: {
                 /**
                  * Format: int64

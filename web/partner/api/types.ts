@@ -1,4 +1,5 @@
 /** Names of the platform's schemas as the pages use them. */
+import type { EventOf } from '@/transport/live.svelte'
 import type { components } from './generated'
 
 type Schemas = components['schemas']
@@ -14,13 +15,19 @@ export type FieldKey = Schemas['FieldKey']
 /** Requested field with its decision and its newest value. */
 export type FieldState = Schemas['FieldView']
 export type LeaseParty = Schemas['Party']
+/** Live event with its name and its data. */
+export type LiveEvent = Schemas['LiveEvent']
+/** Data of the live events with a name. */
+export type LiveData<Name extends LiveEvent['event']> = EventOf<LiveEvent, Name>['data']
 export type NetworkView = Schemas['NetworkView']
 export type Operation = Schemas['Operation']
 export type OperationNetwork = Schemas['OperationNetwork']
 export type OperationProgress = Schemas['OperationProgress']
+export type OperationRelation = Schemas['OperationRelation']
 export type Organisation = Schemas['Organisation']
 /** Part of a network that concerns one factory. */
 export type Part = Schemas['PartView']
+export type RelationCondition = Schemas['RelationCondition']
 export type ReportField = Schemas['ReportField']
 export type UpdateFrequencyUnit = Schemas['UpdateFrequencyUnit']
 export type Writer = Schemas['WriterView']

@@ -1,7 +1,6 @@
-import { severity, statusText } from '@/format/status'
 import { valueText } from '@/format/value'
 import { words } from '@/language/words'
-import type { FieldState } from '../api/types'
+import type { LiveEvent } from '../api/types'
 import { texts } from '../language/texts'
 
 export interface EventText {
@@ -10,47 +9,67 @@ export interface EventText {
 }
 
 /** Text of an event on one line, with the address that it is about. */
-export function eventText(event: unknown): EventText {
-  if (event === null || typeof event !== 'object') return { where: '', what: String(event) }
-  const members = event as Record<string, unknown>
-  const key = (
-    typeof members['key'] === 'object' && members['key'] !== null ? members['key'] : members
-  ) as Record<string, unknown>
-  const where = [
-    'factoryId',
-    'operationNetworkId',
-    'operationId',
-    'dynamicDataRequestId',
-    'fieldName',
-  ]
-    .map((name) => key[name] ?? members[name])
-    .filter((part) => typeof part === 'string')
-    .join(' / ')
-  return { where, what: what(members) }
+export function eventText(live: LiveEvent): EventText {
+  return { where: addressOf(live).join(' / '), what: changesOf(live).join(' · ') }
 }
 
-function what(members: Record<string, unknown>): string {
-  const parts: string[] = []
-  if (Array.isArray(members['fields']))
-    parts.push(
-      (members['fields'] as FieldState[])
-        .map((field) => `${field.key.fieldName} ${valueText(field.value)}`)
-        .join(', '),
-    )
-  if (typeof members['mappingState'] === 'string')
-    parts.push(words.mappingState[members['mappingState']] ?? members['mappingState'])
-  if ('value' in members) parts.push(valueText(members['value']))
-  if (severity(members['status'] as string | null | undefined) !== 'good')
-    parts.push(statusText(members['status'] as string))
-  if (typeof members['state'] === 'string')
-    parts.push(
-      words.operationState[members['state']] ??
-        texts.network.part[members['state']] ??
-        members['state'],
-    )
-  if (typeof members['quantity'] === 'number') parts.push(valueText(members['quantity']))
-  if (typeof members['revision'] === 'number')
-    parts.push(texts.networks.revision(members['revision']))
-  if (typeof members['reason'] === 'string') parts.push(members['reason'])
-  return parts.length > 0 ? parts.join(' · ') : ''
+/** Ids of what an event is about, from the outside in. */
+function addressOf(live: LiveEvent): string[] {
+  switch (live.event) {
+    case 'value': {
+      const { factoryId, operationNetworkId, operationId, dynamicDataRequestId } = live.data
+      return [factoryId, operationNetworkId, operationId, dynamicDataRequestId]
+    }
+    case 'decision': {
+      const { operationNetworkId, operationId, dynamicDataRequestId, fieldName } = live.data.key
+      return [operationNetworkId, operationId, dynamicDataRequestId, fieldName]
+    }
+    case 'part':
+      return [live.data.factoryId, live.data.operationNetworkId]
+    case 'progress':
+      return [live.data.operationNetworkId, live.data.operationId]
+    case 'network':
+    case 'comment':
+      return [live.data.operationNetworkId]
+    case 'factory':
+      return [live.data.factoryId]
+    case 'reset':
+      return []
+  }
+}
+
+/** Texts of the changes that an event tells of. */
+function changesOf(live: LiveEvent): string[] {
+  switch (live.event) {
+    case 'value': {
+      const values = live.data.fields.map(
+        ({ key, value }) => `${key.fieldName} ${valueText(value)}`,
+      )
+      return [values.join(', ')]
+    }
+    case 'decision': {
+      const { mappingState, reason } = live.data
+      return [words.mappingState[mappingState] ?? mappingState, ...(reason == null ? [] : [reason])]
+    }
+    case 'part': {
+      const { state, revision } = live.data
+      return [
+        texts.network.part[state] ?? state,
+        ...(revision == null ? [] : [texts.networks.revision(revision)]),
+      ]
+    }
+    case 'progress': {
+      const { state, quantity } = live.data
+      return [
+        ...(state == null ? [] : [words.operationState[state] ?? state]),
+        ...(quantity == null ? [] : [valueText(quantity)]),
+      ]
+    }
+    case 'network':
+      return [texts.networks.revision(live.data.revision)]
+    case 'comment':
+    case 'factory':
+    case 'reset':
+      return []
+  }
 }

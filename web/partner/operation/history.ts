@@ -1,7 +1,7 @@
 import { valueNumber } from '@/format/value'
 import type { Resource } from '@/transport/resource.svelte'
 import { platform } from '../api/client'
-import type { FieldState } from '../api/types'
+import type { LiveData } from '../api/types'
 
 /** Members of a report that a curve needs. */
 export interface Point {
@@ -29,27 +29,20 @@ export async function newestReports(
   }))
 }
 
-/** Adds a live event to the history of a request. */
+/** Adds the newer values of an event to the history of their request. */
 export function takeReport(
   points: Resource<Point[]>,
   request: { operationNetworkId: string; operationId: string; dynamicDataRequestId: string },
-  event: unknown,
+  { fields, ...answered }: LiveData<'value'>,
 ): void {
   if (
-    event === null ||
-    typeof event !== 'object' ||
-    !('fields' in event) ||
-    !Array.isArray(event.fields)
+    answered.operationNetworkId !== request.operationNetworkId ||
+    answered.operationId !== request.operationId ||
+    answered.dynamicDataRequestId !== request.dynamicDataRequestId
   )
     return
-  const fields = (event.fields as FieldState[]).filter(
-    ({ key }) =>
-      key.operationNetworkId === request.operationNetworkId &&
-      key.operationId === request.operationId &&
-      key.dynamicDataRequestId === request.dynamicDataRequestId,
-  )
   const at = fields[0]?.reportTimestamp ?? fields[0]?.receivedAt
-  if (at === undefined || at === null) return
+  if (at === undefined) return
   const point = {
     at,
     fields: Object.fromEntries(fields.map((field) => [field.key.fieldName, field.value])),
