@@ -36,20 +36,19 @@ type Listeners<E extends StreamEvent> = {
 export class LiveFeed<E extends StreamEvent> implements FeedStatus {
   state = $state<FeedState>('connecting')
   since = $state(clock.now)
-  lastEventAt = $state<number | undefined>()
 
   readonly #address: string
-  readonly #names: readonly NameOf<E>[]
   readonly #listeners: Listeners<E> = {}
+  /** Names that were listened to; a browser tells of events by name only. */
+  readonly #names = new Set<NameOf<E>>()
   readonly #catchUps = new Set<() => void>()
   #source: EventSource | undefined
   #retry: ReturnType<typeof setTimeout> | undefined
   #pause = BACKOFF_MIN_MS
   #wasLive = false
 
-  constructor(address: string, names: readonly NameOf<E>[]) {
+  constructor(address: string) {
     this.#address = address
-    this.#names = names
   }
 
   start(): void {
@@ -71,11 +70,7 @@ export class LiveFeed<E extends StreamEvent> implements FeedStatus {
     source.addEventListener('reset', () => {
       this.#catchUp()
     })
-    for (const name of this.#names) {
-      source.addEventListener(name, (message: MessageEvent<string>) => {
-        this.#hear(name, message.data)
-      })
-    }
+    for (const name of this.#names) this.#listen(source, name)
   }
 
   stop(): void {
@@ -121,8 +116,13 @@ export class LiveFeed<E extends StreamEvent> implements FeedStatus {
     }
   }
 
+  #listen(source: EventSource, name: NameOf<E>): void {
+    source.addEventListener(name, (message: MessageEvent<string>) => {
+      this.#hear(name, message.data)
+    })
+  }
+
   #hear<Name extends NameOf<E>>(name: Name, json: string): void {
-    this.lastEventAt = clock.now
     let event: EventOf<E, Name>
     try {
       event = { event: name, data: JSON.parse(json) } as EventOf<E, Name>
@@ -139,6 +139,10 @@ export class LiveFeed<E extends StreamEvent> implements FeedStatus {
   }
 
   #of<Name extends NameOf<E>>(name: Name): Set<(event: EventOf<E, Name>) => void> {
+    if (!this.#names.has(name)) {
+      this.#names.add(name)
+      if (this.#source !== undefined) this.#listen(this.#source, name)
+    }
     return (this.#listeners[name] ??= new Set<(event: EventOf<E, Name>) => void>())
   }
 

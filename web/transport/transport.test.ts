@@ -199,10 +199,8 @@ describe('a list in pages', () => {
 })
 
 /** Event of the stream of these tests. */
-interface Values {
-  event: 'value'
-  data: { a: number }
-}
+type Values =
+  { event: 'value'; data: { a: number } } | { event: 'comment'; data: Record<string, never> }
 
 class FakeEventSource extends EventTarget {
   static readonly CLOSED = 2
@@ -228,17 +226,22 @@ describe('the live feed', () => {
   const latest = (): FakeEventSource => FakeEventSource.opened.at(-1) ?? new FakeEventSource()
 
   it('tells events to who listens', () => {
-    const feed = new LiveFeed<Values>('/live', ['value'])
+    const feed = new LiveFeed<Values>('/live')
     const heard = vi.fn()
     const stop = feed.on('value', heard)
     feed.start()
+    const later = vi.fn()
+    feed.on(['value', 'comment'], later)
     latest().dispatchEvent(new MessageEvent('value', { data: '{"a":1}' }))
+    latest().dispatchEvent(new MessageEvent('comment', { data: '{}' }))
     stop()
     latest().dispatchEvent(new MessageEvent('value', { data: '{"a":2}' }))
-    expect(heard.mock.calls).toEqual([[{ event: 'value', data: { a: 1 } }]])
+    const value = (a: number): Values => ({ event: 'value', data: { a } })
+    expect(heard.mock.calls).toEqual([[value(1)]])
+    expect(later.mock.calls).toEqual([[value(1)], [{ event: 'comment', data: {} }], [value(2)]])
   })
   it('lets pages catch up after an event that cannot be read', () => {
-    const feed = new LiveFeed<Values>('/live', ['value'])
+    const feed = new LiveFeed<Values>('/live')
     const [heard, caughtUp] = [vi.fn(), vi.fn()]
     feed.on('value', heard)
     feed.onCatchUp(caughtUp)
@@ -248,7 +251,7 @@ describe('the live feed', () => {
     feed.stop()
   })
   it('says that it is interrupted, starts again with growing pauses, and lets pages catch up', async () => {
-    const feed = new LiveFeed<Values>('/live', ['value'])
+    const feed = new LiveFeed<Values>('/live')
     const caughtUp = vi.fn()
     feed.onCatchUp(caughtUp)
     feed.start()

@@ -14,14 +14,4 @@ export const REQUEST =
   '/requests/{operationNetworkId}/{operationId}/{dynamicDataRequestId}' as const
 
 /** Events of the connector as they happen. */
-export const feed = new LiveFeed<LiveEvent>('/api/v1/events', [
-  'field',
-  'decisions',
-  'inbox',
-  'comment',
-  'operator',
-  'policies',
-  'revocation',
-  'ledger',
-  'status',
-])
+export const feed = new LiveFeed<LiveEvent>('/api/v1/events')

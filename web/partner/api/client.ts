@@ -7,12 +7,4 @@ import type { LiveEvent } from './types'
 export const platform = new Api<paths>()
 
 /** Events of the factories as they arrive. */
-export const feed = new LiveFeed<LiveEvent>('/api/v1/live', [
-  'value',
-  'decision',
-  'part',
-  'factory',
-  'progress',
-  'network',
-  'comment',
-])
+export const feed = new LiveFeed<LiveEvent>('/api/v1/live')
