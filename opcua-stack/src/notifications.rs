@@ -329,7 +329,7 @@ mod tests {
             .map(|item| (item.client_handle, from_stack(item.value, &namespaces)))
             .collect();
         assert_eq!(found, expected);
-        assert_eq!(taken, expected, "whoever decoded them");
+        assert_eq!(taken, expected, "both decoders yield the same");
         assert_eq!(found.len(), values().len());
     }
 

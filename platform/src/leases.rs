@@ -227,7 +227,7 @@ mod tests {
             lease = Some(after);
             decisions.push(decision);
         }
-        (lease.expect("somebody asked"), decisions)
+        (lease.expect("an instance asked"), decisions)
     }
 
     const fn refused(is_new: bool) -> LeaseDecision {

@@ -52,7 +52,7 @@ const SHOWN_MAX: usize = 20;
 /// Plays the rounds of a seed and judges.
 ///
 /// # Errors
-/// What does not hold.
+/// The promise that does not hold.
 pub async fn run(seed: u64, length: Length, keep: bool) -> anyhow::Result<()> {
     let folder = tempfile::Builder::new().prefix("verbund-chaos-").tempdir()?;
     say(&format!("Chaos with seed {seed}, in {}", folder.path().display()));

@@ -70,7 +70,7 @@ impl WriteConnection {
     /// finishes.
     ///
     /// # Errors
-    /// That of the work, or that of the transaction.
+    /// The error of the work, or of the transaction.
     pub(super) async fn transact<T: Send + 'static>(
         &mut self,
         action: &'static str,

@@ -30,7 +30,7 @@ pub fn at(ms: i64) -> DateTime {
 /// Returns the key of a field of the request.
 ///
 /// # Panics
-/// Where the name is none.
+/// When the name is none.
 #[must_use]
 pub fn field(name: &str) -> FieldKey {
     let request = RequestKey {
@@ -44,7 +44,7 @@ pub fn field(name: &str) -> FieldKey {
 /// Returns the network in a revision, with a changed request.
 ///
 /// # Panics
-/// Where the change leaves no valid network.
+/// When the change leaves no valid network.
 pub fn network(revision: u64, change: impl FnOnce(&mut Value)) -> OperationNetworkMessage {
     let mut request = json!({ "dynamicDataRequestId": "R1", "requesterId": "acme",
         "recipientList": ["acme", "hull"], "purpose": "Plan", "updateFrequency": 1,
@@ -105,7 +105,7 @@ impl Scene {
     /// Adds the changes of a use case, and returns its result.
     ///
     /// # Errors
-    /// That of the use case.
+    /// The error of the use case.
     pub fn attempt<T, E>(
         &mut self,
         use_case: impl FnOnce(&mut ConnectorState) -> Result<(T, ChangeSet), E>,
@@ -140,7 +140,7 @@ impl Scene {
     /// Maps a field to a source with a policy as JSON.
     ///
     /// # Panics
-    /// Where the decision is not taken.
+    /// When the decision is not taken.
     pub fn map(&mut self, name: &str, value_source: ValueSource, policy: &str) {
         let mapping = (value_source == ValueSource::Mapping).then(|| {
             let json = json!({ "mappingId": "m", "target": field(name), "targetType": "UInt64",
@@ -168,7 +168,7 @@ impl Scene {
     /// Offers a value of an operator, commits, and returns the reports.
     ///
     /// # Panics
-    /// Where a report is not JSON.
+    /// When a report is not JSON.
     pub fn offer(&mut self, name: &str, value: impl Into<Variant>, ms: i64) -> Vec<Value> {
         self.candidate(name, ValueSource::Manual, value, ms);
         let (writes, _) = self.commit(ms);

@@ -50,7 +50,7 @@ async fn a_mapping_is_corrected_tried_and_taken_back() {
     )
     .await;
     let node = plant.node("Mill1", "Spindle.Temperature");
-    let of = |rest: &str| format!("{}/{rest}", field("temperature"));
+    let of = |rest: &str| format!("{}{rest}", field("temperature"));
     let scaled = |factor: f64| mapping(&node, json!([{ "function": "scale", "factor": factor }]));
     let mapped = plant.map("temperature", scaled(1.0)).await;
     let path = &mapped["mapping"]["inputs"][0]["monitor"]["browsePath"];
@@ -67,9 +67,9 @@ async fn a_mapping_is_corrected_tried_and_taken_back() {
     );
 
     // Tried beside the published one, on the same live values, without a trace in what leaves.
-    plant.put(&of("shadow"), scaled(1000.0)).await;
+    plant.put(&of("/shadow"), scaled(1000.0)).await;
     let shadow = plant
-        .until("both have values", &of("shadow"), |shadow| {
+        .until("both have values", &of("/shadow"), |shadow| {
             let value = |of: &str| shadow[of]["lastCandidate"]["value"].as_f64();
             value("status")
                 .zip(value("published"))
@@ -79,11 +79,11 @@ async fn a_mapping_is_corrected_tried_and_taken_back() {
     assert_eq!(shadow["changes"][0]["pointer"], "/steps/0/factor", "{shadow:#}");
     let disclosed = plant.get("/inbox").await.to_string();
     assert!(!disclosed.contains("\"mappingVersion\":2"));
-    let view = plant.post(&of("shadow/publish"), json!({})).await;
+    let view = plant.post(&of("/shadow/publish"), json!({})).await;
     assert_eq!((&view["mappingVersion"], &view["hasShadow"]), (&json!(2), &json!(false)));
     assert_eq!(view["mapping"]["mappingId"], mapped["mapping"]["mappingId"]);
 
-    let status = of("mapping-status");
+    let status = of("/mapping-status");
     plant
         .until("several values came", &status, |status| status["received"].as_u64() > Some(2))
         .await;
@@ -91,7 +91,7 @@ async fn a_mapping_is_corrected_tried_and_taken_back() {
     // Recorded values of the published mapping's variable, each with every intermediate value.
     let body = json!({ "on": "HISTORY", "mapping": scaled(2.0) });
     let (status, text) =
-        plant.call(reqwest::Method::POST, &of("trial"), Some(body.to_string())).await;
+        plant.call(reqwest::Method::POST, &of("/trial"), Some(body.to_string())).await;
     assert!(status.is_success(), "{text}");
     let dry_run: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     assert!(
@@ -100,7 +100,7 @@ async fn a_mapping_is_corrected_tried_and_taken_back() {
     );
     assert_eq!(dry_run["runs"][0]["steps"][0]["function"], "scale");
 
-    let view = plant.post(&of("versions/1/rollback"), json!({})).await;
+    let view = plant.post(&of("/versions/1/rollback"), json!({})).await;
     assert_eq!(view["mappingVersion"], 3);
     let versions = plant.get(&field_versions()).await;
     let versions = versions["items"].as_array().expect("a page");
@@ -111,7 +111,7 @@ async fn a_mapping_is_corrected_tried_and_taken_back() {
     );
     assert_eq!(versions[0]["mapping"], versions[2]["mapping"]);
     assert_eq!(versions[1]["changes"][0]["before"], json!(1.0), "{versions:#?}");
-    let status = plant.get(&of("mapping-status")).await;
+    let status = plant.get(&of("/mapping-status")).await;
     assert_eq!(status["faults"], 0);
     let survey = plant.get("/mappings/survey?limit=0").await;
     assert_eq!(

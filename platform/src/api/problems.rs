@@ -116,7 +116,7 @@ impl From<ChangeError> for Problem {
             ChangeError::RevisionConflict { revision } => Self::conflict(
                 "REVISION_CONFLICT",
                 format!(
-                    "Somebody else was faster: the revision in effect is {revision}. Read it and try again."
+                    "Another change was faster: the revision in effect is {revision}. Read it and try again."
                 ),
             ),
             ChangeError::Faulty(faults) => faulty(faults, ""),

@@ -44,7 +44,7 @@ async fn make_former_store(path: &Path) {
         .expect("a path")
         .create_if_missing(true);
     let mut connection = SqliteConnection::connect_with(&options).await.expect("a file");
-    let names = ["house", "tools by publisher", "leases"];
+    let names = ["initial", "tools by publisher", "leases"];
     let migrations = (1..).zip(names).zip(BEFORE).map(|((version, name), sql)| {
         Migration::new(version, name.into(), MigrationType::Simple, sql.into_sql_str(), false)
     });

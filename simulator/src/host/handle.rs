@@ -128,7 +128,7 @@ impl MachineHandle {
     /// Trusts all clients whose certificates were rejected so far.
     ///
     /// # Errors
-    /// What the file system says.
+    /// The error of the file system.
     pub fn trust_rejected_clients(&self) -> std::io::Result<()> {
         let (rejected, trusted) =
             (self.pki_directory.join("rejected"), self.pki_directory.join("trusted"));

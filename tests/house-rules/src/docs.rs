@@ -1,6 +1,7 @@
 //! Documentation: module headers, the word that a doc comment begins with, docs of members and of
 //! public items.
 
+use proc_macro2::{TokenStream, TokenTree};
 use syn::{
     AttrStyle, Attribute, ImplItem, Item, Visibility,
     spanned::Spanned as _,
@@ -31,7 +32,7 @@ pub(crate) fn check(package: &Package, graph: &ImportGraph) -> Vec<Finding> {
             let rule = Rule::MissingHeader;
             findings.push(Finding { file: file.path.clone(), line: 1, rule, text });
         }
-        let mut checker = Checker { file, findings, last: None };
+        let mut checker = Checker { file, findings, last: None, is_below_heading: false };
         checker.visit_file(&file.syntax);
         findings = checker.findings;
         if file.role == Role::Library && !is_test {
@@ -46,11 +47,56 @@ struct Checker<'a> {
     findings: Vec<Finding>,
     /// Line and style of the doc line before: the next line goes on with its comment.
     last: Option<(usize, bool)>,
+    /// True after a heading of that comment, until its first text.
+    is_below_heading: bool,
 }
 
 impl Checker<'_> {
     fn report(&mut self, line: usize, rule: Rule, text: String) {
         self.findings.push(Finding { file: self.file.path.clone(), line, rule, text });
+    }
+
+    /// Checks the word that a doc comment or the text below one of its headings begins with.
+    fn doc_line(&mut self, line: usize, is_inner: bool, text: &str) {
+        let text = text.trim_start();
+        let goes_on = self.last.is_some_and(|last| last == (line.saturating_sub(1), is_inner));
+        let is_below_heading = goes_on && self.is_below_heading;
+        self.last = Some((line, is_inner));
+        self.is_below_heading = text.starts_with("# ") || is_below_heading && text.is_empty();
+        if goes_on && !is_below_heading {
+            return;
+        }
+        let first = text.split(|c: char| !c.is_alphabetic()).next();
+        // "# Errors: When ..." is the convention of the standard library.
+        let is_condition = |word: &str| is_below_heading && matches!(word, "When" | "If");
+        let is_opening = |word: &&str| OPENING_WORDS.contains(word) && !is_condition(word);
+        if let Some(word) = first.filter(is_opening) {
+            self.report(
+                line,
+                Rule::OpeningWord,
+                format!("begins with \"{word}\": begin with a noun or a verb of doing"),
+            );
+        }
+    }
+
+    /// Checks the docs among the tokens of a macro, which syn does not take for attributes.
+    fn macro_docs(&mut self, tokens: TokenStream) {
+        let mut is_inner = false;
+        for token in tokens {
+            match token {
+                TokenTree::Punct(punct) => is_inner = punct.as_char() == '!',
+                TokenTree::Group(group) => {
+                    let line = group.span().start().line;
+                    match syn::parse2::<syn::MetaNameValue>(group.stream()) {
+                        Ok(doc) if doc.path.is_ident("doc") => {
+                            self.doc_line(line, is_inner, &text_in(&doc.value));
+                        }
+                        _ => self.macro_docs(group.stream()),
+                    }
+                }
+                TokenTree::Ident(_) | TokenTree::Literal(_) => {}
+            }
+        }
     }
 
     fn member(&mut self, attributes: &[Attribute]) {
@@ -69,21 +115,13 @@ impl Checker<'_> {
 impl<'ast> Visit<'ast> for Checker<'_> {
     fn visit_attribute(&mut self, attribute: &'ast Attribute) {
         let Some(text) = doc_line(attribute) else { return };
-        let line = attribute.span().start().line;
         let is_inner = matches!(attribute.style, AttrStyle::Inner(_));
-        let goes_on = self.last.is_some_and(|last| last == (line.saturating_sub(1), is_inner));
-        self.last = Some((line, is_inner));
-        if goes_on {
-            return;
-        }
-        let first = text.trim_start().split(|c: char| !c.is_alphabetic()).next();
-        if let Some(word) = first.filter(|word| OPENING_WORDS.contains(word)) {
-            self.report(
-                line,
-                Rule::OpeningWord,
-                format!("begins with \"{word}\": begin with a noun or a verb of doing"),
-            );
-        }
+        self.doc_line(attribute.span().start().line, is_inner, &text);
+    }
+
+    fn visit_macro(&mut self, invocation: &'ast syn::Macro) {
+        self.macro_docs(invocation.tokens.clone());
+        visit::visit_macro(self, invocation);
     }
 
     fn visit_field(&mut self, field: &'ast syn::Field) {
@@ -166,8 +204,12 @@ fn doc_line(attribute: &Attribute) -> Option<String> {
     if !doc.path.is_ident("doc") {
         return None;
     }
-    Some(match &doc.value {
+    Some(text_in(&doc.value))
+}
+
+fn text_in(value: &syn::Expr) -> String {
+    match value {
         syn::Expr::Lit(syn::ExprLit { lit: syn::Lit::Str(text), .. }) => text.value(),
         _ => String::new(),
-    })
+    }
 }

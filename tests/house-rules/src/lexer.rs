@@ -1,12 +1,14 @@
 //! Lexer that separates code, comments and string literals line by line; the parser of syn drops
 //! comments.
 
-/// One source line without its string literals.
+/// One source line in its three parts.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Line {
     pub(crate) code: String,
     /// Text of line, block and doc comments.
     pub(crate) comment: String,
+    /// Content of string literals, without quotes and escapes.
+    pub(crate) text: String,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -48,7 +50,11 @@ pub(crate) fn lines(source: &str) -> Vec<Line> {
                     state = State::BlockComment(1);
                     taken = 2;
                 }
-                ('"', _) => state = State::Text,
+                ('"', _) => {
+                    // Two literals of a line share no word.
+                    line.text.push(' ');
+                    state = State::Text;
+                }
                 ('\'', _) => taken = character_length(&characters[at..]),
                 ('r', _) if let Some(hashes) = raw_text(&characters, at) => {
                     state = State::RawText(hashes);
@@ -70,15 +76,20 @@ pub(crate) fn lines(source: &str) -> Vec<Line> {
             },
             State::Text => match character {
                 // An escaped line end still ends the line.
-                '\\' if next != Some('\n') => taken = 2,
+                '\\' if next != Some('\n') => {
+                    line.text.push(' ');
+                    taken = 2;
+                }
                 '"' => state = State::Code,
-                _ => {}
+                _ => line.text.push(character),
             },
             State::RawText(hashes) => {
                 let end = characters.get(at + 1..=at + hashes).unwrap_or_default();
                 if character == '"' && end.len() == hashes && end.iter().all(|c| *c == '#') {
                     state = State::Code;
                     taken = hashes + 1;
+                } else {
+                    line.text.push(character);
                 }
             }
         }

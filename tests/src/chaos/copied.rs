@@ -20,7 +20,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// are compared as after chaos.
 ///
 /// # Errors
-/// What does not hold.
+/// The promise that does not hold.
 pub async fn copied() -> anyhow::Result<()> {
     let folder = tempfile::Builder::new().prefix("verbund-copied-").tempdir()?;
     let mut steps = Steps::default();

@@ -54,7 +54,7 @@ impl LoginThrottle {
     /// Checks that an attempt is allowed now.
     ///
     /// # Errors
-    /// How long to wait.
+    /// The time left to wait.
     pub fn check(&self, client: IpAddr, user_name: &str, now: Instant) -> Result<(), Duration> {
         let wait = self
             .wait(&(client, Some(user_name.to_owned())), self.config.free_failures, now)
@@ -131,7 +131,7 @@ mod tests {
         for number in 0..50 {
             throttle.failed(CLIENT, &format!("user{number}"), now);
         }
-        assert!(throttle.check(CLIENT, "somebody", now).is_err());
+        assert!(throttle.check(CLIENT, "other", now).is_err());
     }
 
     #[test]

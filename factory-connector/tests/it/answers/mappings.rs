@@ -25,36 +25,36 @@ fn mapping(answers: &Answers<'_>, name: Option<&str>) -> Value {
 }
 
 fn of(rest: &str) -> String {
-    format!("{}/{rest}", field("model"))
+    format!("{}{rest}", field("model"))
 }
 
 pub async fn publish(answers: &mut Answers<'_>) {
-    answers.get("listSuggestions", &of("suggestions?limit=1")).await;
+    answers.get("listSuggestions", &of("/suggestions?limit=1")).await;
     let plain = mapping(answers, None);
     let draft = json!({ "valueSource": "MAPPING", "mapping": plain });
-    answers.post("previewDecision", &of("preview"), draft).await;
-    answers.post("dryRunMapping", &of("trial"), json!({ "mapping": plain })).await;
+    answers.post("previewDecision", &of("/preview"), draft).await;
+    answers.post("dryRunMapping", &of("/trial"), json!({ "mapping": plain })).await;
     answers.plant.map("model", plain).await;
     let named = mapping(answers, Some("Mill"));
     answers.plant.map("model", named).await;
-    answers.get("listMappingVersions", &of("versions")).await;
-    answers.get("compareMappingVersions", &of("version-difference?from=1&to=2")).await;
-    let path = of("versions/1/rollback");
+    answers.get("listMappingVersions", &of("/versions")).await;
+    answers.get("compareMappingVersions", &of("/version-difference?from=1&to=2")).await;
+    let path = of("/versions/1/rollback");
     answers.without(DISCLOSED).post("rollMappingBack", &path, json!({})).await;
 }
 
 pub async fn shadow(answers: &mut Answers<'_>) {
     let renamed = mapping(answers, Some("Milling cell"));
-    answers.without(RUNNING).put("startShadowMapping", &of("shadow"), renamed.clone()).await;
-    answers.without(RUNNING).get("showShadowMapping", &of("shadow")).await;
-    let path = of("shadow/publish");
+    answers.without(RUNNING).put("startShadowMapping", &of("/shadow"), renamed.clone()).await;
+    answers.without(RUNNING).get("showShadowMapping", &of("/shadow")).await;
+    let path = of("/shadow/publish");
     answers.without(DISCLOSED).post("publishShadowMapping", &path, json!({})).await;
-    answers.plant.put(&of("shadow"), renamed).await;
-    answers.delete("endShadowMapping", &of("shadow")).await;
+    answers.plant.put(&of("/shadow"), renamed).await;
+    answers.delete("endShadowMapping", &of("/shadow")).await;
     let is_running = |status: &Value| status["lastCandidate"] != Value::Null;
-    answers.plant.until("the mapping runs", &of("mapping-status"), is_running).await;
-    answers.without(COUNTERS).get("showMappingStatus", &of("mapping-status")).await;
-    let path = of("mapping-status/restart");
+    answers.plant.until("the mapping runs", &of("/mapping-status"), is_running).await;
+    answers.without(COUNTERS).get("showMappingStatus", &of("/mapping-status")).await;
+    let path = of("/mapping-status/restart");
     answers.without(COUNTERS).post("restartMapping", &path, json!({})).await;
     answers.without(COUNTERS).get("surveyMappings", "/mappings/survey").await;
 }
@@ -62,7 +62,7 @@ pub async fn shadow(answers: &mut Answers<'_>) {
 pub async fn exchange(answers: &mut Answers<'_>) {
     let draft =
         json!({ "templateId": "model", "name": "Model", "parameters": { "field": "model" } });
-    let template = answers.post("makeMappingTemplate", &of("template"), draft).await;
+    let template = answers.post("makeMappingTemplate", &of("/template"), draft).await;
     answers.put("putMappingTemplate", "/mapping-templates/model", template).await;
     answers.get("listMappingTemplates", "/mapping-templates").await;
     let series = json!({ "sets": [{ "field": "model" }, { "field": "recipe" }] });

@@ -55,7 +55,7 @@ step! {
     Scale = "scale",
     /// From one unit of measurement to another.
     UnitConversion = "unitConversion",
-    /// How much a counter went on since its last value.
+    /// Increase of a counter since its last value.
     Increment = "increment",
     /// The sum of a counter's increments, across wraps, resets and restarts.
     Counter = "counter",

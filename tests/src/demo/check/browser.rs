@@ -28,7 +28,7 @@ pub(super) async fn operators_page(world: &World) -> anyhow::Result<String> {
 /// Runs a script of `tests/browser` against this world.
 ///
 /// # Errors
-/// What the browser found.
+/// The findings of the browser.
 pub async fn run(world: &World, script: &str, arguments: &[&str]) -> anyhow::Result<String> {
     run_with(world, script, arguments, &[]).await
 }
@@ -36,7 +36,7 @@ pub async fn run(world: &World, script: &str, arguments: &[&str]) -> anyhow::Res
 /// Runs like [`run`], with further variables.
 ///
 /// # Errors
-/// What the browser found.
+/// The findings of the browser.
 pub async fn run_with(
     world: &World,
     script: &str,

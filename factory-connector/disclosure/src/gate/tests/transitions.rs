@@ -88,7 +88,7 @@ fn a_tightened_policy_shows_no_finer_value() {
     gate.change_policy(policy(r#"{"roundingStep":100,"timeStepMs":1000}"#), at(20));
     let coarse = DataValue { status: StatusCode::UNCERTAIN, ..candidate(0, 100) };
     assert_eq!(gate.disclosed(), Some(&coarse));
-    assert_eq!(gate.due(), None, "it is no news");
+    assert_eq!(gate.due(), None, "nothing is left to release");
     // A single value is finer than any of a window.
     gate.change_policy(policy(MEAN), at(30));
     assert_eq!(gate.disclosed(), None);

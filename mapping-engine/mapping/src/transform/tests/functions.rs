@@ -231,7 +231,7 @@ fn debounce_waits_for_quiet() {
     assert_eq!(
         transform.on(at(90), 0, good(2, 90), None),
         Reaction::Quiet,
-        "the same value does not start anew"
+        "the same value does not start the wait again"
     );
     assert_eq!(transform.on_timer(at(149), None), Reaction::Quiet);
     assert_eq!(transform.on_timer(at(150), None), Reaction::Candidate(good(2, 90)));
