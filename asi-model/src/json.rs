@@ -14,12 +14,12 @@ mod token;
 pub mod write;
 
 pub use error::{JsonError, Limits};
-pub use node::{Elements, Members, Node};
+pub use node::{Elements, JsonNode, Members};
 pub use tape::Tape;
 pub use token::Kind;
 
 /// Appends a member as it came to the text of an object, with the comma it needs.
-pub(crate) fn push_separated(json: &mut String, name: Node<'_, '_>, value: Node<'_, '_>) {
+pub(crate) fn push_separated(json: &mut String, name: JsonNode<'_, '_>, value: JsonNode<'_, '_>) {
     if !json.ends_with('{') {
         json.push(',');
     }

@@ -58,7 +58,7 @@ use utoipa_axum::{
 
 pub use self::{
     accounts::{Principal, StoredAccounts},
-    context::{Api, Instance, Parts, ServerParts},
+    context::{Api, ApiParts, RunningConnector, ServerParts},
 };
 
 /// Largest body of any request, in bytes.

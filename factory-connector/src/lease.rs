@@ -1,7 +1,7 @@
 //! Lease on the factory's identity: of all running connectors with its credential only the one to
 //! which the platform has granted the lease may send.
 //!
-//! [`Lease`] is a state machine without I/O; [`LeaseClient`] runs its actions; the [`LeaseGate`]
+//! [`LeaseMachine`] does no I/O; [`LeaseClient`] runs its actions; the [`LeaseGate`]
 //! permits or forbids the spool's messages to leave. Values are mapped, disclosed, numbered and
 //! spooled in either state of the gate.
 
@@ -36,7 +36,7 @@ const ASKED_MAX: usize = 16;
 
 /// Identity of this running connector, which the platform distinguishes from others.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Instance {
+pub struct ConnectorInstance {
     pub factory_id: FactoryId,
     /// Random, drawn at each start.
     pub instance_id: InstanceId,
@@ -77,20 +77,20 @@ pub enum LeaseState {
 
 /// Event that may change the lease.
 #[derive(Debug)]
-pub enum Input {
+pub enum LeaseInput {
     /// The link is up, after it was not.
     Connected,
     /// The link is down.
     Disconnected,
     /// The platform answered this connector or another one.
     Answered(Box<LeaseAnswer>),
-    /// The time of [`Lease::wake_at`] has come.
+    /// The time of [`LeaseMachine::wake_at`] has come.
     Tick,
 }
 
 /// Step that the [`LeaseClient`] takes.
 #[derive(Debug, PartialEq, Eq)]
-pub enum Action {
+pub enum LeaseAction {
     /// Send a request to the platform.
     Ask(LeaseRequest),
     /// Permit messages to leave, under the lease with this number.
@@ -105,8 +105,8 @@ pub enum Action {
 
 /// State machine of the lease.
 #[derive(Debug)]
-pub struct Lease {
-    instance: Instance,
+pub struct LeaseMachine {
+    instance: ConnectorInstance,
     status: LeaseStatus,
     is_connected: bool,
     /// The platform has granted the lease since the link is up.
@@ -116,10 +116,10 @@ pub struct Lease {
     ask_at: Option<Instant>,
 }
 
-impl Lease {
+impl LeaseMachine {
     /// Begins in [`LeaseState::Asking`], without a connection.
     #[must_use]
-    pub fn new(instance: Instance, now: DateTime) -> Self {
+    pub fn new(instance: ConnectorInstance, now: DateTime) -> Self {
         let status = LeaseStatus {
             state: LeaseState::Asking,
             since: now,
@@ -145,7 +145,7 @@ impl Lease {
         &self.status
     }
 
-    /// Returns the time at which [`Input::Tick`] is due.
+    /// Returns the time at which [`LeaseInput::Tick`] is due.
     #[must_use]
     pub const fn wake_at(&self) -> Option<Instant> {
         self.ask_at
@@ -155,57 +155,70 @@ impl Lease {
     /// request among them.
     pub fn on(
         &mut self,
-        input: Input,
+        input: LeaseInput,
         id: MessageId,
         instant: Instant,
         now: DateTime,
-    ) -> Vec<Action> {
+    ) -> Vec<LeaseAction> {
         match input {
-            Input::Connected => {
+            LeaseInput::Connected => {
                 (self.is_connected, self.is_confirmed) = (true, false);
                 self.asked.clear();
                 self.patience = PATIENCE_MIN;
                 vec![self.ask(id, instant)]
             }
-            Input::Disconnected => {
+            LeaseInput::Disconnected => {
                 (self.is_connected, self.is_confirmed) = (false, false);
                 self.ask_at = None;
                 // Not before the link is down: a receiver that leaves an address while it is
                 // connected may end the subscription of both connectors.
                 if self.status.state == LeaseState::Refused {
-                    vec![Action::Receive(false)]
+                    vec![LeaseAction::Receive(false)]
                 } else {
                     Vec::new()
                 }
             }
-            Input::Tick => {
+            LeaseInput::Tick => {
                 let is_due = self.is_connected && self.ask_at.is_some_and(|at| at <= instant);
                 if is_due { vec![self.ask(id, instant)] } else { Vec::new() }
             }
-            Input::Answered(answer) if answer.instance_id == self.instance.instance_id => {
+            LeaseInput::Answered(answer) if answer.instance_id == self.instance.instance_id => {
                 self.answered(*answer, instant, now)
             }
-            Input::Answered(answer) => {
+            LeaseInput::Answered(answer) => {
                 self.overheard(*answer, instant, now);
                 Vec::new()
             }
         }
     }
 
-    fn ask(&mut self, message_id: MessageId, instant: Instant) -> Action {
+    fn ask(&mut self, message_id: MessageId, instant: Instant) -> LeaseAction {
         self.asked.push_back(message_id.clone());
         if self.asked.len() > ASKED_MAX {
             self.asked.pop_front();
         }
         self.ask_at = Some(instant + self.patience);
         self.patience = (self.patience * 2).min(PATIENCE_MAX);
-        let Instance { factory_id, instance_id, place, host, started_at } = self.instance.clone();
-        Action::Ask(LeaseRequest { message_id, factory_id, instance_id, place, host, started_at })
+        let ConnectorInstance { factory_id, instance_id, place, host, started_at } =
+            self.instance.clone();
+        LeaseAction::Ask(LeaseRequest {
+            message_id,
+            factory_id,
+            instance_id,
+            place,
+            host,
+            started_at,
+        })
     }
 
     /// Handles an answer to this connector. An answer to a request of an earlier connection says
     /// nothing about this one.
-    fn answered(&mut self, answer: LeaseAnswer, instant: Instant, now: DateTime) -> Vec<Action> {
+    fn answered(
+        &mut self,
+        answer: LeaseAnswer,
+        instant: Instant,
+        now: DateTime,
+    ) -> Vec<LeaseAction> {
         if !self.is_connected || !self.asked.contains(&answer.correlation_id) {
             return Vec::new();
         }
@@ -224,7 +237,7 @@ impl Lease {
                 if is_open {
                     Vec::new()
                 } else {
-                    vec![Action::Receive(true), Action::Open(answer.lease_number)]
+                    vec![LeaseAction::Receive(true), LeaseAction::Open(answer.lease_number)]
                 }
             }
             LeaseResult::Refused => {
@@ -236,7 +249,7 @@ impl Lease {
                 self.status.lease_number = None;
                 self.status.contender = None;
                 self.status.holder = answer.holder;
-                vec![Action::Close, Action::BackOff(pause)]
+                vec![LeaseAction::Close, LeaseAction::BackOff(pause)]
             }
         }
     }

@@ -84,7 +84,7 @@ pub async fn start(
         anyhow::Ok(())
     });
     let router = api::router(
-        Api::new(api::Parts {
+        Api::new(api::ApiParts {
             coordinator: opened.coordinator_handle,
             readers: opened.readers,
             shop_floor: opened.floor_handle,
@@ -95,7 +95,7 @@ pub async fn start(
             lease: opened.lease_status,
             events: opened.events,
             users_changed: opened.users_changed,
-            instance: api::Instance {
+            instance: api::RunningConnector {
                 factory_id: factory_id.clone(),
                 started_at,
                 data_directory: directory,

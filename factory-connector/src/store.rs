@@ -59,13 +59,13 @@ pub use enrolments::{Enrolment, Enrolments};
 pub use error::StoreError;
 pub use fields::Fields;
 pub use handle::Store;
-pub use identity::Identity;
+pub use identity::StoreIdentity;
 pub use ledger::{
     Checkpoints, Ledger, LedgerCursor, LedgerFilter, LedgerRow, LedgerSubject, LogCheckpoint,
     StoredCheckpoint,
 };
 pub use mapping_templates::MappingTemplates;
-pub use mapping_versions::{MappingVersions, VERSIONS_MAX};
+pub use mapping_versions::{StoredMappingVersions, VERSIONS_MAX};
 pub use networks::{Networks, Revisions};
 pub use operator_entries::OperatorEntries;
 pub use policy_documents::{DocumentKind, PolicyDocuments};

@@ -17,7 +17,7 @@ use daemon::{
     web::session::{PasswordHash, verify_password},
 };
 use disclosure::{DecisionBasis, GateOutcome};
-use twin::{Authenticator, FieldDecision, FieldWriter, TwinUser};
+use twin::{Authenticator, FieldWriter, TwinDecision, TwinUser};
 pub use user_watch::UserWatch;
 
 use crate::{
@@ -44,7 +44,7 @@ impl FieldWriter for CoordinatorWriter {
     async fn decide(
         &self,
         field: &FieldKey,
-        decision: FieldDecision,
+        decision: TwinDecision,
         user: &TwinUser,
     ) -> StatusCode {
         let (key, by) = (field.clone(), user.name.to_string());
@@ -68,7 +68,7 @@ impl FieldWriter for CoordinatorWriter {
 fn decision_request(
     state: &ConnectorState,
     key: &FieldKey,
-    decision: FieldDecision,
+    decision: TwinDecision,
     decided_by: String,
 ) -> Option<DecisionRequest> {
     let present = state.field(key)?.decision();

@@ -27,4 +27,4 @@ pub use engine::{
     SurveyedMapping,
 };
 pub use inputs::Inputs;
-pub use script::config::{ScriptConfig, ScriptEngine};
+pub use script::config::{ScriptConfig, ScriptRuntime};

@@ -19,7 +19,7 @@ use script_protocol::{FaultKind as Kind, ScriptFault};
 
 /// Outcome of one call.
 #[derive(Debug, Clone)]
-pub(crate) struct CallOutcome {
+pub(crate) struct ScriptOutcome {
     pub result: Result<script_protocol::Yielded, Fault>,
     /// `ctx.state` where it changed.
     pub state: Option<Arc<str>>,
@@ -28,7 +28,7 @@ pub(crate) struct CallOutcome {
     pub is_fatal: bool,
 }
 
-impl CallOutcome {
+impl ScriptOutcome {
     fn failed(fault: Fault, is_fatal: bool) -> Self {
         Self { result: Err(fault), state: None, spent: Duration::ZERO, is_fatal }
     }

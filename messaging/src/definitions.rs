@@ -20,7 +20,7 @@ use crate::address::LogicalAddress;
 
 /// The users of a broker, with the bounds of its queues.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct BrokerPlan {
     pub platform: Account,
     pub factories: Vec<(FactoryId, Account)>,
     pub tools: Vec<(ToolId, Account)>,
@@ -65,7 +65,7 @@ struct Rights<'a> {
     produce: Vec<LogicalAddress>,
 }
 
-impl Plan {
+impl BrokerPlan {
     /// Returns the addresses of all queues but that of the dead letters.
     fn queues(&self) -> Vec<LogicalAddress> {
         let factories = self.factories.iter().flat_map(|(id, _)| {

@@ -27,10 +27,10 @@ pub struct BrokerEndpoint {
 
 /// The shared parts. Clones share them.
 #[derive(Clone)]
-pub struct Application(Arc<Parts>);
+pub struct Application(Arc<ApplicationParts>);
 
 /// Components of an [`Application`].
-pub struct Parts {
+pub struct ApplicationParts {
     pub config: PlatformConfig,
     pub store: Store,
     pub live: LiveLog,
@@ -58,7 +58,7 @@ pub struct Parts {
 impl Application {
     /// Joins the parts.
     #[must_use]
-    pub fn new(parts: Parts) -> Self {
+    pub fn new(parts: ApplicationParts) -> Self {
         Self(Arc::new(parts))
     }
 
@@ -70,8 +70,8 @@ impl Application {
 }
 
 impl std::ops::Deref for Application {
-    type Target = Parts;
-    fn deref(&self) -> &Parts {
+    type Target = ApplicationParts;
+    fn deref(&self) -> &ApplicationParts {
         &self.0
     }
 }

@@ -258,7 +258,7 @@ fn queue(address: &LogicalAddress) -> QueueName {
 
 #[cfg(test)]
 mod tests {
-    use broker::Credentials;
+    use broker::CredentialSource;
 
     use super::*;
 

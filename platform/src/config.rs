@@ -25,7 +25,7 @@ pub struct PlatformConfig {
     /// Pages and API.
     pub web: WebConfig,
     /// The broker, embedded or another.
-    pub broker: BrokerConfig,
+    pub broker: BrokerSettings,
     /// The first administrator.
     pub admin: AdminConfig,
     /// Receipts for connectors.
@@ -43,7 +43,7 @@ impl Default for PlatformConfig {
         Self {
             data_directory: PathBuf::from("platform-data"),
             web: WebConfig::default(),
-            broker: BrokerConfig::default(),
+            broker: BrokerSettings::default(),
             admin: AdminConfig::default(),
             receipts: ReceiptConfig::default(),
             parts: PartConfig::default(),
@@ -76,7 +76,7 @@ impl Default for WebConfig {
 /// The broker.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct BrokerConfig {
+pub struct BrokerSettings {
     /// Address of the embedded broker's TLS listener.
     pub listen: SocketAddr,
     /// Address of a listener without TLS, in addition; loopback only.
@@ -94,7 +94,7 @@ pub struct BrokerConfig {
     pub external: Option<ExternalBrokerConfig>,
 }
 
-impl Default for BrokerConfig {
+impl Default for BrokerSettings {
     fn default() -> Self {
         Self {
             listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 5671)),

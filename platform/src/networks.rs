@@ -26,7 +26,7 @@ pub use author::Author;
 pub use change::{PutNetwork, put, withdraw};
 pub use comments::{CommentError, add_comment};
 pub(crate) use notifications::{comment_added, part_changed};
-pub use outcome::{ChangeError, Outcome};
+pub use outcome::{ChangeError, ChangeOutcome};
 pub(crate) use parts::outgoing;
 pub use requests::{add_request, remove_request};
 pub use resend::Resender;

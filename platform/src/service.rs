@@ -23,7 +23,7 @@ use tokio_util::sync::CancellationToken;
 use crate::{
     accounts::StoredAccounts,
     administrator, api,
-    application::{Application, Parts},
+    application::{Application, ApplicationParts},
     broker_access::BrokerAccess,
     clock::Clock,
     config::PlatformConfig,
@@ -122,7 +122,7 @@ impl Platform {
             SessionConfig::new("verbund_platform", is_secure),
             StoredAccounts::new(store.clone(), clock.clone()),
         );
-        let application = Application::new(Parts {
+        let application = Application::new(ApplicationParts {
             config,
             store,
             live,

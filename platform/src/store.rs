@@ -52,14 +52,14 @@ pub use factories::{Factories, Factory, Heard};
 pub use fields::{
     AskedField, CurrentValue, DecisionAudience, DecisionEffect, FieldRow, Fields, NewField,
 };
-pub use inbox::{Inbox, NewInboxMessage};
+pub use inbox::{InboxMessages, NewInboxMessage};
 pub use leases::Leases;
 pub use meta_data::MetaData;
 pub use networks::{NetworkRow, NetworkSummary, Networks};
 pub use organisations::{Organisation, Organisations};
 pub use outgoing::{NewOutgoing, OutgoingMessages};
 pub use ownership::Ownership;
-pub use parts::{Part, PartState, Parts, SeenPart};
+pub use parts::{NetworkPart, PartState, Parts, SeenPart};
 pub use recipient_sets::{RecipientSetId, RecipientSets};
 pub use recipients::{Recipient, Recipients};
 pub use reports::{NewReport, Report, ReportQuery, Reports};

@@ -6,10 +6,10 @@ use asi_model::values::{DataValue, NodeId, StatusCode, Variant};
 use tokio::sync::watch;
 
 use crate::{
-    BrowsePath, BrowsedNode, CallOutcome, EndpointOffer, InputKey, MonitorOptions, MonitorRequest,
-    OwnCertificate, PeerCertificate, ShopFloorError, SourceConfig, SourceId, SourceStatus,
-    TrustState, VariableList, certificates::PkiDirectory, context::SourceContext, monitor_options,
-    registry::SourceRegistry, source,
+    BrowsePath, BrowsedNode, EndpointOffer, InputKey, MonitorOptions, MonitorRequest,
+    OwnCertificate, PeerCertificate, ShopFloorError, SourceCallResult, SourceConfig, SourceId,
+    SourceStatus, TrustState, VariableList, certificates::PkiDirectory, context::SourceContext,
+    monitor_options, registry::SourceRegistry, source,
 };
 
 /// Cloneable handle to the [`ShopFloor`](crate::ShopFloor).
@@ -235,7 +235,7 @@ impl ShopFloorHandle {
         object: &NodeId,
         method: &NodeId,
         inputs: &[Variant],
-    ) -> Result<CallOutcome, ShopFloorError> {
+    ) -> Result<SourceCallResult, ShopFloorError> {
         source::call(&self.registry.connection(source)?, object, method, inputs).await
     }
 

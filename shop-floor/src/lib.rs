@@ -35,9 +35,9 @@ pub use error::ShopFloorError;
 pub use handle::ShopFloorHandle;
 pub use service::ShopFloor;
 pub use shop_floor_model::{
-    BrowsePath, BrowsedNode, CallOutcome, InputChange, InputKey, InvalidBrowsePath,
-    InvalidSourceId, ListedVariable, MonitorOptions, MonitorRequest, NodeClass, SourceId, TypeName,
-    UnitName, VariableList,
+    BrowsePath, BrowsedNode, InputChange, InputKey, InvalidBrowsePath, InvalidSourceId,
+    ListedVariable, MonitorOptions, MonitorRequest, NodeClass, NodeType, SourceCallResult,
+    SourceId, UnitName, VariableList,
 };
 pub use status::{
     ChosenEndpoint, InputProblem, ServerLimits, SourceProblem, SourceProblemKind, SourceState,

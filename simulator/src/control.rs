@@ -6,7 +6,7 @@
 //! | `GET /machines/{machine}/variables` | all variables: key, node id, type, value, status, source time |
 //! | `POST /machines/{machine}/variables/{key}` `{"value": 7, "status": 0}` | sets a variable at once and holds it; answers `{"sourceTimestamp": ...}` |
 //! | `DELETE /machines/{machine}/variables/{key}` | lets it run again |
-//! | `POST /machines/{machine}/faults` `{"fault": "dropConnections"}` | makes the machine fail, see [`Fault`] |
+//! | `POST /machines/{machine}/faults` `{"fault": "dropConnections"}` | makes the machine fail, see [`MachineFault`] |
 //!
 //! Keys are the browse names below the machine, as `Spindle.Temperature`. There is no access
 //! control.
@@ -22,7 +22,7 @@ use axum::{
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use crate::{Fault, MachineHandle, SimulatorError, SimulatorHandle};
+use crate::{MachineFault, MachineHandle, SimulatorError, SimulatorHandle};
 
 /// The interface to a simulation.
 pub fn router(simulator: SimulatorHandle) -> Router {
@@ -131,7 +131,7 @@ async fn release(
 async fn inject(
     State(simulator): State<SimulatorHandle>,
     Path(name): Path<String>,
-    Json(fault): Json<Fault>,
+    Json(fault): Json<MachineFault>,
 ) -> Result<HttpStatus, Problem> {
     machine(&simulator, &name)?.inject(fault).await?;
     Ok(HttpStatus::NO_CONTENT)

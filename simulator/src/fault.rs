@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
     rename_all_fields = "camelCase",
     deny_unknown_fields
 )]
-pub enum Fault {
+pub enum MachineFault {
     /// Heals all faults and starts a killed server again; the layout stays.
     None,
     /// Cuts all connections; new ones are accepted at once.

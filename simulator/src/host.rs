@@ -20,7 +20,7 @@ use tokio::{
 use tokio_util::sync::CancellationToken;
 
 use crate::{
-    Config, Fault, Layout, MachineConfig, SimulatorError, blueprint::Blueprint, machines,
+    Config, Layout, MachineConfig, MachineFault, SimulatorError, blueprint::Blueprint, machines,
     relay::Relay, server::MachineServer,
 };
 
@@ -193,43 +193,47 @@ impl Host {
             .collect()
     }
 
-    async fn inject(&mut self, fault: Fault, reply: oneshot::Sender<Result<(), SimulatorError>>) {
+    async fn inject(
+        &mut self,
+        fault: MachineFault,
+        reply: oneshot::Sender<Result<(), SimulatorError>>,
+    ) {
         tracing::info!(machine = %self.config.name, ?fault, "A fault is injected.");
         let result = match fault {
-            Fault::None => self.heal().await,
-            Fault::DropConnections => self.with_relay(Relay::drop_connections),
-            Fault::HangNetwork => self.with_relay(|relay| relay.set_hanging(true)),
-            Fault::StopUpdating => {
+            MachineFault::None => self.heal().await,
+            MachineFault::DropConnections => self.with_relay(Relay::drop_connections),
+            MachineFault::HangNetwork => self.with_relay(|relay| relay.set_hanging(true)),
+            MachineFault::StopUpdating => {
                 self.engine.stand_still(true);
                 Ok(())
             }
-            Fault::StallSubscriptions => match &self.server {
+            MachineFault::StallSubscriptions => match &self.server {
                 Some(server) => {
                     server.mute(true);
                     Ok(())
                 }
                 None => Err(SimulatorError::Down),
             },
-            Fault::BadStatus { variable: Some(key), .. }
+            MachineFault::BadStatus { variable: Some(key), .. }
                 if !self.node_ids.read().contains_key(&key) =>
             {
                 Err(SimulatorError::UnknownVariable(key))
             }
-            Fault::BadStatus { status, variable } => {
+            MachineFault::BadStatus { status, variable } => {
                 self.engine.have_status(variable, StatusCode(status));
                 self.tick().await;
                 Ok(())
             }
-            Fault::WrongClock { ahead_ms } => {
+            MachineFault::WrongClock { ahead_ms } => {
                 self.engine.set_clock(ahead_ms);
                 self.tick().await;
                 Ok(())
             }
-            Fault::Kill => {
+            MachineFault::Kill => {
                 self.stop_server().await;
                 Ok(())
             }
-            Fault::Restart { layout, down_ms } => {
+            MachineFault::Restart { layout, down_ms } => {
                 self.stop_server().await;
                 self.layout = layout;
                 self.back_at = Some((Instant::now() + Duration::from_millis(down_ms), reply));

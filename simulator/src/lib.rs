@@ -3,7 +3,7 @@
 //! - [`machines`] describe what a machine shows and how its values run. Each value is a pure
 //!   function of seed, machine and simulated time, so a run can be repeated.
 //! - Values are pushed when they change; nothing is sampled.
-//! - Machines fail on command, see [`Fault`]: through [`MachineHandle`] or the HTTP control
+//! - Machines fail on command, see [`MachineFault`]: through [`MachineHandle`] or the HTTP control
 //!   interface ([`control`]).
 //!
 //! In tests: [`Simulator::new`] with port 0, [`SimulatorHandle::machine`],
@@ -27,7 +27,7 @@ pub use config::{
     Config, ConfigError, EXAMPLE, MachineConfig, MachineKind, SecurityConfig, UserConfig,
 };
 pub use error::SimulatorError;
-pub use fault::{Fault, Layout};
+pub use fault::{Layout, MachineFault};
 pub use handle::SimulatorHandle;
 pub use host::MachineHandle;
 pub use simulator::Simulator;

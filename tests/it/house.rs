@@ -7,7 +7,7 @@ use std::{
     process::Command,
 };
 
-use house_rules::{Finding, Package};
+use house_rules::{Finding, Package, PublicTypes};
 use serde_json::Value;
 
 mod tables;
@@ -308,6 +308,22 @@ fn sources_keep_the_rules_of_form() {
 #[test]
 fn pages_scripts_and_documentation_speak_the_field_s_words() {
     assert_none(&house_rules::check_texts(&root()).unwrap());
+}
+
+#[test]
+fn public_types_have_names_of_their_own() {
+    let folders = package_folders();
+    let types: Vec<PublicTypes> = std::thread::scope(|scope| {
+        let read = |folder: &str| PublicTypes::of(&Package::read_in(&root(), folder).unwrap());
+        let readers: Vec<_> =
+            folders.iter().map(|folder| scope.spawn(move || read(folder))).collect();
+        readers.into_iter().map(|reader| reader.join().unwrap()).collect()
+    });
+    let of_product: Vec<PublicTypes> = types
+        .into_iter()
+        .filter(|types| !tables::TEST_PACKAGES.contains(&types.package.as_str()))
+        .collect();
+    assert_none(&house_rules::check_type_names(&of_product, tables::SHARED_NAMES));
 }
 
 #[test]

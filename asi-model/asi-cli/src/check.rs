@@ -13,7 +13,7 @@ use asi_model::{
 use serde_json::json;
 
 use crate::{
-    input::{Input, Kind},
+    input::{Input, InputKind},
     outcome::CommandOutcome,
 };
 
@@ -40,7 +40,7 @@ impl Check {
             rejection: None,
         };
         match input.kind {
-            Kind::ToFactory | Kind::NodeSet | Kind::Unknown => {
+            InputKind::ToFactory | InputKind::NodeSet | InputKind::Unknown => {
                 let parsed = match factory {
                     Some(factory) => validation::parse_platform_message(&input.bytes, factory),
                     None => validation::parse_any_platform_message(&input.bytes),
@@ -53,17 +53,17 @@ impl Check {
                     }
                 }
             }
-            Kind::FromFactory => {
+            InputKind::FromFactory => {
                 if let Err(rejection) = validation::parse_factory_message(&input.bytes) {
                     check.faults = rejection.faults;
                 }
             }
-            Kind::Network => {
+            InputKind::Network => {
                 if let Err(rejection) = validation::parse_network(&input.bytes) {
                     check.faults = rejection.faults;
                 }
             }
-            Kind::PubSub => {
+            InputKind::PubSub => {
                 let leniency = if strict { Leniency::Strict } else { Leniency::Lenient };
                 match decode_described(&input.bytes, leniency, &()) {
                     Ok(decoded) => check.diagnostics = decoded.diagnostics,

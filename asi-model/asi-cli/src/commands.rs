@@ -22,7 +22,7 @@ use asi_model::{
 use crate::{
     check::{Check, pubsub_fault},
     explain,
-    input::{Input, Kind},
+    input::{Input, InputKind},
     ledger::{self, LedgerCommand},
     outcome::CommandOutcome,
 };
@@ -219,7 +219,7 @@ fn explain_message(
     }
     match (&check.message, input.kind) {
         (Some(message), _) => explain::platform_message(message, out)?,
-        (None, Kind::PubSub) => {
+        (None, InputKind::PubSub) => {
             let decoded = match &meta_data {
                 Some(known) => decode_described(&input.bytes, Leniency::Lenient, known),
                 None => decode_described(&input.bytes, Leniency::Lenient, &()),

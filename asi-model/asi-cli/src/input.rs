@@ -15,12 +15,12 @@ const BYTES_MAX: u64 = 16 * REQUEST_BYTES_MAX as u64;
 pub struct Input {
     pub bytes: Vec<u8>,
     /// Kind of message, recognised by its members.
-    pub kind: Kind,
+    pub kind: InputKind,
 }
 
 /// Kinds of message, recognised by the members that every message of the kind has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum InputKind {
     /// From the platform to a factory.
     ToFactory,
     /// From a factory to the platform, besides reports.
@@ -35,7 +35,7 @@ pub enum Kind {
     Unknown,
 }
 
-impl Kind {
+impl InputKind {
     /// The kind for people.
     pub const fn name(self) -> &'static str {
         match self {
@@ -89,6 +89,6 @@ impl Input {
         if bytes.len() as u64 > BYTES_MAX {
             bail!("the input is longer than {BYTES_MAX} bytes");
         }
-        Ok(Self { kind: Kind::of(&bytes), bytes })
+        Ok(Self { kind: InputKind::of(&bytes), bytes })
     }
 }

@@ -9,7 +9,7 @@ use super::{
 
 /// A value within a [`Tape`].
 #[derive(Debug, Clone, Copy)]
-pub struct Node<'t, 'a> {
+pub struct JsonNode<'t, 'a> {
     tape: &'t Tape<'a>,
     index: u32,
 }
@@ -17,12 +17,12 @@ pub struct Node<'t, 'a> {
 impl<'a> Tape<'a> {
     /// Returns the outermost value of the document.
     #[must_use]
-    pub fn root(&self) -> Node<'_, 'a> {
-        Node { tape: self, index: 0 }
+    pub fn root(&self) -> JsonNode<'_, 'a> {
+        JsonNode { tape: self, index: 0 }
     }
 }
 
-impl<'t, 'a> Node<'t, 'a> {
+impl<'t, 'a> JsonNode<'t, 'a> {
     fn token(self) -> Token {
         self.tape.token(self.index)
     }
@@ -122,7 +122,7 @@ pub struct Members<'t, 'a> {
 }
 
 impl<'t, 'a> Iterator for Members<'t, 'a> {
-    type Item = (Node<'t, 'a>, Node<'t, 'a>);
+    type Item = (JsonNode<'t, 'a>, JsonNode<'t, 'a>);
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.at >= self.end {
@@ -130,7 +130,7 @@ impl<'t, 'a> Iterator for Members<'t, 'a> {
         }
         let (key, value) = (self.at, self.at + 1);
         self.at = self.tape.token(value).next;
-        Some((Node { tape: self.tape, index: key }, Node { tape: self.tape, index: value }))
+        Some((JsonNode { tape: self.tape, index: key }, JsonNode { tape: self.tape, index: value }))
     }
 }
 
@@ -143,7 +143,7 @@ pub struct Elements<'t, 'a> {
 }
 
 impl<'t, 'a> Iterator for Elements<'t, 'a> {
-    type Item = Node<'t, 'a>;
+    type Item = JsonNode<'t, 'a>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.at >= self.end {
@@ -151,7 +151,7 @@ impl<'t, 'a> Iterator for Elements<'t, 'a> {
         }
         let index = self.at;
         self.at = self.tape.token(index).next;
-        Some(Node { tape: self.tape, index })
+        Some(JsonNode { tape: self.tape, index })
     }
 }
 
@@ -171,8 +171,8 @@ mod tests {
         let text = inner.get("b~/").expect("there");
         assert_eq!(text.text().as_deref(), Some("xé\n"));
         assert_eq!(text.pointer(), "/a/1/b~0~1");
-        assert_eq!(root.get("c").and_then(Node::integer::<i64>), Some(-12));
-        assert_eq!(root.get("c").and_then(Node::integer::<u64>), None);
+        assert_eq!(root.get("c").and_then(JsonNode::integer::<i64>), Some(-12));
+        assert_eq!(root.get("c").and_then(JsonNode::integer::<u64>), None);
         assert_eq!(root.get("d").map(|d| (d.raw(), d.members().count())), Some(("{}", 0)));
         assert_eq!(root.members().count(), 3);
         assert_eq!(root.pointer(), "");

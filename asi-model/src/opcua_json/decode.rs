@@ -14,7 +14,7 @@ use super::{
     shape::Shape,
 };
 use crate::{
-    json::{Kind, Node},
+    json::{JsonNode, Kind},
     values::{
         BuiltInType, DataValue, NodeId, STRUCTURE, Scalar, StatusCode, StructureField,
         StructureType, Variant,
@@ -86,7 +86,7 @@ impl<'d> Decoder<'d> {
     /// Takes structure fields from the budget of this input.
     pub(super) fn spend_fields<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         count: usize,
     ) -> Result<(), Mismatch<'t, 'a>> {
         if self.can_spend_fields(count) {
@@ -105,7 +105,7 @@ impl<'d> Decoder<'d> {
     /// A value in any form. Bare values have the type that metadata gives them.
     pub(crate) fn value<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         hint: Option<TypeHint<'_>>,
     ) -> Result<DecodedValue, Mismatch<'t, 'a>> {
         if node.kind() != Kind::Object || self.is_own_structure(node, hint) {
@@ -123,7 +123,7 @@ impl<'d> Decoder<'d> {
 
     /// A described structure may have fields of its own that are called as an envelope's members;
     /// then metadata wins.
-    fn is_own_structure(&self, node: Node<'_, '_>, hint: Option<TypeHint<'_>>) -> bool {
+    fn is_own_structure(&self, node: JsonNode<'_, '_>, hint: Option<TypeHint<'_>>) -> bool {
         let Some(hint) = hint else { return false };
         let Some(description) = hint.structure().and_then(|id| StructureType::find(self.types, id))
         else {
@@ -137,7 +137,7 @@ impl<'d> Decoder<'d> {
     /// A variant: with type, or bare where the type is unknown.
     pub(crate) fn variant<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
     ) -> Result<Variant, Mismatch<'t, 'a>> {
         Ok(match self.value(node, None)? {
             DecodedValue::Variant(value) | DecodedValue::Bare(value) => value,
@@ -148,7 +148,7 @@ impl<'d> Decoder<'d> {
     /// A data value in either form.
     pub(super) fn data_value<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
     ) -> Result<DataValue, Mismatch<'t, 'a>> {
         if node.kind() != Kind::Object {
             return Err(Mismatch::new(node, "a DataValue must be an object"));
@@ -165,7 +165,7 @@ impl<'d> Decoder<'d> {
 
     fn data_value_of<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         shape: &Shape<'t, 'a>,
         hint: Option<TypeHint<'_>>,
     ) -> Result<DataValue, Mismatch<'t, 'a>> {
@@ -187,7 +187,7 @@ impl<'d> Decoder<'d> {
     /// The `Value` of a data value that does not name its type beside it: a 1.04 variant, or bare.
     fn inner_value<'t, 'a>(
         &mut self,
-        inner: Node<'t, 'a>,
+        inner: JsonNode<'t, 'a>,
         outer: &Shape<'t, 'a>,
         hint: Option<TypeHint<'_>>,
     ) -> Result<Variant, Mismatch<'t, 'a>> {
@@ -207,7 +207,7 @@ impl<'d> Decoder<'d> {
         }
     }
 
-    fn picoseconds<'t, 'a>(&self, node: Option<Node<'t, 'a>>) -> Result<u16, Mismatch<'t, 'a>> {
+    fn picoseconds<'t, 'a>(&self, node: Option<JsonNode<'t, 'a>>) -> Result<u16, Mismatch<'t, 'a>> {
         let Some(node) = node else { return Ok(0) };
         node.integer()
             .ok_or_else(|| Mismatch::new(node, "picoseconds must be a number from 0 to 65535"))
@@ -216,7 +216,7 @@ impl<'d> Decoder<'d> {
     /// The value of an object that names its type.
     fn typed<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         shape: &Shape<'t, 'a>,
     ) -> Result<Variant, Mismatch<'t, 'a>> {
         let (type_node, body) = match shape.ua_type {
@@ -249,7 +249,7 @@ impl<'d> Decoder<'d> {
     /// is declared.
     pub(super) fn scalar<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         built_in_type: BuiltInType,
         structure: Option<&NodeId>,
     ) -> Result<Scalar, Mismatch<'t, 'a>> {

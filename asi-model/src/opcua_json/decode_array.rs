@@ -7,7 +7,7 @@ use super::{
     mismatch::Mismatch,
 };
 use crate::{
-    json::{Kind, Node},
+    json::{JsonNode, Kind},
     values::{Array, BuiltInType, ExtensionBody, ExtensionObject, NodeId, Scalar, Variant},
 };
 
@@ -17,7 +17,7 @@ const UNTYPED: &str =
 impl Decoder<'_> {
     pub(super) fn elements<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         element_type: BuiltInType,
         structure: Option<&NodeId>,
     ) -> Result<Vec<Scalar>, Mismatch<'t, 'a>> {
@@ -26,10 +26,10 @@ impl Decoder<'_> {
 
     pub(super) fn array<'t, 'a>(
         &self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         element_type: BuiltInType,
         elements: Vec<Scalar>,
-        dimensions: Option<Node<'t, 'a>>,
+        dimensions: Option<JsonNode<'t, 'a>>,
     ) -> Result<Variant, Mismatch<'t, 'a>> {
         let lengths = match dimensions {
             None => Vec::new(),
@@ -56,7 +56,7 @@ impl Decoder<'_> {
     /// A matrix as arrays of arrays.
     pub(super) fn matrix<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         element_type: BuiltInType,
         structure: Option<&NodeId>,
     ) -> Result<Variant, Mismatch<'t, 'a>> {
@@ -73,7 +73,7 @@ impl Decoder<'_> {
 
     fn flatten<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         dimensions: &[u32],
         element_type: BuiltInType,
         structure: Option<&NodeId>,
@@ -92,7 +92,7 @@ impl Decoder<'_> {
 
     pub(super) fn bare_or_guess<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         hint: Option<TypeHint<'_>>,
     ) -> Result<Variant, Mismatch<'t, 'a>> {
         match hint {
@@ -108,7 +108,7 @@ impl Decoder<'_> {
     /// A value whose type is known from metadata.
     pub(super) fn bare<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         hint: TypeHint<'_>,
     ) -> Result<Variant, Mismatch<'t, 'a>> {
         let structure = hint.structure();
@@ -147,7 +147,7 @@ impl Decoder<'_> {
     }
 
     /// The likeliest value of a JSON value that nothing describes.
-    fn guess(&self, node: Node<'_, '_>) -> Variant {
+    fn guess(&self, node: JsonNode<'_, '_>) -> Variant {
         match node.kind() {
             Kind::Null => Variant::Null,
             Kind::Array => {

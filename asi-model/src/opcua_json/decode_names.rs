@@ -7,7 +7,7 @@ use super::{
     mismatch::Mismatch,
 };
 use crate::{
-    json::{Kind, Node},
+    json::{JsonNode, Kind},
     values::{ExpandedNodeId, Identifier, Namespace, NodeId, QualifiedName, Server},
 };
 
@@ -16,7 +16,10 @@ use crate::{
 pub(crate) struct NamespaceTable<'d>(pub(super) &'d [Arc<str>]);
 
 impl NamespaceTable<'_> {
-    pub(crate) fn node_id<'t, 'a>(&self, node: Node<'t, 'a>) -> Result<NodeId, Mismatch<'t, 'a>> {
+    pub(crate) fn node_id<'t, 'a>(
+        &self,
+        node: JsonNode<'t, 'a>,
+    ) -> Result<NodeId, Mismatch<'t, 'a>> {
         match node.kind() {
             Kind::String => {
                 let id: NodeId = text(node)?.parse().map_err(|_| {
@@ -29,7 +32,7 @@ impl NamespaceTable<'_> {
         }
     }
 
-    fn node_id_object<'t, 'a>(&self, node: Node<'t, 'a>) -> Result<NodeId, Mismatch<'t, 'a>> {
+    fn node_id_object<'t, 'a>(&self, node: JsonNode<'t, 'a>) -> Result<NodeId, Mismatch<'t, 'a>> {
         let id_type = match node.get("IdType") {
             None => 0,
             Some(kind) => kind.integer::<u8>().filter(|kind| *kind <= 3).ok_or_else(|| {
@@ -51,7 +54,10 @@ impl NamespaceTable<'_> {
     }
 
     /// A namespace as index or URI; absent it is namespace 0.
-    fn namespace<'t, 'a>(&self, node: Option<Node<'t, 'a>>) -> Result<Namespace, Mismatch<'t, 'a>> {
+    fn namespace<'t, 'a>(
+        &self,
+        node: Option<JsonNode<'t, 'a>>,
+    ) -> Result<Namespace, Mismatch<'t, 'a>> {
         let Some(node) = node else { return Ok(Namespace::Ua) };
         match node.kind() {
             Kind::Null => Ok(Namespace::Ua),
@@ -76,7 +82,7 @@ impl NamespaceTable<'_> {
 
     pub(super) fn expanded_node_id<'t, 'a>(
         &self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
     ) -> Result<ExpandedNodeId, Mismatch<'t, 'a>> {
         match node.kind() {
             Kind::String => {
@@ -105,7 +111,7 @@ impl NamespaceTable<'_> {
 
     pub(crate) fn qualified_name<'t, 'a>(
         &self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
     ) -> Result<QualifiedName, Mismatch<'t, 'a>> {
         match node.kind() {
             Kind::Null => Ok(QualifiedName::default()),

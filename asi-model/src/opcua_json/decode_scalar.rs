@@ -7,7 +7,7 @@ use uuid::Uuid;
 
 use super::{diagnostics::Diagnostics, mismatch::Mismatch};
 use crate::{
-    json::{Kind, Node, write::parse_date_time},
+    json::{JsonNode, Kind, write::parse_date_time},
     values::{
         BuiltInType, DataValue, DateTime, DiagnosticInfo, ExtensionBody, ExtensionObject,
         LocalizedText, NodeId, Scalar, StatusCode, Variant,
@@ -15,7 +15,7 @@ use crate::{
 };
 
 pub(super) fn boolean<'t, 'a>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
     diagnostics: &mut Diagnostics,
 ) -> Result<bool, Mismatch<'t, 'a>> {
     const QUOTED: &str = "a Boolean must not stand in quotes";
@@ -32,7 +32,7 @@ pub(super) fn boolean<'t, 'a>(
 }
 
 pub(crate) fn integer_64<'t, 'a, T: std::str::FromStr>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
     expected: &'static str,
     diagnostics: &mut Diagnostics,
 ) -> Result<T, Mismatch<'t, 'a>> {
@@ -58,12 +58,12 @@ pub(crate) fn integer_64<'t, 'a, T: std::str::FromStr>(
     }
 }
 
-pub(crate) fn date_time<'t, 'a>(node: Node<'t, 'a>) -> Result<DateTime, Mismatch<'t, 'a>> {
+pub(crate) fn date_time<'t, 'a>(node: JsonNode<'t, 'a>) -> Result<DateTime, Mismatch<'t, 'a>> {
     parse_date_time(&text(node)?)
         .ok_or_else(|| Mismatch::new(node, "expected a time as 2019-04-18T18:20:30Z"))
 }
 
-pub(crate) fn status_code<'t, 'a>(node: Node<'t, 'a>) -> Result<StatusCode, Mismatch<'t, 'a>> {
+pub(crate) fn status_code<'t, 'a>(node: JsonNode<'t, 'a>) -> Result<StatusCode, Mismatch<'t, 'a>> {
     const EXPECTED: &str = "expected a status code: a number, or an object with Code";
     let code = match node.kind() {
         Kind::Number => Some(node),
@@ -78,7 +78,7 @@ pub(crate) fn status_code<'t, 'a>(node: Node<'t, 'a>) -> Result<StatusCode, Mism
 }
 
 pub(super) fn diagnostic_info<'t, 'a>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
 ) -> Result<DiagnosticInfo, Mismatch<'t, 'a>> {
     if node.kind() != Kind::Object {
         return Err(Mismatch::new(node, "a DiagnosticInfo must be an object"));
@@ -139,14 +139,14 @@ pub(super) fn default_scalar(built_in_type: BuiltInType) -> Scalar {
 
 /// A string's content.
 pub(crate) fn text<'t, 'a>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
 ) -> Result<std::borrow::Cow<'a, str>, Mismatch<'t, 'a>> {
     node.text().ok_or_else(|| Mismatch::new(node, "expected a string"))
 }
 
 /// A number without fraction and exponent.
 pub(crate) fn integer<'t, 'a, T: std::str::FromStr>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
     expected: &'static str,
 ) -> Result<T, Mismatch<'t, 'a>> {
     let digits =
@@ -161,14 +161,14 @@ pub(crate) fn integer<'t, 'a, T: std::str::FromStr>(
 }
 
 /// The number of an enumeration's value as people read it: `"AUTOMATIC_3"`.
-pub(super) fn named_value(node: Node<'_, '_>) -> Option<i32> {
+pub(super) fn named_value(node: JsonNode<'_, '_>) -> Option<i32> {
     let text = node.text()?;
     let (name, number) = text.rsplit_once('_')?;
     if name.is_empty() || number.starts_with('+') { None } else { number.parse().ok() }
 }
 
 pub(super) fn float<'t, 'a, T>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
     infinity: T,
     is_finite: fn(&T) -> bool,
     nan: T,
@@ -191,7 +191,7 @@ where
     }
 }
 
-pub(crate) fn guid<'t, 'a>(node: Node<'t, 'a>) -> Result<Uuid, Mismatch<'t, 'a>> {
+pub(crate) fn guid<'t, 'a>(node: JsonNode<'t, 'a>) -> Result<Uuid, Mismatch<'t, 'a>> {
     let text = text(node)?;
     // The parser also takes braces and other forms that are not the standard's.
     let guid = if text.len() == 36 { Uuid::try_parse(&text).ok() } else { None };
@@ -200,7 +200,7 @@ pub(crate) fn guid<'t, 'a>(node: Node<'t, 'a>) -> Result<Uuid, Mismatch<'t, 'a>>
     })
 }
 
-pub(super) fn bytes<'t, 'a>(node: Node<'t, 'a>) -> Result<Arc<[u8]>, Mismatch<'t, 'a>> {
+pub(super) fn bytes<'t, 'a>(node: JsonNode<'t, 'a>) -> Result<Arc<[u8]>, Mismatch<'t, 'a>> {
     base64::engine::general_purpose::STANDARD
         .decode(text(node)?.as_bytes())
         .map(Arc::from)
@@ -208,7 +208,7 @@ pub(super) fn bytes<'t, 'a>(node: Node<'t, 'a>) -> Result<Arc<[u8]>, Mismatch<'t
 }
 
 pub(crate) fn localized_text<'t, 'a>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
 ) -> Result<LocalizedText, Mismatch<'t, 'a>> {
     let part = |name: &str| {
         node.get(name)

@@ -8,7 +8,7 @@ use super::{
     mismatch::Mismatch,
 };
 use crate::{
-    json::{Kind, Node, push_separated},
+    json::{JsonNode, Kind, push_separated},
     values::{
         BuiltInType, ExpandedNodeId, ExtensionBody, ExtensionObject, NodeId, Scalar, Server,
         StructureField, StructureKind, StructureType, StructureValue, Variant,
@@ -22,7 +22,7 @@ impl<'d> Decoder<'d> {
     /// An extension object in either form; without a type it has the declared one, if any.
     pub(super) fn extension_object<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         declared: Option<&NodeId>,
     ) -> Result<ExtensionObject, Mismatch<'t, 'a>> {
         if node.kind() == Kind::Object {
@@ -47,7 +47,7 @@ impl<'d> Decoder<'d> {
 
     /// A user's structure may have a field called TypeId; the envelope has nothing beside TypeId,
     /// Encoding and Body.
-    fn is_envelope_104(&self, node: Node<'_, '_>, declared: Option<&NodeId>) -> bool {
+    fn is_envelope_104(&self, node: JsonNode<'_, '_>, declared: Option<&NodeId>) -> bool {
         let is_own_field = declared
             .and_then(|id| StructureType::find(self.types, id))
             .is_some_and(|known| known.fields.iter().any(|field| &*field.name == "TypeId"));
@@ -59,8 +59,8 @@ impl<'d> Decoder<'d> {
 
     fn extension_object_104<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
-        type_node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
+        type_node: JsonNode<'t, 'a>,
     ) -> Result<ExtensionObject, Mismatch<'t, 'a>> {
         let type_id = match type_node.kind() {
             Kind::Number => NodeId::ua(integer(type_node, "a NodeId")?).into(),
@@ -73,8 +73,8 @@ impl<'d> Decoder<'d> {
 
     fn extension_object_105<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
-        type_node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
+        type_node: JsonNode<'t, 'a>,
     ) -> Result<ExtensionObject, Mismatch<'t, 'a>> {
         let type_id = self.namespaces.expanded_node_id(type_node)?;
         let encoding =
@@ -99,10 +99,10 @@ impl<'d> Decoder<'d> {
 
     fn encoded<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         type_id: ExpandedNodeId,
         encoding: u8,
-        body: Option<Node<'t, 'a>>,
+        body: Option<JsonNode<'t, 'a>>,
     ) -> Result<ExtensionObject, Mismatch<'t, 'a>> {
         let body = match (encoding, body) {
             (_, None) => ExtensionBody::None,
@@ -126,7 +126,7 @@ impl<'d> Decoder<'d> {
     fn of_type<'t, 'a>(
         &mut self,
         type_id: ExpandedNodeId,
-        body: Option<Node<'t, 'a>>,
+        body: Option<JsonNode<'t, 'a>>,
     ) -> Result<ExtensionObject, Mismatch<'t, 'a>> {
         let Some(body) = body else {
             return Ok(ExtensionObject { type_id, body: ExtensionBody::None });
@@ -145,7 +145,7 @@ impl<'d> Decoder<'d> {
 
     fn structure<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         description: &StructureType,
     ) -> Result<StructureValue, Mismatch<'t, 'a>> {
         if node.kind() != Kind::Object {
@@ -182,7 +182,7 @@ impl<'d> Decoder<'d> {
 
     fn union<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         description: &StructureType,
     ) -> Result<StructureValue, Mismatch<'t, 'a>> {
         let switch = node
@@ -219,10 +219,10 @@ impl<'d> Decoder<'d> {
     /// the figures of the DIGICOR paper show.
     fn member<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         description: &StructureType,
         name: &str,
-    ) -> Result<Option<Node<'t, 'a>>, Mismatch<'t, 'a>> {
+    ) -> Result<Option<JsonNode<'t, 'a>>, Mismatch<'t, 'a>> {
         if let Some(value) = node.get(name) {
             return Ok(Some(value));
         }
@@ -246,7 +246,7 @@ impl<'d> Decoder<'d> {
 
     fn note_foreign_members<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         description: &StructureType,
     ) -> Result<(), Mismatch<'t, 'a>> {
         for (key, _) in node.members() {

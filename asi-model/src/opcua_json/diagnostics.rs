@@ -1,7 +1,7 @@
 //! Deviations from the standard, noted or refused.
 
 use super::mismatch::Mismatch;
-use crate::json::Node;
+use crate::json::JsonNode;
 
 /// Most diagnostics of one input.
 const DIAGNOSTICS_MAX: usize = 64;
@@ -41,7 +41,7 @@ impl Diagnostics {
     }
 
     /// Notes something about a node.
-    pub(crate) fn note(&mut self, node: Node<'_, '_>, message: impl Into<String>) {
+    pub(crate) fn note(&mut self, node: JsonNode<'_, '_>, message: impl Into<String>) {
         // A pointer costs a walk from the root, which a full list does not need.
         if self.list.len() < DIAGNOSTICS_MAX {
             self.list.push(Diagnostic { pointer: node.pointer(), message: message.into() });
@@ -51,7 +51,7 @@ impl Diagnostics {
     /// Takes a deviation with a note, or refuses it where strictness is asked for.
     pub(crate) fn tolerate<'t, 'a>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         message: &'static str,
     ) -> Result<(), Mismatch<'t, 'a>> {
         if self.leniency == Leniency::Strict {

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use crate::{
-    json::{JsonError, Node},
+    json::{JsonError, JsonNode},
     values::StatusCode,
 };
 
@@ -28,17 +28,20 @@ pub enum ValueError {
 /// reported.
 #[derive(Debug)]
 pub(crate) struct Mismatch<'t, 'a> {
-    pub(crate) node: Node<'t, 'a>,
+    pub(crate) node: JsonNode<'t, 'a>,
     pub(crate) message: Cow<'static, str>,
     pub(crate) status: StatusCode,
 }
 
 impl<'t, 'a> Mismatch<'t, 'a> {
-    pub(crate) fn new(node: Node<'t, 'a>, message: impl Into<Cow<'static, str>>) -> Self {
+    pub(crate) fn new(node: JsonNode<'t, 'a>, message: impl Into<Cow<'static, str>>) -> Self {
         Self { node, message: message.into(), status: StatusCode::BAD_TYPE_MISMATCH }
     }
 
-    pub(crate) fn out_of_range(node: Node<'t, 'a>, message: impl Into<Cow<'static, str>>) -> Self {
+    pub(crate) fn out_of_range(
+        node: JsonNode<'t, 'a>,
+        message: impl Into<Cow<'static, str>>,
+    ) -> Self {
         Self { status: StatusCode::BAD_OUT_OF_RANGE, ..Self::new(node, message) }
     }
 

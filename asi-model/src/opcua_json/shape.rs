@@ -1,27 +1,27 @@
 //! Telling the forms of a value apart by the members of its object.
 
-use crate::json::{Kind, Node};
+use crate::json::{JsonNode, Kind};
 
 /// The members of an object that may be a variant or a data value.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Shape<'t, 'a> {
-    pub(super) ua_type: Option<Node<'t, 'a>>,
-    pub(super) value: Option<Node<'t, 'a>>,
-    pub(super) type_id: Option<Node<'t, 'a>>,
-    pub(super) body: Option<Node<'t, 'a>>,
-    pub(super) dimensions: Option<Node<'t, 'a>>,
-    pub(super) status: Option<Node<'t, 'a>>,
-    pub(super) source_timestamp: Option<Node<'t, 'a>>,
-    pub(super) source_picoseconds: Option<Node<'t, 'a>>,
-    pub(super) server_timestamp: Option<Node<'t, 'a>>,
-    pub(super) server_picoseconds: Option<Node<'t, 'a>>,
+    pub(super) ua_type: Option<JsonNode<'t, 'a>>,
+    pub(super) value: Option<JsonNode<'t, 'a>>,
+    pub(super) type_id: Option<JsonNode<'t, 'a>>,
+    pub(super) body: Option<JsonNode<'t, 'a>>,
+    pub(super) dimensions: Option<JsonNode<'t, 'a>>,
+    pub(super) status: Option<JsonNode<'t, 'a>>,
+    pub(super) source_timestamp: Option<JsonNode<'t, 'a>>,
+    pub(super) source_picoseconds: Option<JsonNode<'t, 'a>>,
+    pub(super) server_timestamp: Option<JsonNode<'t, 'a>>,
+    pub(super) server_picoseconds: Option<JsonNode<'t, 'a>>,
     has_others: bool,
     is_empty: bool,
 }
 
 impl<'t, 'a> Shape<'t, 'a> {
     /// The shape of an object.
-    pub(super) fn of(object: Node<'t, 'a>) -> Self {
+    pub(super) fn of(object: JsonNode<'t, 'a>) -> Self {
         let mut shape = Self { is_empty: true, ..Self::default() };
         for (name, node) in object.members() {
             shape.is_empty = false;

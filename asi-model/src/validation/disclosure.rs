@@ -5,7 +5,7 @@ use super::{
     reader::Reader,
 };
 use crate::{
-    json::Node,
+    json::JsonNode,
     messages::{
         AggregateStatement, DisclosureStatement, HoursStatement, RateStatement, StatusResolution,
     },
@@ -29,7 +29,10 @@ const DAYS: [(&str, &str); 7] = [
 const STATUS_RESOLUTIONS: [(&str, StatusResolution); 2] =
     [("FULL", StatusResolution::Full), ("SEVERITY", StatusResolution::Severity)];
 
-pub(super) fn disclosure(reader: &mut Reader, node: Node<'_, '_>) -> Option<DisclosureStatement> {
+pub(super) fn disclosure(
+    reader: &mut Reader,
+    node: JsonNode<'_, '_>,
+) -> Option<DisclosureStatement> {
     if !reader.is_object(node, "A disclosure") {
         return None;
     }
@@ -55,7 +58,7 @@ pub(super) fn disclosure(reader: &mut Reader, node: Node<'_, '_>) -> Option<Disc
     })
 }
 
-fn hours(reader: &mut Reader, node: Node<'_, '_>) -> Option<HoursStatement> {
+fn hours(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<HoursStatement> {
     if !reader.is_object(node, "Hours") {
         return None;
     }
@@ -64,13 +67,13 @@ fn hours(reader: &mut Reader, node: Node<'_, '_>) -> Option<HoursStatement> {
     let from = reader.required(node, "from", Reader::name);
     let until = reader.required(node, "until", Reader::name);
     let offset =
-        |reader: &mut Reader, node: Node<'_, '_>| reader.integer(node, "minutes ahead of UTC");
+        |reader: &mut Reader, node: JsonNode<'_, '_>| reader.integer(node, "minutes ahead of UTC");
     let utc_offset_minutes = reader.optional(node, "utcOffsetMinutes", offset).unwrap_or_default();
     let day_list = day_list.into_iter().map(str::to_owned).collect();
     Some(HoursStatement { day_list, from: from?, until: until?, utc_offset_minutes })
 }
 
-fn aggregate(reader: &mut Reader, node: Node<'_, '_>) -> Option<AggregateStatement> {
+fn aggregate(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<AggregateStatement> {
     if !reader.is_object(node, "An aggregate") {
         return None;
     }
@@ -79,7 +82,7 @@ fn aggregate(reader: &mut Reader, node: Node<'_, '_>) -> Option<AggregateStateme
     Some(AggregateStatement { function: function?, window_ms: window_ms? })
 }
 
-fn rate(reader: &mut Reader, node: Node<'_, '_>) -> Option<RateStatement> {
+fn rate(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<RateStatement> {
     if !reader.is_object(node, "A limit of the rate") {
         return None;
     }

@@ -9,14 +9,17 @@ use super::{
     reader::Reader,
 };
 use crate::{
-    json::Node,
+    json::JsonNode,
     messages::{
         Acknowledgement, AcknowledgementResult, AssetKind, AssetOffer, Decision, DecisionTarget,
         FactoryMessage, Fault, Gap, GapCause, LeaseRequest, MappingState,
     },
 };
 
-pub(super) fn factory_message(reader: &mut Reader, root: Node<'_, '_>) -> Option<FactoryMessage> {
+pub(super) fn factory_message(
+    reader: &mut Reader,
+    root: JsonNode<'_, '_>,
+) -> Option<FactoryMessage> {
     if !reader.is_object(root, "A message") {
         return None;
     }
@@ -38,7 +41,7 @@ pub(super) fn factory_message(reader: &mut Reader, root: Node<'_, '_>) -> Option
     })
 }
 
-fn acknowledgement(reader: &mut Reader, root: Node<'_, '_>) -> Acknowledgement {
+fn acknowledgement(reader: &mut Reader, root: JsonNode<'_, '_>) -> Acknowledgement {
     const RESULTS: [(&str, AcknowledgementResult); 3] = [
         ("ACCEPTED", AcknowledgementResult::Accepted),
         ("UNCHANGED", AcknowledgementResult::Unchanged),
@@ -69,7 +72,7 @@ fn acknowledgement(reader: &mut Reader, root: Node<'_, '_>) -> Acknowledgement {
     }
 }
 
-fn decision(reader: &mut Reader, root: Node<'_, '_>) -> Option<Decision> {
+fn decision(reader: &mut Reader, root: JsonNode<'_, '_>) -> Option<Decision> {
     const STATES: [(&str, MappingState); 3] = [
         ("PENDING", MappingState::Pending),
         ("MAPPED", MappingState::Mapped),
@@ -108,7 +111,7 @@ fn decision(reader: &mut Reader, root: Node<'_, '_>) -> Option<Decision> {
     })
 }
 
-fn gap(reader: &mut Reader, root: Node<'_, '_>) -> Gap {
+fn gap(reader: &mut Reader, root: JsonNode<'_, '_>) -> Gap {
     const CAUSES: [(&str, GapCause); 4] = [
         ("COALESCED", GapCause::Coalesced),
         ("EXPIRED", GapCause::Expired),
@@ -128,7 +131,7 @@ fn gap(reader: &mut Reader, root: Node<'_, '_>) -> Gap {
     }
 }
 
-fn lease_request(reader: &mut Reader, root: Node<'_, '_>) -> Option<LeaseRequest> {
+fn lease_request(reader: &mut Reader, root: JsonNode<'_, '_>) -> Option<LeaseRequest> {
     let started_at = reader.required(root, "startedAt", Reader::time);
     Some(LeaseRequest {
         message_id: reader.required_id(root, "messageId"),

@@ -5,11 +5,11 @@ use std::collections::HashSet;
 use super::{FaultCode, LIST_MAX, reader::Reader};
 use crate::{
     ids::OrganisationId,
-    json::{Kind, Node},
+    json::{JsonNode, Kind},
 };
 
 /// Notes a list that is there and empty.
-pub(super) fn not_empty(reader: &mut Reader, object: Node<'_, '_>, name: &str) {
+pub(super) fn not_empty(reader: &mut Reader, object: JsonNode<'_, '_>, name: &str) {
     if let Some(list) = object.get(name)
         && list.kind() == Kind::Array
         && list.elements().next().is_none()
@@ -19,7 +19,7 @@ pub(super) fn not_empty(reader: &mut Reader, object: Node<'_, '_>, name: &str) {
 }
 
 /// The organisations that may see what is asked for, each once.
-pub(super) fn recipients(reader: &mut Reader, object: Node<'_, '_>) -> Vec<OrganisationId> {
+pub(super) fn recipients(reader: &mut Reader, object: JsonNode<'_, '_>) -> Vec<OrganisationId> {
     let mut seen = HashSet::new();
     let recipients = reader.list(object, "recipientList", LIST_MAX, |reader, node| {
         let id: OrganisationId = reader.id(node)?;

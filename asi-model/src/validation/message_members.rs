@@ -3,7 +3,7 @@
 use super::{FaultCode, REVISION_MAX, lists::not_empty, reader::Reader};
 use crate::{
     ids::FactoryId,
-    json::{Kind, Node},
+    json::{JsonNode, Kind},
     messages::{AssetKind, Comment},
 };
 
@@ -16,7 +16,7 @@ pub(super) const ASSET_KINDS: [(&str, AssetKind); 4] = [
 
 pub(super) fn message_type(
     reader: &mut Reader,
-    root: Node<'_, '_>,
+    root: JsonNode<'_, '_>,
     known: &[&'static str],
 ) -> Option<&'static str> {
     reader.required(root, "messageType", |reader, node| {
@@ -31,7 +31,7 @@ pub(super) fn message_type(
 
 pub(super) fn factory_id(
     reader: &mut Reader,
-    root: Node<'_, '_>,
+    root: JsonNode<'_, '_>,
     expected: Option<&FactoryId>,
 ) -> FactoryId {
     let found: FactoryId = reader.required_id(root, "factoryId");
@@ -48,7 +48,7 @@ pub(super) fn factory_id(
     found
 }
 
-pub(super) fn revision(reader: &mut Reader, root: Node<'_, '_>) -> u64 {
+pub(super) fn revision(reader: &mut Reader, root: JsonNode<'_, '_>) -> u64 {
     let revision = reader.required(root, "revision", |reader, node| {
         let revision = reader.integer(node, "a revision as a number from 0")?;
         if revision > REVISION_MAX {
@@ -65,7 +65,7 @@ pub(super) fn revision(reader: &mut Reader, root: Node<'_, '_>) -> u64 {
 
 pub(super) fn comment(
     reader: &mut Reader,
-    root: Node<'_, '_>,
+    root: JsonNode<'_, '_>,
     expected: Option<&FactoryId>,
 ) -> Comment {
     Comment {
@@ -79,7 +79,7 @@ pub(super) fn comment(
     }
 }
 
-pub(super) fn kinds(reader: &mut Reader, root: Node<'_, '_>) -> Vec<AssetKind> {
+pub(super) fn kinds(reader: &mut Reader, root: JsonNode<'_, '_>) -> Vec<AssetKind> {
     let kinds = reader.list(root, "kindList", ASSET_KINDS.len(), |reader, node| {
         reader.choice(node, &ASSET_KINDS)
     });
@@ -87,18 +87,18 @@ pub(super) fn kinds(reader: &mut Reader, root: Node<'_, '_>) -> Vec<AssetKind> {
     kinds
 }
 
-pub(super) fn writer_id(reader: &mut Reader, object: Node<'_, '_>) -> Option<u16> {
+pub(super) fn writer_id(reader: &mut Reader, object: JsonNode<'_, '_>) -> Option<u16> {
     reader.required(object, "dataSetWriterId", |reader, node| {
         reader.integer(node, "a number from 0 to 65535")
     })
 }
 
-pub(super) fn number(reader: &mut Reader, object: Node<'_, '_>, name: &str) -> Option<u32> {
+pub(super) fn number(reader: &mut Reader, object: JsonNode<'_, '_>, name: &str) -> Option<u32> {
     reader.required(object, name, |reader, node| {
         reader.integer(node, "a number from 0 to 4294967295")
     })
 }
 
-pub(super) fn milliseconds(reader: &mut Reader, node: Node<'_, '_>) -> Option<u64> {
+pub(super) fn milliseconds(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<u64> {
     reader.integer(node, "milliseconds as a number from 0")
 }

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     ids::{FactoryId, OperationId},
-    json::Node,
+    json::JsonNode,
     network::{
         ConditionKind, Operation, OperationKind, OperationNetwork, OperationRelation,
         RelationCondition, RelationType,
@@ -30,7 +30,7 @@ const CONDITION_KINDS: [(&str, ConditionKind); 6] = [
     ("MAXIMUM_GAP", ConditionKind::MaximumGap),
 ];
 
-pub(super) fn read(reader: &mut Reader, node: Node<'_, '_>) -> Option<OperationNetwork> {
+pub(super) fn read(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<OperationNetwork> {
     if !reader.is_object(node, "An operation network") {
         return None;
     }
@@ -49,7 +49,7 @@ pub(super) fn read(reader: &mut Reader, node: Node<'_, '_>) -> Option<OperationN
     })
 }
 
-fn relation(reader: &mut Reader, node: Node<'_, '_>) -> Option<OperationRelation> {
+fn relation(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<OperationRelation> {
     if !reader.is_object(node, "An operation relation") {
         return None;
     }
@@ -64,7 +64,7 @@ fn relation(reader: &mut Reader, node: Node<'_, '_>) -> Option<OperationRelation
     })
 }
 
-fn condition(reader: &mut Reader, node: Node<'_, '_>) -> Option<RelationCondition> {
+fn condition(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<RelationCondition> {
     if !reader.is_object(node, "A condition") {
         return None;
     }

@@ -2,11 +2,11 @@
 
 use super::{LIST_MAX, reader::Reader, report_format};
 use crate::{
-    json::Node,
+    json::JsonNode,
     network::{EquipmentRequirement, Operation, OperationKind},
 };
 
-pub(super) fn operation(reader: &mut Reader, node: Node<'_, '_>) -> Option<Operation> {
+pub(super) fn operation(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<Operation> {
     if !reader.is_object(node, "An operation") {
         return None;
     }
@@ -36,7 +36,7 @@ pub(super) fn operation(reader: &mut Reader, node: Node<'_, '_>) -> Option<Opera
     })
 }
 
-fn kind(reader: &mut Reader, node: Node<'_, '_>) -> OperationKind {
+fn kind(reader: &mut Reader, node: JsonNode<'_, '_>) -> OperationKind {
     #[derive(Clone)]
     enum Wanted {
         Production,
@@ -63,7 +63,7 @@ fn kind(reader: &mut Reader, node: Node<'_, '_>) -> OperationKind {
     }
 }
 
-fn equipment(reader: &mut Reader, node: Node<'_, '_>) -> Option<EquipmentRequirement> {
+fn equipment(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<EquipmentRequirement> {
     if !reader.is_object(node, "An equipment requirement") {
         return None;
     }

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     ids::FactoryId,
-    json::Node,
+    json::JsonNode,
     messages::{
         AssetRequest, Lease, LeaseParty, LeaseResult, OperationNetworkMessage, PlatformMessage,
         Receipt, Withdraw, WriterReceipt,
@@ -22,7 +22,7 @@ const RECEIPTS_MAX: usize = 10_000;
 
 pub(super) fn platform_message(
     reader: &mut Reader,
-    root: Node<'_, '_>,
+    root: JsonNode<'_, '_>,
     expected: Option<&FactoryId>,
 ) -> Option<PlatformMessage> {
     if !reader.is_object(root, "A message") {
@@ -54,7 +54,7 @@ pub(super) fn platform_message(
 
 fn operation_network(
     reader: &mut Reader,
-    root: Node<'_, '_>,
+    root: JsonNode<'_, '_>,
     expected: Option<&FactoryId>,
 ) -> Option<OperationNetworkMessage> {
     let message_id = reader.required_id(root, "messageId");
@@ -77,7 +77,7 @@ fn operation_network(
 
 fn asset_request(
     reader: &mut Reader,
-    root: Node<'_, '_>,
+    root: JsonNode<'_, '_>,
     expected: Option<&FactoryId>,
 ) -> AssetRequest {
     AssetRequest {
@@ -92,7 +92,7 @@ fn asset_request(
     }
 }
 
-fn writer_receipt(reader: &mut Reader, node: Node<'_, '_>) -> Option<WriterReceipt> {
+fn writer_receipt(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<WriterReceipt> {
     if !reader.is_object(node, "A receipt") {
         return None;
     }
@@ -106,7 +106,11 @@ fn writer_receipt(reader: &mut Reader, node: Node<'_, '_>) -> Option<WriterRecei
     })
 }
 
-fn lease(reader: &mut Reader, root: Node<'_, '_>, expected: Option<&FactoryId>) -> Option<Lease> {
+fn lease(
+    reader: &mut Reader,
+    root: JsonNode<'_, '_>,
+    expected: Option<&FactoryId>,
+) -> Option<Lease> {
     const RESULTS: [(&str, LeaseResult); 2] =
         [("GRANTED", LeaseResult::Granted), ("REFUSED", LeaseResult::Refused)];
     let result = reader.required(root, "result", |reader, node| reader.choice(node, &RESULTS));
@@ -128,7 +132,7 @@ fn lease(reader: &mut Reader, root: Node<'_, '_>, expected: Option<&FactoryId>) 
     })
 }
 
-fn lease_party(reader: &mut Reader, node: Node<'_, '_>) -> Option<LeaseParty> {
+fn lease_party(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<LeaseParty> {
     if !reader.is_object(node, "A connector") {
         return None;
     }

@@ -8,7 +8,7 @@ use std::str::FromStr;
 use super::{FaultCode, NAME_CHARS_MAX, TEXT_CHARS_MAX, faults::Faults};
 use crate::{
     ids::{ID_BYTES_MAX, InvalidId, is_noncharacter},
-    json::{Kind, Node},
+    json::{JsonNode, Kind},
     values::DateTime,
 };
 
@@ -27,7 +27,7 @@ impl Reader {
     /// Notes a fault at a node.
     pub(super) fn fault(
         &mut self,
-        node: Node<'_, '_>,
+        node: JsonNode<'_, '_>,
         code: FaultCode,
         message: impl Into<String>,
     ) {
@@ -39,7 +39,7 @@ impl Reader {
         }
     }
 
-    fn wrong_type<T>(&mut self, node: Node<'_, '_>, wanted: &str) -> Option<T> {
+    fn wrong_type<T>(&mut self, node: JsonNode<'_, '_>, wanted: &str) -> Option<T> {
         self.fault(
             node,
             FaultCode::WrongType,
@@ -49,7 +49,7 @@ impl Reader {
     }
 
     /// True for an object; else a fault.
-    pub(super) fn is_object(&mut self, node: Node<'_, '_>, what: &str) -> bool {
+    pub(super) fn is_object(&mut self, node: JsonNode<'_, '_>, what: &str) -> bool {
         let is_object = node.kind() == Kind::Object;
         if !is_object {
             self.has_left_out = true;
@@ -65,9 +65,9 @@ impl Reader {
     /// A member that must be there.
     pub(super) fn required<'t, 'a, T>(
         &mut self,
-        object: Node<'t, 'a>,
+        object: JsonNode<'t, 'a>,
         name: &str,
-        read: impl FnOnce(&mut Self, Node<'t, 'a>) -> Option<T>,
+        read: impl FnOnce(&mut Self, JsonNode<'t, 'a>) -> Option<T>,
     ) -> Option<T> {
         match object.get(name).filter(|node| !node.is_null()) {
             Some(node) => read(self, node),
@@ -90,9 +90,9 @@ impl Reader {
     /// A member that may be absent or null.
     pub(super) fn optional<'t, 'a, T>(
         &mut self,
-        object: Node<'t, 'a>,
+        object: JsonNode<'t, 'a>,
         name: &str,
-        read: impl FnOnce(&mut Self, Node<'t, 'a>) -> Option<T>,
+        read: impl FnOnce(&mut Self, JsonNode<'t, 'a>) -> Option<T>,
     ) -> Option<T> {
         object.get(name).filter(|node| !node.is_null()).and_then(|node| read(self, node))
     }
@@ -100,10 +100,10 @@ impl Reader {
     /// The elements of a list that must be there, each read; unreadable ones are left out.
     pub(super) fn list<'t, 'a, T>(
         &mut self,
-        object: Node<'t, 'a>,
+        object: JsonNode<'t, 'a>,
         name: &str,
         count_max: usize,
-        mut read: impl FnMut(&mut Self, Node<'t, 'a>) -> Option<T>,
+        mut read: impl FnMut(&mut Self, JsonNode<'t, 'a>) -> Option<T>,
     ) -> Vec<T> {
         let list =
             self.required(object, name, |reader, node| reader.elements(node, count_max, &mut read));
@@ -113,10 +113,10 @@ impl Reader {
     /// As [`Self::list`], of a list that may be absent.
     pub(super) fn optional_list<'t, 'a, T>(
         &mut self,
-        object: Node<'t, 'a>,
+        object: JsonNode<'t, 'a>,
         name: &str,
         count_max: usize,
-        mut read: impl FnMut(&mut Self, Node<'t, 'a>) -> Option<T>,
+        mut read: impl FnMut(&mut Self, JsonNode<'t, 'a>) -> Option<T>,
     ) -> Vec<T> {
         let list =
             self.optional(object, name, |reader, node| reader.elements(node, count_max, &mut read));
@@ -125,9 +125,9 @@ impl Reader {
 
     fn elements<'t, 'a, T>(
         &mut self,
-        node: Node<'t, 'a>,
+        node: JsonNode<'t, 'a>,
         count_max: usize,
-        read: &mut impl FnMut(&mut Self, Node<'t, 'a>) -> Option<T>,
+        read: &mut impl FnMut(&mut Self, JsonNode<'t, 'a>) -> Option<T>,
     ) -> Option<Vec<T>> {
         if node.kind() != Kind::Array {
             return self.wrong_type(node, "an array");
@@ -145,7 +145,7 @@ impl Reader {
     }
 
     /// Reads an identifier; notes a fault and returns `None` where it is none.
-    pub(super) fn id<T: FromStr<Err = InvalidId>>(&mut self, node: Node<'_, '_>) -> Option<T> {
+    pub(super) fn id<T: FromStr<Err = InvalidId>>(&mut self, node: JsonNode<'_, '_>) -> Option<T> {
         let Some(text) = node.text() else {
             return self.wrong_type(node, "an identifier as a string");
         };
@@ -171,7 +171,7 @@ impl Reader {
     /// An identifier that must be there, or a placeholder after the fault.
     pub(super) fn required_id<T: FromStr<Err = InvalidId>>(
         &mut self,
-        object: Node<'_, '_>,
+        object: JsonNode<'_, '_>,
         name: &str,
     ) -> T {
         match self.required(object, name, |reader, node| reader.id(node)) {
@@ -185,7 +185,7 @@ impl Reader {
         }
     }
 
-    fn bounded_text(&mut self, node: Node<'_, '_>, chars_max: usize) -> Option<String> {
+    fn bounded_text(&mut self, node: JsonNode<'_, '_>, chars_max: usize) -> Option<String> {
         let Some(text) = node.text() else { return self.wrong_type(node, "a string") };
         if text.chars().nth(chars_max).is_some() {
             self.fault(
@@ -210,17 +210,17 @@ impl Reader {
     }
 
     /// A name, or another party's identifier.
-    pub(super) fn name(&mut self, node: Node<'_, '_>) -> Option<String> {
+    pub(super) fn name(&mut self, node: JsonNode<'_, '_>) -> Option<String> {
         self.bounded_text(node, NAME_CHARS_MAX)
     }
 
     /// A description, purpose or comment.
-    pub(super) fn text(&mut self, node: Node<'_, '_>) -> Option<String> {
+    pub(super) fn text(&mut self, node: JsonNode<'_, '_>) -> Option<String> {
         self.bounded_text(node, TEXT_CHARS_MAX)
     }
 
     /// A text of more than white space.
-    pub(super) fn non_empty_text(&mut self, node: Node<'_, '_>) -> Option<String> {
+    pub(super) fn non_empty_text(&mut self, node: JsonNode<'_, '_>) -> Option<String> {
         let text = self.text(node)?;
         if text.trim().is_empty() {
             self.fault(node, FaultCode::InvalidValue, "The text must not be empty.");
@@ -229,7 +229,7 @@ impl Reader {
     }
 
     /// Reads an RFC 3339 time; notes a fault and returns `None` where it is none.
-    pub(super) fn time(&mut self, node: Node<'_, '_>) -> Option<DateTime> {
+    pub(super) fn time(&mut self, node: JsonNode<'_, '_>) -> Option<DateTime> {
         let Some(text) = node.text() else { return self.wrong_type(node, "a time as a string") };
         let time = crate::json::write::parse_date_time(&text);
         if time.is_none() {
@@ -243,7 +243,11 @@ impl Reader {
     }
 
     /// A value with its own text form.
-    pub(super) fn parsed<T: FromStr>(&mut self, node: Node<'_, '_>, expected: &str) -> Option<T> {
+    pub(super) fn parsed<T: FromStr>(
+        &mut self,
+        node: JsonNode<'_, '_>,
+        expected: &str,
+    ) -> Option<T> {
         let Some(text) = node.text() else { return self.wrong_type(node, "a string") };
         let value = text.parse().ok();
         if value.is_none() {
@@ -255,7 +259,7 @@ impl Reader {
     /// One of several names.
     pub(super) fn choice<T: Clone>(
         &mut self,
-        node: Node<'_, '_>,
+        node: JsonNode<'_, '_>,
         choices: &[(&str, T)],
     ) -> Option<T> {
         let Some(text) = node.text() else { return self.wrong_type(node, "a string") };
@@ -272,7 +276,11 @@ impl Reader {
     }
 
     /// An integer that fits.
-    pub(super) fn integer<T: FromStr>(&mut self, node: Node<'_, '_>, expected: &str) -> Option<T> {
+    pub(super) fn integer<T: FromStr>(
+        &mut self,
+        node: JsonNode<'_, '_>,
+        expected: &str,
+    ) -> Option<T> {
         if node.kind() != Kind::Number {
             return self.wrong_type(node, expected);
         }
@@ -284,7 +292,7 @@ impl Reader {
     }
 
     /// A finite number that is not negative.
-    pub(super) fn quantity(&mut self, node: Node<'_, '_>) -> Option<f64> {
+    pub(super) fn quantity(&mut self, node: JsonNode<'_, '_>) -> Option<f64> {
         let Some(digits) = node.number() else { return self.wrong_type(node, "a number") };
         let value = digits.parse().ok().filter(|value: &f64| value.is_finite() && *value >= 0.0);
         if value.is_none() {
@@ -298,7 +306,7 @@ impl Reader {
     }
 
     /// Reads a finite number; notes a fault and returns `None` where it is none.
-    pub(super) fn number(&mut self, node: Node<'_, '_>) -> Option<f64> {
+    pub(super) fn number(&mut self, node: JsonNode<'_, '_>) -> Option<f64> {
         let Some(digits) = node.number() else { return self.wrong_type(node, "a number") };
         let value = digits.parse().ok().filter(|value: &f64| value.is_finite());
         if value.is_none() {
@@ -308,7 +316,7 @@ impl Reader {
     }
 
     /// Reads a boolean; notes a fault and returns `None` where it is none.
-    pub(super) fn boolean(&mut self, node: Node<'_, '_>) -> Option<bool> {
+    pub(super) fn boolean(&mut self, node: JsonNode<'_, '_>) -> Option<bool> {
         match node.boolean() {
             Some(value) => Some(value),
             None => self.wrong_type(node, "true or false"),

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     ids::FieldName,
-    json::{Kind, Node},
+    json::{JsonNode, Kind},
     network::{
         DynamicDataRequest, FieldType, ReportDataFormat, ReportField, Semantic,
         UpdateFrequencyUnit, VALUE_RANK_SCALAR,
@@ -30,7 +30,7 @@ const FREQUENCY_UNITS: [(&str, UpdateFrequencyUnit); 5] = [
     ("WEEK", UpdateFrequencyUnit::Week),
 ];
 
-pub(super) fn request(reader: &mut Reader, node: Node<'_, '_>) -> Option<DynamicDataRequest> {
+pub(super) fn request(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<DynamicDataRequest> {
     if !reader.is_object(node, "A dynamic data request") {
         return None;
     }
@@ -69,7 +69,7 @@ pub(super) fn request(reader: &mut Reader, node: Node<'_, '_>) -> Option<Dynamic
     })
 }
 
-fn format(reader: &mut Reader, node: Node<'_, '_>) -> Option<ReportDataFormat> {
+fn format(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<ReportDataFormat> {
     if !reader.is_object(node, "A report data format") {
         return None;
     }
@@ -87,7 +87,7 @@ fn format(reader: &mut Reader, node: Node<'_, '_>) -> Option<ReportDataFormat> {
     })
 }
 
-fn field(reader: &mut Reader, node: Node<'_, '_>) -> Option<ReportField> {
+fn field(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<ReportField> {
     if !reader.is_object(node, "A report field") {
         return None;
     }
@@ -110,7 +110,7 @@ fn field(reader: &mut Reader, node: Node<'_, '_>) -> Option<ReportField> {
     })
 }
 
-fn field_type(reader: &mut Reader, node: Node<'_, '_>) -> Option<BuiltInType> {
+fn field_type(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<BuiltInType> {
     let found = match node.kind() {
         Kind::Number => node.integer().and_then(BuiltInType::from_id),
         _ => node.text().and_then(|name| name.parse().ok()),

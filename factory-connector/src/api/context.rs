@@ -33,7 +33,7 @@ use crate::{
 pub(super) const COOKIE: &str = "verbund_connector";
 
 /// Parts of the connector that operations use.
-pub struct Parts {
+pub struct ApiParts {
     pub coordinator: CoordinatorHandle,
     /// Reading connections of the store.
     pub readers: Readers,
@@ -49,12 +49,12 @@ pub struct Parts {
     pub events: EventLog<ConnectorEvent>,
     /// Wakes the twin after a change of users.
     pub users_changed: Arc<Notify>,
-    pub instance: Instance,
+    pub instance: RunningConnector,
     pub server: ServerParts,
 }
 
 /// Facts about the running connector.
-pub struct Instance {
+pub struct RunningConnector {
     /// Factory that the connector speaks for.
     pub factory_id: FactoryId,
     pub started_at: DateTime,
@@ -79,7 +79,7 @@ pub struct ServerParts {
 /// Context of the operations; clones share it.
 #[derive(Clone)]
 pub struct Api {
-    parts: Arc<Parts>,
+    parts: Arc<ApiParts>,
     pub(super) sessions: Sessions<StoredAccounts>,
     pub(super) accounts: StoredAccounts,
 }
@@ -87,7 +87,7 @@ pub struct Api {
 impl Api {
     /// Returns the context of these parts, without any session.
     #[must_use]
-    pub fn new(parts: Parts) -> Self {
+    pub fn new(parts: ApiParts) -> Self {
         let accounts = StoredAccounts::new(parts.readers.clone());
         let config = SessionConfig::new(COOKIE, parts.server.has_tls);
         let sessions = Sessions::new(config, accounts.clone());
@@ -101,8 +101,8 @@ impl Api {
 }
 
 impl std::ops::Deref for Api {
-    type Target = Parts;
-    fn deref(&self) -> &Parts {
+    type Target = ApiParts;
+    fn deref(&self) -> &ApiParts {
         &self.parts
     }
 }

@@ -40,7 +40,7 @@ pub enum ExportForm {
 /// Choice of the form.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
-pub struct ExportQuery {
+pub struct MappingExportQuery {
     /// `file` (the default) or `csv`.
     #[serde(default)]
     #[param(inline)]
@@ -53,7 +53,7 @@ pub struct ExportQuery {
     get,
     path = "/mappings/export",
     tag = "mappings",
-    params(ExportQuery),
+    params(MappingExportQuery),
     responses(
         (status = 200, content((MappingFile = "application/json"), (String = "text/csv"))),
         Problems,
@@ -62,7 +62,7 @@ pub struct ExportQuery {
 pub async fn export_mappings(
     _: Engineer,
     State(api): State<Api>,
-    ApiQuery(query): ApiQuery<ExportQuery>,
+    ApiQuery(query): ApiQuery<MappingExportQuery>,
 ) -> Result<Response, Problem> {
     let mappings = api.coordinator.read(queries::all_mappings).await?;
     let (kind, name, text) = match query.form {

@@ -71,7 +71,7 @@ impl twin::FieldWriter for Nobody {
     async fn write(&self, _: &FieldKey, _: DataValue, _: &twin::TwinUser) -> StatusCode {
         StatusCode::BAD_NOT_WRITABLE
     }
-    async fn decide(&self, _: &FieldKey, _: twin::FieldDecision, _: &twin::TwinUser) -> StatusCode {
+    async fn decide(&self, _: &FieldKey, _: twin::TwinDecision, _: &twin::TwinUser) -> StatusCode {
         StatusCode::BAD_NOT_WRITABLE
     }
 }

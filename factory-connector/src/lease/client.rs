@@ -9,7 +9,9 @@ use messaging::{Delivery, Envelope, LinkHandle, LinkState, LogicalAddress};
 use tokio::sync::{mpsc, watch};
 use tokio_util::sync::CancellationToken;
 
-use super::{Action, Input, Instance, Lease, LeaseGate, LeaseState, LeaseStatus};
+use super::{
+    ConnectorInstance, LeaseAction, LeaseGate, LeaseInput, LeaseMachine, LeaseState, LeaseStatus,
+};
 use crate::{
     clock::{new_message_id, now},
     coordinator::CoordinatorHandle,
@@ -28,7 +30,7 @@ pub struct LeaseAnswers {
 
 /// Requests and renews the lease while [`run`](Self::run) is polled.
 pub struct LeaseClient {
-    lease: Lease,
+    lease: LeaseMachine,
     gate: Arc<LeaseGate>,
     link: LinkHandle,
     coordinator: CoordinatorHandle,
@@ -81,7 +83,7 @@ impl LeaseClient {
     /// says that the lease was granted here before.
     #[must_use]
     pub fn new(
-        instance: Instance,
+        instance: ConnectorInstance,
         was_held: bool,
         gate: Arc<LeaseGate>,
         link: LinkHandle,
@@ -90,7 +92,7 @@ impl LeaseClient {
         events: EventLog<ConnectorEvent>,
     ) -> (Self, watch::Receiver<LeaseStatus>) {
         let factory_id = instance.factory_id.clone();
-        let lease = Lease::new(instance, now());
+        let lease = LeaseMachine::new(instance, now());
         let (status, watched) = watch::channel(lease.status().clone());
         let addresses = [
             LogicalAddress::FactoryLeases(factory_id.clone()),
@@ -133,10 +135,10 @@ impl LeaseClient {
             if found != connects {
                 // A connection that was replaced since the last turn counts as ended and begun.
                 if connects.is_some() {
-                    self.on(Input::Disconnected).await;
+                    self.on(LeaseInput::Disconnected).await;
                 }
                 if found.is_some() {
-                    self.on(Input::Connected).await;
+                    self.on(LeaseInput::Connected).await;
                 }
                 connects = found;
             }
@@ -144,14 +146,14 @@ impl LeaseClient {
             tokio::select! {
                 () = shutdown.cancelled() => {}
                 changed = states.changed() => if changed.is_err() { return },
-                Some(answer) = self.answers.recv() => self.on(Input::Answered(Box::new(answer))).await,
+                Some(answer) = self.answers.recv() => self.on(LeaseInput::Answered(Box::new(answer))).await,
                 () = tokio::time::sleep_until(wake_at.unwrap_or_else(tokio::time::Instant::now)), if wake_at.is_some() =>
-                    self.on(Input::Tick).await,
+                    self.on(LeaseInput::Tick).await,
             }
         }
     }
 
-    async fn on(&mut self, input: Input) {
+    async fn on(&mut self, input: LeaseInput) {
         let before = self.lease.status().clone();
         for action in self.lease.on(input, new_message_id(), Instant::now(), now()) {
             self.act(action).await;
@@ -164,9 +166,9 @@ impl LeaseClient {
         }
     }
 
-    async fn act(&mut self, action: Action) {
+    async fn act(&mut self, action: LeaseAction) {
         match action {
-            Action::Ask(request) => {
+            LeaseAction::Ask(request) => {
                 let message_id = request.message_id.clone();
                 let message = FactoryMessage::LeaseRequest(request);
                 let body = serde_json::to_string(&message)
@@ -177,22 +179,22 @@ impl LeaseClient {
                     Envelope::new(message_id, message.message_type(), body),
                 );
             }
-            Action::Open(number) => {
+            LeaseAction::Open(number) => {
                 self.gate.open(number);
                 // While the gate was closed each fetch found nothing, so the spool is read again.
                 self.link.restart_reading();
                 self.store(true).await;
             }
-            Action::Close => {
+            LeaseAction::Close => {
                 // Before it is stored: nothing leaves from here on, whatever the disk does.
                 self.gate.close();
                 self.store(false).await;
             }
-            Action::Receive(is_receiving) => {
+            LeaseAction::Receive(is_receiving) => {
                 let count = if is_receiving { self.addresses.len() } else { 1 };
                 self.link.set_consumed(self.addresses[..count].to_vec());
             }
-            Action::BackOff(pause) => {
+            LeaseAction::BackOff(pause) => {
                 let holder = self.lease.status().holder.as_ref();
                 let holder = holder.map_or("another machine", |holder| &holder.host);
                 let reason = format!(

@@ -12,24 +12,24 @@ fn id(text: &str) -> MessageId {
 
 /// A lease, the moment it was made, and a number for its next request.
 struct Bench {
-    lease: Lease,
+    lease: LeaseMachine,
     start: Instant,
     requests: u32,
 }
 
 impl Bench {
     fn new() -> Self {
-        let instance = Instance {
+        let instance = ConnectorInstance {
             factory_id: "F".parse().expect("an id"),
             instance_id: "me".parse().expect("an id"),
             place: "here".parse().expect("an id"),
             host: "my machine".to_owned(),
             started_at: at(0),
         };
-        Self { lease: Lease::new(instance, at(0)), start: Instant::now(), requests: 0 }
+        Self { lease: LeaseMachine::new(instance, at(0)), start: Instant::now(), requests: 0 }
     }
 
-    fn on(&mut self, input: Input, second: u64) -> Vec<Action> {
+    fn on(&mut self, input: LeaseInput, second: u64) -> Vec<LeaseAction> {
         self.requests += 1;
         let now = at(i64::try_from(second).expect("small"));
         self.lease.on(
@@ -41,9 +41,9 @@ impl Bench {
     }
 
     /// Returns the id of the request that is the only action.
-    fn asked(actions: &[Action]) -> MessageId {
+    fn asked(actions: &[LeaseAction]) -> MessageId {
         match actions {
-            [Action::Ask(request)] => request.message_id.clone(),
+            [LeaseAction::Ask(request)] => request.message_id.clone(),
             other => panic!("one request, not {other:?}"),
         }
     }
@@ -75,42 +75,42 @@ fn answer(request: &MessageId, result: LeaseResult) -> LeaseAnswer {
     }
 }
 
-fn answered(answer: LeaseAnswer) -> Input {
-    Input::Answered(Box::new(answer))
+fn answered(answer: LeaseAnswer) -> LeaseInput {
+    LeaseInput::Answered(Box::new(answer))
 }
 
 #[test]
 fn nothing_leaves_before_the_grant_of_each_connection() {
     let mut bench = Bench::new();
-    assert_eq!(bench.on(Input::Tick, 0), [], "there is no connection");
-    let first = Bench::asked(&bench.on(Input::Connected, 1));
+    assert_eq!(bench.on(LeaseInput::Tick, 0), [], "there is no connection");
+    let first = Bench::asked(&bench.on(LeaseInput::Connected, 1));
     let granted = bench.on(answered(answer(&first, LeaseResult::Granted)), 1);
-    assert_eq!(granted, [Action::Receive(true), Action::Open(3)]);
+    assert_eq!(granted, [LeaseAction::Receive(true), LeaseAction::Open(3)]);
     assert_eq!((bench.lease.status().state, bench.lease.status().since), (LeaseState::Held, at(1)));
 
-    let renewal = Bench::asked(&bench.on(Input::Tick, 11));
+    let renewal = Bench::asked(&bench.on(LeaseInput::Tick, 11));
     assert_eq!(
         bench.on(answered(answer(&renewal, LeaseResult::Granted)), 11),
         [],
         "nothing changes"
     );
 
-    assert_eq!(bench.on(Input::Disconnected, 12), []);
-    let again = Bench::asked(&bench.on(Input::Connected, 13));
+    assert_eq!(bench.on(LeaseInput::Disconnected, 12), []);
+    let again = Bench::asked(&bench.on(LeaseInput::Connected, 13));
     assert_eq!(
         bench.on(answered(answer(&renewal, LeaseResult::Granted)), 13),
         [],
         "that was about the last connection"
     );
     let granted = bench.on(answered(answer(&again, LeaseResult::Granted)), 13);
-    assert_eq!(granted, [Action::Receive(true), Action::Open(3)]);
+    assert_eq!(granted, [LeaseAction::Receive(true), LeaseAction::Open(3)]);
     assert_eq!(bench.lease.status().since, at(1), "it was held all the time");
 }
 
 #[test]
 fn a_lost_answer_is_requested_again_and_the_lease_stays() {
     let mut bench = Bench::new();
-    let first = Bench::asked(&bench.on(Input::Connected, 0));
+    let first = Bench::asked(&bench.on(LeaseInput::Connected, 0));
     bench.on(answered(answer(&first, LeaseResult::Granted)), 0);
     let mut second = 0;
     for _ in 0..8 {
@@ -118,7 +118,7 @@ fn a_lost_answer_is_requested_again_and_the_lease_stays() {
         let pause = wake_at.duration_since(bench.start).as_secs() - second;
         assert!((2..=60).contains(&pause), "{pause}");
         second += pause;
-        Bench::asked(&bench.on(Input::Tick, second));
+        Bench::asked(&bench.on(LeaseInput::Tick, second));
         assert_eq!(bench.lease.status().state, LeaseState::Held);
     }
 }
@@ -126,11 +126,11 @@ fn a_lost_answer_is_requested_again_and_the_lease_stays() {
 #[test]
 fn a_refused_connector_stays_silent_until_it_is_granted() {
     let mut bench = Bench::new();
-    let first = Bench::asked(&bench.on(Input::Connected, 0));
+    let first = Bench::asked(&bench.on(LeaseInput::Connected, 0));
     bench.on(answered(answer(&first, LeaseResult::Granted)), 0);
-    let renewal = Bench::asked(&bench.on(Input::Tick, 10));
+    let renewal = Bench::asked(&bench.on(LeaseInput::Tick, 10));
     let refused = bench.on(answered(answer(&renewal, LeaseResult::Refused)), 10);
-    assert_eq!(refused, [Action::Close, Action::BackOff(Duration::from_secs(10))]);
+    assert_eq!(refused, [LeaseAction::Close, LeaseAction::BackOff(Duration::from_secs(10))]);
     assert_eq!(
         bench.on(answered(answer(&renewal, LeaseResult::Refused)), 10),
         [],
@@ -139,13 +139,13 @@ fn a_refused_connector_stays_silent_until_it_is_granted() {
     let status = bench.lease.status();
     assert_eq!((status.state, status.lease_number), (LeaseState::Refused, None));
     assert_eq!(status.holder.as_ref().map(|holder| &*holder.host), Some("their machine"));
-    assert_eq!(bench.on(Input::Tick, 100), [], "it backs off");
-    assert_eq!(bench.on(Input::Disconnected, 10), [Action::Receive(false)]);
+    assert_eq!(bench.on(LeaseInput::Tick, 100), [], "it backs off");
+    assert_eq!(bench.on(LeaseInput::Disconnected, 10), [LeaseAction::Receive(false)]);
 
-    let later = Bench::asked(&bench.on(Input::Connected, 20));
+    let later = Bench::asked(&bench.on(LeaseInput::Connected, 20));
     assert_eq!(bench.lease.status().state, LeaseState::Refused, "as far as is known");
     let granted = bench.on(answered(answer(&later, LeaseResult::Granted)), 20);
-    assert_eq!(granted, [Action::Receive(true), Action::Open(3)]);
+    assert_eq!(granted, [LeaseAction::Receive(true), LeaseAction::Open(3)]);
     assert_eq!(
         (bench.lease.status().state, &bench.lease.status().holder),
         (LeaseState::Held, &None)
@@ -155,7 +155,7 @@ fn a_refused_connector_stays_silent_until_it_is_granted() {
 #[test]
 fn an_answer_to_another_connector_shows_that_there_are_two() {
     let mut bench = Bench::new();
-    let first = Bench::asked(&bench.on(Input::Connected, 0));
+    let first = Bench::asked(&bench.on(LeaseInput::Connected, 0));
     bench.on(answered(answer(&first, LeaseResult::Granted)), 0);
     let mut predecessors = answer(&id("old"), LeaseResult::Granted);
     predecessors.instance_id = "before".parse().expect("an id");
@@ -179,11 +179,11 @@ fn an_answer_to_another_connector_shows_that_there_are_two() {
     for _ in 0..8 {
         assert_eq!(bench.on(answered(elsewhere.clone()), second), []);
         second = wake_at(&bench);
-        Bench::asked(&bench.on(Input::Tick, second));
+        Bench::asked(&bench.on(LeaseInput::Tick, second));
         assert!(wake_at(&bench) <= second + 2, "{second}");
     }
     let mut granted =
-        answer(&Bench::asked(&bench.on(Input::Tick, second + 2)), LeaseResult::Granted);
+        answer(&Bench::asked(&bench.on(LeaseInput::Tick, second + 2)), LeaseResult::Granted);
     granted.contender = Some(party("their machine, says the platform"));
     bench.on(answered(granted), second + 2);
     let told = bench.lease.status().contender.as_ref().map(|other| &*other.host);

@@ -15,9 +15,9 @@ use crate::{
     coordinator::CoordinatorHandle,
     in_flight::InFlight,
     keep_alive_queue::KeepAliveQueue,
-    lease::{self, Instance, LeaseClient, LeaseGate, LeaseStatus},
+    lease::{self, ConnectorInstance, LeaseClient, LeaseGate, LeaseStatus},
     link_adapter::{ConnectorSpool, PlatformInbox},
-    store::{Enrolment, Identity, Readers},
+    store::{Enrolment, Readers, StoreIdentity},
 };
 
 /// The link with the client of its lease, and the queues that the coordinator fills.
@@ -36,13 +36,13 @@ pub(super) struct OpenedLink {
 /// [`LinkError`] when the configuration can never work.
 pub(super) fn open(
     mut config: LinkConfig,
-    identity: Identity,
+    identity: StoreIdentity,
     started_at: DateTime,
     readers: &Readers,
     coordinator: &CoordinatorHandle,
     events: &EventLog<ConnectorEvent>,
 ) -> Result<OpenedLink, LinkError> {
-    let Identity { factory_id, instance_id, place, host, was_lease_held, .. } = identity;
+    let StoreIdentity { factory_id, instance_id, place, host, was_lease_held, .. } = identity;
     let keep_alives = Arc::new(KeepAliveQueue::default());
     let in_flight = Arc::new(InFlight::default());
     let gate = Arc::new(LeaseGate::default());
@@ -62,7 +62,7 @@ pub(super) fn open(
         Arc::new(PlatformInbox { coordinator: coordinator.clone(), lease: lease_answers }),
     )?;
     let (lease_client, lease_status) = LeaseClient::new(
-        Instance { factory_id, instance_id, place, host, started_at },
+        ConnectorInstance { factory_id, instance_id, place, host, started_at },
         was_lease_held,
         gate,
         handle.clone(),

@@ -18,7 +18,7 @@ use uuid::Uuid;
 use super::{
     Snapshot, Writes, commit,
     error::StoreError,
-    identity::{Identity, Start, identify},
+    identity::{Start, StoreIdentity, identify},
     ledger, load,
     migrations::migrate,
     place::{host_of, place_of},
@@ -41,7 +41,7 @@ pub struct Store {
     /// Sees each transaction once it is committed, and waits for no other reader.
     session: StoreSession,
     readers: Readers,
-    identity: Identity,
+    identity: StoreIdentity,
     directory: PathBuf,
     /// Locked as long as the store is open; a second connector is refused by it.
     _lock: File,
@@ -114,7 +114,7 @@ impl Store {
 
     /// Returns factory, place and lease of the store.
     #[must_use]
-    pub const fn identity(&self) -> &Identity {
+    pub const fn identity(&self) -> &StoreIdentity {
         &self.identity
     }
 

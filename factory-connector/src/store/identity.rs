@@ -13,7 +13,7 @@ use super::{
 
 /// Identity of an open store.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Identity {
+pub struct StoreIdentity {
     /// The factory that the store belongs to.
     pub factory_id: FactoryId,
     /// Numbers that were given since the file was written may be unknown to it: it is an older
@@ -68,7 +68,7 @@ pub(super) async fn identify(
     connection: &mut SqliteConnection,
     factory_id: &FactoryId,
     start: Start<'_>,
-) -> Result<Identity, StoreError> {
+) -> Result<StoreIdentity, StoreError> {
     let query = query("SELECT * FROM identity");
     let stored = optional(connection, query, "read the store's identity", identity).await?;
     if let Some(foreign) = stored.as_ref().filter(|row| row.factory_id != factory_id.as_str()) {
@@ -78,7 +78,7 @@ pub(super) async fn identify(
     let is_restored = stored.as_ref().is_some_and(|stored| stored.is_restored(&start));
     let leased_place = stored.and_then(|stored| stored.leased_place);
     mark(connection, factory_id, &start, is_restored).await?;
-    Ok(Identity {
+    Ok(StoreIdentity {
         factory_id: factory_id.clone(),
         is_restored,
         instance_id: start.instance_id,

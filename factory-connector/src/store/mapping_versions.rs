@@ -17,9 +17,9 @@ use super::{
 pub const VERSIONS_MAX: u32 = 100;
 
 /// Repository of mapping versions.
-pub struct MappingVersions<'c>(pub(super) &'c mut SqliteConnection);
+pub struct StoredMappingVersions<'c>(pub(super) &'c mut SqliteConnection);
 
-impl MappingVersions<'_> {
+impl StoredMappingVersions<'_> {
     /// Reads the newest version of each field with its mapping as JSON. The mapping is `None` where
     /// it is that of the field's decision, which is in memory already.
     ///

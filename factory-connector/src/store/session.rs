@@ -10,7 +10,7 @@ use super::{
     fields::Fields,
     ledger::{Checkpoints, Ledger},
     mapping_templates::MappingTemplates,
-    mapping_versions::MappingVersions,
+    mapping_versions::StoredMappingVersions,
     networks::Networks,
     operator_entries::OperatorEntries,
     policy_documents::PolicyDocuments,
@@ -99,8 +99,8 @@ impl StoreSession {
     }
 
     /// Published versions of mappings.
-    pub fn mapping_versions(&mut self) -> MappingVersions<'_> {
-        MappingVersions(self.connection())
+    pub fn mapping_versions(&mut self) -> StoredMappingVersions<'_> {
+        StoredMappingVersions(self.connection())
     }
 
     /// Returns the repository of operation networks as received.

@@ -24,7 +24,7 @@ use dependents::Dependents;
 pub(crate) use dependents::{is_withheld_by, is_withheld_in};
 use disclosure::{DisclosurePolicy, DocumentId, Gate};
 pub use disclosure_rate::DisclosureRate;
-use entry::Entry;
+use entry::FieldEntry;
 pub use field::{Field, FieldDecision};
 pub(crate) use field::{StoredField, basis_json, mapping_json, policy_json};
 use field_mut::FieldMut;
@@ -42,7 +42,7 @@ use crate::WriterRegistry;
 #[derive(Default)]
 pub struct FieldRegistry {
     /// Fields by number, so that a candidate's field is found without hashing a text.
-    entries: HashMap<i64, Box<Entry>, foldhash::fast::RandomState>,
+    entries: HashMap<i64, Box<FieldEntry>, foldhash::fast::RandomState>,
     /// The numbers, by key. Partners choose the keys, so this hasher must withstand chosen ones.
     numbers: HashTable<i64>,
     hasher: RandomState,
@@ -109,7 +109,7 @@ impl FieldRegistry {
         let Self { entries, numbers, hasher, index, .. } = self;
         let (id, hash) = (field.id(), hasher.hash_one(field.key()));
         self.last_id = self.last_id.max(id);
-        let mut entry = Entry::new(field);
+        let mut entry = FieldEntry::new(field);
         index.add(&mut entry);
         entries.insert(id, Box::new(entry));
         let rehash =

@@ -10,5 +10,5 @@ mod journal;
 mod typed_value;
 
 pub use entry::{Action, EntryFault, EntryId, OperationKey, OperatorEntry, Piece};
-pub use journal::{Journal, OperationStatus, Problem, Statement};
+pub use journal::{Journal, OperationStatus, OperatorProblem, OperatorStatement};
 pub use typed_value::typed_value;

@@ -16,7 +16,7 @@ use factory_connector::{
     service,
     store::{Enrolment, Store},
 };
-use mapping_engine::ScriptEngine;
+use mapping_engine::ScriptRuntime;
 use reqwest::{Method, StatusCode};
 use serde_json::{Value, json};
 use simulator::{MachineConfig, MachineKind, Simulator, SimulatorHandle};
@@ -279,15 +279,15 @@ impl SignedIn {
 
 /// The worker under test: the one that `SCRIPT_DENO` names, or `script-quickjs` as the workspace
 /// builds it.
-fn script_worker() -> (ScriptEngine, Option<PathBuf>) {
+fn script_worker() -> (ScriptRuntime, Option<PathBuf>) {
     if let Some(path) = std::env::var_os("SCRIPT_DENO") {
-        return (ScriptEngine::Deno, Some(path.into()));
+        return (ScriptRuntime::Deno, Some(path.into()));
     }
     let program = std::env::current_exe().expect("a program");
     let path =
         program.ancestors().nth(2).expect("tests lie below the binaries").join("script-quickjs");
     assert!(path.exists(), "build the worker first: cargo build -p script-quickjs");
-    (ScriptEngine::QuickJs, Some(path))
+    (ScriptRuntime::QuickJs, Some(path))
 }
 
 /// Fills the store as an enrolled connector's that has received the network.

@@ -74,7 +74,7 @@ pub trait Authenticator: Send + Sync + 'static {
 
 /// A person's decision about a field through the twin's `Decide` method.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct FieldDecision {
+pub struct TwinDecision {
     /// The new state. For `Mapped` the values come from OPC UA clients (External).
     pub mapping_state: MappingState,
     pub reason: Option<String>,
@@ -92,10 +92,6 @@ pub trait FieldWriter: Send + Sync + 'static {
     async fn write(&self, field: &FieldKey, value: DataValue, user: &TwinUser) -> StatusCode;
 
     /// Applies a decision of a client. Returns Good, or the cause for which it is not accepted.
-    async fn decide(
-        &self,
-        field: &FieldKey,
-        decision: FieldDecision,
-        user: &TwinUser,
-    ) -> StatusCode;
+    async fn decide(&self, field: &FieldKey, decision: TwinDecision, user: &TwinUser)
+    -> StatusCode;
 }

@@ -73,7 +73,7 @@ impl FieldRecord {
 
 /// Extent of the change by [`TwinHandle::apply`](crate::TwinHandle::apply).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Applied {
+pub struct AppliedDocument {
     /// Added objects and report fields.
     pub nodes_added: usize,
     /// Removed objects and report fields.

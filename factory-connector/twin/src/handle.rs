@@ -11,7 +11,7 @@ use tokio::sync::watch;
 
 use crate::{
     asi::AsiProvider,
-    document::{Applied, AsiDocument, FieldRecord},
+    document::{AppliedDocument, AsiDocument, FieldRecord},
     error::TwinError,
     events::EventReporter,
     host::NodeHost,
@@ -53,7 +53,7 @@ impl TwinHandle {
 
     /// Shows the present state of a network: as a new Activity Status Interface, or by changing the
     /// nodes that differ in the existing one. Subscribers of other nodes get no notification.
-    pub fn apply(&self, document: AsiDocument) -> Applied {
+    pub fn apply(&self, document: AsiDocument) -> AppliedDocument {
         self.interfaces.apply(document)
     }
 

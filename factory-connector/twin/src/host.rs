@@ -21,7 +21,7 @@ use opcua_stack::opcua::{
     types::{AttributeId, DataValue, DateTime, NodeId, StatusCode, VariableId, Variant},
 };
 
-use crate::provider::{Node, NodeProvider};
+use crate::provider::{NodeProvider, ProvidedNode};
 
 /// Hosts providers. Shared by the server and the parts of the twin that add and remove providers.
 pub(crate) struct NodeHost {
@@ -54,7 +54,7 @@ impl ProviderTable {
         self.owners.get(&node_id.namespace).map(|position| &self.providers[*position])
     }
 
-    fn node(&self, node_id: &NodeId) -> Option<Node> {
+    fn node(&self, node_id: &NodeId) -> Option<ProvidedNode> {
         self.owner(node_id)?.node(node_id)
     }
 }

@@ -29,14 +29,14 @@ mod server;
 mod session_token;
 mod trust_fault;
 
-pub use access::{Authenticator, FieldDecision, FieldWriter, Role, TwinUser};
+pub use access::{Authenticator, FieldWriter, Role, TwinDecision, TwinUser};
 pub use config::{DiscoveryConfig, SecurityConfig, TwinConfig, TwinLimits};
-pub use document::{Applied, AsiDocument, FieldRecord};
+pub use document::{AppliedDocument, AsiDocument, FieldRecord};
 pub use error::TwinError;
 pub use handle::TwinHandle;
 pub use security::{
     application_certificate::{ApplicationCertificate, InstalledCertificate, RequestedSubject},
-    rejected_clients::{Rejection, RejectionReason},
+    rejected_clients::{ConnectionRejection, RejectionReason},
     trust::{
         Authority, CertificateState, ClientCertificate, RevocationKnowledge, RevocationList,
         TrustList,

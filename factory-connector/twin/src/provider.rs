@@ -29,7 +29,7 @@ pub struct ProvidedNamespace {
 
 /// A node without its value, with which all other attributes of OPC 10000-3 §5 are computed.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Node {
+pub struct ProvidedNode {
     pub browse_name: QualifiedName,
     pub display_name: LocalizedText,
     /// Null when there is none.
@@ -87,7 +87,7 @@ impl NodeKind {
 
 /// A reference of a node.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Reference {
+pub struct ProvidedReference {
     /// The type of the reference.
     pub reference_type: NodeId,
     /// True when it leads from the node to the target.
@@ -97,7 +97,7 @@ pub struct Reference {
 }
 
 /// Receives references with the position after them; stops the enumeration with `Break`.
-pub type ReferenceVisitor<'a> = dyn FnMut(u64, Reference) -> ControlFlow<()> + 'a;
+pub type ReferenceVisitor<'a> = dyn FnMut(u64, ProvidedReference) -> ControlFlow<()> + 'a;
 
 /// A value that a client writes.
 #[derive(Debug, Clone)]
@@ -112,7 +112,7 @@ pub struct WriteRequest<'a> {
 
 /// Result of a method call.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CallOutcome {
+pub struct MethodOutcome {
     /// Good, or the cause of the failure.
     pub status: StatusCode,
     /// The output arguments, in their order.
@@ -121,7 +121,7 @@ pub struct CallOutcome {
     pub argument_statuses: Vec<StatusCode>,
 }
 
-impl CallOutcome {
+impl MethodOutcome {
     /// Returns the result of a successful call.
     #[must_use]
     pub fn good(outputs: Vec<Variant>) -> Self {
@@ -151,7 +151,7 @@ pub trait NodeProvider: Send + Sync + 'static {
     fn namespaces(&self) -> Vec<ProvidedNamespace>;
 
     /// Returns the node with this id, if it exists at present.
-    fn node(&self, node_id: &NodeId) -> Option<Node>;
+    fn node(&self, node_id: &NodeId) -> Option<ProvidedNode>;
 
     /// Returns the value of a variable; `None` when the node does not exist or has none.
     fn value(&self, node_id: &NodeId) -> Option<DataValue>;
@@ -167,7 +167,7 @@ pub trait NodeProvider: Send + Sync + 'static {
         &self,
         _node_id: &NodeId,
         _browse_name: &QualifiedName,
-    ) -> Option<Vec<Reference>> {
+    ) -> Option<Vec<ProvidedReference>> {
         None
     }
 
@@ -196,5 +196,5 @@ pub trait NodeProvider: Send + Sync + 'static {
         object: &NodeId,
         method: &NodeId,
         arguments: &[Variant],
-    ) -> CallOutcome;
+    ) -> MethodOutcome;
 }

@@ -4,7 +4,8 @@ use std::{collections::HashMap, sync::Arc};
 
 use deno_core::v8;
 use script_protocol::{
-    Call, CallValue, FaultKind, InputValue, Limits, Load, ScriptFault, ScriptId, Spoken, Yielded,
+    Call, CallValue, FaultKind, InputValue, Load, ScriptFault, ScriptId, ScriptLimits, Spoken,
+    Yielded,
     worker::{
         LoadedScript, PRELUDE, ScriptEngine,
         fault::{file_name, not_a_function, not_loaded, out_of_memory, timeout},
@@ -19,7 +20,7 @@ const SHARED_MEMORIES: u64 = 8;
 
 /// All scripts of a worker in one isolate.
 pub struct Deno {
-    limits: Limits,
+    limits: ScriptLimits,
     timer: Timer,
     scripts: HashMap<ScriptId, LoadedScript<Script>>,
     isolate: v8::OwnedIsolate,
@@ -42,7 +43,7 @@ type Function<'s> = v8::Local<'s, v8::Function>;
 
 impl Deno {
     /// Creates an isolate for scripts with these limits; `timer` ends their calls.
-    pub fn new(limits: Limits, timer: Timer) -> Self {
+    pub fn new(limits: ScriptLimits, timer: Timer) -> Self {
         Self { limits, timer, scripts: HashMap::new(), isolate: isolate(&limits) }
     }
 
@@ -81,7 +82,7 @@ impl Deno {
     }
 }
 
-fn isolate(limits: &Limits) -> v8::OwnedIsolate {
+fn isolate(limits: &ScriptLimits) -> v8::OwnedIsolate {
     let memory = usize::try_from(limits.script_memory_bytes.saturating_mul(SHARED_MEMORIES))
         .unwrap_or(usize::MAX);
     v8::Isolate::new(v8::CreateParams::default().heap_limits(0, memory))

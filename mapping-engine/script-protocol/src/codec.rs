@@ -29,11 +29,11 @@ pub enum DecodeError {
 
 /// Collects the bytes of a message.
 #[derive(Debug, Default)]
-pub struct Encoder {
+pub struct MessageEncoder {
     bytes: Vec<u8>,
 }
 
-impl Encoder {
+impl MessageEncoder {
     /// An empty message.
     #[must_use]
     pub fn new() -> Self {
@@ -115,11 +115,11 @@ impl Encoder {
 
 /// Takes values from the bytes of a message.
 #[derive(Debug)]
-pub struct Decoder<'a> {
+pub struct MessageDecoder<'a> {
     rest: &'a [u8],
 }
 
-impl<'a> Decoder<'a> {
+impl<'a> MessageDecoder<'a> {
     /// Starts at the first byte.
     #[must_use]
     pub const fn new(bytes: &'a [u8]) -> Self {

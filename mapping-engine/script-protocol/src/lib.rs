@@ -20,8 +20,8 @@ pub mod value;
 pub mod worker;
 
 pub use message::{
-    Call, CallResult, CallValue, FaultKind, HostMessage, InputValue, Limits, Load, ScriptFault,
-    ScriptId, Spoken, WorkerMessage, Yielded,
+    Call, CallResult, CallValue, FaultKind, HostMessage, InputValue, Load, ScriptFault, ScriptId,
+    ScriptLimits, Spoken, WorkerMessage, Yielded,
 };
 pub use value::ScriptValue;
 

@@ -8,7 +8,7 @@ use std::{sync::Arc, time::Duration};
 pub use host::{Call, CallValue, HostMessage, InputValue, Load};
 pub use worker::{CallResult, Spoken, WorkerMessage, Yielded};
 
-use crate::codec::{DecodeError, Decoder, Encoder};
+use crate::codec::{DecodeError, MessageDecoder, MessageEncoder};
 
 /// A loaded script, by a number that its host chose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -21,7 +21,7 @@ pub const FAULT_MESSAGE_BYTES_MAX: usize = 1024;
 
 /// Limits of scripts and of their worker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Limits {
+pub struct ScriptLimits {
     /// Memory of one script, in bytes.
     pub script_memory_bytes: u64,
     /// Stack of one script, in bytes.
@@ -37,8 +37,8 @@ pub struct Limits {
     pub address_space_bytes: u64,
 }
 
-impl Limits {
-    fn encode(&self, to: &mut Encoder) {
+impl ScriptLimits {
+    fn encode(&self, to: &mut MessageEncoder) {
         let micros = |duration: Duration| u64::try_from(duration.as_micros()).unwrap_or(u64::MAX);
         to.u64(self.script_memory_bytes);
         to.u64(self.script_stack_bytes);
@@ -48,7 +48,7 @@ impl Limits {
         to.u64(self.address_space_bytes);
     }
 
-    fn decode(from: &mut Decoder<'_>) -> Result<Self, DecodeError> {
+    fn decode(from: &mut MessageDecoder<'_>) -> Result<Self, DecodeError> {
         Ok(Self {
             script_memory_bytes: from.u64()?,
             script_stack_bytes: from.u64()?,
@@ -100,15 +100,15 @@ impl ScriptFault {
         Self { kind, name: Arc::from(""), message: message.into(), line: None, column: None }
     }
 
-    fn encode(&self, to: &mut Encoder) {
+    fn encode(&self, to: &mut MessageEncoder) {
         to.u8(self.kind as u8);
         to.text(cut(&self.name, 128));
         to.text(cut(&self.message, FAULT_MESSAGE_BYTES_MAX));
-        to.option(self.line, Encoder::u32);
-        to.option(self.column, Encoder::u32);
+        to.option(self.line, MessageEncoder::u32);
+        to.option(self.column, MessageEncoder::u32);
     }
 
-    fn decode(from: &mut Decoder<'_>) -> Result<Self, DecodeError> {
+    fn decode(from: &mut MessageDecoder<'_>) -> Result<Self, DecodeError> {
         Ok(Self {
             kind: match from.u8()? {
                 0 => FaultKind::Syntax,
@@ -121,8 +121,8 @@ impl ScriptFault {
             },
             name: from.text()?,
             message: from.text()?,
-            line: from.option(Decoder::u32)?,
-            column: from.option(Decoder::u32)?,
+            line: from.option(MessageDecoder::u32)?,
+            column: from.option(MessageDecoder::u32)?,
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::codec::{DecodeError, Decoder, Encoder};
+use crate::codec::{DecodeError, MessageDecoder, MessageEncoder};
 
 /// Deepest nesting of lists and records.
 pub const DEPTH_MAX: usize = 16;
@@ -36,7 +36,7 @@ pub enum ScriptValue {
 
 impl ScriptValue {
     /// Appends the value.
-    pub fn encode(&self, to: &mut Encoder) {
+    pub fn encode(&self, to: &mut MessageEncoder) {
         match self {
             Self::Null => to.u8(0),
             Self::Boolean(v) => {
@@ -87,11 +87,11 @@ impl ScriptValue {
     ///
     /// # Errors
     /// [`DecodeError`] for bytes that are none, and beyond [`DEPTH_MAX`].
-    pub fn decode(from: &mut Decoder<'_>) -> Result<Self, DecodeError> {
+    pub fn decode(from: &mut MessageDecoder<'_>) -> Result<Self, DecodeError> {
         Self::decode_nested(from, 0)
     }
 
-    fn decode_nested(from: &mut Decoder<'_>, depth: usize) -> Result<Self, DecodeError> {
+    fn decode_nested(from: &mut MessageDecoder<'_>, depth: usize) -> Result<Self, DecodeError> {
         if depth > DEPTH_MAX {
             return Err(DecodeError::TooDeep(DEPTH_MAX));
         }

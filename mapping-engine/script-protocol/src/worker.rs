@@ -20,7 +20,7 @@ use std::{
 };
 
 use crate::{
-    Call, CallResult, HostMessage, Limits, Load, PROTOCOL_VERSION, ScriptFault, ScriptId,
+    Call, CallResult, HostMessage, Load, PROTOCOL_VERSION, ScriptFault, ScriptId, ScriptLimits,
     WorkerMessage, Yielded, frame,
 };
 pub use clock::{process_time, thread_time};
@@ -51,7 +51,7 @@ pub trait ScriptEngine {
 ///
 /// # Errors
 /// Those of the streams and of the sandbox; `InvalidData` for what is no message.
-pub fn serve<E: ScriptEngine>(create: impl FnOnce(&Limits) -> E) -> io::Result<()> {
+pub fn serve<E: ScriptEngine>(create: impl FnOnce(&ScriptLimits) -> E) -> io::Result<()> {
     // Unbuffered: whole frames are written at once.
     let output = File::from(io::stdout().as_fd().try_clone_to_owned()?);
     let mut input =
@@ -94,7 +94,7 @@ pub fn serve<E: ScriptEngine>(create: impl FnOnce(&Limits) -> E) -> io::Result<(
 fn run<E: ScriptEngine>(
     engine: &mut E,
     watchdog: &Watchdog,
-    limits: &Limits,
+    limits: &ScriptLimits,
     calls: Vec<Call>,
 ) -> io::Result<()> {
     let begun = Instant::now();

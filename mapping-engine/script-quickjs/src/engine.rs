@@ -3,7 +3,7 @@
 use std::{collections::HashMap, sync::Arc};
 
 use script_protocol::{
-    Call, Limits, Load, ScriptFault, ScriptId, Yielded,
+    Call, Load, ScriptFault, ScriptId, ScriptLimits, Yielded,
     worker::{LoadedScript, ScriptEngine, fault},
 };
 
@@ -11,13 +11,13 @@ use crate::script::Script;
 
 /// All scripts of a worker, each in a runtime of its own.
 pub struct QuickJs {
-    limits: Limits,
+    limits: ScriptLimits,
     scripts: HashMap<ScriptId, LoadedScript<Script>>,
 }
 
 impl QuickJs {
     /// Creates an engine without scripts; each script gets these limits.
-    pub fn new(limits: &Limits) -> Self {
+    pub fn new(limits: &ScriptLimits) -> Self {
         Self { limits: *limits, scripts: HashMap::new() }
     }
 }

@@ -4,7 +4,7 @@ use std::{rc::Rc, sync::Arc};
 
 use rquickjs::{Context, Ctx, Function, Object, Persistent, Runtime, Value, context::EvalOptions};
 use script_protocol::{
-    Call, CallValue, FaultKind, InputValue, Limits, Load, ScriptFault, Spoken, Yielded,
+    Call, CallValue, FaultKind, InputValue, Load, ScriptFault, ScriptLimits, Spoken, Yielded,
     worker::{
         PRELUDE,
         fault::{file_name, not_a_function, timeout},
@@ -44,7 +44,7 @@ impl Script {
     ///
     /// # Errors
     /// [`ScriptFault`] where it does not compile, throws, takes too long or is no function.
-    pub fn start(load: &Load, limits: &Limits) -> Result<Self, ScriptFault> {
+    pub fn start(load: &Load, limits: &ScriptLimits) -> Result<Self, ScriptFault> {
         let no_runtime =
             |error: rquickjs::Error| ScriptFault::new(FaultKind::OutOfMemory, error.to_string());
         let runtime = Runtime::new().map_err(no_runtime)?;

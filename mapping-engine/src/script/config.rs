@@ -2,13 +2,13 @@
 
 use std::{path::PathBuf, time::Duration};
 
-use script_protocol::Limits;
+use script_protocol::ScriptLimits;
 use serde::{Deserialize, Serialize};
 
 /// JavaScript engine. Each is a worker binary of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum ScriptEngine {
+pub enum ScriptRuntime {
     /// `script-quickjs`: small, starts in milliseconds.
     #[default]
     QuickJs,
@@ -16,7 +16,7 @@ pub enum ScriptEngine {
     Deno,
 }
 
-impl ScriptEngine {
+impl ScriptRuntime {
     /// The file name of the worker.
     #[must_use]
     pub const fn file_name(self) -> &'static str {
@@ -39,7 +39,7 @@ impl ScriptEngine {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default, deny_unknown_fields)]
 pub struct ScriptConfig {
-    pub engine: ScriptEngine,
+    pub engine: ScriptRuntime,
     /// The worker's binary; beside the running program where absent.
     pub worker_path: Option<PathBuf>,
     /// Number of worker processes that share the scripts.
@@ -63,7 +63,7 @@ pub struct ScriptConfig {
 impl Default for ScriptConfig {
     fn default() -> Self {
         Self {
-            engine: ScriptEngine::default(),
+            engine: ScriptRuntime::default(),
             worker_path: None,
             workers: 1,
             scripts_per_worker_max: 2000,
@@ -80,9 +80,9 @@ impl ScriptConfig {
     /// Stack of one script.
     const STACK_BYTES: u64 = 256 << 10;
 
-    pub(crate) fn limits(&self) -> Limits {
+    pub(crate) fn limits(&self) -> ScriptLimits {
         let call_budget = Duration::from_millis(self.call_budget_ms.max(1));
-        Limits {
+        ScriptLimits {
             script_memory_bytes: self.script_memory_bytes,
             script_stack_bytes: Self::STACK_BYTES,
             call_budget,

@@ -10,7 +10,7 @@ use std::{
 use script_protocol::{Call, CallResult, HostMessage, Load, ScriptId, WorkerMessage};
 
 use super::{
-    CallOutcome,
+    ScriptOutcome,
     config::ScriptConfig,
     fault_of,
     process::{Process, ProcessError},
@@ -63,13 +63,13 @@ impl ScriptWorker {
     }
 
     /// Makes calls, in order. There is one outcome for each.
-    pub async fn run(&mut self, calls: Vec<Call>) -> Vec<CallOutcome> {
+    pub async fn run(&mut self, calls: Vec<Call>) -> Vec<ScriptOutcome> {
         let mut outcomes = Vec::with_capacity(calls.len());
         // After an end without a word the culprit is found by making the calls one by one.
         let mut singly = false;
         while let Some(rest) = calls.get(outcomes.len()..).filter(|rest| !rest.is_empty()) {
             if let Err(fault) = self.ready().await {
-                outcomes.extend(rest.iter().map(|_| CallOutcome::failed(fault.clone(), false)));
+                outcomes.extend(rest.iter().map(|_| ScriptOutcome::failed(fault.clone(), false)));
                 break;
             }
             let batch = if singly { &rest[..1] } else { rest };
@@ -128,12 +128,12 @@ impl ScriptWorker {
     fn finish(
         &mut self,
         calls: &[Call],
-        outcomes: &mut Vec<CallOutcome>,
+        outcomes: &mut Vec<ScriptOutcome>,
         results: Vec<CallResult>,
     ) {
         for (call, CallResult { outcome, state, spent }) in calls.iter().zip(results) {
             self.note(call, state.clone());
-            outcomes.push(CallOutcome {
+            outcomes.push(ScriptOutcome {
                 result: outcome.map_err(fault_of),
                 state,
                 spent,
@@ -239,8 +239,8 @@ impl ScriptWorker {
     }
 }
 
-fn fatal(kind: FaultKind, status: StatusCode, message: &str) -> CallOutcome {
-    CallOutcome::failed(Fault::new(kind, status, message), true)
+fn fatal(kind: FaultKind, status: StatusCode, message: &str) -> ScriptOutcome {
+    ScriptOutcome::failed(Fault::new(kind, status, message), true)
 }
 
 fn chain(error: &dyn std::error::Error) -> String {

@@ -14,7 +14,7 @@ use script_protocol::{Call, Load, ScriptId};
 use tokio::sync::mpsc;
 use tokio_util::sync::CancellationToken;
 
-use super::{CallOutcome, config::ScriptConfig, worker::ScriptWorker};
+use super::{ScriptOutcome, config::ScriptConfig, worker::ScriptWorker};
 
 /// Most calls of a batch.
 const BATCH_CALLS_MAX: usize = 256;
@@ -49,7 +49,7 @@ pub(crate) struct Report {
 pub(crate) enum Done {
     Loaded(ScriptId, Result<(), Fault>),
     Unloaded,
-    Called(Vec<CallOutcome>),
+    Called(Vec<ScriptOutcome>),
 }
 
 /// Waiting call, with the data from which the transform resumes.

@@ -11,7 +11,8 @@ use std::{
 use asi_model::{DataValue, DateTime, Variant};
 use mapping_engine::{
     Candidate, Inputs, Mapping, MappingEngine, MappingEngineConfig, MappingEngineHandle,
-    MappingHealth, MappingId, MappingStatus, PublishRequest, ScriptConfig, ScriptEngine, TargetKey,
+    MappingHealth, MappingId, MappingStatus, PublishRequest, ScriptConfig, ScriptRuntime,
+    TargetKey,
 };
 use shop_floor::{InputChange, InputKey, MonitorRequest, ShopFloorError};
 use tokio::{sync::mpsc, task::JoinHandle, time::timeout};
@@ -20,7 +21,7 @@ use tokio_util::sync::CancellationToken;
 /// The worker under test.
 #[derive(Debug, Clone)]
 pub struct Worker {
-    pub engine: ScriptEngine,
+    pub engine: ScriptRuntime,
     pub path: PathBuf,
 }
 

@@ -10,7 +10,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use mapping_engine::{FaultKind as K, ScriptEngine};
+use mapping_engine::{FaultKind as K, ScriptRuntime};
 
 use super::bench::{Bench, Worker};
 
@@ -110,7 +110,7 @@ pub async fn hostile_scripts_end_in_time_and_disturb_nobody(worker: &Worker) {
                 bench.status(&id).await.last_fault.unwrap_or_else(|| panic!("{name}: {value:?}"));
             // V8 ends its process at the memory limit; that is the design, and what workers are
             // for.
-            let is_v8_limit = worker.engine == ScriptEngine::Deno && fault.kind == K::ScriptCrash;
+            let is_v8_limit = worker.engine == ScriptRuntime::Deno && fault.kind == K::ScriptCrash;
             assert!(kinds.contains(&fault.kind) || is_v8_limit, "{name}: {fault:?}");
             assert!(value.status.0 >> 30 == 2 && value.value.is_null(), "{name}: {value:?}");
             // The neighbour was asked meanwhile: it answered, in order, and remembers every call.

@@ -2,7 +2,7 @@
 
 use asi_model::{DataValue, DateTime, StatusCode, Variant};
 use mapping_engine::{
-    EngineError, Mapping, MappingId, PublishRequest, ScriptEngine, Step, TransformState,
+    EngineError, Mapping, MappingId, PublishRequest, ScriptRuntime, Step, TransformState,
 };
 use serde_json::json;
 
@@ -10,7 +10,7 @@ use crate::bench::{Bench, Worker, mapping_id, published, script_mapping, target_
 
 /// These tests need no scripts.
 pub fn no_worker() -> Worker {
-    Worker { engine: ScriptEngine::QuickJs, path: "/nonexistent".into() }
+    Worker { engine: ScriptRuntime::QuickJs, path: "/nonexistent".into() }
 }
 
 pub fn chain(id: &str, inputs: &[&str], target: &str, steps: serde_json::Value) -> Mapping {

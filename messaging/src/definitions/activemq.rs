@@ -3,13 +3,13 @@
 
 use std::fmt::Write;
 
-use super::Plan;
+use super::BrokerPlan;
 use crate::address::LogicalAddress;
 
 /// `<security-settings>`, `<address-settings>` and `<addresses>`, to be put into `<core>`. Each
 /// user's role has the user's name; users and passwords belong into the broker's login module.
 #[must_use]
-pub fn artemis_broker_xml(plan: &Plan) -> String {
+pub fn artemis_broker_xml(plan: &BrokerPlan) -> String {
     let rights = plan.rights();
     let mut xml = String::from("<security-settings>\n");
     for queue in plan.queues().iter().chain([&LogicalAddress::DeadLetters]) {
@@ -61,7 +61,7 @@ mod tests {
     fn each_address_names_its_writers_and_readers() {
         let account =
             |name: &str| Account { user_name: name.to_owned(), password: String::new().into() };
-        let plan = Plan {
+        let plan = BrokerPlan {
             platform: account("platform"),
             factories: vec![("f1".parse().expect("an id"), account("f1"))],
             tools: vec![("t1".parse().expect("an id"), account("t1"))],

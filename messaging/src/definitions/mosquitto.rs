@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use super::Plan;
+use super::BrokerPlan;
 use crate::profile::BrokerProfile;
 
 /// The access control list: each user reads and writes its own topics, and nothing else.
@@ -12,7 +12,7 @@ use crate::profile::BrokerProfile;
 /// `autosave_on_changes true` and `max_queued_messages 0` belong beside this, and the receipts make
 /// good for what a crash still loses.
 #[must_use]
-pub fn mosquitto_acl(plan: &Plan) -> String {
+pub fn mosquitto_acl(plan: &BrokerPlan) -> String {
     let profile = BrokerProfile::mqtt();
     let mut acl = String::from("# Generated. Without a user nothing is permitted.\n");
     for rights in plan.rights() {
@@ -36,7 +36,7 @@ mod tests {
     fn a_factory_has_its_own_topics() {
         let account =
             |name: &str| Account { user_name: name.to_owned(), password: String::new().into() };
-        let plan = Plan {
+        let plan = BrokerPlan {
             platform: account("platform"),
             factories: vec![("f1".parse().expect("an id"), account("f1"))],
             tools: Vec::new(),

@@ -5,7 +5,7 @@ use base64::{Engine, engine::general_purpose::STANDARD};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
-use super::{Plan, Rights};
+use super::{BrokerPlan, Rights};
 use crate::address::LogicalAddress;
 
 /// The exchange that all messages are written to; the routing key is the logical address.
@@ -24,7 +24,7 @@ const DEAD: &str = "verbund.dead";
 /// exchange, which reaches every queue.
 #[must_use]
 pub fn rabbitmq_definitions(
-    plan: &Plan,
+    plan: &BrokerPlan,
     virtual_host: &str,
     mut salt: impl FnMut() -> [u8; 4],
 ) -> Value {
@@ -62,7 +62,7 @@ pub fn rabbitmq_definitions(
     })
 }
 
-fn queue(plan: &Plan, virtual_host: &str, address: &LogicalAddress) -> Value {
+fn queue(plan: &BrokerPlan, virtual_host: &str, address: &LogicalAddress) -> Value {
     json!({
         "name": address.to_string(), "vhost": virtual_host, "durable": true, "auto_delete": false,
         "arguments": {
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn a_factory_reads_its_requests_and_writes_its_ingress_only() {
-        let plan = Plan {
+        let plan = BrokerPlan {
             platform: account("platform"),
             factories: vec![("f1".parse().expect("an id"), account("f1"))],
             tools: vec![],

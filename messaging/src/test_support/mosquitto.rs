@@ -9,7 +9,7 @@ use std::{
 
 use tempfile::TempDir;
 
-use crate::definitions::{Plan, mosquitto_acl};
+use crate::definitions::{BrokerPlan, mosquitto_acl};
 
 /// Times at which Mosquitto writes its store to disk; it writes all of it each time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,7 +40,7 @@ impl Mosquitto {
     ///
     /// # Panics
     /// Panics when Mosquitto is not installed or does not start.
-    pub async fn start(plan: &Plan, saving: Saving) -> Self {
+    pub async fn start(plan: &BrokerPlan, saving: Saving) -> Self {
         Self::start_with(plan, saving, None).await
     }
 
@@ -49,7 +49,7 @@ impl Mosquitto {
     /// # Panics
     /// Panics when Mosquitto is not installed or does not start.
     pub async fn start_with(
-        plan: &Plan,
+        plan: &BrokerPlan,
         saving: Saving,
         certificate: Option<ServerCertificate<'_>>,
     ) -> Self {

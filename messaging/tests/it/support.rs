@@ -5,7 +5,7 @@ use std::{sync::Arc, time::Duration};
 use asi_model::MessageId;
 use messaging::{
     BrokerProfile, Envelope, Link, LinkConfig, LinkHandle, LogicalAddress, Login, Roots,
-    definitions::{Account, Plan, QueueLimits},
+    definitions::{Account, BrokerPlan, QueueLimits},
     spool::memory::{AcceptedReports, MemorySpool},
     test_support::RecordingInbox,
 };
@@ -112,12 +112,12 @@ pub async fn eventually(what: &str, is_true: impl FnMut() -> bool) {
     testkit::wait::until(what, Duration::from_secs(120), is_true).await;
 }
 
-pub fn plan() -> Plan {
+pub fn plan() -> BrokerPlan {
     let account = |name: &str| Account {
         user_name: name.to_owned(),
         password: format!("secret of {name}").into(),
     };
-    Plan {
+    BrokerPlan {
         platform: account("platform"),
         factories: ["f1", "f2"].map(|id| (id.parse().expect("an id"), account(id))).to_vec(),
         tools: Vec::new(),

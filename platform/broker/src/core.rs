@@ -19,7 +19,7 @@ use crate::{
     cache::BodyCache,
     clock,
     config::{BrokerConfig, QueueOptions},
-    credentials::Credentials,
+    credentials::CredentialSource,
     dead_letter::TOO_MANY_DELIVERIES,
     error::BrokerError,
     message::{AnyMessage, Features},
@@ -34,7 +34,7 @@ const READ_AHEAD: usize = 64;
 /// Core of one broker. Queues and connections are in memory; changes go through the writer.
 pub(crate) struct Core {
     pub config: BrokerConfig,
-    pub credentials: Arc<dyn Credentials>,
+    pub credentials: Arc<dyn CredentialSource>,
     pub writer: WriterHandle,
     pub cache: BodyCache,
     pub dead_letters: Arc<Queue>,
@@ -66,7 +66,7 @@ pub(crate) struct Registration {
 impl Core {
     pub(crate) fn new(
         config: BrokerConfig,
-        credentials: Arc<dyn Credentials>,
+        credentials: Arc<dyn CredentialSource>,
         writer: WriterHandle,
         readers: SqlitePool,
         queues: HashMap<QueueName, Arc<Queue>>,

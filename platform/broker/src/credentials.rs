@@ -11,7 +11,7 @@ use crate::address::{AddressPattern, QueueName};
 /// Source of users. Read within the SASL exchange and at every attach, so an implementation answers
 /// from memory. Users may change at any time; after removing one, also call
 /// `BrokerHandle::disconnect_user`.
-pub trait Credentials: Send + Sync + 'static {
+pub trait CredentialSource: Send + Sync + 'static {
     /// Returns the user of that name.
     fn user(&self, name: &str) -> Option<BrokerUser>;
 }
@@ -141,7 +141,7 @@ impl CredentialTable {
     }
 }
 
-impl Credentials for CredentialTable {
+impl CredentialSource for CredentialTable {
     fn user(&self, name: &str) -> Option<BrokerUser> {
         self.users.read().get(name).cloned()
     }

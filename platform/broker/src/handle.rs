@@ -13,7 +13,7 @@ use crate::{
     address::QueueName,
     config::{BrokerConfig, QueueOptions},
     core::Core,
-    credentials::Credentials,
+    credentials::CredentialSource,
     dead_letter::BrokerDeadLetter,
     error::BrokerError,
     listener::{self, BoundListener},
@@ -43,7 +43,7 @@ impl Broker {
     /// [`BrokerError::Listen`], [`BrokerError::Tls`] or [`BrokerError::OpenStore`].
     pub async fn new(
         config: BrokerConfig,
-        credentials: Arc<dyn Credentials>,
+        credentials: Arc<dyn CredentialSource>,
     ) -> Result<(Self, BrokerHandle), BrokerError> {
         let listeners = listener::bind(&config.listeners).await?;
         let addresses = listeners.iter().map(BoundListener::address).collect();

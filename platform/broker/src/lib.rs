@@ -32,7 +32,7 @@ mod store;
 
 pub use address::{AddressPattern, InvalidPattern, InvalidQueueName, QueueName};
 pub use config::{BrokerConfig, BrokerLimits, Carrier, Listener, QueueOptions, TlsIdentity};
-pub use credentials::{BrokerUser, CredentialTable, Credentials, Permissions, SecretHash};
+pub use credentials::{BrokerUser, CredentialSource, CredentialTable, Permissions, SecretHash};
 pub use dead_letter::BrokerDeadLetter;
 pub use error::BrokerError;
 pub use handle::{Broker, BrokerHandle};

@@ -16,7 +16,7 @@ use crate::{application::Application, live::LiveEvent, principal::Principal};
 #[derive(Deserialize, IntoParams)]
 #[serde(rename_all = "camelCase")]
 #[into_params(parameter_in = Query)]
-pub struct Query {
+pub struct LiveQuery {
     /// As the header `Last-Event-ID`, for the first connection of a page: `lastEventId` of the view
     /// it shows.
     last_event_id: Option<String>,
@@ -24,12 +24,12 @@ pub struct Query {
 
 /// Streams server-sent events (HTML living standard §9.2). Of each event, the schema's `event` is
 /// the line `event:`, and its `data` is the JSON of the line `data:`.
-#[utoipa::path(get, operation_id = "streamLive", path = "/live", tag = "live", security(("session" = [])), params(Query),
+#[utoipa::path(get, operation_id = "streamLive", path = "/live", tag = "live", security(("session" = [])), params(LiveQuery),
     responses((status = 200, content_type = "text/event-stream", body = LiveEvent), ReadProblems))]
 pub async fn stream(
     State(app): State<Application>,
     who: SignedIn<Principal>,
-    ApiQuery(query): ApiQuery<Query>,
+    ApiQuery(query): ApiQuery<LiveQuery>,
     headers: HeaderMap,
 ) -> Response {
     let after = last_event_id(&headers).map(str::to_owned).or(query.last_event_id);

@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     application::Application,
-    networks::{self, Author, NetworkView, Outcome, PutNetwork},
+    networks::{self, Author, ChangeOutcome, NetworkView, PutNetwork},
     principal::Principal,
     store::NetworkSummary,
 };
@@ -137,7 +137,7 @@ pub async fn withdraw(
 }
 
 /// Publishes a committed change to pages and link, and returns the answer.
-pub(super) fn publish(app: &Application, outcome: Outcome) -> Changed {
+pub(super) fn publish(app: &Application, outcome: ChangeOutcome) -> Changed {
     app.broker_access.wake_link();
     app.live.publish(outcome.notifications);
     Changed { revision: outcome.revision, is_changed: outcome.is_changed, sent_to: outcome.sent_to }

@@ -19,7 +19,7 @@ use crate::{
 /// Filter and page of the history.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
-pub struct Query {
+pub struct ReportsQuery {
     /// Only of this network.
     network: Option<OperationNetworkId>,
     /// Only of this request.
@@ -35,12 +35,12 @@ pub struct Query {
 }
 
 /// Lists the reports that their factories released to the viewer, in the order of their arrival.
-#[utoipa::path(get, operation_id = "listReports", path = "/reports", tag = "reports", security(("session" = [])), params(Query),
+#[utoipa::path(get, operation_id = "listReports", path = "/reports", tag = "reports", security(("session" = [])), params(ReportsQuery),
     responses((status = 200, body = Page<Report>), ReadProblems))]
 pub async fn list(
     State(app): State<Application>,
     who: SignedIn<Principal>,
-    ApiQuery(query): ApiQuery<Query>,
+    ApiQuery(query): ApiQuery<ReportsQuery>,
 ) -> Result<Json<Page<Report>>, Problem> {
     let limit = limit(query.limit);
     let is_newest = query.newest.unwrap_or(false);

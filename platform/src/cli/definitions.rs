@@ -5,7 +5,7 @@ use std::io::Write;
 use anyhow::Context;
 use clap::ValueEnum;
 use messaging::definitions::{
-    Account, Plan, QueueLimits, artemis_broker_xml, mosquitto_acl, rabbitmq_definitions,
+    Account, BrokerPlan, QueueLimits, artemis_broker_xml, mosquitto_acl, rabbitmq_definitions,
 };
 use platform::{
     config::PlatformConfig,
@@ -44,7 +44,7 @@ pub async fn print(config: &PlatformConfig, kind: BrokerKind) -> anyhow::Result<
     writeln!(std::io::stdout(), "{}", text.trim_end()).context("writing to standard output")
 }
 
-async fn plan(config: &PlatformConfig) -> anyhow::Result<Plan> {
+async fn plan(config: &PlatformConfig) -> anyhow::Result<BrokerPlan> {
     let external = config.broker.external.as_ref().context("broker.external is not configured")?;
     let store = Store::open(&config.database_path()).await?;
     let mut work = store.read().await?;
@@ -55,7 +55,7 @@ async fn plan(config: &PlatformConfig) -> anyhow::Result<Plan> {
         })?;
         anyhow::Ok(Account { user_name, password: Zeroizing::new(password.expose().clone()) })
     };
-    let mut plan = Plan {
+    let mut plan = BrokerPlan {
         platform: Account {
             user_name: external.user_name.clone(),
             password: Zeroizing::new(external.password.expose().clone()),

@@ -9,7 +9,7 @@ use super::{
     effect::{Terms, take_effect},
     faults::{Context, Revision, conflict, faults},
     merge::merge,
-    outcome::{ChangeError, Outcome},
+    outcome::{ChangeError, ChangeOutcome},
 };
 use crate::store::{Collaboration, NetworkOwners, NetworkRow, Scope, Visibility, Work};
 
@@ -34,7 +34,7 @@ pub async fn put(
     change: PutNetwork,
     author: &Author,
     resend_after: Duration,
-) -> Result<Outcome, ChangeError> {
+) -> Result<ChangeOutcome, ChangeError> {
     if !author.may_plan {
         return Err(ChangeError::NotAllowed);
     }
@@ -60,7 +60,7 @@ pub async fn put(
     match (before, shown) {
         (Some(before), Some(shown)) if before.withdrawn_at.is_none() => {
             if shown.network == change.network {
-                return Ok(Outcome::unchanged(revision));
+                return Ok(ChangeOutcome::unchanged(revision));
             }
             revise(work, before, &shown.network, change.network, &collaboration, &terms).await
         }
@@ -75,7 +75,7 @@ async fn draw(
     withdrawn: Option<NetworkRow>,
     collaboration: &Collaboration,
     terms: &Terms<'_>,
-) -> Result<Outcome, ChangeError> {
+) -> Result<ChangeOutcome, ChangeError> {
     let author = terms.author;
     let (revision, drawn_by) = match withdrawn {
         Some(row) if !author.owns(&row) => return Err(ChangeError::NotAllowed),
@@ -106,7 +106,7 @@ async fn revise(
     document: OperationNetwork,
     collaboration: &Collaboration,
     terms: &Terms<'_>,
-) -> Result<Outcome, ChangeError> {
+) -> Result<ChangeOutcome, ChangeError> {
     let author = terms.author;
     let mut owners = work.networks().owners(&before).await?;
     let revision = Revision { whole: &before.network, shown };
@@ -119,7 +119,7 @@ async fn revise(
     };
     let merged = merge(&before.network, &visibility, performs, &document);
     if merged == before.network {
-        return Ok(Outcome::unchanged(before.revision));
+        return Ok(ChangeOutcome::unchanged(before.revision));
     }
     if *shown != before.network
         && let Some(fault) = conflict(&merged)
@@ -176,7 +176,7 @@ pub async fn withdraw(
     id: &OperationNetworkId,
     author: &Author,
     resend_after: Duration,
-) -> Result<Outcome, ChangeError> {
+) -> Result<ChangeOutcome, ChangeError> {
     let not_found = || ChangeError::NotFound(format!("operation network {id}"));
     work.networks().lookup(&author.scope, id).await?.ok_or_else(not_found)?;
     let before = work.networks().lookup(&Scope::Platform, id).await?.ok_or_else(not_found)?;
@@ -184,7 +184,7 @@ pub async fn withdraw(
         return Err(ChangeError::NotAllowed);
     }
     if before.withdrawn_at.is_some() {
-        return Ok(Outcome::unchanged(before.revision));
+        return Ok(ChangeOutcome::unchanged(before.revision));
     }
     let owners = work.networks().owners(&before).await?;
     let row = NetworkRow {

@@ -8,7 +8,7 @@ use super::{
     author::Author,
     fault::fault,
     notifications::{network_changed, part_changed},
-    outcome::{ChangeError, Outcome},
+    outcome::{ChangeError, ChangeOutcome},
     parts::{self, PlannedPart},
 };
 use crate::{
@@ -29,7 +29,7 @@ pub(super) async fn take_effect(
     row: NetworkRow,
     owners: &NetworkOwners,
     terms: &Terms<'_>,
-) -> Result<Outcome, ChangeError> {
+) -> Result<ChangeOutcome, ChangeError> {
     let id = row.network.operation_network_id.clone();
     let before = work.parts().of_network(&id).await?;
     let plan = parts::plan(&row, &before, terms.resend_after);
@@ -53,7 +53,7 @@ pub(super) async fn take_effect(
     );
     let seen = work.parts().seen(&terms.author.scope, &id).await?;
     sent_to.retain(|factory| seen.iter().any(|seen| seen.part.factory_id == *factory));
-    Ok(Outcome { revision: row.revision, is_changed: true, sent_to, notifications })
+    Ok(ChangeOutcome { revision: row.revision, is_changed: true, sent_to, notifications })
 }
 
 async fn store(

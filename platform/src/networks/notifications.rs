@@ -4,7 +4,7 @@ use asi_model::{OperationNetworkId, messages::Fault};
 
 use crate::{
     live::{LiveEvent, Notification},
-    store::{Part, StoreError, Work},
+    store::{NetworkPart, StoreError, Work},
 };
 
 /// Makes the event of a new revision or a withdrawal, for all who see anything of the network.
@@ -28,7 +28,7 @@ pub(super) async fn network_changed(
 /// [`StoreError`].
 pub(crate) async fn part_changed(
     work: &mut Work,
-    part: &Part,
+    part: &NetworkPart,
 ) -> Result<Vec<Notification>, StoreError> {
     let (whole, others) =
         work.parts().readers(&part.operation_network_id, &part.factory_id).await?;

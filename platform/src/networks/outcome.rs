@@ -6,7 +6,7 @@ use crate::{live::Notification, store::StoreError};
 
 /// Result of a change.
 #[derive(Debug, Clone)]
-pub struct Outcome {
+pub struct ChangeOutcome {
     /// The revision in effect.
     pub revision: u64,
     /// False where nothing differed and the revision is the old one.
@@ -17,7 +17,7 @@ pub struct Outcome {
     pub notifications: Vec<Notification>,
 }
 
-impl Outcome {
+impl ChangeOutcome {
     /// Makes the result of a change that changed nothing.
     pub(super) const fn unchanged(revision: u64) -> Self {
         Self { revision, is_changed: false, sent_to: Vec::new(), notifications: Vec::new() }

@@ -11,13 +11,13 @@ use messaging::{ContentEncoding, Envelope, LogicalAddress};
 
 use crate::{
     clock::new_message_id,
-    store::{NetworkRow, NewOutgoing, Part, PartState},
+    store::{NetworkPart, NetworkRow, NewOutgoing, PartState},
 };
 
 /// A part with the message that carries it.
 #[derive(Debug, Clone)]
 pub(super) struct PlannedPart {
-    pub(super) part: Part,
+    pub(super) part: NetworkPart,
     pub(super) message: NewOutgoing,
 }
 
@@ -42,7 +42,11 @@ const COMPRESSED_FROM_BYTES: usize = 64 * 1024;
 
 /// Plans what to send: its part to each factory whose part has changed, and a withdrawal to those
 /// without a part any more.
-pub(super) fn plan(row: &NetworkRow, before: &[Part], resend_after: Duration) -> Vec<PlannedPart> {
+pub(super) fn plan(
+    row: &NetworkRow,
+    before: &[NetworkPart],
+    resend_after: Duration,
+) -> Vec<PlannedPart> {
     let owners: BTreeSet<&FactoryId> = match row.withdrawn_at {
         Some(_) => BTreeSet::new(),
         None => {
@@ -96,7 +100,7 @@ fn planned_part(
     resend_after: Duration,
 ) -> PlannedPart {
     let now = row.updated_at;
-    let part = Part {
+    let part = NetworkPart {
         operation_network_id: row.network.operation_network_id.clone(),
         factory_id: factory.clone(),
         revision: row.revision,

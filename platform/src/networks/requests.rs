@@ -9,7 +9,7 @@ use asi_model::{
 use super::{
     author::Author,
     change::{PutNetwork, put},
-    outcome::{ChangeError, Outcome},
+    outcome::{ChangeError, ChangeOutcome},
 };
 use crate::store::{NetworkRow, Work};
 
@@ -24,7 +24,7 @@ pub async fn add_request(
     request: DynamicDataRequest,
     author: &Author,
     resend_after: Duration,
-) -> Result<Outcome, ChangeError> {
+) -> Result<ChangeOutcome, ChangeError> {
     let mut row = shown(work, network, author).await?;
     let not_found = || ChangeError::NotFound(format!("operation {operation} in {network}"));
     let target = row
@@ -50,7 +50,7 @@ pub async fn remove_request(
     request: &DynamicDataRequestId,
     author: &Author,
     resend_after: Duration,
-) -> Result<Outcome, ChangeError> {
+) -> Result<ChangeOutcome, ChangeError> {
     let mut row = shown(work, network, author).await?;
     let not_found =
         || ChangeError::NotFound(format!("request {request} of {operation} in {network}"));
@@ -90,7 +90,7 @@ async fn put_again(
     row: NetworkRow,
     author: &Author,
     resend_after: Duration,
-) -> Result<Outcome, ChangeError> {
+) -> Result<ChangeOutcome, ChangeError> {
     let change = PutNetwork {
         collaboration_id: row.collaboration_id,
         network: row.network,

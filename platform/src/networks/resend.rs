@@ -10,7 +10,7 @@ use super::parts::outgoing;
 use crate::{
     broker_access::BrokerAccess,
     clock::{Clock, new_message_id},
-    store::{Part, Scope, Store, StoreError, Work},
+    store::{NetworkPart, Scope, Store, StoreError, Work},
 };
 
 /// Looks for overdue parts from time to time.
@@ -76,7 +76,7 @@ impl Resender {
 
     /// The same content under a new message id: the old one may be known to the connector while its
     /// answer was lost.
-    async fn send_again(&self, work: &mut Work, mut part: Part) -> Result<(), StoreError> {
+    async fn send_again(&self, work: &mut Work, mut part: NetworkPart) -> Result<(), StoreError> {
         let Some(row) =
             work.networks().lookup(&Scope::Platform, &part.operation_network_id).await?
         else {

@@ -16,7 +16,7 @@ use crate::{
     broker_access::{BrokerAccess, PLATFORM_USER},
     certificates::CertificateAuthority,
     clock::Clock,
-    config::{BrokerConfig, ExternalBrokerConfig, PlatformConfig},
+    config::{BrokerSettings, ExternalBrokerConfig, PlatformConfig},
     store::Store,
 };
 
@@ -34,7 +34,7 @@ pub async fn start_broker_alone(
     let store = Store::open(&config.database_path()).await?;
     let broker_access = BrokerAccess::new(config.broker.users.clone());
     let embedded = PlatformConfig {
-        broker: BrokerConfig { external: None, ..config.broker.clone() },
+        broker: BrokerSettings { external: None, ..config.broker.clone() },
         ..config.clone()
     };
     let (broker, _, _) = open(&embedded, &broker_access, &store, clock.now()).await?;
@@ -65,7 +65,7 @@ pub(super) async fn open(
 }
 
 fn open_external(
-    config: &BrokerConfig,
+    config: &BrokerSettings,
     external: &ExternalBrokerConfig,
     container: String,
 ) -> Result<Opened, StartError> {
@@ -134,7 +134,7 @@ async fn open_embedded(
 }
 
 /// Returns the names and addresses that the embedded broker's certificate is valid for.
-fn host_names(config: &BrokerConfig) -> Vec<String> {
+fn host_names(config: &BrokerSettings) -> Vec<String> {
     let mut names = vec!["localhost".to_owned(), "127.0.0.1".to_owned(), "::1".to_owned()];
     names.extend(config.host_names.iter().cloned());
     if let Some(url) = &config.public_url {
@@ -144,7 +144,7 @@ fn host_names(config: &BrokerConfig) -> Vec<String> {
     names
 }
 
-fn tls_listener(config: &BrokerConfig, tls: &TlsIdentity) -> Listener {
+fn tls_listener(config: &BrokerSettings, tls: &TlsIdentity) -> Listener {
     Listener { address: config.listen, tls: Some(tls.clone()), carrier: Carrier::Stream }
 }
 
@@ -166,7 +166,7 @@ fn host(address: SocketAddr) -> String {
 
 #[cfg(test)]
 mod tests {
-    use broker::Credentials;
+    use broker::CredentialSource;
 
     use super::*;
 

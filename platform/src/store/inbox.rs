@@ -26,11 +26,11 @@ pub struct NewInboxMessage {
 }
 
 /// Repository of messages as they came.
-pub struct Inbox<'w>(pub(super) &'w mut Connection);
+pub struct InboxMessages<'w>(pub(super) &'w mut Connection);
 
 const ROWS_PER_STATEMENT: usize = 200;
 
-impl Inbox<'_> {
+impl InboxMessages<'_> {
     /// Stores messages of one address; returns the ids of those that are new.
     ///
     /// # Errors

@@ -52,7 +52,7 @@ impl FromStr for PartState {
 
 /// The newest part that a factory was sent.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Part {
+pub struct NetworkPart {
     pub operation_network_id: OperationNetworkId,
     pub factory_id: FactoryId,
     /// The network's revision in which this part changed last.
@@ -80,7 +80,7 @@ pub struct Part {
 /// A part as a viewer may know it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeenPart {
-    pub part: Part,
+    pub part: NetworkPart,
     /// False where the viewer may know the factory's state and nothing more of the part.
     pub is_whole: bool,
 }
@@ -93,7 +93,7 @@ impl Parts<'_> {
     ///
     /// # Errors
     /// [`StoreError::Statement`].
-    pub async fn put(&mut self, part: &Part) -> Result<(), StoreError> {
+    pub async fn put(&mut self, part: &NetworkPart) -> Result<(), StoreError> {
         let sql = "INSERT INTO network_part (operation_network_id, factory_id, revision, is_withdrawal, document,
                        message_id, state, fault_list, sent_at, sent_count, resend_at, acknowledged_at)
                    VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12)
@@ -149,7 +149,7 @@ impl Parts<'_> {
     pub async fn of_network(
         &mut self,
         network: &OperationNetworkId,
-    ) -> Result<Vec<Part>, StoreError> {
+    ) -> Result<Vec<NetworkPart>, StoreError> {
         let rows = sqlx::query(
             "SELECT * FROM network_part WHERE operation_network_id = $1 ORDER BY factory_id",
         )
@@ -224,7 +224,7 @@ impl Parts<'_> {
         factory: &FactoryId,
         message: &MessageId,
         network: Option<&OperationNetworkId>,
-    ) -> Result<Option<Part>, StoreError> {
+    ) -> Result<Option<NetworkPart>, StoreError> {
         let sql = "SELECT * FROM network_part WHERE factory_id = $1
                    AND (message_id = $2 OR operation_network_id = $3) ORDER BY message_id = $2 DESC LIMIT 1";
         let row = sqlx::query(sql)
@@ -243,7 +243,11 @@ impl Parts<'_> {
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn overdue(&mut self, now: DateTime, limit: u32) -> Result<Vec<Part>, StoreError> {
+    pub async fn overdue(
+        &mut self,
+        now: DateTime,
+        limit: u32,
+    ) -> Result<Vec<NetworkPart>, StoreError> {
         let sql = "SELECT p.* FROM network_part p WHERE p.state = 'SENT' AND (p.resend_at <= $1 OR p.sent_at > $1)
                    AND NOT EXISTS (SELECT 1 FROM outbox o WHERE o.message_id = p.message_id)
                    ORDER BY p.resend_at LIMIT $2";
@@ -257,8 +261,8 @@ impl Parts<'_> {
     }
 }
 
-fn read(row: &DatabaseRow) -> Result<Part, StoreError> {
-    Ok(Part {
+fn read(row: &DatabaseRow) -> Result<NetworkPart, StoreError> {
+    Ok(NetworkPart {
         operation_network_id: row.parsed("operation_network_id")?,
         factory_id: row.parsed("factory_id")?,
         revision: row.unsigned("revision")?,

@@ -12,7 +12,7 @@ use super::{
     error::StoreError,
     factories::Factories,
     fields::Fields,
-    inbox::Inbox,
+    inbox::InboxMessages,
     leases::Leases,
     meta_data::MetaData,
     networks::Networks,
@@ -81,8 +81,8 @@ impl Work {
     }
 
     /// Received messages, for deduplication.
-    pub fn inbox(&mut self) -> Inbox<'_> {
-        Inbox(self.connection())
+    pub fn inbox(&mut self) -> InboxMessages<'_> {
+        InboxMessages(self.connection())
     }
 
     /// Leases on factories' identities.

@@ -12,6 +12,6 @@ pub use input::{
     PATH_ELEMENTS_MAX,
 };
 pub use node::{
-    BrowsedNode, CallOutcome, ListedVariable, NodeClass, TypeName, UnitName, VariableList,
+    BrowsedNode, ListedVariable, NodeClass, NodeType, SourceCallResult, UnitName, VariableList,
 };
 pub use source_id::{InvalidSourceId, SourceId};

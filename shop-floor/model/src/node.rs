@@ -23,10 +23,10 @@ pub struct BrowsedNode {
     pub node_class: NodeClass,
     /// Type of an object or variable.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub type_definition: Option<TypeName>,
+    pub type_definition: Option<NodeType>,
     /// The type of a variable's value.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub data_type: Option<TypeName>,
+    pub data_type: Option<NodeType>,
     /// Built-in type that carries the value: the data type itself, or the base of an enumeration or
     /// structure.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "built_in_name")]
@@ -75,8 +75,7 @@ pub struct VariableList {
 /// A type's identity and name.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
-#[schema(as = NodeType)]
-pub struct TypeName {
+pub struct NodeType {
     pub node_id: NodeId,
     /// Its browse name without the namespace; empty where the server does not know the type.
     pub name: String,
@@ -110,7 +109,7 @@ pub enum NodeClass {
 
 /// Outcome of a method call.
 #[derive(Debug, Clone, PartialEq)]
-pub struct CallOutcome {
+pub struct SourceCallResult {
     pub status: StatusCode,
     /// Output arguments, in the order of the method.
     pub outputs: Vec<Variant>,

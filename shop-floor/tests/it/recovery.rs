@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use asi_model::{StatusCode, Variant};
 use shop_floor::{SourceProblemKind, SourceState};
-use simulator::{Fault, Layout, MachineConfig, MachineHandle, MachineKind};
+use simulator::{Layout, MachineConfig, MachineFault, MachineHandle, MachineKind};
 
 use crate::support::{Floor, Simulation, node, until, within};
 
@@ -44,7 +44,7 @@ async fn proves_to_be_live(cell: &MachineHandle, floor: &Floor, value: u32) {
 #[tokio::test]
 async fn a_killed_server_is_reported_to_all_inputs_and_found_again_within_five_seconds() {
     let (_simulation, cell, floor, source) = watched_cell().await;
-    cell.inject(Fault::Kill).await.expect("killed");
+    cell.inject(MachineFault::Kill).await.expect("killed");
     for input in 0..KEYS.len() as u64 {
         floor.until_status(input, StatusCode::BAD_NOT_CONNECTED).await;
     }
@@ -53,7 +53,9 @@ async fn a_killed_server_is_reported_to_all_inputs_and_found_again_within_five_s
     assert_eq!((status.live, status.not_live.len()), (0, KEYS.len()));
     assert!(status.problem.is_some());
 
-    cell.inject(Fault::Restart { layout: Layout::default(), down_ms: 0 }).await.expect("back");
+    cell.inject(MachineFault::Restart { layout: Layout::default(), down_ms: 0 })
+        .await
+        .expect("back");
     within(Duration::from_secs(5), "all are live again", || {
         floor.status(&source).live == KEYS.len()
     })
@@ -66,7 +68,7 @@ async fn a_killed_server_is_reported_to_all_inputs_and_found_again_within_five_s
 async fn cut_connections_are_made_again() {
     let (_simulation, cell, floor, source) = watched_cell().await;
     for round in 0..3 {
-        cell.inject(Fault::DropConnections).await.expect("cut");
+        cell.inject(MachineFault::DropConnections).await.expect("cut");
         until("a new session", || floor.status(&source).sessions == round + 2).await;
         within(Duration::from_secs(5), "all are live again", || {
             floor.status(&source).live == KEYS.len()
@@ -90,12 +92,12 @@ async fn a_hundred_faults_later_everything_is_live() {
             renumbered: (dice >> 16) as u32 % 3,
         };
         match dice % 3 {
-            0 => cell.inject(Fault::DropConnections).await,
-            1 => cell.inject(Fault::Restart { layout, down_ms: 0 }).await,
+            0 => cell.inject(MachineFault::DropConnections).await,
+            1 => cell.inject(MachineFault::Restart { layout, down_ms: 0 }).await,
             _ => {
-                cell.inject(Fault::Kill).await.expect("killed");
+                cell.inject(MachineFault::Kill).await.expect("killed");
                 floor.until_status(0, StatusCode::BAD_NOT_CONNECTED).await;
-                cell.inject(Fault::Restart { layout, down_ms: (dice >> 24) % 100 }).await
+                cell.inject(MachineFault::Restart { layout, down_ms: (dice >> 24) % 100 }).await
             }
         }
         .unwrap_or_else(|error| panic!("round {round} of seed {seed}: {error}"));
@@ -115,7 +117,7 @@ async fn other_namespace_indexes_after_a_restart_do_not_matter() {
     let (_simulation, cell, floor, source) = watched_cell().await;
     let before = floor.status(&source).sessions;
     let layout = Layout { namespaces_before: 3, renumbered: 0 };
-    cell.inject(Fault::Restart { layout, down_ms: 0 }).await.expect("back");
+    cell.inject(MachineFault::Restart { layout, down_ms: 0 }).await.expect("back");
     until("a new session", || floor.status(&source).sessions > before).await;
     within(Duration::from_secs(5), "all are live again", || {
         floor.status(&source).live == KEYS.len()
@@ -145,7 +147,7 @@ async fn renumbered_nodes_are_found_at_their_browse_paths() {
 
     for machine in [&cell, &robot] {
         let layout = Layout { namespaces_before: 2, renumbered: 1 };
-        machine.inject(Fault::Restart { layout, down_ms: 0 }).await.expect("back");
+        machine.inject(MachineFault::Restart { layout, down_ms: 0 }).await.expect("back");
     }
     assert_ne!(node(&robot, key), old);
     cell.set("Production.PartCounter", 31_u32).await.expect("set");
@@ -166,7 +168,7 @@ async fn renumbered_nodes_are_found_at_their_browse_paths() {
 async fn a_connection_that_looks_green_but_delivers_nothing_is_recovered() {
     let (_simulation, cell, floor, source) = watched_cell().await;
     proves_to_be_live(&cell, &floor, 1).await;
-    cell.inject(Fault::StallSubscriptions).await.expect("stalled");
+    cell.inject(MachineFault::StallSubscriptions).await.expect("stalled");
     let sessions = floor.status(&source).sessions;
     cell.set("Production.PartCounter", 2_u32).await.expect("set");
     let took = within(Duration::from_secs(10), "a new session", || {
@@ -185,7 +187,7 @@ async fn a_connection_that_looks_green_but_delivers_nothing_is_recovered() {
 async fn an_idle_machine_is_not_taken_for_stalled() {
     // Long enough that a busy computer is not taken for a silent server.
     let (_simulation, cell, floor, source) = watched_cell_with_silence(3000).await;
-    cell.inject(Fault::StopUpdating).await.expect("at rest");
+    cell.inject(MachineFault::StopUpdating).await.expect("at rest");
     let begun = std::time::Instant::now();
     until("some rounds of the audit", || begun.elapsed() > Duration::from_secs(8)).await;
     assert_eq!(floor.status(&source).sessions, 1);
@@ -195,7 +197,7 @@ async fn an_idle_machine_is_not_taken_for_stalled() {
 #[tokio::test]
 async fn a_network_that_swallows_everything_is_noticed() {
     let (_simulation, cell, floor, source) = watched_cell().await;
-    cell.inject(Fault::HangNetwork).await.expect("hangs");
+    cell.inject(MachineFault::HangNetwork).await.expect("hangs");
     until("it is noticed", || {
         floor
             .status(&source)
@@ -204,7 +206,7 @@ async fn a_network_that_swallows_everything_is_noticed() {
     })
     .await;
     floor.until_status(0, StatusCode::BAD_NOT_CONNECTED).await;
-    cell.inject(Fault::None).await.expect("healed");
+    cell.inject(MachineFault::None).await.expect("healed");
     within(Duration::from_secs(8), "all are live again", || {
         floor.status(&source).live == KEYS.len()
     })
@@ -216,13 +218,13 @@ async fn a_network_that_swallows_everything_is_noticed() {
 async fn the_machines_statuses_and_wrong_clocks_are_passed_on() {
     let (_simulation, cell, floor, _source) = watched_cell().await;
     let failure = StatusCode::BAD_DEVICE_FAILURE;
-    cell.inject(Fault::BadStatus { status: failure.0, variable: None }).await.expect("bad");
+    cell.inject(MachineFault::BadStatus { status: failure.0, variable: None }).await.expect("bad");
     floor.until_status(0, failure).await;
-    cell.inject(Fault::None).await.expect("healed");
+    cell.inject(MachineFault::None).await.expect("healed");
     floor.until_status(0, StatusCode::GOOD).await;
 
     let two_hours = 7_200_000;
-    cell.inject(Fault::WrongClock { ahead_ms: two_hours }).await.expect("wrong");
+    cell.inject(MachineFault::WrongClock { ahead_ms: two_hours }).await.expect("wrong");
     let at = cell.set("Production.PartCounter", 77_u32).await.expect("set");
     let arrived = floor.until_value(0, 77_u32).await;
     assert_eq!(arrived.source_timestamp, Some(at), "source times are not corrected");

@@ -6,7 +6,7 @@ use asi_model::{BuiltInType, DataValue, DateTime, NodeId, StatusCode, Variant};
 use parking_lot::RwLock;
 use tokio::sync::{mpsc, oneshot};
 
-use crate::{Fault, MachineConfig, SimulatorError};
+use crate::{MachineConfig, MachineFault, SimulatorError};
 
 /// A cloneable handle to a machine.
 #[derive(Clone)]
@@ -34,7 +34,7 @@ pub(super) enum MachineCommand {
         reply: oneshot::Sender<Vec<(String, BuiltInType, DataValue)>>,
     },
     Inject {
-        fault: Fault,
+        fault: MachineFault,
         reply: oneshot::Sender<Result<(), SimulatorError>>,
     },
 }
@@ -121,7 +121,7 @@ impl MachineHandle {
     ///
     /// # Errors
     /// [`SimulatorError`] when the fault needs a relay or a variable that is not there.
-    pub async fn inject(&self, fault: Fault) -> Result<(), SimulatorError> {
+    pub async fn inject(&self, fault: MachineFault) -> Result<(), SimulatorError> {
         self.ask(|reply| MachineCommand::Inject { fault, reply }).await?
     }
 

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use asi_model::{DataValue, Scalar, StatusCode, Variant, values::BuiltInType};
 use simulator::{
-    Config, Fault, MachineConfig, MachineKind, Simulator, SimulatorError, SimulatorHandle,
+    Config, MachineConfig, MachineFault, MachineKind, Simulator, SimulatorError, SimulatorHandle,
     blueprint, signals::Moment,
 };
 use tempfile::TempDir;
@@ -140,9 +140,9 @@ async fn what_is_set_stays_until_it_is_released() {
     assert_eq!(cell.set("Spindle.Temperature", 1_i32).await, Err(wrong));
     let unknown = SimulatorError::UnknownVariable("Spindle.Colour".into());
     assert_eq!(cell.set("Spindle.Colour", 1_i32).await, Err(unknown));
-    cell.inject(Fault::Kill).await.expect("killed");
+    cell.inject(MachineFault::Kill).await.expect("killed");
     assert_eq!(cell.set("Spindle.Temperature", 1.0).await, Err(SimulatorError::Down));
-    cell.inject(Fault::None).await.expect("healed");
+    cell.inject(MachineFault::None).await.expect("healed");
     cell.set("Spindle.Temperature", 1.0).await.expect("it runs again");
 }
 

@@ -30,6 +30,7 @@ pub enum Rule {
     TypeSize,
     ColumnByPlace,
     BannedWord,
+    SharedTypeName,
 }
 
 impl fmt::Display for Rule {
@@ -48,6 +49,7 @@ impl fmt::Display for Rule {
             Self::TypeSize => "type-size",
             Self::ColumnByPlace => "column-by-place",
             Self::BannedWord => "banned-word",
+            Self::SharedTypeName => "shared-type-name",
         })
     }
 }

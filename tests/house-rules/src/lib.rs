@@ -19,6 +19,7 @@ mod size;
 #[allow(clippy::unwrap_used)]
 mod tests;
 mod texts;
+mod type_names;
 mod types;
 mod walls;
 mod words;
@@ -26,6 +27,7 @@ mod words;
 pub use finding::{Finding, Rule};
 pub use package::{Package, ReadError, Role, SourceFile};
 pub use texts::check_texts;
+pub use type_names::{PublicTypes, SharedName, check_type_names};
 pub use types::{Exemption, check_type_sizes};
 pub use walls::{Wall, check_walls};
 pub use words::{BANNED_WORDS, BannedWord};

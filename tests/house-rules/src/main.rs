@@ -8,7 +8,7 @@ use std::{
     process::ExitCode,
 };
 
-use house_rules::{Finding, Package};
+use house_rules::{Finding, Package, PublicTypes};
 
 #[path = "../../it/house/tables.rs"]
 mod tables;
@@ -37,7 +37,12 @@ fn check_folder(
     folder: &Path,
     findings: &mut Vec<Finding>,
 ) -> Result<(), Box<dyn std::error::Error>> {
-    check_below(folder, findings)?;
+    let mut types = Vec::new();
+    check_below(folder, findings, &mut types)?;
+    // Only the whole workspace shows which packages meet.
+    if folder.join("Cargo.lock").exists() {
+        findings.extend(house_rules::check_type_names(&types, tables::SHARED_NAMES));
+    }
     let prefix = folder.to_string_lossy();
     let prefix = prefix.trim_start_matches("./").trim_end_matches('/');
     for mut finding in house_rules::check_texts(folder)? {
@@ -53,6 +58,7 @@ fn check_folder(
 fn check_below(
     folder: &Path,
     findings: &mut Vec<Finding>,
+    types: &mut Vec<PublicTypes>,
 ) -> Result<(), Box<dyn std::error::Error>> {
     if is_package(folder)? {
         let package = Package::read(folder)?;
@@ -60,6 +66,9 @@ fn check_below(
         findings.extend(house_rules::check_walls(&package, &tables::walls()));
         if tables::CONNECTOR.contains(&package.name.as_str()) {
             findings.extend(house_rules::check_type_sizes(&package, tables::LARGE_TYPES));
+        }
+        if !tables::TEST_PACKAGES.contains(&package.name.as_str()) {
+            types.push(PublicTypes::of(&package));
         }
     }
     let mut below: Vec<PathBuf> =
@@ -70,7 +79,7 @@ fn check_below(
         let is_foreign =
             name.starts_with('.') || matches!(&*name, "target" | "vendor" | "node_modules");
         if path.is_dir() && !is_foreign {
-            check_below(&path, findings)?;
+            check_below(&path, findings, types)?;
         }
     }
     Ok(())

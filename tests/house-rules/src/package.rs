@@ -1,6 +1,7 @@
 //! Packages: the parsed Rust sources of one folder with a `Cargo.toml`.
 
 use std::{
+    collections::BTreeSet,
     fs, io,
     path::{Path, PathBuf},
 };
@@ -13,6 +14,8 @@ pub(crate) const GENERATED: &str = "@generated";
 /// The sources of one package. Packages in folders below it are packages of their own.
 pub struct Package {
     pub name: String,
+    /// Names of the packages that it is built from, without those of its tests.
+    pub dependencies: BTreeSet<String>,
     /// Ordered by path.
     pub files: Vec<SourceFile>,
 }
@@ -66,10 +69,12 @@ impl Package {
     pub fn read_in(root: &Path, prefix: &str) -> Result<Self, ReadError> {
         let folder = &root.join(prefix);
         let manifest = folder.join("Cargo.toml");
-        let name = package_name(&read_text(&manifest)?).ok_or(ReadError::NoName(manifest))?;
+        let text = read_text(&manifest)?;
+        let name = package_name(&text).ok_or(ReadError::NoName(manifest))?;
         let mut sources = Vec::new();
         collect(folder, "", &mut sources)?;
-        Self::parse(&name, prefix, sources)
+        let dependencies = dependencies(&text);
+        Ok(Self { dependencies, ..Self::parse(&name, prefix, sources)? })
     }
 
     /// Parses sources given as (path inside the package, text).
@@ -106,7 +111,7 @@ impl Package {
             let role = role_of(&inner);
             files.push(SourceFile { path, inner, text, syntax, role });
         }
-        Ok(Self { name: name.to_owned(), files })
+        Ok(Self { name: name.to_owned(), dependencies: BTreeSet::new(), files })
     }
 }
 
@@ -141,6 +146,25 @@ fn package_name(manifest: &str) -> Option<String> {
     let (_, package) = manifest.split_once("[package]")?;
     let line = package.lines().find(|line| line.starts_with("name"))?;
     line.split('"').nth(1).map(str::to_owned)
+}
+
+/// Returns the names in the tables `[dependencies]`, also of single targets.
+fn dependencies(manifest: &str) -> BTreeSet<String> {
+    let mut is_dependency = false;
+    let mut names = BTreeSet::new();
+    for line in manifest.lines() {
+        if line.starts_with('[') {
+            is_dependency = line.trim_end_matches(']').ends_with("dependencies")
+                && !line.contains("dev-")
+                && !line.contains("build-");
+        } else if is_dependency {
+            let name = line.split(['.', '=', ' ']).next().unwrap_or_default();
+            if !name.is_empty() && !name.starts_with('#') {
+                names.insert(name.to_owned());
+            }
+        }
+    }
+    names
 }
 
 fn collect(

@@ -1,6 +1,7 @@
 //! Tiny packages, each with what a rule must find or must not find.
 
 mod circles;
+mod type_names;
 mod types;
 mod vocabulary;
 

@@ -1,7 +1,7 @@
 //! Tables of the rules of form: walls between the modules of a package, packages that are pure, and
 //! types of the connector that may be larger than others. Shared by the test and the program for developers.
 
-use house_rules::{Exemption, Wall};
+use house_rules::{Exemption, SharedName, Wall};
 
 /// Packages of the connector, whose types have bounds.
 pub const CONNECTOR: &[&str] =
@@ -9,6 +9,28 @@ pub const CONNECTOR: &[&str] =
 
 /// Types of the connector that may have more fields or methods.
 pub const LARGE_TYPES: &[Exemption] = &[];
+
+/// Packages of the tests, whose types no product code meets.
+pub const TEST_PACKAGES: &[&str] = &["verbund-tests", "testkit", "free-ports", "house-rules"];
+
+const fn shared(name: &'static str, reason: &'static str) -> SharedName {
+    SharedName { name, reason }
+}
+
+/// Names that several public types share although a package meets both.
+pub const SHARED_NAMES: &[SharedName] = &[
+    shared(
+        "Enumeration",
+        "a DataType of OPC UA Part 3, and the function of a mapping that reads one",
+    ),
+    shared("Fault", "the member of a message, and the mapping's own; both are schemas of APIs"),
+    shared("FaultKind", "the kinds of a script's fault are part of those of a mapping's"),
+    shared(
+        "NodeClass",
+        "OPC UA Part 3: all classes in a NodeSet, and those that a page tells apart",
+    ),
+    shared("Role", "a user's role on the pages, and the role of a session, OPC UA Part 18"),
+];
 
 const fn wall(
     package: &'static str,

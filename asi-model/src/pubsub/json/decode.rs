@@ -5,7 +5,7 @@ use super::{
     decode_message, decode_meta_data,
 };
 use crate::{
-    json::{JsonError, Kind, Node, Tape},
+    json::{JsonError, JsonNode, Kind, Tape},
     opcua_json::{Decoder, Diagnostic, LIMITS, Leniency, Mismatch, decode_scalar::date_time},
     pubsub::{MetaDataLookup, NetworkMessage, PubSubMessage, PubSubState, StatusMessage},
 };
@@ -75,7 +75,7 @@ pub fn decode_described(
 }
 
 fn message<'t, 'a, 'd>(
-    root: Node<'t, 'a>,
+    root: JsonNode<'t, 'a>,
     decoder: &mut Decoder<'d>,
     lookup: &'d dyn MetaDataLookup,
 ) -> Result<PubSubMessage, Mismatch<'t, 'a>> {
@@ -91,11 +91,11 @@ fn message<'t, 'a, 'd>(
 }
 
 fn object<'t, 'a, 'd>(
-    root: Node<'t, 'a>,
+    root: JsonNode<'t, 'a>,
     decoder: &mut Decoder<'d>,
     lookup: &'d dyn MetaDataLookup,
 ) -> Result<PubSubMessage, Mismatch<'t, 'a>> {
-    let message_type = root.get("MessageType").and_then(Node::text);
+    let message_type = root.get("MessageType").and_then(JsonNode::text);
     match message_type.as_deref() {
         Some("ua-metadata") if root.get("MetaData").is_some() => {
             decode_meta_data::message(root, decoder)
@@ -132,7 +132,7 @@ fn object<'t, 'a, 'd>(
 }
 
 fn status<'t, 'a>(
-    root: Node<'t, 'a>,
+    root: JsonNode<'t, 'a>,
     decoder: &mut Decoder<'_>,
 ) -> Result<PubSubMessage, Mismatch<'t, 'a>> {
     const EXPECTED: &str = "Status must be a PubSubState: a number from 0 to 4 or its name";
@@ -153,6 +153,6 @@ fn status<'t, 'a>(
         message_id: message_id(root, decoder)?,
         publisher_id: publisher_id(root)?,
         status: state.ok_or_else(|| Mismatch::new(node, EXPECTED))?,
-        is_cyclic: root.get("IsCyclic").and_then(Node::boolean).unwrap_or(false),
+        is_cyclic: root.get("IsCyclic").and_then(JsonNode::boolean).unwrap_or(false),
     }))
 }

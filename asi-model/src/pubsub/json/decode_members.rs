@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::{
     ids::MessageId,
-    json::{Kind, Node},
+    json::{JsonNode, Kind},
     opcua_json::{
         Decoder, Mismatch,
         decode_scalar::{integer, text},
@@ -14,7 +14,7 @@ use crate::{
 
 /// The message id; one that is not printable ASCII of up to 128 characters is dropped with a note.
 pub(super) fn message_id<'t, 'a>(
-    root: Node<'t, 'a>,
+    root: JsonNode<'t, 'a>,
     decoder: &mut Decoder<'_>,
 ) -> Result<Option<MessageId>, Mismatch<'t, 'a>> {
     let Some(node) = root.get("MessageId") else { return Ok(None) };
@@ -32,7 +32,7 @@ pub(super) fn message_id<'t, 'a>(
 
 /// The publisher id: a string, or a number as 1.04 also allowed.
 pub(super) fn publisher_id<'t, 'a>(
-    root: Node<'t, 'a>,
+    root: JsonNode<'t, 'a>,
 ) -> Result<Option<Arc<str>>, Mismatch<'t, 'a>> {
     match root.get("PublisherId") {
         None => Ok(None),
@@ -46,7 +46,7 @@ pub(super) fn publisher_id<'t, 'a>(
 
 /// A text member, if it is there.
 pub(super) fn optional_text<'t, 'a>(
-    root: Node<'t, 'a>,
+    root: JsonNode<'t, 'a>,
     name: &str,
 ) -> Result<Option<Arc<str>>, Mismatch<'t, 'a>> {
     match root.get(name) {
@@ -56,7 +56,7 @@ pub(super) fn optional_text<'t, 'a>(
 }
 
 pub(super) fn meta_data_version<'t, 'a>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
 ) -> Result<MetaDataVersion, Mismatch<'t, 'a>> {
     let part = |name: &str| match node.get(name) {
         Some(part) => integer(part, "a number from 0 to 4294967295"),

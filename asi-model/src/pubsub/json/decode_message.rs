@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::decode_members::{message_id, meta_data_version, optional_text, publisher_id};
 use crate::{
-    json::{Kind, Node},
+    json::{JsonNode, Kind},
     opcua_json::{
         DecodedValue, Decoder, Mismatch,
         decode::TypeHint,
@@ -18,7 +18,7 @@ use crate::{
 };
 
 pub(super) fn network_message<'t, 'a, 'd>(
-    root: Node<'t, 'a>,
+    root: JsonNode<'t, 'a>,
     decoder: &mut Decoder<'d>,
     lookup: &'d dyn MetaDataLookup,
 ) -> Result<NetworkMessage, Mismatch<'t, 'a>> {
@@ -38,7 +38,7 @@ pub(super) fn network_message<'t, 'a, 'd>(
 
 /// One DataSetMessage or an array of them.
 pub(super) fn data_set_messages<'t, 'a, 'd>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
     decoder: &mut Decoder<'d>,
     lookup: &'d dyn MetaDataLookup,
     publisher_id: Option<&str>,
@@ -53,8 +53,8 @@ pub(super) fn data_set_messages<'t, 'a, 'd>(
 }
 
 /// True for an object with a DataSetMessage header; without one, the object itself is the payload.
-pub(super) fn is_data_set_message(node: Node<'_, '_>) -> bool {
-    let kind = node.get("MessageType").and_then(Node::text);
+pub(super) fn is_data_set_message(node: JsonNode<'_, '_>) -> bool {
+    let kind = node.get("MessageType").and_then(JsonNode::text);
     kind.is_some_and(|kind| DataSetMessageKind::from_name(&kind).is_some())
         || node.get("Payload").is_some_and(|payload| {
             matches!(payload.kind(), Kind::Object | Kind::Null) && payload.get("UaType").is_none()
@@ -62,7 +62,7 @@ pub(super) fn is_data_set_message(node: Node<'_, '_>) -> bool {
 }
 
 pub(super) fn data_set_message<'t, 'a, 'd>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
     decoder: &mut Decoder<'d>,
     lookup: &'d dyn MetaDataLookup,
     publisher_id: Option<&str>,
@@ -89,9 +89,9 @@ pub(super) fn data_set_message<'t, 'a, 'd>(
 
 /// Reads the header's members and finds the payload.
 fn header<'t, 'a>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
     message: &mut DataSetMessage,
-) -> Result<Option<Node<'t, 'a>>, Mismatch<'t, 'a>> {
+) -> Result<Option<JsonNode<'t, 'a>>, Mismatch<'t, 'a>> {
     let mut payload = None;
     for (key, value) in node.members() {
         let Some(name) = key.text() else { continue };
@@ -126,13 +126,13 @@ fn header<'t, 'a>(
 }
 
 /// A number; a numeric string as the first text of 1.04 had it.
-fn writer_id<'t, 'a>(node: Node<'t, 'a>) -> Result<u16, Mismatch<'t, 'a>> {
+fn writer_id<'t, 'a>(node: JsonNode<'t, 'a>) -> Result<u16, Mismatch<'t, 'a>> {
     let from_text = node.text().and_then(|text| text.parse().ok());
     from_text.map_or_else(|| integer(node, "a DataSetWriterId from 0 to 65535"), Ok)
 }
 
 fn fields<'t, 'a>(
-    payload: Node<'t, 'a>,
+    payload: JsonNode<'t, 'a>,
     decoder: &mut Decoder<'_>,
     meta_data: Option<&DataSetMetaData>,
     message: &mut DataSetMessage,

@@ -6,7 +6,7 @@ use uuid::Uuid;
 
 use super::decode_members::{message_id, meta_data_version, optional_text, publisher_id};
 use crate::{
-    json::{Kind, Node},
+    json::{JsonNode, Kind},
     opcua_json::{
         Decoder, Mismatch,
         decode_scalar::{date_time, guid, integer, integer_64, localized_text, text},
@@ -26,7 +26,7 @@ const TYPE_FIELDS_MAX: usize = 512;
 const FIELDS_MAX: usize = 4096;
 
 pub(super) fn message<'t, 'a>(
-    root: Node<'t, 'a>,
+    root: JsonNode<'t, 'a>,
     decoder: &mut Decoder<'_>,
 ) -> Result<PubSubMessage, Mismatch<'t, 'a>> {
     let writer = root
@@ -49,10 +49,10 @@ pub(super) fn message<'t, 'a>(
 
 /// The elements of a list member, at most so many.
 fn list<'t, 'a>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
     name: &str,
     count_max: usize,
-) -> Result<impl Iterator<Item = Node<'t, 'a>> + use<'t, 'a>, Mismatch<'t, 'a>> {
+) -> Result<impl Iterator<Item = JsonNode<'t, 'a>> + use<'t, 'a>, Mismatch<'t, 'a>> {
     let found = node.get(name).filter(|list| !list.is_null());
     if let Some(list) = found {
         if list.kind() != Kind::Array {
@@ -65,11 +65,11 @@ fn list<'t, 'a>(
             ));
         }
     }
-    Ok(found.into_iter().flat_map(Node::elements))
+    Ok(found.into_iter().flat_map(JsonNode::elements))
 }
 
 fn data_set<'t, 'a>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
     decoder: &mut Decoder<'_>,
 ) -> Result<DataSetMetaData, Mismatch<'t, 'a>> {
     if node.kind() != Kind::Object {
@@ -121,21 +121,21 @@ fn data_set<'t, 'a>(
     Ok(known)
 }
 
-fn description<'t, 'a>(node: Node<'t, 'a>) -> Result<Option<LocalizedText>, Mismatch<'t, 'a>> {
+fn description<'t, 'a>(node: JsonNode<'t, 'a>) -> Result<Option<LocalizedText>, Mismatch<'t, 'a>> {
     let text = node.get("Description").map(localized_text).transpose()?;
     Ok(text.filter(|text| text.text.is_some() || text.locale.is_some()))
 }
 
-fn array_dimensions<'t, 'a>(node: Node<'t, 'a>) -> Result<Vec<u32>, Mismatch<'t, 'a>> {
+fn array_dimensions<'t, 'a>(node: JsonNode<'t, 'a>) -> Result<Vec<u32>, Mismatch<'t, 'a>> {
     list(node, "ArrayDimensions", FIELDS_MAX)?.map(|length| integer(length, "a length")).collect()
 }
 
-fn max_string_length<'t, 'a>(node: Node<'t, 'a>) -> Result<u32, Mismatch<'t, 'a>> {
+fn max_string_length<'t, 'a>(node: JsonNode<'t, 'a>) -> Result<u32, Mismatch<'t, 'a>> {
     node.get("MaxStringLength").map_or(Ok(0), |length| integer(length, "a length"))
 }
 
 fn field<'t, 'a>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
     decoder: &mut Decoder<'_>,
 ) -> Result<FieldMetaData, Mismatch<'t, 'a>> {
     let name = node.get("Name").ok_or_else(|| Mismatch::new(node, "Name is missing"))?;
@@ -176,7 +176,7 @@ fn field<'t, 'a>(
 
 /// An enumeration; one without id describes nothing.
 fn enum_type<'t, 'a>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
     decoder: &mut Decoder<'_>,
 ) -> Result<Option<EnumType>, Mismatch<'t, 'a>> {
     let Some(id) = node.get("DataTypeId") else { return Ok(None) };
@@ -213,7 +213,7 @@ fn enum_type<'t, 'a>(
 
 /// Another name for a simple type; one without id describes nothing.
 fn simple_type<'t, 'a>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
     decoder: &Decoder<'_>,
 ) -> Result<Option<SimpleType>, Mismatch<'t, 'a>> {
     let Some(id) = node.get("DataTypeId") else { return Ok(None) };
@@ -235,12 +235,12 @@ fn simple_type<'t, 'a>(
     }))
 }
 
-fn stated_type(node: Node<'_, '_>) -> Option<BuiltInType> {
-    node.get("BuiltInType").and_then(Node::integer).and_then(BuiltInType::from_id)
+fn stated_type(node: JsonNode<'_, '_>) -> Option<BuiltInType> {
+    node.get("BuiltInType").and_then(JsonNode::integer).and_then(BuiltInType::from_id)
 }
 
 fn type_name<'t, 'a>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
     decoder: &Decoder<'_>,
 ) -> Result<Arc<str>, Mismatch<'t, 'a>> {
     let name = node.get("Name").map(|name| decoder.namespaces.qualified_name(name)).transpose()?;
@@ -248,7 +248,7 @@ fn type_name<'t, 'a>(
 }
 
 fn structure_type<'t, 'a>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
     decoder: &Decoder<'_>,
     aliases: &HashMap<&NodeId, BuiltInType>,
 ) -> Result<StructureType, Mismatch<'t, 'a>> {
@@ -284,7 +284,7 @@ fn structure_type<'t, 'a>(
 }
 
 fn structure_field<'t, 'a>(
-    node: Node<'t, 'a>,
+    node: JsonNode<'t, 'a>,
     decoder: &Decoder<'_>,
     aliases: &HashMap<&NodeId, BuiltInType>,
 ) -> Result<StructureField, Mismatch<'t, 'a>> {
@@ -303,7 +303,7 @@ fn structure_field<'t, 'a>(
         value_rank: node.get("ValueRank").map_or(Ok(-1), |rank| integer(rank, "a ValueRank"))?,
         array_dimensions: array_dimensions(node)?,
         max_string_length: max_string_length(node)?,
-        is_optional: node.get("IsOptional").and_then(Node::boolean).unwrap_or(false),
+        is_optional: node.get("IsOptional").and_then(JsonNode::boolean).unwrap_or(false),
     })
 }
 

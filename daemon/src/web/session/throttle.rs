@@ -35,11 +35,11 @@ const ENTRIES_MAX: usize = 10_000;
 #[derive(Debug)]
 pub struct LoginThrottle {
     config: ThrottleConfig,
-    entries: HashMap<(IpAddr, Option<String>), Entry>,
+    entries: HashMap<(IpAddr, Option<String>), FailedAttempts>,
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Entry {
+struct FailedAttempts {
     failures: u32,
     last: Instant,
 }
@@ -66,11 +66,12 @@ impl LoginThrottle {
     pub fn failed(&mut self, client: IpAddr, user_name: &str, now: Instant) {
         let longest = self.config.longest_wait;
         for key in [(client, Some(user_name.to_owned())), (client, None)] {
-            let entry = self.entries.entry(key).or_insert(Entry { failures: 0, last: now });
+            let entry =
+                self.entries.entry(key).or_insert(FailedAttempts { failures: 0, last: now });
             if now.duration_since(entry.last) > longest {
                 entry.failures = 0;
             }
-            *entry = Entry { failures: entry.failures.saturating_add(1), last: now };
+            *entry = FailedAttempts { failures: entry.failures.saturating_add(1), last: now };
         }
         if self.entries.len() > ENTRIES_MAX {
             self.entries.retain(|_, entry| now.duration_since(entry.last) <= longest);

@@ -22,7 +22,7 @@ use crate::{
 /// Form of an export.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
-pub struct ExportQuery {
+pub struct LedgerExportQuery {
     /// `jsonl`, `csv` or `html`.
     #[param(inline)]
     format: ExportFormat,
@@ -37,14 +37,14 @@ pub struct ExportQuery {
     get,
     path = "/ledger/export",
     tag = "ledger",
-    params(LedgerSelection, ExportQuery),
+    params(LedgerSelection, LedgerExportQuery),
     responses((status = 200, content_type = "text/csv", body = String), Problems)
 )]
 pub async fn export_ledger(
     _: Viewer,
     State(api): State<Api>,
     ApiQuery(selection): ApiQuery<LedgerSelection>,
-    ApiQuery(query): ApiQuery<ExportQuery>,
+    ApiQuery(query): ApiQuery<LedgerExportQuery>,
 ) -> Result<Response, Problem> {
     let exporter = Exporter::new(query.format, query.language.unwrap_or_default());
     let filter = selection.filter()?;

@@ -68,7 +68,8 @@ pub async fn list_operator_entries(
 /// Entries that a page has collected.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
-pub struct Delivery {
+#[schema(as = Delivery)]
+pub struct EntryDelivery {
     /// Page's clock at the delivery. The entries' times are corrected by its difference to ours.
     sent_at: Option<DateTime>,
     /// Up to 500, in any order.
@@ -132,13 +133,13 @@ pub struct FieldResult {
     post,
     path = "/operator/entries",
     tag = "operator",
-    request_body = Delivery,
+    request_body = EntryDelivery,
     responses((status = 200, body = Page<EntryResult>), Problems)
 )]
 pub async fn deliver_operator_entries(
     Operator(user): Operator,
     State(api): State<Api>,
-    ApiJson(delivery): ApiJson<Delivery>,
+    ApiJson(delivery): ApiJson<EntryDelivery>,
 ) -> Result<Json<Page<EntryResult>>, Problem> {
     if delivery.entries.len() > ENTRIES_MAX {
         return Err(Problem::bad_request(

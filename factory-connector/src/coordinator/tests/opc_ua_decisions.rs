@@ -8,7 +8,7 @@ use crate::twin_adapter::CoordinatorWriter;
 
 async fn map_by_opc_ua(running: &Running) -> StatusCode {
     let user = TwinUser { name: "eve".into(), role: twin::Role::Engineer };
-    let decision = twin::FieldDecision { mapping_state: MappingState::Mapped, reason: None };
+    let decision = twin::TwinDecision { mapping_state: MappingState::Mapped, reason: None };
     CoordinatorWriter(running.coordinator.clone()).decide(&field("made"), decision, &user).await
 }
 

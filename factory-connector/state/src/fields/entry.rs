@@ -3,7 +3,7 @@
 use super::{Field, deadlines::Noted};
 
 /// A field with the registry's own notes about it.
-pub(super) struct Entry {
+pub(super) struct FieldEntry {
     pub(super) field: Field,
     /// Stands among the fields that the next transaction writes.
     pub(super) is_dirty: bool,
@@ -12,7 +12,7 @@ pub(super) struct Entry {
     pub(super) deadlines: Noted,
 }
 
-impl Entry {
+impl FieldEntry {
     pub(super) fn new(field: Field) -> Self {
         Self { field, is_dirty: false, has_released: false, deadlines: Noted::default() }
     }

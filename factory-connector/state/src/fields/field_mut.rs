@@ -8,13 +8,13 @@ use disclosure::{Gate, GateState};
 use mapping::{Mapping, TransformState};
 
 use super::{
-    DisclosureRate, Field, FieldDecision, ShadowMapping, Validity, entry::Entry, index::Index,
+    DisclosureRate, Field, FieldDecision, ShadowMapping, Validity, entry::FieldEntry, index::Index,
 };
 
 /// A field that is being changed. Each method brings up to date what the registry knows about all
 /// fields: deadlines, named policies, and which fields the next transaction writes.
 pub(crate) struct FieldMut<'r> {
-    pub(super) entry: &'r mut Entry,
+    pub(super) entry: &'r mut FieldEntry,
     pub(super) index: &'r mut Index,
 }
 

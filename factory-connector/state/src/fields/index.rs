@@ -1,6 +1,6 @@
 //! Index of all fields as a whole: the few of many that are looked for are found without a scan.
 
-use super::{deadlines::Deadlines, entry::Entry, policy_index::PolicyIndex};
+use super::{deadlines::Deadlines, entry::FieldEntry, policy_index::PolicyIndex};
 
 /// Deadlines and named policies of all fields, and those that the next transaction writes.
 #[derive(Debug, Default)]
@@ -13,26 +13,26 @@ pub(super) struct Index {
 
 impl Index {
     /// Marks that the next transaction writes the field's gate and transform.
-    pub(super) fn mark_dirty(&mut self, entry: &mut Entry) {
+    pub(super) fn mark_dirty(&mut self, entry: &mut FieldEntry) {
         if !std::mem::replace(&mut entry.is_dirty, true) {
             self.dirty.push(entry.field.id());
         }
     }
 
     /// Adds a field.
-    pub(super) fn add(&mut self, entry: &mut Entry) {
+    pub(super) fn add(&mut self, entry: &mut FieldEntry) {
         self.policies.note(&entry.field);
         self.note_deadlines(entry);
     }
 
     /// Forgets a field that is removed.
-    pub(super) fn forget(&mut self, entry: &mut Entry) {
+    pub(super) fn forget(&mut self, entry: &mut FieldEntry) {
         self.policies.forget(&entry.field);
         self.deadlines.forget(entry.field.id(), &mut entry.deadlines);
     }
 
     /// Brings the deadlines up to date after the gate, the decision or the validity changed.
-    pub(super) fn note_deadlines(&mut self, entry: &mut Entry) {
+    pub(super) fn note_deadlines(&mut self, entry: &mut FieldEntry) {
         self.note_release(entry);
         let field = &entry.field;
         let end = field.validity.until.filter(|_| field.decision.is_mapped());
@@ -40,7 +40,7 @@ impl Index {
     }
 
     /// Brings the deadline of the gate up to date.
-    pub(super) fn note_release(&mut self, entry: &mut Entry) {
+    pub(super) fn note_release(&mut self, entry: &mut FieldEntry) {
         let due = entry.field.gate.due();
         self.deadlines.note_release(entry.field.id(), due, &mut entry.deadlines);
     }

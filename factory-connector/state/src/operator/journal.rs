@@ -24,7 +24,7 @@ pub struct Journal {
 
 /// Statement of the entries about a field.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Statement {
+pub enum OperatorStatement {
     /// A count or a share.
     Number(f64),
     /// State of the operation.
@@ -40,9 +40,7 @@ pub enum Statement {
 /// A problem that is not solved yet.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
-// The problem document of a failed request is another schema, also named `Problem`.
-#[schema(as = OperatorProblem)]
-pub struct Problem {
+pub struct OperatorProblem {
     pub text: String,
     /// Time of its entry.
     pub since: DateTime,
@@ -65,7 +63,7 @@ pub struct OperationStatus {
     /// Scrap counted with the buttons.
     pub scrap_quantity: f64,
     /// The problem that is not solved yet.
-    pub problem: Option<Problem>,
+    pub problem: Option<OperatorProblem>,
     /// Time of the last entry.
     pub last_entry_at: Option<DateTime>,
 }
@@ -124,7 +122,8 @@ impl Journal {
                 Action::Problem { text } => {
                     status.state = Some(OperationState::Interrupted);
                     let told_by = entry.made_by.clone();
-                    status.problem = Some(Problem { text: text.clone(), since: at, told_by });
+                    status.problem =
+                        Some(OperatorProblem { text: text.clone(), since: at, told_by });
                 }
                 Action::Value { .. } => {}
             }
@@ -140,8 +139,8 @@ impl Journal {
         field: &FieldKey,
         semantic: Option<&Semantic>,
         planned: Option<f64>,
-    ) -> Option<(Statement, DateTime)> {
-        let mut answer: Option<(Statement, DateTime)> = None;
+    ) -> Option<(OperatorStatement, DateTime)> {
+        let mut answer: Option<(OperatorStatement, DateTime)> = None;
         // Good pieces, for the share of what is planned.
         let mut good = 0.0_f64;
         for entry in self.entries.values() {
@@ -150,7 +149,7 @@ impl Journal {
                 (Action::Value { value, .. }, _)
                     if entry.action.field(&entry.operation).as_ref() == Some(field) =>
                 {
-                    Some(Statement::Typed(value.clone()))
+                    Some(OperatorStatement::Typed(value.clone()))
                 }
                 (Action::Add { quantity, piece }, Some(semantic)) => {
                     if *piece == Piece::Good {
@@ -159,21 +158,25 @@ impl Journal {
                     counted(semantic, *piece, *quantity, before, good, planned)
                 }
                 (Action::Start, Some(Semantic::OperationState)) => {
-                    Some(Statement::State(OperationState::Running))
+                    Some(OperatorStatement::State(OperationState::Running))
                 }
                 (Action::Start, Some(Semantic::ActualStart)) if before.is_none() => {
-                    Some(Statement::Time(entry.made_at))
+                    Some(OperatorStatement::Time(entry.made_at))
                 }
                 (Action::Start, Some(Semantic::ActualEnd)) if before.is_some() => {
-                    Some(Statement::Withdrawn)
+                    Some(OperatorStatement::Withdrawn)
                 }
                 (Action::Done, Some(Semantic::OperationState)) => {
-                    Some(Statement::State(OperationState::Ended))
+                    Some(OperatorStatement::State(OperationState::Ended))
                 }
-                (Action::Done, Some(Semantic::ActualEnd)) => Some(Statement::Time(entry.made_at)),
-                (Action::Done, Some(Semantic::PercentComplete)) => Some(Statement::Number(100.0)),
+                (Action::Done, Some(Semantic::ActualEnd)) => {
+                    Some(OperatorStatement::Time(entry.made_at))
+                }
+                (Action::Done, Some(Semantic::PercentComplete)) => {
+                    Some(OperatorStatement::Number(100.0))
+                }
                 (Action::Problem { .. }, Some(Semantic::OperationState)) => {
-                    Some(Statement::State(OperationState::Interrupted))
+                    Some(OperatorStatement::State(OperationState::Interrupted))
                 }
                 _ => None,
             };
@@ -190,10 +193,10 @@ fn counted(
     semantic: &Semantic,
     piece: Piece,
     quantity: f64,
-    before: Option<&Statement>,
+    before: Option<&OperatorStatement>,
     good: f64,
     planned: Option<f64>,
-) -> Option<Statement> {
+) -> Option<OperatorStatement> {
     let concerns = match semantic {
         Semantic::ProducedQuantity => true,
         Semantic::GoodQuantity | Semantic::PercentComplete => piece == Piece::Good,
@@ -205,18 +208,18 @@ fn counted(
     }
     if *semantic == Semantic::PercentComplete {
         let planned = planned.filter(|planned| *planned > 0.0)?;
-        return Some(Statement::Number((good / planned * 100.0).clamp(0.0, 100.0)));
+        return Some(OperatorStatement::Number((good / planned * 100.0).clamp(0.0, 100.0)));
     }
     let so_far = match before {
-        Some(Statement::Number(number)) => *number,
-        Some(Statement::Typed(Value::Number(number))) => number.as_f64().unwrap_or(0.0),
-        Some(Statement::Typed(Value::String(text))) => text.trim().parse().unwrap_or(0.0),
+        Some(OperatorStatement::Number(number)) => *number,
+        Some(OperatorStatement::Typed(Value::Number(number))) => number.as_f64().unwrap_or(0.0),
+        Some(OperatorStatement::Typed(Value::String(text))) => text.trim().parse().unwrap_or(0.0),
         _ => 0.0,
     };
-    Some(Statement::Number((so_far + quantity).max(0.0)))
+    Some(OperatorStatement::Number((so_far + quantity).max(0.0)))
 }
 
-impl Statement {
+impl OperatorStatement {
     /// Converts to plain JSON of a field's type where possible; `None` where there is no value any
     /// more.
     #[must_use]
@@ -298,24 +301,27 @@ mod tests {
         let says = |semantic: &Semantic, planned| {
             journal.answer(&field("made"), Some(semantic), planned).map(|(a, _)| a)
         };
-        assert_eq!(says(&Semantic::ProducedQuantity, None), Some(Statement::Number(4.0)));
-        assert_eq!(says(&Semantic::GoodQuantity, None), Some(Statement::Number(3.0)));
-        assert_eq!(says(&Semantic::PercentComplete, Some(12.0)), Some(Statement::Number(25.0)));
+        assert_eq!(says(&Semantic::ProducedQuantity, None), Some(OperatorStatement::Number(4.0)));
+        assert_eq!(says(&Semantic::GoodQuantity, None), Some(OperatorStatement::Number(3.0)));
+        assert_eq!(
+            says(&Semantic::PercentComplete, Some(12.0)),
+            Some(OperatorStatement::Number(25.0))
+        );
         assert_eq!(says(&Semantic::PercentComplete, None), None);
         assert_eq!(
             says(&Semantic::OperationState, None),
-            Some(Statement::State(OperationState::Interrupted))
+            Some(OperatorStatement::State(OperationState::Interrupted))
         );
         assert_eq!(says(&Semantic::ActualEnd, None), None);
         journal.insert(entry(9, 9, json!({ "action": "DONE" })));
         assert!(matches!(
             journal.answer(&field("x"), Some(&Semantic::ActualEnd), None),
-            Some((Statement::Time(_), _))
+            Some((OperatorStatement::Time(_), _))
         ));
         journal.insert(entry(10, 10, json!({ "action": "START" })));
         let (answer, _) =
             journal.answer(&field("x"), Some(&Semantic::ActualEnd), None).expect("an answer");
-        assert_eq!(answer, Statement::Withdrawn, "it was not finished after all");
+        assert_eq!(answer, OperatorStatement::Withdrawn, "it was not finished after all");
         assert_eq!(journal.status().problem, None);
     }
 
@@ -327,10 +333,10 @@ mod tests {
         journal.insert(entry(3, 30, json!({ "action": "ADD" })));
         let says =
             |journal: &Journal| journal.answer(&field("made"), Some(&Semantic::GoodQuantity), None);
-        assert_eq!(says(&journal).map(|(answer, _)| answer), Some(Statement::Number(51.0)));
+        assert_eq!(says(&journal).map(|(answer, _)| answer), Some(OperatorStatement::Number(51.0)));
         // It was made before the total was typed, and came late.
         journal.insert(entry(4, 15, json!({ "action": "ADD" })));
-        assert_eq!(says(&journal).map(|(answer, _)| answer), Some(Statement::Number(51.0)));
+        assert_eq!(says(&journal).map(|(answer, _)| answer), Some(OperatorStatement::Number(51.0)));
     }
 
     fn action() -> impl Strategy<Value = Value> {

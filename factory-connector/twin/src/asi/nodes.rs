@@ -11,13 +11,13 @@ use super::{
     node_ids::NodeIds,
     types::folder_type,
 };
-use crate::provider::{Node, NodeKind};
+use crate::provider::{NodeKind, ProvidedNode};
 
 /// Returns the folder of all interfaces, or a property of it.
-pub(super) fn folder(ids: NodeIds, part: Option<&'static Part>) -> Node {
+pub(super) fn folder(ids: NodeIds, part: Option<&'static Part>) -> ProvidedNode {
     match part {
         Some(part) => self::part(ids, part, None),
-        None => Node {
+        None => ProvidedNode {
             browse_name: QualifiedName::new(ids.instances, FOLDER_NAME),
             display_name: LocalizedText::from("Collaborative Process Twin"),
             description: LocalizedText::new(
@@ -31,17 +31,21 @@ pub(super) fn folder(ids: NodeIds, part: Option<&'static Part>) -> Node {
 }
 
 /// Returns an object or a field's variable.
-pub(super) fn object_or_field(ids: NodeIds, interface: &Interface, address: NodeAddress) -> Node {
+pub(super) fn object_or_field(
+    ids: NodeIds,
+    interface: &Interface,
+    address: NodeAddress,
+) -> ProvidedNode {
     let message: &OperationNetworkMessage = &interface.message;
     let network = &message.operation_network;
-    let instance = |id: &str, name: Option<&String>, description: Option<&String>| Node {
+    let instance = |id: &str, name: Option<&String>, description: Option<&String>| ProvidedNode {
         browse_name: QualifiedName::new(ids.instances, id),
         display_name: LocalizedText::from(name.map_or(id, String::as_str)),
         description: description.map_or_else(LocalizedText::null, LocalizedText::from),
         type_definition: interface.type_of(address).map(|id| ids.type_id(id)),
         class: NodeKind::Object,
     };
-    let fixed = |name: &str| Node {
+    let fixed = |name: &str| ProvidedNode {
         browse_name: QualifiedName::new(ids.types, name),
         ..instance(name, None, None)
     };
@@ -81,7 +85,7 @@ pub(super) fn object_or_field(ids: NodeIds, interface: &Interface, address: Node
         NodeAddress::Field(field) => {
             let definition = interface.field(field).1;
             let is_writable = interface.records.read()[field as usize].is_writable();
-            Node {
+            ProvidedNode {
                 type_definition: Some(field_type(definition)),
                 class: NodeKind::Variable {
                     data_type: built_in_type_id(definition.field_type.0),
@@ -95,7 +99,7 @@ pub(super) fn object_or_field(ids: NodeIds, interface: &Interface, address: Node
 }
 
 /// Returns a property, component variable or method; `unit` is that of a component variable.
-pub(super) fn part(ids: NodeIds, part: &Part, unit: Option<&str>) -> Node {
+pub(super) fn part(ids: NodeIds, part: &Part, unit: Option<&str>) -> ProvidedNode {
     let variable = |value: ValueType| NodeKind::Variable {
         data_type: data_type_id(value.data_type, ids.types),
         value_rank: value.value_rank,
@@ -114,7 +118,7 @@ pub(super) fn part(ids: NodeIds, part: &Part, unit: Option<&str>) -> Node {
             (NodeKind::Method { callable_by: model::callable_by(part.name) }, None)
         }
     };
-    Node {
+    ProvidedNode {
         browse_name: QualifiedName::new(if part.is_standard { 0 } else { ids.types }, part.name),
         display_name: LocalizedText::from(part.name),
         description: LocalizedText::null(),

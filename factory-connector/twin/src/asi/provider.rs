@@ -28,8 +28,8 @@ use crate::{
     access::{FieldWriter, TwinUser},
     events::EventReporter,
     provider::{
-        CallOutcome, Node, NodeProvider, ProvidedNamespace, Reference, ReferenceVisitor,
-        WriteRequest,
+        MethodOutcome, NodeProvider, ProvidedNamespace, ProvidedNode, ProvidedReference,
+        ReferenceVisitor, WriteRequest,
     },
 };
 
@@ -113,7 +113,7 @@ impl NodeProvider for AsiProvider {
         vec![ProvidedNamespace { index: self.ids.instances, uri: self.uri.clone(), version: None }]
     }
 
-    fn node(&self, node_id: &NodeId) -> Option<Node> {
+    fn node(&self, node_id: &NodeId) -> Option<ProvidedNode> {
         Some(match self.locate(node_id)? {
             Located::Folder(part) => nodes::folder(self.ids, part),
             Located::Node(Location { below: Some(below), .. }) => {
@@ -197,7 +197,7 @@ impl NodeProvider for AsiProvider {
         &self,
         node_id: &NodeId,
         browse_name: &QualifiedName,
-    ) -> Option<Vec<Reference>> {
+    ) -> Option<Vec<ProvidedReference>> {
         let Some(Located::Folder(None)) = self.locate(node_id) else { return None };
         let name = browse_name.name.as_ref();
         if browse_name.namespace_index == self.ids.instances {
@@ -233,7 +233,7 @@ impl NodeProvider for AsiProvider {
         object: &NodeId,
         method: &NodeId,
         arguments: &[Variant],
-    ) -> CallOutcome {
+    ) -> MethodOutcome {
         self.call_method(user, object, method, arguments).await
     }
 }

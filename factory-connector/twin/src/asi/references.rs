@@ -17,7 +17,7 @@ use super::{
     nodes::{self, field_type},
     types::folder_type,
 };
-use crate::provider::{Reference, ReferenceVisitor};
+use crate::provider::{ProvidedReference, ReferenceVisitor};
 
 /// Positions up to this belong to the folder's fixed references; the sequence numbers of interfaces
 /// follow.
@@ -59,7 +59,7 @@ pub(super) fn of_folder(
 }
 
 /// Returns the reference from the folder to an interface.
-pub(super) fn organizes(ids: NodeIds, id: &OperationNetworkId) -> Reference {
+pub(super) fn organizes(ids: NodeIds, id: &OperationNetworkId) -> ProvidedReference {
     let mut identifier = String::new();
     encode_segment(&mut identifier, id.as_str());
     reference(ReferenceTypeId::Organizes, true, ids.instance(identifier))
@@ -70,7 +70,7 @@ pub(super) fn of_object_or_field(
     ids: NodeIds,
     interface: &Interface,
     address: NodeAddress,
-) -> Vec<Reference> {
+) -> Vec<ProvidedReference> {
     let identifier = interface.identifier(address);
     let mut references = vec![to_parent(ids, interface, address)];
     let definition = match address {
@@ -86,7 +86,7 @@ pub(super) fn of_object_or_field(
         ));
     }
     for child in interface.children(address) {
-        references.push(Reference {
+        references.push(ProvidedReference {
             reference_type: child_reference(ids, child),
             is_forward: true,
             target: ids.instance(interface.identifier(child)),
@@ -103,7 +103,7 @@ fn push_dependencies(
     ids: NodeIds,
     interface: &Interface,
     operation: u32,
-    references: &mut Vec<Reference>,
+    references: &mut Vec<ProvidedReference>,
 ) {
     let own_id = &interface.operation(operation).operation_id;
     for relation in interface.relations_of(operation).map(|r| interface.relation(r)) {
@@ -114,7 +114,7 @@ fn push_dependencies(
             &relation.predecessor_operation_id
         };
         if let Some(other) = interface.find_operation_id(other) {
-            references.push(Reference {
+            references.push(ProvidedReference {
                 reference_type: ids.type_id(model::dependency(relation.relation_type)),
                 is_forward,
                 target: ids.instance(interface.identifier(NodeAddress::Operation(other))),
@@ -123,10 +123,10 @@ fn push_dependencies(
     }
 }
 
-fn to_parent(ids: NodeIds, interface: &Interface, address: NodeAddress) -> Reference {
+fn to_parent(ids: NodeIds, interface: &Interface, address: NodeAddress) -> ProvidedReference {
     match interface.parent(address) {
         None => reference(ReferenceTypeId::Organizes, false, ids.instance(FOLDER_ID.to_owned())),
-        Some(parent) => Reference {
+        Some(parent) => ProvidedReference {
             reference_type: child_reference(ids, address),
             is_forward: false,
             target: ids.instance(interface.identifier(parent)),
@@ -142,7 +142,11 @@ fn child_reference(ids: NodeIds, child: NodeAddress) -> NodeId {
 }
 
 /// Returns the references of a part, or of the part's property at a location.
-pub(super) fn of_part(ids: NodeIds, location: &Location, part: &'static Part) -> Vec<Reference> {
+pub(super) fn of_part(
+    ids: NodeIds,
+    location: &Location,
+    part: &'static Part,
+) -> Vec<ProvidedReference> {
     let owner = location.interface.identifier(location.address);
     let own = format!("{owner}#{}", part.name);
     let mut references = Vec::new();
@@ -171,8 +175,8 @@ pub(super) fn reference(
     reference_type: ReferenceTypeId,
     is_forward: bool,
     target: NodeId,
-) -> Reference {
-    Reference { reference_type: reference_type.into(), is_forward, target }
+) -> ProvidedReference {
+    ProvidedReference { reference_type: reference_type.into(), is_forward, target }
 }
 
 fn part_reference(part: &Part) -> ReferenceTypeId {

@@ -19,8 +19,8 @@ use super::{
 use crate::{
     access::TwinUser,
     provider::{
-        CallOutcome, Node, NodeKind, NodeProvider, ProvidedNamespace, Reference, ReferenceVisitor,
-        WriteRequest,
+        MethodOutcome, NodeKind, NodeProvider, ProvidedNamespace, ProvidedNode, ProvidedReference,
+        ReferenceVisitor, WriteRequest,
     },
 };
 
@@ -36,9 +36,9 @@ const ENUM_STRINGS: u32 = 1;
 /// Provides the types. All nodes are computed once: the types do not change while the server runs.
 pub(crate) struct TypeProvider {
     index: u16,
-    nodes: HashMap<u32, (Node, Option<Variant>)>,
+    nodes: HashMap<u32, (ProvidedNode, Option<Variant>)>,
     /// All references in both directions, by the node that they start from.
-    references: HashMap<NodeId, Vec<Reference>>,
+    references: HashMap<NodeId, Vec<ProvidedReference>>,
     types: Vec<(NodeId, NodeId, NodeClass)>,
 }
 
@@ -76,7 +76,7 @@ impl TypeProvider {
 
     fn refer(&mut self, from: &NodeId, reference_type: ReferenceTypeId, to: &NodeId) {
         for (at, target, is_forward) in [(from, to, true), (to, from, false)] {
-            self.references.entry(at.clone()).or_default().push(Reference {
+            self.references.entry(at.clone()).or_default().push(ProvidedReference {
                 reference_type: reference_type.into(),
                 is_forward,
                 target: target.clone(),
@@ -94,7 +94,7 @@ impl TypeProvider {
     ) {
         let node_id = self.id(id);
         self.types.push((node_id.clone(), supertype.clone(), class.node_class()));
-        let node = Node {
+        let node = ProvidedNode {
             browse_name: QualifiedName::new(self.index, name),
             display_name: LocalizedText::from(name),
             description: described(description),
@@ -140,7 +140,7 @@ impl TypeProvider {
             ),
         };
         let namespace = if part.is_standard { 0 } else { self.index };
-        let node = Node {
+        let node = ProvidedNode {
             browse_name: QualifiedName::new(namespace, part.name),
             display_name: LocalizedText::from(part.name),
             description: LocalizedText::null(),
@@ -207,7 +207,7 @@ impl TypeProvider {
         data_type: DataTypeId,
         value: Variant,
     ) {
-        let node = Node {
+        let node = ProvidedNode {
             browse_name: QualifiedName::new(0, name),
             display_name: LocalizedText::from(name),
             description: LocalizedText::null(),
@@ -231,8 +231,11 @@ impl TypeProvider {
     /// Adds a reference only at its source: type definitions and modelling rules would list very
     /// many.
     fn refer_forward(&mut self, from: &NodeId, reference_type: ReferenceTypeId, to: NodeId) {
-        let reference =
-            Reference { reference_type: reference_type.into(), is_forward: true, target: to };
+        let reference = ProvidedReference {
+            reference_type: reference_type.into(),
+            is_forward: true,
+            target: to,
+        };
         self.references.entry(from.clone()).or_default().push(reference);
     }
 
@@ -244,7 +247,7 @@ impl TypeProvider {
         }
     }
 
-    fn entry(&self, node_id: &NodeId) -> Option<&(Node, Option<Variant>)> {
+    fn entry(&self, node_id: &NodeId) -> Option<&(ProvidedNode, Option<Variant>)> {
         match node_id.identifier {
             Identifier::Numeric(id) if node_id.namespace == self.index => self.nodes.get(&id),
             _ => None,
@@ -282,7 +285,7 @@ impl NodeProvider for TypeProvider {
         }]
     }
 
-    fn node(&self, node_id: &NodeId) -> Option<Node> {
+    fn node(&self, node_id: &NodeId) -> Option<ProvidedNode> {
         self.entry(node_id).map(|(node, _)| node.clone())
     }
 
@@ -324,8 +327,8 @@ impl NodeProvider for TypeProvider {
         _object: &NodeId,
         _method: &NodeId,
         _arguments: &[Variant],
-    ) -> CallOutcome {
-        CallOutcome::failed(StatusCode::BadMethodInvalid)
+    ) -> MethodOutcome {
+        MethodOutcome::failed(StatusCode::BadMethodInvalid)
     }
 }
 

@@ -18,7 +18,7 @@ use super::{
     provider::AsiProvider,
 };
 use crate::{
-    document::{Applied, AsiDocument, FieldRecord},
+    document::{AppliedDocument, AsiDocument, FieldRecord},
     events::{AuditWrite, ModelChange, NodeChange},
     provider::NodeProvider as _,
 };
@@ -41,7 +41,7 @@ const NOTIFIED_AT_ONCE_MAX: usize = 10_000;
 
 impl AsiProvider {
     /// Shows a document, as a new interface or as the new state of an existing one.
-    pub fn apply(&self, document: AsiDocument) -> Applied {
+    pub fn apply(&self, document: AsiDocument) -> AppliedDocument {
         let _order = self.publishing.lock();
         let id = document.message.operation_network.operation_network_id.clone();
         let revision = document.message.revision;
@@ -63,7 +63,7 @@ impl AsiProvider {
             self.publish_folder_version();
         }
         self.report(&difference, old.is_none().then_some(verb::REFERENCE_ADDED), Some(&new));
-        Applied {
+        AppliedDocument {
             nodes_added: difference.nodes_added,
             nodes_removed: difference.nodes_removed,
             nodes_changed: difference.nodes_changed,

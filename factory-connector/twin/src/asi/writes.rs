@@ -24,9 +24,9 @@ use super::{
     types::TypeProvider,
 };
 use crate::{
-    access::{FieldDecision, TwinUser},
+    access::{TwinDecision, TwinUser},
     events::AuditWrite,
-    provider::{CallOutcome, WriteRequest},
+    provider::{MethodOutcome, WriteRequest},
 };
 
 /// Time limit of the connector's answer to a client.
@@ -122,14 +122,14 @@ impl AsiProvider {
         object: &NodeId,
         method: &NodeId,
         arguments: &[Variant],
-    ) -> CallOutcome {
+    ) -> MethodOutcome {
         let Some(Located::Node(Location { interface, address, part: None, .. })) =
             self.locate(object)
         else {
-            return CallOutcome::failed(StatusCode::BadNodeIdUnknown);
+            return MethodOutcome::failed(StatusCode::BadNodeIdUnknown);
         };
         let Some(name) = self.method_name(&interface, address, method) else {
-            return CallOutcome::failed(StatusCode::BadMethodInvalid);
+            return MethodOutcome::failed(StatusCode::BadMethodInvalid);
         };
         match (address, name) {
             (NodeAddress::Request(request), "Decide") => {
@@ -139,9 +139,9 @@ impl AsiProvider {
                 Self::export(&interface)
             }
             (NodeAddress::Interface, "ExportNodeSet") => {
-                CallOutcome::failed(StatusCode::BadTooManyArguments)
+                MethodOutcome::failed(StatusCode::BadTooManyArguments)
             }
-            _ => CallOutcome::failed(StatusCode::BadMethodInvalid),
+            _ => MethodOutcome::failed(StatusCode::BadMethodInvalid),
         }
     }
 
@@ -177,14 +177,14 @@ impl AsiProvider {
         interface: &Interface,
         request: u32,
         arguments: &[Variant],
-    ) -> CallOutcome {
+    ) -> MethodOutcome {
         if arguments.len() != 3 {
             let status = if arguments.len() < 3 {
                 StatusCode::BadArgumentsMissing
             } else {
                 StatusCode::BadTooManyArguments
             };
-            return CallOutcome::failed(status);
+            return MethodOutcome::failed(status);
         }
         let field = text(&arguments[0]).map(|name| interface.find_field(request, name));
         let state = mapping_state(&arguments[1]);
@@ -201,7 +201,7 @@ impl AsiProvider {
                 } else {
                     StatusCode::BadTypeMismatch
                 };
-                return CallOutcome::invalid_arguments(vec![
+                return MethodOutcome::invalid_arguments(vec![
                     if matches!(field, Some(Some(_))) { StatusCode::Good } else { unknown },
                     state.err().unwrap_or(StatusCode::Good),
                     // The remaining fault is a refusal without a reason.
@@ -215,7 +215,7 @@ impl AsiProvider {
                 ]);
             }
         };
-        let decision = FieldDecision { mapping_state, reason };
+        let decision = TwinDecision { mapping_state, reason };
         let key = interface.key_of(field);
         let decide = self.writer.decide(&key, decision, user);
         let status = match tokio::time::timeout(ANSWER_TIMEOUT, decide).await {
@@ -237,11 +237,11 @@ impl AsiProvider {
                 message: "A decision about a report field was not accepted.".to_owned(),
             });
         }
-        CallOutcome { status, outputs: Vec::new(), argument_statuses: Vec::new() }
+        MethodOutcome { status, outputs: Vec::new(), argument_statuses: Vec::new() }
     }
 
     /// Exports the interface in its present state as a NodeSet, which other servers load.
-    fn export(interface: &Interface) -> CallOutcome {
+    fn export(interface: &Interface) -> MethodOutcome {
         let records = interface.records.read().clone();
         let fields = (0_u32..).zip(&records).map(|(number, record)| {
             let owned = |text: &Option<Arc<str>>| text.as_deref().map(ToOwned::to_owned);
@@ -263,7 +263,7 @@ impl AsiProvider {
             fields: fields.collect(),
         };
         let document = node_set::write(&instance::node_set(&instance));
-        CallOutcome::good(vec![ByteString::from(document.into_bytes()).into()])
+        MethodOutcome::good(vec![ByteString::from(document.into_bytes()).into()])
     }
 }
 

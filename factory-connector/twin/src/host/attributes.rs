@@ -1,4 +1,4 @@
-//! Read service: the attributes of a [`Node`] by its class (OPC 10000-3 §5).
+//! Read service: the attributes of a [`ProvidedNode`] by its class (OPC 10000-3 §5).
 
 use opcua_stack::opcua::{
     server::{
@@ -14,7 +14,7 @@ use opcua_stack::opcua::{
 use super::ProviderTable;
 use crate::{
     access::Role,
-    provider::{Node, NodeKind},
+    provider::{NodeKind, ProvidedNode},
 };
 
 /// Reads one attribute as a user in a role sees it.
@@ -67,7 +67,12 @@ fn read_or_fail(
 }
 
 /// Returns an attribute other than Value; `None` when the class does not have it.
-fn attribute(node_id: &NodeId, node: Node, attribute: AttributeId, role: Role) -> Option<Variant> {
+fn attribute(
+    node_id: &NodeId,
+    node: ProvidedNode,
+    attribute: AttributeId,
+    role: Role,
+) -> Option<Variant> {
     let class = node.class.node_class();
     Some(match attribute {
         AttributeId::NodeId => node_id.clone().into(),

@@ -9,7 +9,7 @@ use opcua_stack::opcua::{
 };
 
 use super::ProviderTable;
-use crate::provider::{Node, Reference};
+use crate::provider::{ProvidedNode, ProvidedReference};
 
 /// Continuation of BrowseNext: a provider and the position within its references. A few bytes for
 /// any number of remaining references.
@@ -56,7 +56,7 @@ pub(super) fn browse(table: &ProviderTable, node: &mut BrowseNode, types: &dyn T
     }
 }
 
-fn add(table: &ProviderTable, browsed: &mut BrowseNode, reference: Reference) {
+fn add(table: &ProviderTable, browsed: &mut BrowseNode, reference: ProvidedReference) {
     let Some(owner) = table.owner(&reference.target) else {
         let direction = if reference.is_forward {
             ReferenceDirection::Forward
@@ -77,18 +77,18 @@ fn add(table: &ProviderTable, browsed: &mut BrowseNode, reference: Reference) {
 }
 
 /// Checks direction and reference type; the class of the target is checked once it is known.
-fn matches_filter(node: &BrowseNode, reference: &Reference, types: &dyn TypeTree) -> bool {
+fn matches_filter(node: &BrowseNode, reference: &ProvidedReference, types: &dyn TypeTree) -> bool {
     let direction =
         if reference.is_forward { node.allows_forward() } else { node.allows_inverse() };
     direction && node.allows_reference_type(&reference.reference_type, types)
 }
 
-fn describe(reference: Reference, target: Node) -> ReferenceDescription {
+fn describe(reference: ProvidedReference, target: ProvidedNode) -> ReferenceDescription {
     metadata(reference.target, target).into_ref_desc(reference.is_forward, reference.reference_type)
 }
 
 /// Returns the description of a node for other node managers.
-pub(super) fn metadata(node_id: NodeId, node: Node) -> NodeMetadata {
+pub(super) fn metadata(node_id: NodeId, node: ProvidedNode) -> NodeMetadata {
     NodeMetadata {
         node_id: ExpandedNodeId::new(node_id),
         type_definition: node

@@ -19,7 +19,7 @@ use opcua_stack::opcua::{
 
 use super::{NodeHost, attributes, browse, browse::metadata, paths};
 use crate::{
-    provider::{CallOutcome, NodeKind, WriteRequest},
+    provider::{MethodOutcome, NodeKind, WriteRequest},
     session_token::user_of,
 };
 
@@ -210,9 +210,9 @@ impl NodeManager for HostManager {
         for call in methods_to_call {
             // A method of a type may be called on an object, so the object selects the provider.
             let outcome = match table.owner(call.object_id()) {
-                None => CallOutcome::failed(StatusCode::BadNodeIdUnknown),
+                None => MethodOutcome::failed(StatusCode::BadNodeIdUnknown),
                 Some(provider) if provider.node(call.object_id()).is_none() => {
-                    CallOutcome::failed(StatusCode::BadNodeIdUnknown)
+                    MethodOutcome::failed(StatusCode::BadNodeIdUnknown)
                 }
                 Some(provider) => match table.node(call.method_id()).map(|node| node.class) {
                     Some(NodeKind::Method { callable_by }) if user.role.includes(callable_by) => {
@@ -221,9 +221,9 @@ impl NodeManager for HostManager {
                             .await
                     }
                     Some(NodeKind::Method { .. }) => {
-                        CallOutcome::failed(StatusCode::BadUserAccessDenied)
+                        MethodOutcome::failed(StatusCode::BadUserAccessDenied)
                     }
-                    _ => CallOutcome::failed(StatusCode::BadMethodInvalid),
+                    _ => MethodOutcome::failed(StatusCode::BadMethodInvalid),
                 },
             };
             if !outcome.argument_statuses.is_empty() {

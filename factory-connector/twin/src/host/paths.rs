@@ -9,7 +9,7 @@ use opcua_stack::opcua::{
 };
 
 use super::ProviderTable;
-use crate::provider::Reference;
+use crate::provider::ProvidedReference;
 
 /// Most nodes on one path: a path of wildcards over many nodes ends there.
 const NODES_PER_PATH_MAX: usize = 100_000;
@@ -63,9 +63,9 @@ fn follow(
     node_id: &NodeId,
     element: &RelativePathElement,
     types: &dyn TypeTree,
-    visit: &mut dyn FnMut(Reference),
+    visit: &mut dyn FnMut(ProvidedReference),
 ) {
-    let matches_filter = |reference: &Reference| {
+    let matches_filter = |reference: &ProvidedReference| {
         reference.is_forward != element.is_inverse
             && (element.reference_type_id.is_null()
                 || reference.reference_type == element.reference_type_id

@@ -63,7 +63,7 @@ impl From<CertificateError> for RejectionReason {
 /// A rejected connection attempt.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Rejection {
+pub struct ConnectionRejection {
     /// Time of the last attempt.
     pub rejected_at: DateTime,
     pub reason: RejectionReason,
@@ -73,7 +73,7 @@ pub struct Rejection {
     pub application_name: Option<String>,
 }
 
-impl Rejection {
+impl ConnectionRejection {
     pub(crate) fn new(
         rejected_at: DateTime,
         reason: RejectionReason,
@@ -110,7 +110,7 @@ impl RejectedClients {
     }
 
     /// Records an attempt. Errors of the disk are logged, and the attempt is lost.
-    pub fn record(&self, certificate: &X509, rejection: &Rejection) {
+    pub fn record(&self, certificate: &X509, rejection: &ConnectionRejection) {
         let thumbprint = thumbprint(certificate);
         let is_due = self.last(&thumbprint).is_none_or(|last| {
             last.rejected_at > rejection.rejected_at
@@ -126,7 +126,7 @@ impl RejectedClients {
     }
 
     /// Returns the last rejected attempt with the certificate of this thumbprint.
-    pub fn last(&self, thumbprint: &str) -> Option<Rejection> {
+    pub fn last(&self, thumbprint: &str) -> Option<ConnectionRejection> {
         let path = self.path(thumbprint);
         let is_small = fs::metadata(&path).is_ok_and(|metadata| metadata.len() <= FILE_BYTES_MAX);
         is_small
@@ -146,7 +146,11 @@ impl RejectedClients {
         }
     }
 
-    fn write(&self, thumbprint: &str, rejection: &Rejection) -> Result<(), crate::TwinError> {
+    fn write(
+        &self,
+        thumbprint: &str,
+        rejection: &ConnectionRejection,
+    ) -> Result<(), crate::TwinError> {
         let bytes = serde_json::to_vec(rejection).expect("a rejection has text keys only");
         replace(&self.path(thumbprint), &bytes)
     }
@@ -186,7 +190,11 @@ mod tests {
         let address = Some("[::ffff:10.0.0.7]:4321".parse().unwrap());
         let at = |micros| {
             let bearer = CertificateBearer { address, application: &application };
-            Rejection::new(DateTime::from_unix_micros(micros), RejectionReason::NotTrusted, &bearer)
+            ConnectionRejection::new(
+                DateTime::from_unix_micros(micros),
+                RejectionReason::NotTrusted,
+                &bearer,
+            )
         };
         let thumbprint = thumbprint(&certificate);
         assert_eq!(rejected.last(&thumbprint), None);

@@ -23,7 +23,7 @@ pub use revocation_lists::RevocationList;
 
 use super::{
     certificate_files::replace,
-    rejected_clients::{RejectedClients, Rejection, thumbprint},
+    rejected_clients::{ConnectionRejection, RejectedClients, thumbprint},
 };
 use crate::{error::TwinError, events::EventReporter, trust_fault::TrustFault};
 
@@ -58,7 +58,7 @@ pub struct ClientCertificate {
     pub not_after: DateTime,
     pub state: CertificateState,
     /// The last rejected connection attempt since it has this state.
-    pub rejection: Option<Rejection>,
+    pub rejection: Option<ConnectionRejection>,
 }
 
 /// Lists, approves and rejects client certificates, authorities and revocation lists. Each change

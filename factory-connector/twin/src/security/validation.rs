@@ -25,7 +25,7 @@ use x509_parser::{
 use super::{
     certificate_files::files,
     issuance::{CHAIN_LENGTH_MAX, is_issued_by, is_signed_by},
-    rejected_clients::{RejectedClients, Rejection, thumbprint},
+    rejected_clients::{ConnectionRejection, RejectedClients, thumbprint},
 };
 use crate::{certificate_error::CertificateError, clock, events::EventReporter};
 
@@ -135,7 +135,7 @@ impl Validator {
             |folder: &str| files(&self.folder.join(folder), "der").any(|(_, known)| known == der);
         if is_listed("rejected") || is_listed("trusted") {
             self.rejected_clients
-                .record(certificate, &Rejection::new(clock::now(), error.into(), bearer));
+                .record(certificate, &ConnectionRejection::new(clock::now(), error.into(), bearer));
         }
     }
 }

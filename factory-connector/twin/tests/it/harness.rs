@@ -28,8 +28,8 @@ use parking_lot::Mutex;
 use tokio::sync::mpsc;
 use tokio_util::sync::CancellationToken;
 use twin::{
-    AsiDocument, Authenticator, FieldDecision, FieldRecord, FieldWriter, Role, SecurityConfig,
-    Twin, TwinConfig, TwinHandle, TwinUser,
+    AsiDocument, Authenticator, FieldRecord, FieldWriter, Role, SecurityConfig, Twin, TwinConfig,
+    TwinDecision, TwinHandle, TwinUser,
 };
 
 /// Time limit of every wait in a test.
@@ -44,7 +44,7 @@ pub const TYPES: u16 = 2;
 pub struct Connector {
     pub handle: OnceLock<TwinHandle>,
     pub writes: Mutex<Vec<(FieldKey, DataValue, TwinUser)>>,
-    pub decisions: Mutex<Vec<(FieldKey, FieldDecision, TwinUser)>>,
+    pub decisions: Mutex<Vec<(FieldKey, TwinDecision, TwinUser)>>,
     pub answer: Mutex<Option<StatusCode>>,
 }
 
@@ -61,7 +61,7 @@ impl FieldWriter for Connector {
     async fn decide(
         &self,
         field: &FieldKey,
-        decision: FieldDecision,
+        decision: TwinDecision,
         user: &TwinUser,
     ) -> StatusCode {
         self.decisions.lock().push((field.clone(), decision.clone(), user.clone()));

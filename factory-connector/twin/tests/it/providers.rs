@@ -10,8 +10,8 @@ use opcua_stack::opcua::types::{
 use twin::{
     TwinUser,
     provider::{
-        CallOutcome, Node, NodeKind, NodeProvider, ProvidedNamespace, Reference, ReferenceVisitor,
-        WriteRequest,
+        MethodOutcome, NodeKind, NodeProvider, ProvidedNamespace, ProvidedNode, ProvidedReference,
+        ReferenceVisitor, WriteRequest,
     },
 };
 
@@ -38,8 +38,8 @@ impl NodeProvider for Skills {
         vec![ProvidedNamespace { index: self.0, uri: URI.to_owned(), version: None }]
     }
 
-    fn node(&self, node_id: &NodeId) -> Option<Node> {
-        (*node_id == self.id()).then(|| Node {
+    fn node(&self, node_id: &NodeId) -> Option<ProvidedNode> {
+        (*node_id == self.id()).then(|| ProvidedNode {
             browse_name: QualifiedName::new(self.0, "Gripper"),
             display_name: LocalizedText::from("Gripper"),
             description: LocalizedText::null(),
@@ -60,7 +60,7 @@ impl NodeProvider for Skills {
         if *node_id == ObjectId::ObjectsFolder && after == 0 {
             let reference_type = ReferenceTypeId::Organizes.into();
             let _: ControlFlow<()> =
-                visit(1, Reference { reference_type, is_forward: true, target: self.id() });
+                visit(1, ProvidedReference { reference_type, is_forward: true, target: self.id() });
         }
     }
 
@@ -78,8 +78,8 @@ impl NodeProvider for Skills {
         _object: &NodeId,
         _method: &NodeId,
         _arguments: &[Variant],
-    ) -> CallOutcome {
-        CallOutcome::failed(StatusCode::BadMethodInvalid)
+    ) -> MethodOutcome {
+        MethodOutcome::failed(StatusCode::BadMethodInvalid)
     }
 }
 

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{Limits, ScriptId, Spoken};
-use crate::codec::{DecodeError, Decoder, Encoder};
+use super::{ScriptId, ScriptLimits, Spoken};
+use crate::codec::{DecodeError, MessageDecoder, MessageEncoder};
 
 /// Messages of the host.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,7 +13,7 @@ pub enum HostMessage {
         /// The host's [`crate::PROTOCOL_VERSION`].
         version: u16,
         /// Limits of scripts and of the worker.
-        limits: Limits,
+        limits: ScriptLimits,
     },
     /// Loads a script, in place of the one with the same id. Answered by `Loaded`.
     Load(Load),
@@ -73,7 +73,7 @@ impl HostMessage {
     /// The body of a frame.
     #[must_use]
     pub fn encode(&self) -> Vec<u8> {
-        let mut to = Encoder::new();
+        let mut to = MessageEncoder::new();
         match self {
             Self::Hello { version, limits } => {
                 to.u8(0);
@@ -96,7 +96,7 @@ impl HostMessage {
     /// The body of a frame with a [`Self::Batch`] of calls that stay where they are.
     #[must_use]
     pub fn encode_batch(calls: &[Call]) -> Vec<u8> {
-        let mut to = Encoder::new();
+        let mut to = MessageEncoder::new();
         to.u8(3);
         to.count(calls.len());
         calls.iter().for_each(|call| call.encode(&mut to));
@@ -108,9 +108,9 @@ impl HostMessage {
     /// # Errors
     /// [`DecodeError`] for bytes that are no message.
     pub fn decode(body: &[u8]) -> Result<Self, DecodeError> {
-        let mut from = Decoder::new(body);
+        let mut from = MessageDecoder::new(body);
         let message = match from.u8()? {
-            0 => Self::Hello { version: from.u16()?, limits: Limits::decode(&mut from)? },
+            0 => Self::Hello { version: from.u16()?, limits: ScriptLimits::decode(&mut from)? },
             1 => Self::Load(Load::decode(&mut from)?),
             2 => Self::Unload(ScriptId(from.u32()?)),
             3 => Self::Batch(from.sequence(Call::decode)?),
@@ -132,36 +132,36 @@ impl Load {
         }
     }
 
-    fn encode(&self, to: &mut Encoder) {
+    fn encode(&self, to: &mut MessageEncoder) {
         to.u32(self.script.0);
         to.text(&self.name);
         to.text(&self.source);
         to.count(self.inputs.len());
         self.inputs.iter().for_each(|name| to.text(name));
-        to.option(self.state.as_deref(), Encoder::text);
+        to.option(self.state.as_deref(), MessageEncoder::text);
         to.count(self.values.len());
         self.values.iter().for_each(|value| value.encode(to));
     }
 
-    fn decode(from: &mut Decoder<'_>) -> Result<Self, DecodeError> {
+    fn decode(from: &mut MessageDecoder<'_>) -> Result<Self, DecodeError> {
         Ok(Self {
             script: ScriptId(from.u32()?),
             name: from.text()?,
             source: from.text()?,
-            inputs: from.sequence(Decoder::text)?,
-            state: from.option(Decoder::text)?,
+            inputs: from.sequence(MessageDecoder::text)?,
+            state: from.option(MessageDecoder::text)?,
             values: from.sequence(InputValue::decode)?,
         })
     }
 }
 
 impl InputValue {
-    fn encode(&self, to: &mut Encoder) {
+    fn encode(&self, to: &mut MessageEncoder) {
         to.u16(self.input);
         self.spoken.encode(to);
     }
 
-    fn decode(from: &mut Decoder<'_>) -> Result<Self, DecodeError> {
+    fn decode(from: &mut MessageDecoder<'_>) -> Result<Self, DecodeError> {
         Ok(Self { input: from.u16()?, spoken: Spoken::decode(from)? })
     }
 }
@@ -170,12 +170,12 @@ impl Call {
     /// About how many bytes the call takes in a frame.
     #[must_use]
     pub fn size(&self) -> usize {
-        let mut to = Encoder::new();
+        let mut to = MessageEncoder::new();
         self.encode(&mut to);
         to.len()
     }
 
-    fn encode(&self, to: &mut Encoder) {
+    fn encode(&self, to: &mut MessageEncoder) {
         to.u32(self.script.0);
         match &self.value {
             CallValue::Input(index) => {
@@ -191,7 +191,7 @@ impl Call {
         self.inputs.iter().for_each(|input| input.encode(to));
     }
 
-    fn decode(from: &mut Decoder<'_>) -> Result<Self, DecodeError> {
+    fn decode(from: &mut MessageDecoder<'_>) -> Result<Self, DecodeError> {
         Ok(Self {
             script: ScriptId(from.u32()?),
             value: match from.u8()? {

@@ -50,7 +50,7 @@ fn fault() -> impl Strategy<Value = ScriptFault> {
 }
 
 fn host_message() -> impl Strategy<Value = HostMessage> {
-    let limits = Limits {
+    let limits = ScriptLimits {
         script_memory_bytes: 8 << 20,
         script_stack_bytes: 256 << 10,
         call_budget: Duration::from_millis(100),

@@ -4,7 +4,7 @@ use std::{sync::Arc, time::Duration};
 
 use super::{ScriptFault, ScriptId};
 use crate::{
-    codec::{DecodeError, Decoder, Encoder},
+    codec::{DecodeError, MessageDecoder, MessageEncoder},
     value::ScriptValue,
 };
 
@@ -77,7 +77,7 @@ impl WorkerMessage {
     /// The body of a frame.
     #[must_use]
     pub fn encode(&self) -> Vec<u8> {
-        let mut to = Encoder::new();
+        let mut to = MessageEncoder::new();
         match self {
             Self::Welcome { version, engine, is_filtered } => {
                 to.u8(0);
@@ -111,7 +111,7 @@ impl WorkerMessage {
     /// # Errors
     /// [`DecodeError`] for bytes that are no message.
     pub fn decode(body: &[u8]) -> Result<Self, DecodeError> {
-        let mut from = Decoder::new(body);
+        let mut from = MessageDecoder::new(body);
         let message = match from.u8()? {
             0 => Self::Welcome {
                 version: from.u16()?,
@@ -132,29 +132,29 @@ impl WorkerMessage {
     }
 }
 
-fn encode_results(to: &mut Encoder, results: &[CallResult]) {
+fn encode_results(to: &mut MessageEncoder, results: &[CallResult]) {
     to.count(results.len());
     results.iter().for_each(|result| result.encode(to));
 }
 
 impl Spoken {
-    pub(super) fn encode(&self, to: &mut Encoder) {
+    pub(super) fn encode(&self, to: &mut MessageEncoder) {
         self.value.encode(to);
         to.u32(self.status);
-        to.option(self.source_time_ms, Encoder::f64);
+        to.option(self.source_time_ms, MessageEncoder::f64);
     }
 
-    pub(super) fn decode(from: &mut Decoder<'_>) -> Result<Self, DecodeError> {
+    pub(super) fn decode(from: &mut MessageDecoder<'_>) -> Result<Self, DecodeError> {
         Ok(Self {
             value: ScriptValue::decode(from)?,
             status: from.u32()?,
-            source_time_ms: from.option(Decoder::f64)?,
+            source_time_ms: from.option(MessageDecoder::f64)?,
         })
     }
 }
 
 impl CallResult {
-    fn encode(&self, to: &mut Encoder) {
+    fn encode(&self, to: &mut MessageEncoder) {
         match &self.outcome {
             Ok(Yielded::Nothing) => to.u8(0),
             Ok(Yielded::Value { value, status }) => {
@@ -167,11 +167,11 @@ impl CallResult {
                 fault.encode(to);
             }
         }
-        to.option(self.state.as_deref(), Encoder::text);
+        to.option(self.state.as_deref(), MessageEncoder::text);
         to.u32(u32::try_from(self.spent.as_micros()).unwrap_or(u32::MAX));
     }
 
-    fn decode(from: &mut Decoder<'_>) -> Result<Self, DecodeError> {
+    fn decode(from: &mut MessageDecoder<'_>) -> Result<Self, DecodeError> {
         Ok(Self {
             outcome: match from.u8()? {
                 0 => Ok(Yielded::Nothing),
@@ -179,7 +179,7 @@ impl CallResult {
                 2 => Err(ScriptFault::decode(from)?),
                 tag => return Err(DecodeError::UnknownTag { what: "a result", tag }),
             },
-            state: from.option(Decoder::text)?,
+            state: from.option(MessageDecoder::text)?,
             spent: Duration::from_micros(from.u32()?.into()),
         })
     }

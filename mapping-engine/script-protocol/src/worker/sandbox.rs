@@ -9,13 +9,13 @@ use std::io;
 
 use rustix::process::{DumpableBehavior, Resource, Rlimit, set_dumpable_behavior, setrlimit};
 
-use crate::Limits;
+use crate::ScriptLimits;
 
 /// Open files: the three standard streams and the two copies of them.
 const FILES_MAX: u64 = 8;
 
 /// Enters the sandbox. True if the kernel filters system calls from here on.
-pub(super) fn enter(limits: &Limits) -> io::Result<bool> {
+pub(super) fn enter(limits: &ScriptLimits) -> io::Result<bool> {
     let bound = |value| Rlimit { current: Some(value), maximum: Some(value) };
     setrlimit(Resource::As, bound(limits.address_space_bytes))?;
     setrlimit(Resource::Core, bound(0))?;

@@ -17,7 +17,7 @@ use std::{
 };
 
 use super::clock::process_time;
-use crate::{CallResult, Limits, ScriptId, WorkerMessage, frame};
+use crate::{CallResult, ScriptId, ScriptLimits, WorkerMessage, frame};
 
 /// A call that neither computes nor ends (it cannot, but who knows) is ended after so many budgets
 /// by the wall clock.
@@ -45,7 +45,7 @@ struct State {
 
 impl Watchdog {
     /// Starts the watching thread; `output` carries all messages of the worker.
-    pub fn start(output: File, limits: &Limits) -> io::Result<Self> {
+    pub fn start(output: File, limits: &ScriptLimits) -> io::Result<Self> {
         let state = State { output, results: Vec::new(), loading: None, is_busy: false };
         let shared = Arc::new(Shared {
             state: Mutex::new(state),

@@ -5,14 +5,14 @@
 #[path = "../../../tests/conformance/suite.rs"]
 mod suite;
 
-use mapping_engine::ScriptEngine;
+use mapping_engine::ScriptRuntime;
 use suite::Worker;
 
 fn worker() -> Worker {
     match std::env::var_os("SCRIPT_DENO") {
-        Some(path) => Worker { engine: ScriptEngine::Deno, path: path.into() },
+        Some(path) => Worker { engine: ScriptRuntime::Deno, path: path.into() },
         None => Worker {
-            engine: ScriptEngine::QuickJs,
+            engine: ScriptRuntime::QuickJs,
             path: env!("CARGO_BIN_EXE_script-quickjs").into(),
         },
     }

@@ -12,7 +12,7 @@ use super::{
     Core,
 };
 use crate::script::{
-    CallOutcome,
+    ScriptOutcome,
     breaker::Admission,
     values,
     worker_queue::{Done, Report, Waiting, WorkerQueue},
@@ -123,11 +123,17 @@ impl Core {
         self.react(slot, reaction, now);
     }
 
-    fn called(&mut self, script: ScriptId, call: ScriptCall, outcome: CallOutcome, now: DateTime) {
+    fn called(
+        &mut self,
+        script: ScriptId,
+        call: ScriptCall,
+        outcome: ScriptOutcome,
+        now: DateTime,
+    ) {
         let Some(&(slot, index)) = self.scripts.get(&script) else { return };
         let config = &self.config.script;
         let Some(running) = self.inventory.get_mut(slot) else { return };
-        let CallOutcome { result, state, spent, is_fatal } = outcome;
+        let ScriptOutcome { result, state, spent, is_fatal } = outcome;
         running.spent += spent;
         let Some(script) = running.scripts.get_mut(index) else { return };
         let rests = match &result {

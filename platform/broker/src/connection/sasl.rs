@@ -10,19 +10,19 @@ use fe2o3_amqp::{
     },
 };
 
-use crate::credentials::{Credentials, is_authentic};
+use crate::credentials::{CredentialSource, is_authentic};
 
 /// SASL exchange of one connection. The library clones its acceptor, so the result is shared
 /// between clones.
 #[derive(Clone)]
 pub(super) struct SaslExchange {
-    credentials: Arc<dyn Credentials>,
+    credentials: Arc<dyn CredentialSource>,
     user: Arc<OnceLock<Arc<str>>>,
     is_refused: Arc<OnceLock<()>>,
 }
 
 impl SaslExchange {
-    pub(super) fn new(credentials: Arc<dyn Credentials>) -> Self {
+    pub(super) fn new(credentials: Arc<dyn CredentialSource>) -> Self {
         Self { credentials, user: Arc::default(), is_refused: Arc::default() }
     }
 

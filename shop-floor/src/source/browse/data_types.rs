@@ -10,7 +10,7 @@ use opcua_stack::{
 };
 
 use crate::{
-    ShopFloorError, TypeName,
+    NodeType, ShopFloorError,
     source::{
         connection::Connection,
         services::{read_browse_names, references, supertype_of},
@@ -36,8 +36,8 @@ impl TypeNames {
         Ok(Self(ids.into_iter().zip(names).collect()))
     }
 
-    pub(super) fn name(&self, id: &NodeId, namespaces: &NamespaceTable) -> TypeName {
-        TypeName {
+    pub(super) fn name(&self, id: &NodeId, namespaces: &NamespaceTable) -> NodeType {
+        NodeType {
             node_id: node_id_from_stack(id, namespaces),
             name: self.0.get(id).cloned().unwrap_or_default(),
         }

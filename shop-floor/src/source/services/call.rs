@@ -8,7 +8,7 @@ use opcua_stack::{
     },
 };
 
-use crate::{CallOutcome, ShopFloorError, source::connection::Connection};
+use crate::{ShopFloorError, SourceCallResult, source::connection::Connection};
 
 /// Calls one method of an object.
 pub(crate) async fn call(
@@ -16,7 +16,7 @@ pub(crate) async fn call(
     object: &NodeId,
     method: &NodeId,
     inputs: &[Variant],
-) -> Result<CallOutcome, ShopFloorError> {
+) -> Result<SourceCallResult, ShopFloorError> {
     let invalid = |error: ConversionError| ShopFloorError::Invalid(error.to_string());
     let namespaces = connection.namespaces();
     let inputs = inputs
@@ -37,5 +37,5 @@ pub(crate) async fn call(
         .map(|output| variant_from_stack(output, &namespaces))
         .collect::<Result<Vec<_>, _>>()
         .map_err(invalid)?;
-    Ok(CallOutcome { status: status_from_stack(answer.status_code), outputs })
+    Ok(SourceCallResult { status: status_from_stack(answer.status_code), outputs })
 }

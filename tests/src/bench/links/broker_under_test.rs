@@ -9,7 +9,7 @@ use broker::{
 };
 use messaging::{
     BrokerProfile, LogicalAddress,
-    definitions::{self, Plan, QueueLimits, rabbitmq_definitions},
+    definitions::{self, BrokerPlan, QueueLimits, rabbitmq_definitions},
     test_support::{Mosquitto, RabbitMq, Saving},
 };
 use tokio::task::JoinHandle;
@@ -157,12 +157,17 @@ fn accounts() -> (Account, Account) {
     (account(FACTORY), account(PLATFORM))
 }
 
-fn plan() -> Plan {
+fn plan() -> BrokerPlan {
     let (sender, receiver) = accounts();
     let of = |account: Account| definitions::Account {
         user_name: account.user_name,
         password: account.password.into(),
     };
     let factories = vec![(FACTORY.parse().expect("an id"), of(sender))];
-    Plan { platform: of(receiver), factories, tools: Vec::new(), limits: QueueLimits::default() }
+    BrokerPlan {
+        platform: of(receiver),
+        factories,
+        tools: Vec::new(),
+        limits: QueueLimits::default(),
+    }
 }

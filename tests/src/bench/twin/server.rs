@@ -12,7 +12,7 @@ use serde_json::json;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 use twin::{
-    AsiDocument, Authenticator, FieldDecision, FieldRecord, FieldWriter, Role, Twin, TwinConfig,
+    AsiDocument, Authenticator, FieldRecord, FieldWriter, Role, Twin, TwinConfig, TwinDecision,
     TwinError, TwinHandle, TwinUser,
 };
 
@@ -32,7 +32,7 @@ impl FieldWriter for Taker {
         StatusCode::GOOD
     }
 
-    async fn decide(&self, _: &FieldKey, _: FieldDecision, _: &TwinUser) -> StatusCode {
+    async fn decide(&self, _: &FieldKey, _: TwinDecision, _: &TwinUser) -> StatusCode {
         StatusCode::GOOD
     }
 }
