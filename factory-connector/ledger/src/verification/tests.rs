@@ -175,7 +175,10 @@ fn a_rewritten_chain_contradicts_its_checkpoint() {
             .is_intact()
     };
     assert!(check(&intact, &linked, &text));
-    assert!(!check(&intact[..3], &linked[..3], &text), "a chain cut short and its end signed again");
+    assert!(
+        !check(&intact[..3], &linked[..3], &text),
+        "a chain cut short and its end signed again"
+    );
     assert!(!check(&intact, &linked, &text.replace("\"number\":4", "\"number\":3")));
 }
 
