@@ -26,7 +26,6 @@ pub struct Instance<'a> {
     pub message: &'a OperationNetworkMessage,
     /// Time of receipt, by the connector's clock.
     pub received_at: Option<DateTime>,
-    /// The writers of its requests.
     pub writers: HashMap<RequestKey, u16>,
     /// Decisions and values of its fields; absent ones are undecided.
     pub fields: HashMap<FieldKey, FieldState>,

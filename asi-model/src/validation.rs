@@ -43,7 +43,6 @@ use reader::Reader;
 pub struct InvalidMessage {
     /// Everything that is wrong; never empty.
     pub faults: Vec<Fault>,
-    /// The message's id.
     pub message_id: Option<MessageId>,
     /// The network it is about.
     pub operation_network_id: Option<OperationNetworkId>,

@@ -37,7 +37,7 @@ enum Command {
     Broker,
     /// Print the definitions for another broker: users, rights, queues, limits. Contains secrets.
     Definitions {
-        /// The kind of broker.
+        /// Product that the definitions are for.
         kind: definitions::BrokerKind,
     },
     /// Check or show the configuration.

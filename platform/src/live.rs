@@ -58,7 +58,6 @@ pub enum LiveEvent {
         factory_id: FactoryId,
         /// The part's revision; absent for those who may know the state alone.
         revision: Option<u64>,
-        /// State of the part.
         state: PartState,
         /// Faults for which it was rejected.
         fault_list: Vec<Fault>,

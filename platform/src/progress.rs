@@ -36,7 +36,7 @@ pub struct OperationProgress {
     pub quantity_unit: Option<String>,
     /// Completion, 0 to 100: as reported, else derived from the quantities.
     pub percent_complete: Option<f64>,
-    /// Time of the start.
+    /// Start reported by the factory.
     pub actual_start: Option<DateTime>,
     pub actual_end: Option<DateTime>,
     /// End expected by the factory.

@@ -11,7 +11,6 @@ pub enum ShopFloorError {
     /// There is no such source.
     #[error("there is no source {0}")]
     UnknownSource(SourceId),
-    /// The source is not connected.
     #[error("the source {0} is not connected")]
     NotConnected(SourceId),
     /// More sources or inputs than allowed.

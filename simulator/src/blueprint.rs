@@ -65,9 +65,7 @@ pub enum Class {
 
 /// A variable.
 pub struct VariablePlan {
-    /// Its data type.
     pub data_type: NodeId,
-    /// Its type definition.
     pub type_definition: NodeId,
     /// -1 for a scalar, 1 for an array.
     pub value_rank: i32,

@@ -30,7 +30,6 @@ pub enum JsonError {
         /// Position of the array or object that is too deep, in bytes.
         offset: usize,
     },
-    /// Too many values.
     #[error("the text has more than {tokens_max} values and names")]
     TooManyValues { tokens_max: usize },
     /// The syntax breaks RFC 8259.

@@ -72,7 +72,6 @@ pub struct NetworkMessage {
     pub message_id: Option<MessageId>,
     /// The publisher: a factory id, or `<factoryId>.<assetId>`.
     pub publisher_id: Option<Arc<str>>,
-    /// The writers' group.
     pub writer_group_name: Option<Arc<str>>,
     /// The class that all contained data sets share.
     pub data_set_class_id: Option<Uuid>,
@@ -133,7 +132,6 @@ pub enum FieldRepresentation {
 pub struct DataSetMessage {
     /// The writer; absent where the publisher left its DataSetMessage header off.
     pub data_set_writer_id: Option<u16>,
-    /// The writer's name.
     pub data_set_writer_name: Option<Arc<str>>,
     /// The publisher, where the NetworkMessage has no header to say it.
     pub publisher_id: Option<Arc<str>>,
@@ -198,9 +196,7 @@ pub struct MetaDataMessage {
     pub message_id: Option<MessageId>,
     pub publisher_id: Option<Arc<str>>,
     pub data_set_writer_id: u16,
-    /// The writer's group.
     pub writer_group_name: Option<Arc<str>>,
-    /// The writer's name.
     pub data_set_writer_name: Option<Arc<str>>,
     pub timestamp: Option<DateTime>,
     pub meta_data: DataSetMetaData,

@@ -104,7 +104,6 @@ pub struct FieldMetaData {
     /// Its built-in type: Int32 for enumerations, ExtensionObject for structures, Variant for
     /// abstract types.
     pub built_in_type: BuiltInType,
-    /// Its data type.
     pub data_type: NodeId,
     /// -1 scalar, 1 array, n matrix.
     pub value_rank: i32,

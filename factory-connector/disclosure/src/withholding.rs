@@ -31,7 +31,7 @@ pub enum StateValue {
     Truth(bool),
     /// Of an integer or a number.
     Integer(i64),
-    /// Of a number.
+    /// Of a number with a fraction.
     Number(f64),
     /// Of a text, or an integer beyond 64 bits with sign.
     Text(String),

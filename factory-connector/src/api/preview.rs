@@ -38,7 +38,7 @@ use crate::{
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Draft {
-    /// Source of the values.
+    /// `MAPPING`, `MANUAL` or `EXTERNAL`.
     value_source: ValueSource,
     /// Needed with the source `MAPPING`.
     mapping: Option<MappingDraft>,

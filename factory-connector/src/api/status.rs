@@ -27,7 +27,7 @@ pub struct Status {
     lease: LeaseStatus,
     /// OPC UA server.
     twin: TwinStatus,
-    /// Backlog of the spool.
+    /// Rows that wait to be sent, or for a receipt.
     spool: Backlog,
     /// Status of each local server.
     sources: Vec<SourceStatus>,

@@ -140,7 +140,7 @@ pub struct RuleOfferView {
     /// Coarsening in words and as codes.
     #[serde(flatten)]
     pub statement: Statement,
-    /// Source of the values.
+    /// `MAPPING`, `MANUAL` or `EXTERNAL`.
     pub value_source: Option<asi_model::messages::ValueSource>,
     /// Mapping, with the source `MAPPING`.
     pub mapping: Option<mapping_engine::Mapping>,

@@ -13,7 +13,6 @@ pub struct CoordinatorConfig {
     pub state: StateConfig,
     /// The shortest time between two reports of one data set.
     pub publishing_interval: Duration,
-    /// Limits of the spool.
     pub spool: SpoolLimits,
     /// Retention of what was sent.
     pub retention: RetentionLimits,

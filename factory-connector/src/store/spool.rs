@@ -21,7 +21,6 @@ use super::{
 /// A message that waits in the spool.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Message {
-    /// A control message.
     Control(ControlMessage),
     /// Reports that travel together.
     Reports(ReportMessage),

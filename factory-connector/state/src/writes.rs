@@ -41,7 +41,6 @@ pub struct Writes {
     pub ledger: LedgerWrites,
     /// Messages that were received, and what people wrote.
     pub messages: MessageWrites,
-    /// Entries of operators.
     pub operator_entries: Vec<OperatorEntry>,
     /// Policies, standing rules and their decisions, alliances and caps.
     pub policies: PolicyWrites,

@@ -54,16 +54,13 @@ pub enum NodeKind {
         /// The least role that may call it.
         callable_by: Role,
     },
-    /// An object type.
     ObjectType { is_abstract: bool },
-    /// A reference type.
     ReferenceType {
         is_abstract: bool,
         is_symmetric: bool,
         /// InverseName; null for symmetric and abstract ones.
         inverse_name: LocalizedText,
     },
-    /// A data type.
     DataType {
         /// DataTypeDefinition, for enumerations and structures.
         definition: Option<Box<ExtensionObject>>,
@@ -88,7 +85,6 @@ impl NodeKind {
 /// A reference of a node.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ProvidedReference {
-    /// The type of the reference.
     pub reference_type: NodeId,
     /// True when it leads from the node to the target.
     pub is_forward: bool,

@@ -30,7 +30,7 @@ pub struct MappingStatus {
     pub superseded: u64,
     /// Number of faults since the mapping was published.
     pub faults: u64,
-    /// The last fault.
+    /// Newest of the faults.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub last_fault: Option<FaultRecord>,
     /// Time spent on it, in microseconds.
@@ -38,7 +38,7 @@ pub struct MappingStatus {
     /// Time of the last candidate by the local clock.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub last_yielded_at: Option<DateTime>,
-    /// The last candidate.
+    /// Newest of the candidates that went out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub last_candidate: Option<TracedValue>,
     /// Last value of each input, in the mapping's order.

@@ -17,7 +17,7 @@ use crate::{application::Application, principal::Principal};
 pub struct Status {
     /// The version of the program.
     version: &'static str,
-    /// Time of the start.
+    /// Start of this process.
     started_at: DateTime,
     /// Its own clock, to tell ages by.
     now: DateTime,

@@ -73,7 +73,6 @@ pub struct IncomingReport {
     pub sequence: u32,
     /// The request it claims to answer.
     pub request: RequestKey,
-    /// The report's name.
     pub report_name: String,
     /// The newest source time among the fields.
     pub shopfloor_timestamp: Option<DateTime>,

@@ -20,7 +20,7 @@ pub struct Collaboration {
     pub collaboration_id: CollaborationId,
     /// Name for people.
     pub name: String,
-    /// Time of creation.
+    /// Addition, by the platform's clock.
     pub created_at: DateTime,
     /// The organisations that take part, by id.
     pub members: Vec<OrganisationId>,

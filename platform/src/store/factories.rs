@@ -20,7 +20,7 @@ pub struct Factory {
     pub organisation_id: OrganisationId,
     /// Name for people.
     pub name: String,
-    /// Time of creation.
+    /// Addition, by the platform's clock.
     pub created_at: DateTime,
     /// Last enrolment of its connector; absent before the first.
     pub enrolled_at: Option<DateTime>,

@@ -18,7 +18,7 @@ pub struct Organisation {
     pub organisation_id: OrganisationId,
     /// Name for people.
     pub name: String,
-    /// Time of creation.
+    /// Addition, by the platform's clock.
     pub created_at: DateTime,
 }
 

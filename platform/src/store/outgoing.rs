@@ -23,7 +23,6 @@ pub struct NewOutgoing {
     pub subject: String,
     /// Message that it answers.
     pub correlation_id: Option<MessageId>,
-    /// Time of creation.
     pub created_at: DateTime,
     /// Time from creation after which a broker may drop it.
     pub time_to_live: Option<std::time::Duration>,

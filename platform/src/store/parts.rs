@@ -73,7 +73,6 @@ pub struct NetworkPart {
     pub sent_count: u32,
     /// Time of the next transmission, unless it is acknowledged before.
     pub resend_at: DateTime,
-    /// Time of the acknowledgement.
     pub acknowledged_at: Option<DateTime>,
 }
 

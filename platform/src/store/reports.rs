@@ -27,7 +27,6 @@ pub struct NewReport {
     pub sequence: u32,
     /// The request it answers.
     pub request: RequestKey,
-    /// The report's name.
     pub report_name: String,
     /// The newest source time among the fields.
     pub shopfloor_timestamp: Option<DateTime>,
@@ -57,7 +56,7 @@ pub struct Report {
     /// The request it answers.
     #[serde(flatten)]
     pub request: RequestKey,
-    /// The report's name.
+    /// Name of its format, as the request has it.
     pub report_name: String,
     /// The newest source time among the fields.
     pub shopfloor_timestamp: Option<DateTime>,

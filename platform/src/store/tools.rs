@@ -23,7 +23,7 @@ pub struct Tool {
     pub organisation_id: OrganisationId,
     /// Name for people.
     pub name: String,
-    /// Time of creation.
+    /// Addition, by the platform's clock.
     pub created_at: DateTime,
 }
 

@@ -13,12 +13,17 @@ use crate::{
     imports::{ImportGraph, attributes_of},
     module_tree::is_test_only,
     package::{Package, Role, SourceFile},
+    words::parts,
 };
 
 /// First words of relative clauses without a noun.
 const OPENING_WORDS: [&str; 12] = [
     "What", "Who", "Whose", "Whom", "How", "Where", "When", "Which", "Why", "Whether", "That", "If",
 ];
+/// Words that add nothing to a name.
+const FILL_WORDS: [&str; 9] = ["the", "a", "an", "of", "its", "s", "is", "time", "in"];
+/// Words that begin with so many equal letters count as the same.
+const STEM_CHARS: usize = 5;
 /// Docs of a member with at most so many words say no more than its name.
 const EMPTY_WORDS_MAX: usize = 2;
 
@@ -99,10 +104,11 @@ impl Checker<'_> {
         }
     }
 
-    fn member(&mut self, attributes: &[Attribute]) {
+    /// Checks the doc of a field or a variant, given its name and the names in its types.
+    fn member(&mut self, attributes: &[Attribute], names: &str) {
         let Some((line, text)) = text_of(attributes) else { return };
         let words = text.split_whitespace().count();
-        if words <= EMPTY_WORDS_MAX {
+        if words <= EMPTY_WORDS_MAX || repeats(&text, names) {
             self.report(
                 line,
                 Rule::ShortMemberDoc,
@@ -125,12 +131,18 @@ impl<'ast> Visit<'ast> for Checker<'_> {
     }
 
     fn visit_field(&mut self, field: &'ast syn::Field) {
-        self.member(&field.attrs);
+        let mut names = Names::default();
+        names.visit_type(&field.ty);
+        field.ident.iter().for_each(|name| names.visit_ident(name));
+        self.member(&field.attrs, &names.0);
         visit::visit_field(self, field);
     }
 
     fn visit_variant(&mut self, variant: &'ast syn::Variant) {
-        self.member(&variant.attrs);
+        let mut names = Names::default();
+        variant.fields.iter().for_each(|field| names.visit_type(&field.ty));
+        names.visit_ident(&variant.ident);
+        self.member(&variant.attrs, &names.0);
         visit::visit_variant(self, variant);
     }
 }
@@ -176,6 +188,27 @@ fn public_items(file: &SourceFile, items: &[Item], findings: &mut Vec<Finding>) 
             public_items(file, items, findings);
         }
     }
+}
+
+/// Names of a member and of its types, with spaces between.
+#[derive(Default)]
+struct Names(String);
+
+impl<'ast> Visit<'ast> for Names {
+    fn visit_ident(&mut self, name: &'ast proc_macro2::Ident) {
+        self.0.push_str(&name.to_string());
+        self.0.push(' ');
+    }
+}
+
+/// True where each word of a doc is one of the names, or the same word in another form.
+fn repeats(text: &str, names: &str) -> bool {
+    let names = parts(names);
+    parts(text).iter().filter(|word| !FILL_WORDS.contains(&word.as_str())).all(|word| {
+        // "created" and "creation", "name" and "names".
+        let stem = |word: &str| word.chars().take(STEM_CHARS).collect::<String>();
+        names.iter().any(|name| stem(name) == stem(word))
+    })
 }
 
 fn is_hidden(attributes: &[Attribute]) -> bool {

@@ -105,14 +105,18 @@ fn every_file_but_tests_and_main_has_a_header() {
 }
 
 #[test]
-fn docs_of_members_say_more_than_two_words() {
+fn docs_of_members_say_more_than_their_names() {
     let source = "/// Of two.\nstruct A {\n/// When.\nat: u8,\n/// In milliseconds since 1970.\n\
-                  b: u8,\nc: u8 }\nenum E {\n/// The repository.\nA,\n/// Of a time, in seconds.\nB }";
+                  b: u8,\nc: u8 }\nenum E {\n/// The repository.\nA,\n/// Of a time, in seconds.\nB,\n\
+                  /// The store of networks.\nC(NetworkStore),\n/// Its store, in bytes.\nD(Store),\n}\n\
+                  struct S {\n/// Time of its creation.\ncreated_at: u8 }";
     assert_eq!(
         found(Rule::ShortMemberDoc, &[("src/lib.rs", source)]),
         [
             "src/lib.rs:3 \"When.\" says no more than the member's name",
-            "src/lib.rs:9 \"The repository.\" says no more than the member's name"
+            "src/lib.rs:9 \"The repository.\" says no more than the member's name",
+            "src/lib.rs:13 \"The store of networks.\" says no more than the member's name",
+            "src/lib.rs:19 \"Time of its creation.\" says no more than the member's name"
         ]
     );
 }

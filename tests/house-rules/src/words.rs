@@ -170,7 +170,7 @@ pub(crate) fn banned_in(text: &str) -> Vec<&'static BannedWord> {
 
 /// Splits words and identifiers into their parts in lower case: `DeskHandle`, `desk_handle` and
 /// "desk handle" alike.
-fn parts(text: &str) -> Vec<String> {
+pub(crate) fn parts(text: &str) -> Vec<String> {
     let mut parts = vec![String::new()];
     let mut was_lower = false;
     for character in text.chars() {

@@ -36,7 +36,6 @@ pub struct StoredHead {
 pub struct StoredConsent {
     /// `PENDING`, `MAPPED` or `REFUSED`.
     pub mapping_state: String,
-    /// Source of the values.
     pub value_source: Option<String>,
     /// The policy as JSON.
     pub policy: String,

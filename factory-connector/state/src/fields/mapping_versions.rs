@@ -29,6 +29,5 @@ pub struct ShadowMapping {
     pub mapping: Mapping,
     /// Name of the user who started it.
     pub author: String,
-    /// Time of the start.
     pub started_at: DateTime,
 }

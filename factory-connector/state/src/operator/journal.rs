@@ -27,7 +27,6 @@ pub struct Journal {
 pub enum OperatorStatement {
     /// A count or a share.
     Number(f64),
-    /// State of the operation.
     State(OperationState),
     /// Time of an event.
     Time(DateTime),
@@ -64,7 +63,7 @@ pub struct OperationStatus {
     pub scrap_quantity: f64,
     /// The problem that is not solved yet.
     pub problem: Option<OperatorProblem>,
-    /// Time of the last entry.
+    /// Greatest `madeAt` of all entries.
     pub last_entry_at: Option<DateTime>,
 }
 

@@ -8,7 +8,6 @@ use shop_floor_model::{BrowsedNode, ListedVariable, SourceId};
 pub struct WantedField {
     /// The field's name.
     pub name: String,
-    /// Its built-in type.
     pub value_type: BuiltInType,
     /// Its ValueRank: -1 scalar.
     pub value_rank: i32,
@@ -35,7 +34,6 @@ pub struct KnownVariable {
     pub path: Vec<String>,
     /// Description by the server.
     pub description: Option<String>,
-    /// The built-in type of its value.
     pub value_type: Option<BuiltInType>,
     /// ValueRank: -1 scalar, 1 or more the number of dimensions.
     pub value_rank: Option<i32>,
@@ -87,7 +85,6 @@ impl KnownVariable {
 /// Earlier decision of an engineer of this factory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PastDecision {
-    /// The field's name.
     pub field_name: String,
     /// Semantic id of the request, where it has one.
     pub semantic: Option<Semantic>,
