@@ -18,7 +18,6 @@ pub struct BrokerProfile {
 /// An address on a concrete broker: an AMQP terminus.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Terminus {
-    /// The broker's address.
     pub address: String,
     /// A terminus capability that the broker needs to tell queues from topics.
     pub capability: Option<String>,

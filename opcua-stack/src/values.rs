@@ -26,7 +26,6 @@ pub enum ConversionError {
     /// The peer has no such namespace.
     #[error("the server has no namespace {uri:?}")]
     UnknownNamespace {
-        /// The namespace's URI.
         uri: String,
     },
     /// A node on another server, which only that server's URI names.
@@ -38,13 +37,11 @@ pub enum ConversionError {
     /// The structure's definition is not known, so its fields cannot be encoded.
     #[error("the data type {type_id} of a structure is not known to the server")]
     UnknownStructure {
-        /// The data type.
         type_id: String,
     },
     /// The value does not fit the structure's definition.
     #[error("the value does not fit the data type {type_id}: {reason}")]
     StructureMismatch {
-        /// The data type.
         type_id: String,
         /// Field or type that does not fit.
         reason: String,
@@ -54,7 +51,6 @@ pub enum ConversionError {
         "a structure of the data type {type_id} is known as JSON only and cannot be sent in OPC UA Binary"
     )]
     JsonBody {
-        /// The data type.
         type_id: String,
     },
     /// The elements of an array do not agree with its type or dimensions.
@@ -66,7 +62,6 @@ pub enum ConversionError {
     /// The stack could not encode a structure.
     #[error("a structure of the data type {type_id} could not be encoded: {reason}")]
     Encoding {
-        /// The data type.
         type_id: String,
         /// Message of the stack.
         reason: String,

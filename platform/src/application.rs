@@ -47,7 +47,6 @@ pub struct ApplicationParts {
     pub public_url: String,
     /// Conditions of readiness.
     pub readiness: Readiness,
-    /// The process's metrics.
     pub metrics: Metrics,
     /// Time of the daemon's start.
     pub started_at: DateTime,

@@ -47,7 +47,6 @@ struct Parts {
 /// Users or queues could not be brought in line with the store.
 #[derive(Debug, thiserror::Error)]
 pub enum BrokerAccessError {
-    /// The store failed.
     #[error("the store failed")]
     Store(#[from] StoreError),
     /// The embedded broker failed.

@@ -28,7 +28,6 @@ pub struct PlatformConfig {
     pub broker: BrokerSettings,
     /// The first administrator.
     pub admin: AdminConfig,
-    /// Receipts for connectors.
     pub receipts: ReceiptConfig,
     /// Sending parts of networks.
     pub parts: PartConfig,

@@ -57,10 +57,8 @@ pub enum EnrolmentError {
     /// Another broker is in use and its administration has made no account.
     #[error("broker.external.accounts has no account {user_name}")]
     NoAccount {
-        /// The account's name.
         user_name: String,
     },
-    /// The store failed.
     #[error("the store failed")]
     Store(#[from] StoreError),
 }

@@ -85,7 +85,6 @@ pub enum LiveEvent {
     Comment {
         /// The network talked about.
         operation_network_id: OperationNetworkId,
-        /// The comment's number.
         comment_id: u64,
     },
     /// Loss of events: more happened than the platform remembers, and the page loads afresh.
@@ -108,7 +107,6 @@ pub struct FieldUpdate {
     pub report_timestamp: Option<DateTime>,
     /// Time of arrival at the platform.
     pub received_at: DateTime,
-    /// The writer's epoch.
     pub epoch: u32,
     /// The report's sequence number.
     pub sequence: u32,

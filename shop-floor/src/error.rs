@@ -22,7 +22,6 @@ pub enum ShopFloorError {
     /// The server did not answer in time.
     #[error("the source {0} did not answer in time")]
     Timeout(SourceId),
-    /// The server refused.
     #[error("the server refused: {status}")]
     Refused { status: StatusCode },
     /// No server answers at the address, or it makes no sense.

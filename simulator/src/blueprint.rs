@@ -43,7 +43,6 @@ pub struct NodePlan {
     pub node_id: Option<NodeId>,
     /// Index of the parent; none for a child of the Objects folder.
     pub parent: Option<usize>,
-    /// Its browse name.
     pub name: QualifiedName,
     /// Text of the Description attribute; none for most nodes.
     pub description: Option<&'static str>,

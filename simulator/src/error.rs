@@ -26,7 +26,6 @@ pub enum SimulatorError {
     /// The value is not of the variable's type.
     #[error("the value must be of the type {expected}")]
     WrongType {
-        /// The variable's type.
         expected: BuiltInType,
     },
     /// The fault needs the relay, which is configured away.

@@ -24,7 +24,6 @@ pub enum MachineFault {
     StallSubscriptions,
     /// All variables, or one, have this status.
     BadStatus {
-        /// The status code.
         status: u32,
         /// The variable's key; all if absent.
         #[serde(default)]

@@ -37,7 +37,6 @@ impl Relay {
         *self.target.lock() = target;
     }
 
-    /// Cuts all connections.
     pub(crate) fn drop_connections(&self) {
         std::mem::take(&mut *self.connections.lock()).cancel();
     }

@@ -3,7 +3,6 @@
 /// A moment of a simulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
-    /// The machine's seed.
     pub seed: u64,
     /// Simulated seconds since the simulation's epoch; never negative.
     pub seconds: f64,

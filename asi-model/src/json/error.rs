@@ -23,7 +23,6 @@ pub enum JsonError {
         /// The first wrong byte.
         offset: usize,
     },
-    /// Nested too deeply.
     #[error("arrays and objects are nested deeper than {depth_max} at byte {offset}")]
     TooDeep {
         depth_max: usize,

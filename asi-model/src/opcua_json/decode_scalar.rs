@@ -137,7 +137,6 @@ pub(super) fn default_scalar(built_in_type: BuiltInType) -> Scalar {
     }
 }
 
-/// A string's content.
 pub(crate) fn text<'t, 'a>(
     node: JsonNode<'t, 'a>,
 ) -> Result<std::borrow::Cow<'a, str>, Mismatch<'t, 'a>> {

@@ -86,7 +86,6 @@ pub enum DataSetMessageKind {
     KeyFrame,
     /// Only the fields that changed.
     DeltaFrame,
-    /// An event's fields.
     Event,
     /// "I am still here": no fields; the sequence number is the next expected one.
     KeepAlive,
@@ -139,7 +138,6 @@ pub struct DataSetMessage {
     pub writer_group_name: Option<Arc<str>>,
     /// Counts up by one per DataSetMessage of the writer; in a keep-alive the next expected number.
     pub sequence_number: Option<u32>,
-    /// The metadata's version.
     pub meta_data_version: Option<MetaDataVersion>,
     /// The metadata's minor version, where the message has no other (1.05).
     pub minor_version: Option<u32>,

@@ -37,7 +37,6 @@ pub struct MetaDataVersion {
 pub struct DataSetMetaData {
     /// The data set's name: the report's name.
     pub name: Arc<str>,
-    /// More about it.
     pub description: Option<LocalizedText>,
     /// The namespaces that indexes in this message and its data refer to; the first is index 1.
     pub namespaces: Vec<Arc<str>>,
@@ -97,7 +96,6 @@ impl DataSetMetaData {
 pub struct FieldMetaData {
     /// Its name in the payload.
     pub name: Arc<str>,
-    /// More about it.
     pub description: Option<LocalizedText>,
     /// True where it also travels in the transport's header (field flag 0).
     pub is_promoted: bool,

@@ -8,7 +8,6 @@ use super::{BuiltInType, LocalizedText, NodeId};
 /// Names of an enumeration's values, to show numbers as texts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnumType {
-    /// The DataType node.
     pub type_id: NodeId,
     pub name: Arc<str>,
     /// Built-in type of its values: Int32, or an unsigned integer for option sets.
@@ -56,14 +55,12 @@ pub struct EnumValue {
     pub name: Arc<str>,
     /// Its name for people.
     pub display_name: LocalizedText,
-    /// More about it.
     pub description: LocalizedText,
 }
 
 /// Another name for a simple type, as Duration is one for Double.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimpleType {
-    /// The DataType node.
     pub type_id: NodeId,
     pub name: Arc<str>,
     /// The DataType it specialises.

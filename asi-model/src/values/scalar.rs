@@ -212,7 +212,6 @@ pub enum Variant {
     /// The null value, which has no type.
     #[default]
     Null,
-    /// A single value.
     Scalar(Scalar),
     /// An array or matrix.
     Array(Arc<Array>),

@@ -8,7 +8,6 @@ use super::{BuiltInType, LocalizedText, NodeId};
 /// Fields of a structure, to decode its values by name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StructureType {
-    /// The DataType node.
     pub type_id: NodeId,
     /// Its encoding nodes, which older senders name instead of the DataType.
     pub encoding_ids: Vec<NodeId>,

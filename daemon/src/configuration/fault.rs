@@ -32,7 +32,6 @@ pub struct ConfigurationFault {
     pub origin: Origin,
     /// The key, as `web.listen`; empty where the whole document is meant.
     pub key: String,
-    /// Problem, for people.
     pub message: String,
     /// Action that resolves the fault.
     pub remedy: String,
@@ -47,7 +46,6 @@ pub enum Origin {
         path: String,
         line: usize,
     },
-    /// An environment variable.
     Variable { name: String },
     /// Nowhere: the setting is missing.
     Nowhere,

@@ -152,7 +152,6 @@ mod tests {
 
     use super::{super::coarsening::coarsen, *};
 
-    /// The tested numbers.
     fn range() -> std::ops::RangeInclusive<i64> {
         -260..=260
     }

@@ -60,9 +60,7 @@ pub struct RunningConnector {
     pub started_at: DateTime,
     /// Directory of the store and of keys.
     pub data_directory: PathBuf,
-    /// Encoding of reports.
     pub encoding: Encoding,
-    /// Configuration in effect.
     pub settings: Vec<Setting>,
 }
 
@@ -70,7 +68,6 @@ pub struct RunningConnector {
 pub struct ServerParts {
     pub readiness: Readiness,
     pub metrics: Metrics,
-    /// Ends live streams.
     pub shutdown: CancellationToken,
     /// True if cookies are for TLS only.
     pub has_tls: bool,

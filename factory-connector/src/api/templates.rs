@@ -259,7 +259,6 @@ fn members(series: Series) -> Result<Vec<BTreeMap<String, String>>, Problem> {
     Ok(sets)
 }
 
-/// Returns all templates.
 pub(super) async fn load_all(api: &Api) -> Result<Vec<MappingTemplate>, Problem> {
     let rows = api.store().await?.mapping_templates().all().await?;
     let templates =

@@ -83,7 +83,6 @@ impl twin::Authenticator for Nobody {
     }
 }
 
-/// A running coordinator.
 struct Running {
     folder: PathBuf,
     kept: Option<TempDir>,

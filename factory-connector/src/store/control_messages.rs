@@ -83,7 +83,6 @@ fn message(row: &SqliteRow) -> Result<ControlMessage, StoreError> {
     })
 }
 
-/// Stores new messages.
 pub(super) fn write(connection: &Connection, messages: &[ControlRow]) -> rusqlite::Result<()> {
     write_rows(
         connection,

@@ -111,7 +111,6 @@ fn revocation(row: &SqliteRow) -> Result<StoredRevocation, StoreError> {
     })
 }
 
-/// Stores new receipts.
 pub(super) fn write(
     connection: &Connection,
     revocations: &[RevocationRow],

@@ -13,7 +13,6 @@ use crate::{Effects, Field, FieldEvent, Writes, effects::TwinUpdate};
 /// transaction does once for all its use cases.
 #[derive(Debug, Default)]
 pub struct ChangeSet {
-    /// Rows to store.
     pub writes: Writes,
     /// Effects to publish after the commit.
     pub effects: Effects,

@@ -25,7 +25,6 @@ pub struct Effects {
     pub fields: BTreeMap<i64, FieldEvent>,
     /// Other events for open pages, in order.
     pub events: Vec<ConnectorEvent>,
-    /// Number of decisions.
     pub decisions: DecisionCounts,
     /// Number of reports to send again.
     pub resent_report_count: u64,
@@ -116,7 +115,6 @@ pub enum TwinUpdate {
 pub enum EngineCommand {
     /// Publish a new or changed mapping, or a shadow mapping.
     Put(PublishRequest),
-    /// End a mapping.
     Remove(MappingId),
 }
 

@@ -20,7 +20,6 @@ use crate::{
 #[derive(Debug, Clone)]
 pub struct StateConfig {
     pub factory_id: FactoryId,
-    /// Encoding of reports.
     pub encoding: Encoding,
 }
 

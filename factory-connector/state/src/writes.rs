@@ -31,7 +31,6 @@ pub struct Writes {
     pub networks: Vec<NetworkRow>,
     /// Fields with their consents and the states of their gates.
     pub fields: FieldWrites,
-    /// Data set writers.
     pub writers: WriterWrites,
     /// Reports: queued ones, and changes of their delivery state.
     pub reports: ReportWrites,
@@ -44,7 +43,6 @@ pub struct Writes {
     pub operator_entries: Vec<OperatorEntry>,
     /// Policies, standing rules and their decisions, alliances and caps.
     pub policies: PolicyWrites,
-    /// Sources of values.
     pub sources: SourceWrites,
     /// Versions of mappings, shadow mappings and templates.
     pub mappings: MappingWrites,

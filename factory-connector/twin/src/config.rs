@@ -28,7 +28,6 @@ pub struct TwinConfig {
     pub security: SecurityConfig,
     /// Bounds on the resources of clients.
     pub limits: TwinLimits,
-    /// Registration and announcement.
     pub discovery: DiscoveryConfig,
 }
 

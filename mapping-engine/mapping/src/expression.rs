@@ -43,7 +43,6 @@ pub(crate) enum Expr {
 /// Operand that a name refers to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Name {
-    /// The chain's value.
     Value,
     /// An input, by its position.
     Input(usize),

@@ -40,7 +40,6 @@ pub trait ScriptEngine {
     /// [`ScriptFault`] where it does not compile, throws, takes too long or is no function.
     fn load(&mut self, load: Load) -> Result<(), ScriptFault>;
 
-    /// Forgets a script.
     fn unload(&mut self, script: ScriptId);
 
     /// Calls a script. The second value is `ctx.state` where it changed.

@@ -71,7 +71,6 @@ pub enum ConnectError {
     /// The answer is not that of a WebSocket server.
     #[error("the peer does not answer like a WebSocket server: {reason}")]
     Protocol { reason: String },
-    /// The connection broke.
     #[error("the connection broke while the WebSocket was being opened")]
     Io(#[source] io::Error),
 }
@@ -86,13 +85,11 @@ pub enum AcceptError {
     Subprotocol {
         /// Offers of the client, cut after 80 characters.
         offered: String,
-        /// The server's subprotocol.
         subprotocol: Subprotocol,
     },
     /// The request is not for a WebSocket.
     #[error("the client does not open a WebSocket: {reason}")]
     Protocol { reason: String },
-    /// The connection broke.
     #[error("the connection broke while the WebSocket was being opened")]
     Io(#[source] io::Error),
 }

@@ -24,7 +24,6 @@ pub enum BrokerError {
         #[source]
         source: sqlx::Error,
     },
-    /// A statement failed.
     #[error("cannot {action} in the broker's database")]
     Store {
         /// Imperative phrase, for example "declare a queue".

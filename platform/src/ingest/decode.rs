@@ -41,7 +41,6 @@ pub struct Incoming {
 /// Decoded content of a message.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Content {
-    /// Reports and keep-alives.
     Reports {
         /// The reports, in their order.
         reports: Vec<IncomingReport>,

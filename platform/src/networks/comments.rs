@@ -24,7 +24,6 @@ pub enum CommentError {
     /// The author sees no such request to the factory.
     #[error("the factory is not asked by such a request")]
     NoRequest,
-    /// The store failed.
     #[error("the store failed")]
     Store(#[from] StoreError),
 }

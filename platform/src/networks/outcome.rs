@@ -51,7 +51,6 @@ pub enum ChangeError {
     /// The network is wrong.
     #[error("the network has {} faults", .0.len())]
     Faulty(Vec<Fault>),
-    /// The store failed.
     #[error("the store failed")]
     Store(#[from] StoreError),
 }

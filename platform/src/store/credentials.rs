@@ -9,7 +9,6 @@ use super::{database::Connection, error::StoreError, row::Columns};
 /// Holder of a broker credential.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Holder {
-    /// A factory's connector.
     Factory(FactoryId),
     Tool(ToolId),
 }

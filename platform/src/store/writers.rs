@@ -28,7 +28,6 @@ pub struct WriterKey {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WriterRow {
     pub key: WriterKey,
-    /// Received sequence numbers.
     pub sequences: SequenceSet,
     /// Number of reports received, repeats not counted.
     pub received: u64,

@@ -39,7 +39,6 @@ pub(crate) struct EndedWriter {
 }
 
 impl EndedConsents {
-    /// Begins a receipt.
     pub(crate) fn new(revocation_id: Uuid, ending: Ending<'_>) -> Self {
         Self {
             revocation_id,

@@ -29,7 +29,6 @@ impl DisclosureRate {
         }
     }
 
-    /// Counts a candidate.
     pub(crate) fn count_candidate(&mut self, now: DateTime) {
         self.turn_to(now);
         self.present.0 = self.present.0.saturating_add(1);

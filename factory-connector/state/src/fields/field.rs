@@ -297,12 +297,10 @@ impl Field {
     }
 }
 
-/// Serialises a mapping.
 pub(crate) fn mapping_json(mapping: &Mapping) -> String {
     serde_json::to_string(mapping).expect("mappings have text keys and finite numbers")
 }
 
-/// Serialises a policy.
 pub(crate) fn policy_json(policy: &DisclosurePolicy) -> String {
     serde_json::to_string(policy).expect("policies have text keys and finite numbers")
 }

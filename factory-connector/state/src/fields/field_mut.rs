@@ -24,7 +24,6 @@ impl FieldMut<'_> {
         self.index.mark_dirty(self.entry);
     }
 
-    /// Changes the decision.
     pub(crate) fn change_decision<T>(&mut self, change: impl FnOnce(&mut FieldDecision) -> T) -> T {
         self.index.policies.forget(&self.entry.field);
         let result = change(&mut self.entry.field.decision);

@@ -19,7 +19,6 @@ impl Index {
         }
     }
 
-    /// Adds a field.
     pub(super) fn add(&mut self, entry: &mut FieldEntry) {
         self.policies.note(&entry.field);
         self.note_deadlines(entry);

@@ -50,7 +50,6 @@ pub struct DeadLetterRow {
     pub subject: String,
     /// Code of the reason.
     pub code: String,
-    /// Reason in words.
     pub reason: String,
     pub body: Vec<u8>,
     pub occurred_at: DateTime,

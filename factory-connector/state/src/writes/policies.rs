@@ -57,7 +57,6 @@ pub struct DocumentRow {
 }
 
 impl DocumentRow {
-    /// Serialises a document.
     pub(crate) fn new(
         key: &DocumentVersion,
         document: &impl Serialize,

@@ -84,7 +84,6 @@ fn quoted(
     }
 }
 
-/// Appends a row.
 pub(super) fn write(to: &mut String, fields: &[&str]) {
     for (index, field) in fields.iter().enumerate() {
         if index > 0 {

@@ -8,7 +8,6 @@ use crate::document::Mapping;
 
 /// Longest file, in bytes.
 pub const FILE_BYTES_MAX: usize = 64 << 20;
-/// The format's version.
 const VERSION: u32 = 1;
 
 /// Mappings and templates as one JSON document.

@@ -6,7 +6,6 @@ use shop_floor_model::{BrowsedNode, ListedVariable, SourceId};
 /// Requested field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WantedField {
-    /// The field's name.
     pub name: String,
     pub value_type: BuiltInType,
     /// Its ValueRank: -1 scalar.
@@ -28,7 +27,6 @@ pub struct KnownVariable {
     pub source_id: SourceId,
     /// Node id with its namespace's URI.
     pub node_id: NodeId,
-    /// Its own name.
     pub name: String,
     /// The names above it, outermost first.
     pub path: Vec<String>,

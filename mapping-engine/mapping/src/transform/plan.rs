@@ -45,7 +45,6 @@ pub(crate) struct PlannedInput {
     pub is_picked: bool,
 }
 
-/// A compiled function.
 #[derive(Debug)]
 pub(crate) enum Function {
     Select(Box<[Part]>),

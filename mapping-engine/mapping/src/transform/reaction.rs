@@ -10,7 +10,6 @@ use crate::{fault::Fault, quality::Meta};
 /// Reaction to an event.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Reaction {
-    /// Nothing to say.
     Quiet,
     /// A new candidate for the field.
     Candidate(DataValue),

@@ -11,7 +11,6 @@ use crate::{
     number::Number,
 };
 
-/// A compiled table.
 #[derive(Debug)]
 pub(crate) enum Table {
     Exact {

@@ -30,7 +30,6 @@ pub struct Load {
     pub script: ScriptId,
     /// Name in errors, as `frame-4711.js`.
     pub name: Arc<str>,
-    /// Its source text.
     pub source: Arc<str>,
     /// The names under `ctx.inputs`.
     pub inputs: Vec<Arc<str>>,
@@ -52,7 +51,6 @@ pub struct InputValue {
 /// One call of a script.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Call {
-    /// Script to call.
     pub script: ScriptId,
     /// Argument of the call.
     pub value: CallValue,

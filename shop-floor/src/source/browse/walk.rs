@@ -25,7 +25,6 @@ pub(super) enum WalkStep<T> {
     /// Visits the children too, with this context.
     Descend(T),
     Skip,
-    /// Ends the walk.
     Stop,
 }
 

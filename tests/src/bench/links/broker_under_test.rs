@@ -37,7 +37,6 @@ pub(super) struct Account {
     pub password: String,
 }
 
-/// A running broker.
 pub(super) struct BrokerUnderTest {
     pub name: &'static str,
     pub protocol: Protocol,

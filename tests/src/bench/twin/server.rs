@@ -44,7 +44,6 @@ impl Authenticator for Taker {
     }
 }
 
-/// A running twin.
 pub(super) struct Running {
     pub handle: TwinHandle,
     pub url: Arc<str>,

@@ -26,7 +26,6 @@ pub(crate) fn is_authority(certificate: &X509Certificate<'_>) -> bool {
     certificate.is_ca() && application_uri(certificate).is_none()
 }
 
-/// Parses a certificate.
 pub(crate) fn certificate(der: &[u8]) -> Result<X509Certificate<'_>, TrustFault> {
     match X509Certificate::from_der(der) {
         Ok(([], certificate)) => Ok(certificate),
