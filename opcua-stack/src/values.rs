@@ -25,9 +25,7 @@ pub const DEPTH_MAX: usize = 64;
 pub enum ConversionError {
     /// The peer has no such namespace.
     #[error("the server has no namespace {uri:?}")]
-    UnknownNamespace {
-        uri: String,
-    },
+    UnknownNamespace { uri: String },
     /// A node on another server, which only that server's URI names.
     #[error("the server has no server table entry for {uri:?}")]
     UnknownServer {
@@ -36,9 +34,7 @@ pub enum ConversionError {
     },
     /// The structure's definition is not known, so its fields cannot be encoded.
     #[error("the data type {type_id} of a structure is not known to the server")]
-    UnknownStructure {
-        type_id: String,
-    },
+    UnknownStructure { type_id: String },
     /// The value does not fit the structure's definition.
     #[error("the value does not fit the data type {type_id}: {reason}")]
     StructureMismatch {
@@ -50,9 +46,7 @@ pub enum ConversionError {
     #[error(
         "a structure of the data type {type_id} is known as JSON only and cannot be sent in OPC UA Binary"
     )]
-    JsonBody {
-        type_id: String,
-    },
+    JsonBody { type_id: String },
     /// The elements of an array do not agree with its type or dimensions.
     #[error("an array's elements do not agree with its type or dimensions")]
     InvalidArray,

@@ -56,9 +56,7 @@ pub enum EnrolmentError {
     TokenRefused,
     /// Another broker is in use and its administration has made no account.
     #[error("broker.external.accounts has no account {user_name}")]
-    NoAccount {
-        user_name: String,
-    },
+    NoAccount { user_name: String },
     #[error("the store failed")]
     Store(#[from] StoreError),
 }

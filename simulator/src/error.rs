@@ -25,9 +25,7 @@ pub enum SimulatorError {
     UnknownVariable(String),
     /// The value is not of the variable's type.
     #[error("the value must be of the type {expected}")]
-    WrongType {
-        expected: BuiltInType,
-    },
+    WrongType { expected: BuiltInType },
     /// The fault needs the relay, which is configured away.
     #[error("this fault needs the machine's relay, which its configuration takes away")]
     NoRelay,

@@ -46,7 +46,9 @@ pub enum Origin {
         path: String,
         line: usize,
     },
-    Variable { name: String },
+    Variable {
+        name: String,
+    },
     /// Nowhere: the setting is missing.
     Nowhere,
 }

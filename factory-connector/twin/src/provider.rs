@@ -54,7 +54,9 @@ pub enum NodeKind {
         /// The least role that may call it.
         callable_by: Role,
     },
-    ObjectType { is_abstract: bool },
+    ObjectType {
+        is_abstract: bool,
+    },
     ReferenceType {
         is_abstract: bool,
         is_symmetric: bool,
