@@ -77,6 +77,7 @@ pub fn install_logs(config: &LogConfig) -> Result<(), TelemetryError> {
 const BUCKETS_SECONDS: [f64; 14] =
     [0.000_1, 0.000_5, 0.001, 0.002_5, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 1.0, 5.0, 15.0, 60.0];
 
+/// Pause between drains of the histograms, which otherwise grow until the next scrape.
 const UPKEEP_INTERVAL: Duration = Duration::from_secs(5);
 
 /// The process's metrics, ready to be scraped.

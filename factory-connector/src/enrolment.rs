@@ -35,6 +35,7 @@ pub async fn enrol(
 ) -> anyhow::Result<FactoryId> {
     let platform = platform.map_or_else(|| address_in(token), |address| Ok(address.to_owned()))?;
     let url = format!("{}/api/v1/enrolments", platform.trim_end_matches('/'));
+    // A person waits for the answer at a terminal.
     let http = reqwest::Client::builder().timeout(Duration::from_secs(30)).build()?;
     let answer =
         http.post(&url).json(&serde_json::json!({ "token": token })).send().await.with_context(

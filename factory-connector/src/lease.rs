@@ -28,10 +28,12 @@ const PATIENCE_MIN: Duration = Duration::from_secs(2);
 const PATIENCE_MAX: Duration = Duration::from_secs(60);
 /// Time before the next request after an answer to another connector came here.
 const OVERHEARD_PAUSE: Duration = Duration::from_secs(1);
-/// Bounds of the time that the platform sets for the next request.
+/// Bounds of the time that the platform sets for the next request: a wrong value must neither make
+/// the connector flood the platform nor silence it for a day.
 const ASK_AGAIN_MIN: Duration = Duration::from_millis(50);
 const ASK_AGAIN_MAX: Duration = Duration::from_secs(600);
-/// Most requests whose answers are accepted.
+/// Most requests whose answers are accepted. Answers to older ones say what held before newer
+/// requests were sent.
 const ASKED_MAX: usize = 16;
 
 /// Identity of this running connector, which the platform distinguishes from others.

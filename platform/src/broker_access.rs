@@ -153,6 +153,7 @@ impl BrokerAccess {
                 broker.declare_queue(&queue(&address), options).await?;
             }
         }
+        // After the queues: an address without one would be refused and pause.
         if let Some(link) = self.link() {
             let read = factories
                 .iter()

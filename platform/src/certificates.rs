@@ -48,6 +48,7 @@ pub struct IssuedCertificate {
     pub key_pem: Bytes,
 }
 
+/// Long, because every connector has to be given a new root by hand when it ends.
 const ROOT_YEARS: i64 = 20;
 /// Servers get a new certificate at every start; this is for those that are never restarted.
 const SERVER_YEARS: i64 = 2;

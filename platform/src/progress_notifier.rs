@@ -67,6 +67,7 @@ impl ProgressNotifier {
     /// Never; a failing store is logged and asked again with the next notifications.
     pub async fn run(mut self, shutdown: CancellationToken) -> Result<(), StoreError> {
         while shutdown.run_until_cancelled(self.changed.wake.notified()).await.is_some() {
+            // Taken before they are read: a change that comes meanwhile counts for the next round.
             let networks = std::mem::take(&mut *self.changed.networks.lock());
             for network in networks {
                 if let Err(error) = self.tell(&network).await {
@@ -87,6 +88,7 @@ impl ProgressNotifier {
         let recipients: BTreeSet<&OrganisationId> =
             row.network.requests().flat_map(|(_, _, request)| &request.recipient_list).collect();
         if self.published.len() > REMEMBERED_MAX {
+            // Forgetting costs one event too many per operation, and no page notices.
             self.published.clear();
         }
         for recipient in recipients {

@@ -18,6 +18,7 @@ pub struct Retention {
     kept: Duration,
 }
 
+/// Pause between portions, which bounds how much of the writer retention takes.
 const INTERVAL: Duration = Duration::from_secs(60);
 /// Rows forgotten in one transaction, so that nobody waits long for the writer.
 const ROWS_PER_WORK_MAX: u32 = 2_000;

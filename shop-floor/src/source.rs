@@ -31,7 +31,8 @@ pub(crate) use services::{call, read, write};
 use memory::SourceMemory;
 use session::SessionEnd;
 
-/// Shortest and longest backoff before the next attempt to connect.
+/// Shortest and longest backoff before the next attempt to connect. Short: machines restart often,
+/// and values are lost until the subscription is back.
 const BACKOFF_MIN: Duration = Duration::from_millis(100);
 const BACKOFF_MAX: Duration = Duration::from_secs(2);
 /// Longest backoff after a refusal that only a person can resolve. Long, because frequent attempts

@@ -15,6 +15,8 @@ use crate::{
     },
 };
 
+// Node ids follow from the id of the type, so that they stay when types are added: clients store
+// them. The offsets lie beyond every id of a type and of its declarations.
 const DECLARATIONS_PER_TYPE: u32 = 100;
 const INPUT_ARGUMENTS_OFFSET: u32 = 1_000_000;
 const OUTPUT_ARGUMENTS_OFFSET: u32 = 2_000_000;

@@ -185,6 +185,7 @@ pub fn last_event_id(headers: &HeaderMap) -> Option<&str> {
     headers.get("last-event-id").and_then(|id| id.to_str().ok())
 }
 
+/// Shorter than the idle timeout of common proxies, often 30 or 60 seconds.
 const KEEP_ALIVE_INTERVAL: Duration = Duration::from_secs(15);
 /// Events written ahead of the socket per page.
 const AHEAD_MAX: usize = 64;

@@ -43,8 +43,12 @@ pub enum ServerError {
     Serve(#[source] std::io::Error),
 }
 
+/// Longest TLS handshake: a client that stays silent must not occupy a place for ever.
 const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(10);
+/// Handshakes under way at once. No caller is signed in yet, so the bound is on memory and CPU that
+/// any caller can claim.
 const HANDSHAKES_MAX: usize = 128;
+/// Connections that wait to be served. Few: beyond them the listener's own backlog holds clients.
 const ACCEPTED_WAITING_MAX: usize = 16;
 /// Longest wait for open requests once shutdown begins.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(5);

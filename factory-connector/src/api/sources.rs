@@ -18,7 +18,8 @@ use super::{
 };
 use crate::values::ShownValue;
 
-/// Children per page without a limit, and at most.
+/// Children per page without a limit, and at most: a server may list a hundred thousand in one
+/// folder.
 const CHILDREN: usize = 500;
 const CHILDREN_MAX: usize = 1000;
 

@@ -38,6 +38,7 @@ impl SpoolLimits {
     pub(crate) const fn overdue(&self) -> OverduePolicy {
         OverduePolicy {
             receipt_timeout: Duration::from_secs(self.resend_after_s as u64),
+            // Each repeat costs the plant's uplink; a platform that is away for long needs none.
             receipt_timeout_max: Duration::from_secs(3600),
         }
     }

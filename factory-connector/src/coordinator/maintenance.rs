@@ -17,11 +17,14 @@ use tokio::time::Instant;
 use super::unit_of_work::UnitOfWork;
 use crate::{clock::now, config::RetentionLimits, store::StoreError};
 
+/// Pause between rounds, and so the inaccuracy of keep-alives and checkpoints.
 const INTERVAL: Duration = Duration::from_secs(1);
 /// Pause after everything too old was removed.
 const RETENTION_INTERVAL: Duration = Duration::from_secs(3600);
+/// Pause between examinations of the spool. Longer, since each one reads rows, and limits in hours
+/// or megabytes are not exceeded by much in between.
 const SPOOL_INTERVAL: Duration = Duration::from_secs(10);
-/// Rows of the spool that one round examines.
+/// Rows of the spool that one round examines: the coordinator serves nothing else meanwhile.
 const ROWS_MAX: u32 = 10_000;
 /// Time between two checkpoints of a log that grows.
 const LOG_CHECKPOINT_INTERVAL: Duration = Duration::from_secs(60);

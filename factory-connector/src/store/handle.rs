@@ -30,7 +30,9 @@ use super::{
 const DATABASE_FILE: &str = "connector.sqlite";
 const LOCK_FILE: &str = "connector.lock";
 const GENERATION_FILE: &str = "generation";
+/// Readers wait for each other here and never delay the writer; pages need few.
 const READERS_MAX: u32 = 4;
+/// Time to wait for the lock of a command that changes users beside the running connector.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 /// Size to which the write-ahead log is cut back after a checkpoint, in bytes.
 const LOG_BYTES: &str = "67108864";

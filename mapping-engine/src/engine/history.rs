@@ -9,6 +9,7 @@ use asi_model::{DataValue, DateTime, Scalar, Variant};
 use serde::{Deserialize, Serialize};
 
 /// Longest array, in elements, and longest text, in bytes, of which more than the newest is kept.
+/// The limit on samples would otherwise not bound memory.
 const ELEMENTS_MAX: usize = 64;
 const TEXT_BYTES_MAX: usize = 1024;
 /// Fewest recorded values of each variable, beyond the limit of all if need be.

@@ -53,11 +53,13 @@ impl Default for LinkLimits {
             window: 500,
             credit: 500,
             batch: 100,
+            // The limit of the embedded broker: a message must fit on its whole way.
             message_bytes_max: 2 * 1024 * 1024,
             replay_share: ReplayShare::default(),
             connect_timeout: Duration::from_secs(10),
             outcome_timeout: Duration::from_secs(30),
             idle_timeout: Duration::from_secs(30),
+            // Below the two above: a dead peer is reported as dead, and not as a slow answer.
             stall_timeout: Duration::from_secs(20),
             backoff_min: Duration::from_millis(200),
             backoff_max: Duration::from_secs(30),

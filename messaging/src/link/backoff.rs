@@ -21,8 +21,10 @@ impl Backoff {
     /// all of its length.
     pub(crate) fn after_failure(&mut self, is_permanent: bool, jitter: f64) -> Duration {
         let whole = if is_permanent {
+            // Only a person can mend it, and repeated wrong credentials lock accounts.
             self.permanent
         } else {
+            // Bounded before the shift: a link that is down for a year must not overflow.
             self.min.saturating_mul(1 << self.failures.min(20)).min(self.max)
         };
         self.failures = self.failures.saturating_add(1);

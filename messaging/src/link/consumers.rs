@@ -67,6 +67,8 @@ impl Consumers {
     async fn consume(self: Arc<Self>, address: LogicalAddress, stop: CancellationToken) {
         let terminus = self.profile.consume(&address);
         let activity = format!("receiving from {address}");
+        // An address that stays refused needs a person as well, so its pauses grow as long as those
+        // of permanent faults, while the other addresses go on.
         let mut backoff = Backoff::new(
             self.limits.address_backoff,
             self.limits.backoff_permanent,
@@ -87,6 +89,7 @@ impl Consumers {
             };
             let Err(fault) = fault else { break };
             if let EndpointFault::Stalled(reason) = fault {
+                // One report suffices: the supervisor ends the whole connection.
                 let _ = self.stalls.try_send(reason);
                 break;
             }

@@ -99,6 +99,7 @@ impl Supervisor {
         let phase =
             LinkPhase::Down { retry_at: clock::now() + pause, is_permanent: fault.is_permanent };
         self.shared.enter(phase, broker, Some(fault.reason));
+        // For pages alone: the link goes on without the number.
         if let Ok(backlog) = self.store.backlog().await {
             self.shared.set_backlog(backlog);
         }

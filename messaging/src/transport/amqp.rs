@@ -154,6 +154,7 @@ impl Connection for Opened {
 
     async fn close(&self) {
         self.close.send_replace(true);
+        // Twice, since the task that drives the connection waits once for the peer's close.
         let _ = timeout(CLOSE_TIMEOUT * 2, self.lost()).await;
     }
 }

@@ -130,6 +130,7 @@ impl Default for BrokerLimits {
             sessions_max: 64,
             links_max: 2048,
             queues_max: 100_000,
+            // The limit of the link on both sides: a message must fit on its whole way.
             message_bytes_max: 2 * 1024 * 1024,
             unsettled_per_link_max: 1000,
             publisher_credit: 1000,

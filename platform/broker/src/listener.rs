@@ -90,6 +90,7 @@ pub(crate) async fn serve(
         accepting.spawn(accept(Arc::clone(&core), bound, Arc::clone(&permits), shutdown.clone()));
     }
     let mut sweep = tokio::time::interval(SWEEP_EVERY);
+    // Sweeps missed under load are not made up for: one finds all that is due.
     sweep.set_missed_tick_behavior(MissedTickBehavior::Delay);
     loop {
         tokio::select! {
@@ -125,10 +126,12 @@ async fn accept(
             Ok(accepted) => accepted,
             Err(error) => {
                 warn!(%error, "a connection could not be accepted");
+                // Most often no descriptor is free; trying at once would only burn CPU.
                 tokio::time::sleep(ACCEPT_RETRY).await;
                 continue;
             }
         };
+        // Refused at once: peers that wait here would hold descriptors and know no reason.
         let Ok(permit) = Arc::clone(&permits).try_acquire_owned() else {
             metrics::counter!("broker_connections_refused_total").increment(1);
             continue;
@@ -149,6 +152,7 @@ async fn accept(
 /// Sets socket options by which a dead peer is found: keep-alive when idle, unacknowledged bytes
 /// when busy.
 fn tune(tcp: &TcpStream, stall_timeout: Duration) -> std::io::Result<()> {
+    // A small frame must not wait for the answer to the one before.
     tcp.set_nodelay(true)?;
     let socket = SockRef::from(tcp);
     let probe = (stall_timeout / 4).max(Duration::from_secs(1));

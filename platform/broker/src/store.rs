@@ -61,8 +61,10 @@ pub(crate) fn options(path: &Path) -> SqliteConnectOptions {
         .filename(path)
         .create_if_missing(true)
         .journal_mode(SqliteJournalMode::Wal)
+        // A publisher is answered after the commit, which must survive a power cut.
         .synchronous(SqliteSynchronous::Full)
         .busy_timeout(Duration::from_secs(10))
+        // 64 MiB: the log would keep the size of the largest burst.
         .pragma("journal_size_limit", "67108864")
         .disable_statement_logging()
 }

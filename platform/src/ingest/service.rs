@@ -82,6 +82,7 @@ impl Ingest {
         resend_after: Duration,
         silence: Duration,
     ) -> Result<(Self, IngestHandle), StoreError> {
+        // Writers send metadata once, and reports that arrive after a restart need it.
         let mut table = MetaDataTable::new();
         for (factory, body) in store.read().await?.meta_data().list().await? {
             if let Ok(PubSubMessage::MetaData(message)) =

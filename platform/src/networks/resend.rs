@@ -22,7 +22,9 @@ pub struct Resender {
     resend_after: Duration,
 }
 
+/// Bound on one transaction: ingest waits for the writer meanwhile.
 const PARTS_PER_ROUND_MAX: u32 = 100;
+/// Bound of the doubling: a plant that was off for weeks gets its part within the hour.
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
 impl Resender {
@@ -59,6 +61,7 @@ impl Resender {
     /// [`StoreError`].
     pub async fn round(&self) -> Result<usize, StoreError> {
         let now = self.clock.now();
+        // Asked of a reader first: most rounds find nothing and need not queue for the writer.
         if self.store.read().await?.parts().overdue(now, 1).await?.is_empty() {
             return Ok(0);
         }
@@ -70,6 +73,7 @@ impl Resender {
         }
         work.commit().await?;
         metrics::counter!("verbund_parts_resent_total").increment(count as u64);
+        // After the commit: the link would find nothing before it.
         self.broker_access.wake_link();
         Ok(count)
     }

@@ -18,8 +18,11 @@ const MIGRATIONS: [(i64, &str, &str); 5] = [
     (5, "network owners", include_str!("../../migrations/sqlite/0005_network_owners.sql")),
 ];
 
+/// Reads of pages at once; more would only share the same disk.
 const READERS_MAX: u32 = 8;
+/// Time to wait for the lock of a command that writes beside the running platform.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
+/// Room for the statements of ingest and of pages at once; an evicted one is compiled again.
 const STATEMENTS_CACHED_MAX: usize = 256;
 
 /// The platform's database. Clones share the connections.
@@ -46,6 +49,7 @@ impl Store {
             .foreign_keys(true)
             .busy_timeout(BUSY_TIMEOUT)
             .statement_cache_capacity(STATEMENTS_CACHED_MAX)
+            // 32 MiB; negative numbers are in KiB.
             .pragma("cache_size", "-32768")
             .pragma("temp_store", "memory");
         let failed = |source| StoreError::Open { path: path.to_owned(), source };

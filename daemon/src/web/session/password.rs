@@ -44,6 +44,7 @@ impl Default for PasswordPolicy {
     }
 }
 
+/// Bound on the work of hashing that a request can cause.
 const PASSWORD_BYTES_MAX: usize = 1024;
 
 impl PasswordHash {

@@ -25,7 +25,8 @@ use crate::store::{
 
 /// Entries read at once.
 const BLOCK: i64 = 4000;
-/// Blocks that may wait for their check.
+/// Blocks that may wait for their check: enough to read while all processors check, and a bound on
+/// memory for a ledger of any length.
 const BLOCKS_AHEAD: usize = 2;
 const READ: &str = "read the ledger";
 

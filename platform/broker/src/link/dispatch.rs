@@ -105,6 +105,8 @@ impl Consumer<'_> {
                 self.subscription.pause();
             }
             tokio::select! {
+                // A cut first: nothing more goes to a revoked user. Outcomes before deliveries,
+                // since they make room.
                 biased;
                 () = self.cut.cancelled() => return false,
                 Some((delivered, outcome)) = unsettled.next() => self.settle(delivered, outcome).await,

@@ -19,7 +19,7 @@ use crate::queue::{Queue, QueueEntry};
 
 /// Commands that wait for the writer.
 const COMMANDS_MAX: usize = 8192;
-/// Commands in one transaction.
+/// Commands in one transaction, which bounds the time until the first of them is answered.
 const GROUP_MAX: usize = 2048;
 /// Pause before a failed transaction is tried again.
 const RETRY_AFTER: Duration = Duration::from_secs(1);
@@ -54,6 +54,7 @@ impl Writer {
         loop {
             let is_retry_due = !self.retained.is_empty();
             let received = tokio::select! {
+                // Waiting commands come before the stop, which closes the channel to further ones.
                 biased;
                 received = self.commands.recv_many(&mut group, GROUP_MAX) => received,
                 () = stop.cancelled(), if !self.commands.is_closed() => {

@@ -14,7 +14,8 @@ use crate::{
     source::record::SourceRecord,
 };
 
-/// First and longest backoff before an input that the server refused is tried again.
+/// First and longest backoff before an input that the server refused is tried again. It is tried
+/// for ever, since nodes appear when a machine loads another program.
 const RETRY_MIN: Duration = Duration::from_secs(2);
 const RETRY_MAX: Duration = Duration::from_secs(60);
 
