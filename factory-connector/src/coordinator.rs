@@ -130,6 +130,7 @@ impl Coordinator {
     /// # Errors
     /// [`StoreError`] where the store cannot be read back after a failed transaction.
     pub async fn run(mut self, shutdown: CancellationToken) -> Result<(), StoreError> {
+        // Loading may have changed something, which is stored before anything new.
         self.commit().await?;
         while !shutdown.is_cancelled() {
             let (commands, batches) = self.wait(&shutdown).await;

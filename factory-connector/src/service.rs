@@ -176,6 +176,7 @@ async fn open(
     let (engine, engine_handle, candidates) =
         MappingEngine::new(config.mapping.clone(), floor_handle.clone(), changes);
     let (catalog, catalog_handle) = Catalog::new(floor_handle.clone());
+    // The mark of this start: a page that comes with an id from before it loads everything.
     let events =
         EventLog::new(EVENTS_KEPT_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
     let link_config = link::link_config(enrolled, &config.broker, factory_id)?;
@@ -268,6 +269,7 @@ async fn stored_sources(readers: &Readers) -> anyhow::Result<Vec<SourceConfig>> 
     for row in readers.session().await?.sources().all().await? {
         let mut json: serde_json::Value = serde_json::from_str(&row.config)
             .with_context(|| format!("reading the stored source {}", row.source_id))?;
+        // A column of its own, so that the document can be shown without it.
         if let Some(password) = row.password {
             json["identity"]["password"] = password.into();
         }

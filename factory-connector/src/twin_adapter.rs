@@ -90,6 +90,7 @@ fn decision_request(
 
 const fn status_of(outcome: GateOutcome) -> StatusCode {
     match outcome {
+        // The client learns that partners see less than it wrote.
         GateOutcome::Disclosed { is_coarsened: true }
         | GateOutcome::Unchanged { is_coarsened: true } => StatusCode::GOOD_CLAMPED,
         GateOutcome::Disclosed { .. } | GateOutcome::Unchanged { .. } => StatusCode::GOOD,

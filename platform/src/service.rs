@@ -79,6 +79,7 @@ impl Platform {
         administrator::ensure(&store, &config, clock.now()).await?;
 
         let started_at = clock.now();
+        // The mark of this start: a page that comes with an id from before it loads everything.
         let live =
             LiveLog::new(EVENTS_KEPT_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
         let broker_access = BrokerAccess::new(config.broker.users.clone());
@@ -199,6 +200,7 @@ impl Platform {
             progress_notifier.run(lifecycle.shutdown()),
         );
         let kept = Duration::from_secs(u64::from(application.config.retention.inbox_days) * 86_400);
+        // Optional: a platform that cannot forget still serves.
         lifecycle.spawn(
             "retention",
             Importance::Optional,

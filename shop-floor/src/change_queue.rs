@@ -37,6 +37,7 @@ impl ChangeQueue {
         if changes.is_empty() {
             return;
         }
+        // Locked while sending: a later change of another session must not overtake.
         let mut backlog = self.shared.backlog.lock();
         let changes = if backlog.is_empty() {
             match self.shared.sender.try_send(changes) {

@@ -95,6 +95,7 @@ async fn serve_signed_in(
     };
     let mut sessions = JoinSet::new();
     let is_closing = serve_sessions(&peer, &mut connection, &mut sessions).await;
+    // Ends the links, also where the peer has closed: what they have leased goes to others.
     peer.cut.cancel();
     if is_closing {
         let error = peer.close_error.get().cloned().unwrap_or_else(|| {

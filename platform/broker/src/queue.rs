@@ -110,6 +110,7 @@ impl Queue {
         {
             return Err(Refusal::Full);
         }
+        // Counted before the write: several publishers must not exceed the bound together.
         state.messages += 1;
         state.bytes += bytes;
         Ok(())
@@ -236,6 +237,7 @@ impl State {
         if self.ready.is_empty() {
             return;
         }
+        // One consumer for one message: all others would wake to find nothing.
         let Some(at) = self.waiting.iter().position(|id| self.may_receive(*id)) else { return };
         let Some(id) = self.waiting.remove(at) else { return };
         if let Some(consumer) = self.consumers.iter().find(|c| c.id == id) {
