@@ -21,7 +21,7 @@ use serde::de::DeserializeOwned;
 /// Names of variables that carry the prefix but address the command line, not the file.
 const RESERVED_NAMES: [&str; 2] = ["CONFIG", "LOG"];
 
-/// Most faults listed at once.
+/// Most faults listed at once. A file of another kind yields one a line.
 const FAULTS_MAX: usize = 50;
 
 /// Reads the file (if there is one), lays the process's environment over it and parses the result.

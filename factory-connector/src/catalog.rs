@@ -21,13 +21,15 @@ use tokio_util::sync::CancellationToken;
 
 use crate::clock::now;
 
-/// Most nodes visited per server.
+/// Most nodes visited per server. A server may have millions; the search then says that its list is
+/// incomplete.
 pub const NODES_MAX: usize = 200_000;
 /// Longest time to browse one server.
 const BROWSE_TIMEOUT: Duration = Duration::from_secs(120);
 /// Age beyond which a list is made again.
 const AGE_MAX: Duration = Duration::from_secs(15 * 60);
-/// Time after the start of a failed browse before another is tried.
+/// Time after the start of a failed browse before another is tried. Several pages that wait for one
+/// server must not each start a browse.
 const RETRY_AFTER: Duration = Duration::from_secs(5);
 /// Requests that wait for the service.
 const REQUESTS_MAX: usize = 64;

@@ -46,13 +46,14 @@ use crate::{
     store::{Store, StoreError},
 };
 
-/// Most commands in one transaction.
+/// Most commands in one transaction. Bounds the time until the first caller is answered.
 const GROUP_MAX: usize = 1024;
 /// Most batches of candidates in one transaction.
 const CANDIDATE_BATCHES_MAX: usize = 64;
 /// Time for which gate and transform states without a report may stay unwritten.
 const UNREPORTED_STATE_MAX: Duration = Duration::from_secs(1);
-/// Shortest time between two events about the ledger for open pages.
+/// Shortest time between two events about the ledger for open pages. Entries come with every
+/// report, and each event makes every open page ask.
 const LEDGER_EVENT_INTERVAL: Duration = Duration::from_secs(2);
 /// Pause after a failed transaction.
 const PAUSE_AFTER_FAILURE: Duration = Duration::from_secs(1);

@@ -11,7 +11,8 @@ use parking_lot::Mutex;
 
 /// Most messages whose reports are remembered; far more than the link has under way.
 const FETCHED_MAX: usize = 65_536;
-/// Number of recalled reports above which those are forgotten that no fetched message carries.
+/// Number of recalled reports above which those are forgotten that no fetched message carries. Only
+/// messages that were fetched before the recall can still carry one.
 const RECALLED_MAX: usize = 1_000_000;
 
 /// A message that the broker accepted.

@@ -7,7 +7,7 @@ use connector_state::use_cases::keep_alive::KeepAlive;
 use messaging::spool::Fetch;
 use parking_lot::Mutex;
 
-/// Most keep-alives that wait; beyond, the oldest are dropped.
+/// Most keep-alives that wait; beyond, the oldest are dropped. Newer ones say the same of a writer.
 const WAITING_MAX: usize = 65_536;
 
 /// Queue between the coordinator, which makes keep-alives, and the link, which sends them.

@@ -41,7 +41,8 @@ use crate::{
     twin_adapter::{CoordinatorWriter, StoredUsers, UserWatch},
 };
 
-/// Most events that are retained for pages that catch up.
+/// Most events that are retained for pages that catch up. Pages that are further behind load
+/// everything.
 const EVENTS_KEPT_MAX: usize = 4096;
 /// Most batches of mappings that wait for the engine.
 const MAPPING_BATCHES_MAX: usize = 1024;

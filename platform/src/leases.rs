@@ -18,9 +18,11 @@ use utoipa::ToSchema;
 
 use crate::clock::new_message_id;
 
-/// Refused connectors that are remembered; beyond, the one heard least recently is forgotten.
+/// Refused connectors that are remembered; beyond, the one heard least recently is forgotten. A
+/// copied credential can start any number.
 const CONTENDERS_MAX: usize = 8;
-/// Time for which the holder is notified of a refused connector, from its last request.
+/// Time for which the holder is notified of a refused connector, from its last request. Refused
+/// connectors ask again far sooner, so one that is quiet for so long is gone.
 const CONTENDER_SHOWN_FOR: Duration = Duration::from_secs(15 * 60);
 
 /// A connector that holds the lease or has requested it.

@@ -187,7 +187,8 @@ pub fn last_event_id(headers: &HeaderMap) -> Option<&str> {
 
 /// Shorter than the idle timeout of common proxies, often 30 or 60 seconds.
 const KEEP_ALIVE_INTERVAL: Duration = Duration::from_secs(15);
-/// Events written ahead of the socket per page.
+/// Events written ahead of the socket per page. A slow page waits in the ring, not in memory of its
+/// own.
 const AHEAD_MAX: usize = 64;
 
 /// A stream fed by a task that ends with it.

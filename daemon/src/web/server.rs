@@ -50,7 +50,8 @@ const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(10);
 const HANDSHAKES_MAX: usize = 128;
 /// Connections that wait to be served. Few: beyond them the listener's own backlog holds clients.
 const ACCEPTED_WAITING_MAX: usize = 16;
-/// Longest wait for open requests once shutdown begins.
+/// Longest wait for open requests once shutdown begins. A slow client must not hold up the
+/// shutdown.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Binds the address; port 0 takes a free one.

@@ -18,7 +18,7 @@ use super::{
 /// Found variables in an answer without a limit, and at most.
 const RESULTS_DEFAULT: usize = 50;
 const RESULTS_MAX: usize = 200;
-/// Longest text, in bytes.
+/// Longest text, in bytes. Every listed variable is compared with it.
 const TEXT_BYTES_MAX: usize = 256;
 /// Time that a page waits for the list of a server that was not listed yet.
 const LISTING_TIMEOUT: Duration = Duration::from_secs(8);

@@ -20,7 +20,7 @@ use crate::{
 
 /// Longest name, in characters.
 const NAME_CHARS_MAX: usize = 64;
-/// Most users of a connector; one more is refused.
+/// Most users of a connector; one more is refused. The list of users has no pages.
 const USERS_MAX: usize = 1000;
 
 /// A person who may sign in.

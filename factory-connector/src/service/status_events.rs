@@ -8,7 +8,7 @@ use messaging::LinkState;
 use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 
-/// Shortest time between two events.
+/// Shortest time between two events. A flapping link must not make every page redraw all the time.
 const PAUSE: Duration = Duration::from_millis(500);
 
 /// Publishes an event for each change of a state, until shutdown. Counters - messages, ages, the

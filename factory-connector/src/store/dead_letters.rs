@@ -13,7 +13,8 @@ use super::{
     statement::{run, write_rows},
 };
 
-/// Dead letters stored at most; beyond, the oldest are removed.
+/// Dead letters stored at most; beyond, the oldest are removed. A peer that sends rubbish must not
+/// fill the disk.
 const DEAD_LETTERS_MAX: i64 = 10_000;
 
 /// Direction of a rejected message.

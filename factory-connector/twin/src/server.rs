@@ -49,7 +49,8 @@ use crate::{
     },
 };
 
-/// Time limit to close the connections.
+/// Time limit to close the connections. A client that does not answer must not hold up the
+/// shutdown.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// The Collaborative Process Twin, ready to run.

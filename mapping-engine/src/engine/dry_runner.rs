@@ -20,9 +20,10 @@ use crate::{
     script::{config::ScriptConfig, values, worker::ScriptWorker},
 };
 
-/// Idle time after which the worker process ends.
+/// Idle time after which the worker process ends. It takes memory, and its next start milliseconds.
 const IDLE_MAX: Duration = Duration::from_secs(60);
-/// Most runs of one dry run that timers cause.
+/// Most runs of one dry run that timers cause. Short timers over a long gap in the samples would
+/// run for ever.
 const TIMER_RUNS_MAX: usize = 10_000;
 
 /// Mapping to run on samples.

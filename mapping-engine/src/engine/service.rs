@@ -28,7 +28,8 @@ use crate::{
     },
 };
 
-/// Time that the consumer has at shutdown to take the candidates that wait.
+/// Time that the consumer has at shutdown to take the candidates that wait. A consumer that has
+/// ended takes none.
 const SHUTDOWN_DRAIN_TIMEOUT: Duration = Duration::from_secs(2);
 /// Most worker processes, whatever is configured.
 const WORKERS_MAX: usize = 64;

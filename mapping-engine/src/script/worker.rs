@@ -19,7 +19,8 @@ use super::{
 use asi_model::StatusCode;
 use mapping::{Fault, FaultKind};
 
-/// After a start that failed, the next is tried no sooner.
+/// After a start that failed, the next is tried no sooner. A binary that fails at once must not be
+/// started in a loop.
 const RESTART_PAUSE: Duration = Duration::from_secs(1);
 
 /// Worker process with the scripts that belong to it.

@@ -9,7 +9,7 @@ use std::collections::{HashMap, VecDeque};
 
 use crate::spool::{Fetch, Lane, LaneScheduler, NextLane, ReplayShare, RowId, SpoolRow};
 
-/// Rows fetched at once.
+/// Rows fetched at once. Rows carry their bodies, so it bounds memory as well.
 pub(crate) const FETCH_LIMIT: usize = 128;
 
 /// A selection of rows that is read ahead.

@@ -34,14 +34,14 @@ use recorder::Recorder;
 /// Volatile messages are numbered downwards from here, below the rows of the spool. Their outcomes
 /// are not recorded.
 const VOLATILE_FROM: RowId = RowId(-1);
-/// Events of sender tasks handled at once.
+/// Events of sender tasks handled at once. Between two groups the window is filled again.
 const EVENTS_MAX: usize = 256;
 /// Interval at which the backlog is counted while it changes.
 const TICK: Duration = Duration::from_secs(1);
 /// Interval at which the spool is read though nothing woke the link: a missed wake must not lose a
 /// message.
 const RECHECK: Duration = Duration::from_secs(15);
-/// Pause after the store failed.
+/// Pause after the store failed. Most often the disk is full, which does not end at once.
 const STORE_RETRY: Duration = Duration::from_secs(1);
 /// Time in which outcomes may still arrive after the link was stopped.
 const STOP_GRACE: Duration = Duration::from_secs(2);

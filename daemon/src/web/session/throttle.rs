@@ -27,7 +27,8 @@ impl Default for ThrottleConfig {
     }
 }
 
-/// Most pairs of address and user remembered; beyond, the quietest is forgotten.
+/// Most pairs of address and user remembered; beyond, the quietest is forgotten. Any caller may
+/// make up names.
 const ENTRIES_MAX: usize = 10_000;
 
 /// Counts failures per client address and user name, and per address alone with ten times the

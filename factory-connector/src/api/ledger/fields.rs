@@ -11,7 +11,7 @@ use crate::api::{Api, problems::Problems, roles::Viewer, view::Page};
 /// Fields in one answer, and most that may be asked for.
 const FIELDS: u32 = 20;
 const FIELDS_MAX: u32 = 200;
-/// Most words of a search.
+/// Most words of a search. Each is a condition of the query.
 const WORDS_MAX: usize = 10;
 
 /// Search for fields.

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::store::error::StoreError;
 
-/// Entries read at once.
+/// Entries read at once. A ledger does not fit into memory.
 const BLOCK: u32 = 1000;
 
 /// Position of an export in the chains.

@@ -8,7 +8,7 @@ use transparency_log::leaf_hash;
 use super::{anchors, logs};
 use crate::store::{error::StoreError, reports, statement::run};
 
-/// Entries of a chain that are removed in one round.
+/// Entries of a chain that are removed in one round. The coordinator serves nothing else meanwhile.
 const ENTRIES_PER_ROUND: i64 = 2000;
 const PRUNE: &str = "remove old entries";
 

@@ -5,7 +5,7 @@ use rusqlite::Connection;
 
 use crate::store::statement::{id_list, run};
 
-/// Reports whose values are emptied in one round.
+/// Reports whose values are emptied in one round. The coordinator serves nothing else meanwhile.
 const VALUES_PER_ROUND: i64 = 2000;
 
 /// Empties the values of finished reports that were made before `before`, after the report with the

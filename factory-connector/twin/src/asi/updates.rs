@@ -36,7 +36,8 @@ const NOTIFIED_ATTRIBUTES: [AttributeId; 9] = [
     AttributeId::UserAccessLevel,
 ];
 
-/// Most nodes whose subscribers are notified under one lock.
+/// Most nodes whose subscribers are notified under one lock. Reads and publishing of all sessions
+/// wait for the lock.
 const NOTIFIED_AT_ONCE_MAX: usize = 10_000;
 
 impl AsiProvider {

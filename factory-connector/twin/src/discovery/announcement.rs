@@ -14,7 +14,8 @@ use crate::host_names::{cut_to_label, local_host_name};
 const SERVICE: &str = "_opcua-tcp._tcp.local.";
 /// The path of the endpoint URL, and the capability of OPC 10000-12 Annex D: provides current data.
 const TEXTS: [(&str, &str); 2] = [("path", "/"), ("caps", "DA")];
-/// Time limit to withdraw the announcement.
+/// Time limit to withdraw the announcement. The shutdown waits for it; a lost announcement expires
+/// by itself.
 const WITHDRAWAL_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// The service that is announced.

@@ -23,7 +23,8 @@ use crate::security::{certificate, validation::Validator};
 
 /// Time limit of an attempt: two connections, a key exchange and a request.
 const ATTEMPT_TIMEOUT: Duration = Duration::from_secs(20);
-/// Time limit of the withdrawal.
+/// Time limit of the withdrawal. The shutdown waits for it; a registration that is not renewed
+/// expires by itself.
 const WITHDRAWAL_TIMEOUT: Duration = Duration::from_secs(3);
 /// Time limit of the discovery server to close a connection.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);

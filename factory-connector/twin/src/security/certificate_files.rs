@@ -7,7 +7,8 @@ use std::{
 
 use crate::error::TwinError;
 
-/// Longest certificate or revocation list read, in bytes.
+/// Longest certificate or revocation list read, in bytes. A person may have put any file into the
+/// folder.
 pub(crate) const FILE_BYTES_MAX: u64 = 4 * 1024 * 1024;
 
 /// Returns the files of a folder with their content; files that cannot be read are left out.

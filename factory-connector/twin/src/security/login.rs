@@ -27,7 +27,7 @@ use crate::{
 
 /// Time limit of a password check.
 const AUTHENTICATION_TIMEOUT: Duration = Duration::from_secs(10);
-/// Longest user name and password checked, in bytes.
+/// Longest user name and password checked, in bytes. Any client may send one before it is known.
 const CREDENTIAL_BYTES_MAX: usize = 1024;
 /// The stack's id of the policy for anonymous users.
 const ANONYMOUS_POLICY_ID: &str = "anonymous";

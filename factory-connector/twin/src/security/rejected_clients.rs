@@ -19,9 +19,10 @@ use crate::certificate_error::CertificateError;
 
 /// The folder within that of the trust list. Its name on disk is older than the words used here.
 pub(crate) const FOLDER: &str = "knocks";
-/// Shortest time between two recorded attempts with one certificate.
+/// Shortest time between two recorded attempts with one certificate. A client that retries in a
+/// loop must not write a file each time.
 const PAUSE: Duration = Duration::from_secs(1);
-/// Longest name of an application that is stored, in characters.
+/// Longest name of an application that is stored, in characters. Any client may send any text.
 const NAME_CHARS_MAX: usize = 128;
 /// Longest file read, in bytes.
 const FILE_BYTES_MAX: u64 = 16 * 1024;

@@ -5,9 +5,11 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Most user names that are counted; beyond it the oldest failures are dropped.
+/// Most user names that are counted; beyond it the oldest failures are dropped. Any client may send
+/// any name.
 const USERS_MAX: usize = 10_000;
-/// Failures allowed on the whole server, as a multiple of those of one user.
+/// Failures allowed on the whole server, as a multiple of those of one user. It stops a client that
+/// tries one password with many names.
 const SERVER_FACTOR: u32 = 10;
 
 /// Counts failures per user and over the whole server within a window.

@@ -12,7 +12,7 @@ use crate::{
     transport::{BrokerOutcome, Connection, EndpointFault, MessageSender},
 };
 
-/// A task that had nothing to send for so long ends.
+/// A task that had nothing to send for so long ends. Addresses of factories and tools come and go.
 const IDLE_MAX: Duration = Duration::from_secs(300);
 
 /// A report of a sender task.
