@@ -8,7 +8,7 @@ use super::Heads;
 /// Content of a checkpoint.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Checkpoint {
+pub struct HeadsCheckpoint {
     pub factory_id: FactoryId,
     /// Number of the checkpoint, from 1 without gaps.
     pub number: u64,
@@ -28,7 +28,7 @@ pub struct CheckpointHead {
     pub hash: String,
 }
 
-impl Checkpoint {
+impl HeadsCheckpoint {
     /// Creates a checkpoint over the present heads.
     #[must_use]
     pub fn new(factory_id: FactoryId, number: u64, recorded_at: DateTime, heads: &Heads) -> Self {

@@ -6,8 +6,8 @@
 //! chain. The head of each chain is signed with the connector's key whenever it grows; so are a
 //! daily checkpoint over all chains, receipts of ended consents, and anchors in place of entries
 //! that retention removed. Each chain is a transparency log, too: a Merkle tree over its entries,
-//! whose checkpoints are signed in a published format and prove them when kept elsewhere. This crate is pure; the store writes the entries in the transaction of
-//! their effect.
+//! whose checkpoints are signed in a published format and prove them when kept elsewhere. This
+//! crate is pure; the store writes the entries in the transaction of their effect.
 
 mod anchor;
 pub mod audit;
@@ -23,7 +23,7 @@ mod verification;
 
 pub use anchor::Anchor;
 pub use chain::{Head, Heads, LinkedEntry, chain_hash};
-pub use checkpoint::{Checkpoint, CheckpointHead};
+pub use checkpoint::{CheckpointHead, HeadsCheckpoint};
 pub use entry::{Event, EventKind, LedgerEntry, SequenceRange};
 pub use head::SignedHead;
 pub use key::{InvalidKey, LedgerKey};
@@ -35,5 +35,4 @@ pub use verification::{
     StoredReport, StoredStatement, Surroundings, Verification, Verifier,
 };
 
-/// A SHA-256 digest.
-pub type Hash = [u8; 32];
+pub use transparency_log::Hash;

@@ -22,7 +22,8 @@ pub use row::{CheckedEntry, ReportDigest, StoredEntry, StoredReport};
 pub use stored::{StoredConsent, StoredHead, StoredStatement, Surroundings};
 
 use super::{
-    Anchor, Checkpoint, Event, Hash, Head, RevocationReceipt, head::is_signed_head, key::is_signed,
+    Anchor, Event, Hash, Head, HeadsCheckpoint, RevocationReceipt, head::is_signed_head,
+    key::is_signed,
 };
 
 /// Most faults that are listed; further ones are only counted.
@@ -266,7 +267,8 @@ impl Verifier {
     fn checkpoint(&mut self, number: u64, stored: &StoredStatement) {
         self.outcome.checkpoints += 1;
         let text = std::str::from_utf8(&stored.content).ok();
-        let Some(checkpoint) = text.and_then(|text| serde_json::from_str::<Checkpoint>(text).ok())
+        let Some(checkpoint) =
+            text.and_then(|text| serde_json::from_str::<HeadsCheckpoint>(text).ok())
         else {
             return self.fault("", number, "the checkpoint cannot be read");
         };

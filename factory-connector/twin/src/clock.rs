@@ -1,9 +1,16 @@
 //! Wall clock of the crate: the one place that reads it.
 
 use asi_model::DateTime;
+use opcua_stack::opcua::types::DateTime as StackTime;
 
 /// Returns the current time, as OPC UA counts it.
 #[expect(clippy::disallowed_methods, reason = "the clock of the crate")]
 pub(crate) fn now() -> DateTime {
     std::time::SystemTime::now().into()
+}
+
+/// Returns the current time in the type of the OPC UA stack, for timestamps of the server.
+#[expect(clippy::disallowed_methods, reason = "the clock of the crate")]
+pub(crate) fn stack_now() -> StackTime {
+    StackTime::now()
 }

@@ -189,7 +189,7 @@ struct ServerEvent {
 
 impl ServerEvent {
     fn new(event_type: ObjectTypeId, severity: u16, message: &str) -> Self {
-        let (time, event_type) = (DateTime::now(), NodeId::from(event_type));
+        let (time, event_type) = (crate::clock::stack_now(), NodeId::from(event_type));
         let fields = vec![
             ("EventId", random::byte_string(EVENT_ID_BYTES).into()),
             ("EventType", event_type.clone().into()),

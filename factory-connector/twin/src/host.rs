@@ -18,10 +18,13 @@ use opcua_stack::opcua::{
     core::sync::RwLock,
     nodes::DefaultTypeTree,
     server::{SubscriptionCache, node_manager::ServerContext},
-    types::{AttributeId, DataValue, DateTime, NodeId, StatusCode, VariableId, Variant},
+    types::{AttributeId, DataValue, NodeId, StatusCode, VariableId, Variant},
 };
 
-use crate::provider::{NodeProvider, ProvidedNode};
+use crate::{
+    clock,
+    provider::{NodeProvider, ProvidedNode},
+};
 
 /// Hosts providers. Shared by the server and the parts of the twin that add and remove providers.
 pub(crate) struct NodeHost {
@@ -121,7 +124,7 @@ impl NodeHost {
 
     /// Pushes values into the monitored items of variables.
     pub(crate) fn notify(&self, values: &[(NodeId, DataValue)]) {
-        let now = DateTime::now();
+        let now = clock::stack_now();
         let changes = values.iter().map(|(id, value)| {
             (DataValue { server_timestamp: Some(now), ..value.clone() }, id, AttributeId::Value)
         });

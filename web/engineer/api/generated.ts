@@ -2487,7 +2487,7 @@ export interface components {
             disclosure?: components["schemas"]["DisclosurePolicy"];
             mapping?: components["schemas"]["MappingDraft"] | null;
             policyId?: components["schemas"]["DocumentId"] | null;
-            /** @description Source of the values. */
+            /** @description `MAPPING`, `MANUAL` or `EXTERNAL`. */
             valueSource: components["schemas"]["ValueSource"];
         };
         /** @description Result of a dry run. */
@@ -4910,7 +4910,7 @@ export interface components {
             now: components["schemas"]["DateTime"];
             /** @description Status of each local server. */
             sources: components["schemas"]["SourceStatus"][];
-            /** @description Backlog of the spool. */
+            /** @description Rows that wait to be sent, or for a receipt. */
             spool: components["schemas"]["Backlog"];
             startedAt: components["schemas"]["DateTime"];
             /** @description OPC UA server. */
@@ -6126,7 +6126,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description OK */
+            /** @description Live event: `event` is its name, `data` says what changed. */
             200: {
                 headers: {
                     [name: string]: unknown;

@@ -550,7 +550,7 @@ export interface components {
         /** @description A collaboration with its members and factories. */
         Collaboration: {
             collaborationId: components["schemas"]["CollaborationId"];
-            /** @description Time of creation. */
+            /** @description Addition, by the platform's clock. */
             createdAt: components["schemas"]["DateTime"];
             /** @description The factories that take part, by id. */
             factories: components["schemas"]["FactoryId"][];
@@ -733,7 +733,7 @@ export interface components {
         EquipmentRequirementId: string;
         /** @description A factory: one connector, with the evidence of its life. */
         Factory: {
-            /** @description Time of creation. */
+            /** @description Addition, by the platform's clock. */
             createdAt: components["schemas"]["DateTime"];
             enrolledAt?: components["schemas"]["DateTime"] | null;
             /** @description Its id, also its PublisherId and part of its addresses. */
@@ -768,10 +768,7 @@ export interface components {
         FieldType: number | ("Boolean" | "SByte" | "Byte" | "Int16" | "UInt16" | "Int32" | "UInt32" | "Int64" | "UInt64" | "Float" | "Double" | "String" | "DateTime" | "Guid" | "ByteString" | "XmlElement" | "NodeId" | "ExpandedNodeId" | "StatusCode" | "QualifiedName" | "LocalizedText" | "ExtensionObject" | "DataValue" | "Variant" | "DiagnosticInfo");
         /** @description A newer value of a field. */
         FieldUpdate: {
-            /**
-             * Format: int32
-             * @description The writer's epoch.
-             */
+            /** Format: int32 */
             epoch: number;
             key: components["schemas"]["FieldKey"];
             /** @description Time of arrival at the platform. */
@@ -947,6 +944,7 @@ export interface components {
                 key: components["schemas"]["FieldKey"];
                 /** @description `PENDING`, `MAPPED` or `REFUSED`. */
                 mappingState: components["schemas"]["MappingState"];
+                /** @description The engineer's reason; absent for whom the decision may not have been made. */
                 reason?: string | null;
             };
             /** @enum {string} */
@@ -963,7 +961,6 @@ export interface components {
                  * @description The part's revision; absent for those who may know the state alone.
                  */
                 revision?: number | null;
-                /** @description State of the part. */
                 state: components["schemas"]["PartState"];
             };
             /** @enum {string} */
@@ -997,10 +994,7 @@ export interface components {
         } | {
             /** @description Comment that was added to a network. */
             data: {
-                /**
-                 * Format: int64
-                 * @description The comment's number.
-                 */
+                /** Format: int64 */
                 commentId: number;
                 /** @description The network talked about. */
                 operationNetworkId: components["schemas"]["OperationNetworkId"];
@@ -1225,7 +1219,7 @@ export interface components {
         OperationState: "NotAllowedToStart" | "AllowedToStart" | "Running" | "Interrupted" | "Ended" | "Aborted";
         /** @description A company, institute or person that takes part. */
         Organisation: {
-            /** @description Time of creation. */
+            /** @description Addition, by the platform's clock. */
             createdAt: components["schemas"]["DateTime"];
             /** @description Name for people. */
             name: string;
@@ -1468,7 +1462,7 @@ export interface components {
              * @description Its number on this platform, counting up in the order of arrival.
              */
             reportId: number;
-            /** @description The report's name. */
+            /** @description Name of its format, as the request has it. */
             reportName: string;
             reportTimestamp?: components["schemas"]["DateTime"] | null;
             /**
@@ -1557,7 +1551,7 @@ export interface components {
             now: components["schemas"]["DateTime"];
             /** @description The queues of the embedded broker; for administrators. */
             queues?: components["schemas"]["QueueStatus"][] | null;
-            /** @description Time of the start. */
+            /** @description Start of this process. */
             startedAt: components["schemas"]["DateTime"];
             /** @description The version of the program. */
             version: string;
@@ -1576,7 +1570,7 @@ export interface components {
         };
         /** @description A tool of an organisation; it may do what a planner of that organisation may do. */
         Tool: {
-            /** @description Time of creation. */
+            /** @description Addition, by the platform's clock. */
             createdAt: components["schemas"]["DateTime"];
             /** @description Name for people. */
             name: string;
@@ -2126,7 +2120,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description OK */
+            /** @description Live event: `event` is its name, `data` says what changed. */
             200: {
                 headers: {
                     [name: string]: unknown;

@@ -157,7 +157,8 @@ fn deletion_and_reordering_are_found() {
 fn a_rewritten_chain_contradicts_its_checkpoint() {
     let key = key();
     let (intact, heads, linked) = entries(4);
-    let text = Checkpoint::new(factory(), 1, DateTime::from_unix_micros(9), &heads).canonical();
+    let text =
+        HeadsCheckpoint::new(factory(), 1, DateTime::from_unix_micros(9), &heads).canonical();
     let check = |entries: &[Row], linked: &[LinkedEntry], text: &str| {
         let statement = StoredStatement {
             name: "1".to_owned(),
@@ -165,7 +166,7 @@ fn a_rewritten_chain_contradicts_its_checkpoint() {
             content: text.as_bytes().to_vec(),
             signature: key
                 .sign(
-                    &Checkpoint::new(factory(), 1, DateTime::from_unix_micros(9), &heads)
+                    &HeadsCheckpoint::new(factory(), 1, DateTime::from_unix_micros(9), &heads)
                         .canonical(),
                 )
                 .to_vec(),

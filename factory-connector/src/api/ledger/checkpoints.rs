@@ -3,7 +3,7 @@
 use asi_model::DateTime;
 use axum::{Json, extract::State};
 use daemon::web::{ApiQuery, Problem};
-use ledger::{Checkpoint, CheckpointHead};
+use ledger::{CheckpointHead, HeadsCheckpoint};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
@@ -51,7 +51,7 @@ impl From<StoredCheckpoint> for CheckpointView {
             number: stored.number,
             recorded_at: stored.recorded_at,
             heads: serde_json::from_str(&stored.signed_text)
-                .map_or_else(|_| Vec::new(), |text: Checkpoint| text.heads),
+                .map_or_else(|_| Vec::new(), |text: HeadsCheckpoint| text.heads),
             signed_text: stored.signed_text,
             signature: hex::encode(stored.signature),
             public_key: hex::encode(stored.public_key),

@@ -106,13 +106,14 @@ pub(super) fn leaves_before(
     connection: &Connection,
     recipient: &str,
 ) -> Result<LeafRange, StoreError> {
-    let text = |sql: &str| -> Result<Option<String>, StoreError> {
-        let row = connection.query_row(sql, (recipient,), |row| row.get(0)).optional();
+    let text = |sql: &str, column: &str| -> Result<Option<String>, StoreError> {
+        let row = connection.query_row(sql, (recipient,), |row| row.get(column)).optional();
         row.map_err(StoreError::while_writing(READ))
     };
-    let start = text("SELECT start FROM ledger_log WHERE recipient = ?")?.unwrap_or_default();
+    let start =
+        text("SELECT start FROM ledger_log WHERE recipient = ?", "start")?.unwrap_or_default();
     let start: LogStart = serde_json::from_str(&start).map_err(StoreError::unreadable("start"))?;
-    let anchor = text("SELECT content FROM ledger_anchor WHERE recipient = ?")?;
+    let anchor = text("SELECT content FROM ledger_anchor WHERE recipient = ?", "content")?;
     let anchor = anchor.map(|anchor| serde_json::from_str::<Anchor>(&anchor)).transpose();
     let anchor = anchor.map_err(StoreError::unreadable("anchor"))?;
     start

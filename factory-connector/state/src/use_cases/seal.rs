@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use asi_model::DateTime;
-use ledger::{Checkpoint, LedgerKey, SignedHead};
+use ledger::{HeadsCheckpoint, LedgerKey, SignedHead};
 
 use crate::{ChangeSet, ConnectorState, writes::CheckpointRow};
 
@@ -21,7 +21,7 @@ pub fn checkpoint(state: &mut ConnectorState, key: &LedgerKey, now: DateTime) ->
         return changes;
     }
     let factory_id = state.config.factory_id.clone();
-    let content = Checkpoint::new(factory_id, number, now, state.ledger.heads()).canonical();
+    let content = HeadsCheckpoint::new(factory_id, number, now, state.ledger.heads()).canonical();
     changes.writes.ledger.checkpoint = Some(CheckpointRow {
         number,
         recorded_at: now,

@@ -8,7 +8,7 @@ use asi_model::{
 };
 use opcua_stack::opcua::{
     server::node_manager::MonitoredItemRef,
-    types::{AttributeId, DataValue, DateTime as StackTime, StatusCode},
+    types::{AttributeId, DataValue, StatusCode},
 };
 
 use super::{
@@ -18,6 +18,7 @@ use super::{
     provider::AsiProvider,
 };
 use crate::{
+    clock,
     document::{AppliedDocument, AsiDocument, FieldRecord},
     events::{AuditWrite, ModelChange, NodeChange},
     provider::NodeProvider as _,
@@ -157,7 +158,7 @@ impl AsiProvider {
                 status: Some(StatusCode::BadNodeIdUnknown),
                 ..DataValue::default()
             });
-            let value = DataValue { server_timestamp: Some(StackTime::now()), ..present };
+            let value = DataValue { server_timestamp: Some(clock::stack_now()), ..present };
             if let Some(mut registered) = notifier.notify_for(item.node_id(), AttributeId::Value) {
                 registered.data_value_to_item(value, &item.handle());
             }
@@ -166,7 +167,7 @@ impl AsiProvider {
 
     /// Pushes values into the monitored items of these variables.
     fn notify(&self, values: &[(String, DataValue)]) {
-        let now = StackTime::now();
+        let now = clock::stack_now();
         // Chunks, because each notifier holds a lock that the publishing of all subscriptions needs.
         for chunk in values.chunks(NOTIFIED_AT_ONCE_MAX) {
             let mut notifier = self.subscriptions.data_notifier();
@@ -184,7 +185,7 @@ impl AsiProvider {
     fn publish(&self, difference: &Difference, new: Option<&Interface>) {
         let removed = DataValue {
             status: Some(StatusCode::BadNodeIdUnknown),
-            server_timestamp: Some(StackTime::now()),
+            server_timestamp: Some(clock::stack_now()),
             ..DataValue::default()
         };
         for objects in difference.removed.chunks(NOTIFIED_AT_ONCE_MAX) {

@@ -10,7 +10,7 @@ use asi_model::{
     node_set,
 };
 use opcua_stack::{
-    opcua::types::{AttributeId, ByteString, DateTime, Identifier, NodeId, StatusCode, Variant},
+    opcua::types::{AttributeId, ByteString, Identifier, NodeId, StatusCode, Variant},
     values::{from_stack, status_to_stack},
 };
 
@@ -25,6 +25,7 @@ use super::{
 };
 use crate::{
     access::{TwinDecision, TwinUser},
+    clock,
     events::AuditWrite,
     provider::{MethodOutcome, WriteRequest},
 };
@@ -58,7 +59,7 @@ impl AsiProvider {
             Err(status) => status,
             Ok(()) => {
                 let mut value = request.value.clone();
-                value.source_timestamp.get_or_insert_with(DateTime::now);
+                value.source_timestamp.get_or_insert_with(clock::stack_now);
                 let value = from_stack(value, &self.values.namespaces);
                 let key = interface.key_of(field);
                 let write = self.writer.write(&key, value, user);

@@ -12,14 +12,17 @@ use opcua_stack::opcua::{
     crypto::{SecurityPolicy, X509},
     server::{CertificateBearer, CertificateValidator},
     types::{
-        DateTime, EndpointDescription, Error, MessageSecurityMode, NodeId, RegisterServer2Request,
+        EndpointDescription, Error, MessageSecurityMode, NodeId, RegisterServer2Request,
         RegisterServerRequest, RegisteredServer, RequestHeader, StatusCode,
     },
 };
 use rand::Rng;
 use tokio_util::sync::CancellationToken;
 
-use crate::security::{certificate, validation::Validator};
+use crate::{
+    clock,
+    security::{certificate, validation::Validator},
+};
 
 /// Time limit of an attempt: two connections, a key exchange and a request.
 const ATTEMPT_TIMEOUT: Duration = Duration::from_secs(20);
@@ -134,7 +137,7 @@ impl Registration {
         let channel = session.channel();
         let header = || RequestHeader {
             timeout_hint: u32::try_from(REQUEST_TIMEOUT.as_millis()).unwrap_or(u32::MAX),
-            ..RequestHeader::new(&NodeId::null(), &DateTime::now(), channel.request_handle())
+            ..RequestHeader::new(&NodeId::null(), &clock::stack_now(), channel.request_handle())
         };
         // The twin announces itself by multicast if that is configured, so the server need not.
         let newer = RegisterServer2Request {

@@ -6,14 +6,15 @@ use opcua_stack::opcua::{
         node_manager::ParsedReadValueId,
     },
     types::{
-        AttributeId, DataEncoding, DataValue, DateTime, NodeId, NumericRange, StatusCode,
-        TimestampsToReturn, Variant,
+        AttributeId, DataEncoding, DataValue, NodeId, NumericRange, StatusCode, TimestampsToReturn,
+        Variant,
     },
 };
 
 use super::ProviderTable;
 use crate::{
     access::Role,
+    clock,
     provider::{NodeKind, ProvidedNode},
 };
 
@@ -31,7 +32,7 @@ pub(super) fn read(
         }
         Err(status) => DataValue {
             status: Some(status),
-            server_timestamp: Some(DateTime::now()),
+            server_timestamp: Some(clock::stack_now()),
             ..DataValue::default()
         },
     }
@@ -152,7 +153,7 @@ fn select_timestamps(value: &mut DataValue, requested: TimestampsToReturn) {
         (value.source_timestamp, value.source_picoseconds) = (None, None);
     }
     if matches!(requested, TimestampsToReturn::Server | TimestampsToReturn::Both) {
-        value.server_timestamp.get_or_insert_with(DateTime::now);
+        value.server_timestamp.get_or_insert_with(clock::stack_now);
     } else {
         (value.server_timestamp, value.server_picoseconds) = (None, None);
     }

@@ -211,7 +211,7 @@ fn checkpoints(sample: &Sample, attempts: &mut Attempts) {
     let mut resigned = Sample::new(8);
     resigned.log.sign_checkpoint(&thief);
     let checkpoint = resigned.checkpoint();
-    attempt("everything signed anew by another key", &resigned.lines, &checkpoint, &own);
+    attempt("everything signed by another key", &resigned.lines, &checkpoint, &own);
     attempt("the checkpoint under another key", &sample.lines, &genuine, &vkey(&thief));
     let resigned = Sample::new(8);
     attempt("a fork under the own key", &resigned.lines, &genuine, &own);
