@@ -53,6 +53,8 @@ pub async fn run(subjects: &[Subject]) -> anyhow::Result<()> {
     std::fs::create_dir_all(file.parent().context("the file lies in a folder")?)?;
     let short = goals::judge(&mut results, subjects);
     std::fs::write(&file, serde_json::to_vec_pretty(&results)?)?;
+    let summary = goals::summary(&results);
+    say(&format!("\nFigures with goals:\n  {}", summary.join("\n  ")));
     say(&format!("\nWritten to {}", file.display()));
     anyhow::ensure!(
         short.is_empty(),

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use self::Bound::{AtLeast, AtMost};
+use self::Bound::{AtLeast, AtMost, Context};
 use super::subject::Subject;
 
 /// Bound of a figure.
@@ -10,6 +10,8 @@ use super::subject::Subject;
 pub enum Bound {
     AtLeast(f64),
     AtMost(f64),
+    /// No bound: the figure is measured for its ratio to another.
+    Context,
 }
 
 /// Goal of a figure.
@@ -91,6 +93,10 @@ pub const GOALS: &[Goal] = &[
         AtMost(15.0),
         "ms",
     ),
+    goal(Subject::Twin, "node-opcua's processor time for one of the twin's", AtLeast(1.0), "times")
+        .against("node-opcua: 5000 variables changing every 100 ms, processor"),
+    goal(Subject::Twin, "node-opcua's memory for one of the twin's", AtLeast(1.0), "times")
+        .against("node-opcua: 5000 variables changing every 100 ms, memory"),
     goal(Subject::Twin, "twin: of these lost", AtMost(0.0), "changes"),
     goal(Subject::Twin, "twin: of these out of order", AtMost(0.0), "changes"),
     goal(
@@ -117,6 +123,13 @@ pub const GOALS: &[Goal] = &[
         Subject::Mappings,
         "built-in mappings against node-opcua",
         AtLeast(4.0),
+        "times the values per CPU second",
+    )
+    .against("the same with node-opcua"),
+    goal(
+        Subject::Mappings,
+        "JavaScript mappings against node-opcua",
+        Context,
         "times the values per CPU second",
     )
     .against("the same with node-opcua"),
@@ -165,6 +178,7 @@ impl Bound {
         match self {
             AtLeast(bound) => value >= bound,
             AtMost(bound) => value <= bound,
+            Context => !value.is_nan(),
         }
     }
 
@@ -172,13 +186,15 @@ impl Bound {
         match self {
             AtLeast(bound) => format!("at least {bound}"),
             AtMost(bound) => format!("at most {bound}"),
+            Context => "no goal".to_owned(),
         }
     }
 }
 
 /// Returns what stands beside a figure when it is printed; empty without a goal.
 pub(super) fn beside(name: &str, value: f64, unit: &str) -> String {
-    goal_of(name, unit).map_or_else(String::new, |(goal, _)| {
+    let judged = goal_of(name, unit).filter(|(goal, _)| goal.bound != Context);
+    judged.map_or_else(String::new, |(goal, _)| {
         let outcome = if goal.bound.is_met(value) { "met" } else { "SHORT" };
         format!(" ({}: {outcome})", goal.bound.text())
     })
@@ -196,7 +212,11 @@ pub(super) fn judge(results: &mut [Value], subjects: &[Subject]) -> Vec<String> 
         let Some((goal, middle)) = goal_of(&name, &unit) else { continue };
         let is_met = goal.bound.is_met(value);
         result["goal"] = json!(goal.bound.text());
-        result["outcome"] = json!(if is_met { "met" } else { "short" });
+        result["outcome"] = json!(match (goal.bound, is_met) {
+            (Context, true) => "measured",
+            (_, true) => "met",
+            (_, false) => "short",
+        });
         if let Some(other) = goal.against.map(|other| other.replace('*', middle)) {
             match other_side(&measured, &other, &unit) {
                 Some(other) => result["against"] = other.clone(),
@@ -209,6 +229,25 @@ pub(super) fn judge(results: &mut [Value], subjects: &[Subject]) -> Vec<String> 
     }
     short.extend(missing(&measured, subjects));
     short
+}
+
+/// Returns a line for each judged figure: value, goal, outcome and the other side of a ratio.
+pub(super) fn summary(results: &[Value]) -> Vec<String> {
+    let text = |figure: &Value| {
+        let value = figure["value"].as_f64().unwrap_or(f64::NAN);
+        format!("{value:.2} {}", figure["unit"].as_str().unwrap_or_default())
+    };
+    let line = |figure: &Value| {
+        let name = figure["name"].as_str().unwrap_or_default();
+        let (goal, outcome) = (figure["goal"].as_str()?, figure["outcome"].as_str()?);
+        let mut line = format!("{name}: {} ({goal}: {outcome})", text(figure));
+        if let Some(other) = figure.get("against") {
+            let name = other["name"].as_str().unwrap_or_default();
+            line.push_str(&format!(", beside {} of {name}", text(other)));
+        }
+        Some(line)
+    };
+    results.iter().filter_map(line).collect()
 }
 
 /// Returns a line for each goal of these subjects that fewer figures were measured for than a run
@@ -269,6 +308,11 @@ mod tests {
         );
         assert_eq!(results[1]["against"]["value"], 100.0);
         assert_eq!(results[1]["outcome"], "short");
+        assert_eq!(
+            summary(&results),
+            ["sent to RabbitMQ, link against bare client: 0.50 times (at least 0.8: short), \
+              beside 100.00 messages per second of sent to RabbitMQ, bare client"]
+        );
         assert!(results[0].get("goal").is_none());
     }
 
@@ -292,7 +336,10 @@ mod tests {
     fn all_of(subject: Subject) -> Vec<Value> {
         let mut results = Vec::new();
         for goal in GOALS.iter().filter(|goal| goal.subject == subject) {
-            let (AtLeast(value) | AtMost(value)) = goal.bound;
+            let value = match goal.bound {
+                AtLeast(value) | AtMost(value) => value,
+                Context => 1.0,
+            };
             for number in 0..goal.count {
                 let number = number.to_string();
                 results.push(figure(&goal.figure.replace('*', &number), value, goal.unit));

@@ -12,6 +12,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use anyhow::Context as _;
 use messaging::{Link, LinkConfig, LogicalAddress, Login};
 use serde_json::Value;
 use tokio_util::sync::CancellationToken;
@@ -53,8 +54,7 @@ pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
 
 /// Sending and receiving, bare and through the link.
 async fn rates(broker: &BrokerUnderTest) -> anyhow::Result<Vec<Value>> {
-    // MQTT stores messages only for clients that have subscribed before.
-    link_receive(broker, 0).await?;
+    subscribe(broker).await?;
     let (mut bare, mut link) = ((0.0_f64, 0.0_f64), (0.0_f64, 0.0_f64));
     for _ in 0..ROUNDS {
         let round = match broker.protocol {
@@ -62,7 +62,7 @@ async fn rates(broker: &BrokerUnderTest) -> anyhow::Result<Vec<Value>> {
             Protocol::Mqtt => (bare_mqtt::send(broker).await?, bare_mqtt::receive(broker).await?),
         };
         bare = (bare.0.max(rate(round.0)), bare.1.max(rate(round.1)));
-        let round = (link_send(broker).await?, link_receive(broker, MESSAGES).await?);
+        let round = (link_send(broker).await?, link_receive(broker).await?);
         link = (link.0.max(rate(round.0)), link.1.max(rate(round.1)));
     }
     let name = broker.name;
@@ -83,31 +83,42 @@ fn rate(took: Duration) -> f64 {
     MESSAGES as f64 / took.as_secs_f64()
 }
 
+/// From before the connection to the last outcome, as of the bare client.
 async fn link_send(broker: &BrokerUnderTest) -> anyhow::Result<Duration> {
     let spool = Arc::new(MadeUpSpool::new(MESSAGES, broker.address.clone()));
+    let began = Instant::now();
     let sender =
         RunningLink::start(broker, &broker.sender, &[], Arc::clone(&spool), Arc::default())?;
-    let began = Instant::now();
-    until("everything is sent", PATIENCE, || spool.accepted() >= MESSAGES).await?;
-    let took = began.elapsed();
+    until("everything is sent", PATIENCE, || spool.finished().is_some()).await?;
     sender.stop().await?;
-    Ok(took)
+    let finished = spool.finished().context("everything was sent")?;
+    Ok(finished.duration_since(began))
 }
 
-async fn link_receive(broker: &BrokerUnderTest, messages: u64) -> anyhow::Result<Duration> {
-    let inbox = Arc::new(Counting::default());
-    let nothing = Arc::new(MadeUpSpool::new(0, broker.address.clone()));
-    let consumed = [broker.address.clone()];
+/// From before the connection to the last message, as of the bare client.
+async fn link_receive(broker: &BrokerUnderTest) -> anyhow::Result<Duration> {
+    let inbox = Arc::new(Counting::expecting(MESSAGES));
     let began = Instant::now();
-    let receiver =
-        RunningLink::start(broker, &broker.receiver, &consumed, nothing, Arc::clone(&inbox))?;
-    until("everything is received", PATIENCE, || inbox.received() >= messages && receiver.is_up())
-        .await?;
-    let took = began.elapsed();
+    let receiver = receiving_link(broker, &inbox)?;
+    until("everything is received", PATIENCE, || inbox.finished().is_some()).await?;
     // Settlements are on their way still.
     tokio::time::sleep(Duration::from_millis(300)).await;
     receiver.stop().await?;
-    Ok(took)
+    let finished = inbox.finished().context("everything was received")?;
+    Ok(finished.duration_since(began))
+}
+
+/// MQTT stores messages only for clients that have subscribed before.
+async fn subscribe(broker: &BrokerUnderTest) -> anyhow::Result<()> {
+    let receiver = receiving_link(broker, &Arc::default())?;
+    until("the subscription is there", PATIENCE, || receiver.is_up()).await?;
+    receiver.stop().await
+}
+
+fn receiving_link(broker: &BrokerUnderTest, inbox: &Arc<Counting>) -> anyhow::Result<RunningLink> {
+    let nothing = Arc::new(MadeUpSpool::new(0, broker.address.clone()));
+    let consumed = [broker.address.clone()];
+    RunningLink::start(broker, &broker.receiver, &consumed, nothing, Arc::clone(inbox))
 }
 
 /// Both ends of the link and the embedded broker are in this process, which does nothing else: its
@@ -116,12 +127,9 @@ async fn link_receive(broker: &BrokerUnderTest, messages: u64) -> anyhow::Result
 pub(super) async fn traffic() -> anyhow::Result<Vec<Value>> {
     let broker = BrokerUnderTest::embedded().await?;
     let inbox = Arc::new(Counting::default());
-    let nothing = Arc::new(MadeUpSpool::new(0, broker.address.clone()));
     let spool =
         MadeUpSpool::new(MANY, broker.address.clone()).ahead_of(Arc::clone(&inbox), BACKLOG);
-    let consumed = [broker.address.clone()];
-    let receiver =
-        RunningLink::start(&broker, &broker.receiver, &consumed, nothing, Arc::clone(&inbox))?;
+    let receiver = receiving_link(&broker, &inbox)?;
     let began = Instant::now();
     let sender = RunningLink::start(&broker, &broker.sender, &[], Arc::new(spool), Arc::default())?;
     let (mut early, mut highest) = (0.0, 0.0_f64);

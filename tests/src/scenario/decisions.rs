@@ -20,7 +20,7 @@ pub fn node(machine: &str, key: &str) -> String {
     format!("nsu=urn:verbund:simulator:{machine};s={key}")
 }
 
-/// A decision of the story.
+/// Answer of an engineer to one requested field.
 #[derive(Debug, Clone)]
 pub struct StoryDecision {
     /// The factory whose engineer decides.

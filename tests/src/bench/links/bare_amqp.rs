@@ -21,11 +21,11 @@ use super::broker_under_test::{Account, BODY_BYTES, BrokerUnderTest, MESSAGES, W
 const BATCH: usize = 100;
 
 pub(super) async fn send(broker: &BrokerUnderTest) -> anyhow::Result<Duration> {
+    let began = Instant::now();
     let mut connection = connect(broker, &broker.sender).await?;
     let mut session = Session::begin(&mut connection).await?;
     let target = broker.profile.produce(&broker.address).address;
     let mut sender = Sender::attach(&mut session, "bare-out", target).await?;
-    let began = Instant::now();
     let mut outcomes = FuturesUnordered::new();
     for _ in 0..MESSAGES {
         if outcomes.len() >= usize::from(WINDOW) {

@@ -15,9 +15,9 @@ use super::broker_under_test::{Account, BODY_BYTES, BrokerUnderTest, MESSAGES, W
 const SESSION_EXPIRY: u32 = 7 * 24 * 3600;
 
 pub(super) async fn send(broker: &BrokerUnderTest) -> anyhow::Result<Duration> {
+    let began = Instant::now();
     let (client, mut events) = connect(broker, &broker.sender)?;
     let topic = broker.profile.produce(&broker.address).address;
-    let began = Instant::now();
     let publishing = tokio::spawn(async move {
         let body = Bytes::from(vec![b'x'; BODY_BYTES]);
         for _ in 0..MESSAGES {

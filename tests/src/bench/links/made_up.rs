@@ -4,9 +4,10 @@
 use std::{
     collections::BTreeSet,
     sync::{
-        Arc, Mutex, PoisonError,
+        Arc, Mutex, OnceLock, PoisonError,
         atomic::{AtomicU64, Ordering},
     },
+    time::Instant,
 };
 
 use async_trait::async_trait;
@@ -23,6 +24,7 @@ pub(super) struct MadeUpSpool {
     address: LogicalAddress,
     body: Bytes,
     accepted: Mutex<Accepted>,
+    finished: OnceLock<Instant>,
     pace: Option<(Arc<Counting>, u64)>,
 }
 
@@ -34,13 +36,14 @@ struct Accepted {
 }
 
 impl MadeUpSpool {
-    /// So many control messages to an address.
+    /// Returns a spool with this number of control messages to an address.
     pub(super) fn new(count: u64, address: LogicalAddress) -> Self {
         Self {
             count,
             address,
             body: Bytes::from(vec![b'x'; BODY_BYTES]),
             accepted: Mutex::default(),
+            finished: OnceLock::new(),
             pace: None,
         }
     }
@@ -50,9 +53,9 @@ impl MadeUpSpool {
         Self { pace: Some((inbox, messages)), ..self }
     }
 
-    /// Number of rows that the broker has accepted, without a hole.
-    pub(super) fn accepted(&self) -> u64 {
-        self.lock().through
+    /// Returns when the broker accepted the last row.
+    pub(super) fn finished(&self) -> Option<Instant> {
+        self.finished.get().copied()
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, Accepted> {
@@ -102,6 +105,9 @@ impl SpoolStore for MadeUpSpool {
             next += 1;
         }
         accepted.through = next - 1;
+        if accepted.through == self.count {
+            self.finished.get_or_init(Instant::now);
+        }
         Ok(())
     }
 
@@ -117,11 +123,25 @@ impl SpoolStore for MadeUpSpool {
 
 /// Accepts and counts everything.
 #[derive(Default)]
-pub(super) struct Counting(AtomicU64);
+pub(super) struct Counting {
+    received: AtomicU64,
+    /// Number of the message whose time is taken.
+    expected: u64,
+    finished: OnceLock<Instant>,
+}
 
 impl Counting {
+    pub(super) fn expecting(expected: u64) -> Self {
+        Self { expected, ..Self::default() }
+    }
+
     pub(super) fn received(&self) -> u64 {
-        self.0.load(Ordering::Relaxed)
+        self.received.load(Ordering::Relaxed)
+    }
+
+    /// Returns when the last expected message came.
+    pub(super) fn finished(&self) -> Option<Instant> {
+        self.finished.get().copied()
     }
 }
 
@@ -132,7 +152,10 @@ impl Inbox for Counting {
         _address: &LogicalAddress,
         deliveries: Vec<Delivery>,
     ) -> Vec<Settlement> {
-        self.0.fetch_add(deliveries.len() as u64, Ordering::Relaxed);
+        let count = deliveries.len() as u64;
+        if self.received.fetch_add(count, Ordering::Relaxed) + count >= self.expected {
+            self.finished.get_or_init(Instant::now);
+        }
         vec![Settlement::Accept; deliveries.len()]
     }
 }

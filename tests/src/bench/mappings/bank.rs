@@ -22,7 +22,7 @@ pub(super) fn node(index: u32) -> String {
 }
 
 impl Bank {
-    /// So many counters that together change so often.
+    /// Number of counters that together change so often.
     pub async fn start(variables: u32, changes_per_second: u32) -> anyhow::Result<Self> {
         let folder = tempfile::Builder::new().prefix("verbund-bank-").tempdir()?;
         let [port] = free_ports::reserve()?;
