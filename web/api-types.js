@@ -11,12 +11,12 @@ export const APIS = [
   {
     name: 'platform',
     description: new URL('../platform/openapi.json', import.meta.url),
-    types: new URL('./partner/api/generated.ts', import.meta.url),
+    types: new URL('./api/platform.generated.ts', import.meta.url),
   },
   {
     name: 'factory-connector',
     description: new URL('../factory-connector/openapi.json', import.meta.url),
-    types: new URL('./engineer/api/generated.ts', import.meta.url),
+    types: new URL('./api/connector.generated.ts', import.meta.url),
   },
 ]
 

@@ -4,8 +4,21 @@ import globals from 'globals'
 import ts from 'typescript-eslint'
 import svelteConfig from './svelte.config.js'
 
+/**
+ * No file of a folder imports these.
+ * @param {string} folder
+ * @param {string[]} forbidden
+ * @returns {import('typescript-eslint').ConfigWithExtends}
+ */
+function walls(folder, forbidden) {
+  const patterns = [
+    { group: forbidden, message: 'Another part of the pages: see ARCHITECTURE.md.' },
+  ]
+  return { files: [`${folder}/**`], rules: { 'no-restricted-imports': ['error', { patterns }] } }
+}
+
 export default ts.config(
-  { ignores: ['dist/', 'node_modules/', '**/generated.ts'] },
+  { ignores: ['dist/', 'node_modules/', '**/*.generated.ts'] },
   js.configs.recommended,
   ...ts.configs.strict,
   ...ts.configs.stylistic,
@@ -26,6 +39,12 @@ export default ts.config(
       'svelte/no-useless-children-snippet': 'off',
     },
   },
+  // The two applications stand beside each other; what both use knows neither.
+  walls('engineer', ['@/partner/*']),
+  walls('partner', ['@/engineer/*']),
+  ...['api', 'design', 'format', 'navigation', 'network', 'shell', 'transport'].map((folder) =>
+    walls(folder, ['@/engineer/*', '@/partner/*']),
+  ),
   {
     files: ['**/*.svelte', '**/*.svelte.ts'],
     languageOptions: {

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest'
-import type { StatementPart } from '@/engineer/api/types'
+import type { StatementPart } from './statement'
 import { language } from '@/language/language.svelte'
 import { sentence, statementText } from './statement'
 

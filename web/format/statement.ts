@@ -1,8 +1,12 @@
-import type { StatementPart, Weekday } from '@/engineer/api/types'
+import type { components } from '@/api/connector.generated'
 import { de } from '@/language/de'
 import { en } from '@/language/en'
 import { language, type LanguageCode } from '@/language/language.svelte'
 import { weekday } from './time'
+
+export type AggregateFunction = components['schemas']['AggregateFunction']
+export type StatementPart = components['schemas']['StatementPart']
+export type Weekday = components['schemas']['Weekday']
 
 const CATALOGUES = { de, en }
 /** The days of a week, from Monday on. */

@@ -1,11 +1,12 @@
 import { isoDuration, shortMoment, span } from '@/format/time'
 import { words } from '@/language/words'
-import type {
-  Operation,
-  OperationProgress,
-  OperationRelation,
-  RelationCondition,
-} from '@/partner/api/types'
+import type { components } from '@/api/platform.generated'
+
+type Schemas = components['schemas']
+type Operation = Schemas['Operation']
+type OperationProgress = Schemas['OperationProgress']
+type OperationRelation = Schemas['OperationRelation']
+type RelationCondition = Schemas['RelationCondition']
 
 /** Operation as the graph and the timeline draw it. */
 export interface GraphOperation {

@@ -1,5 +1,5 @@
-import type { components as Connector } from '@/engineer/api/generated'
-import type { components as Platform } from '@/partner/api/generated'
+import type { components as Connector } from '@/api/connector.generated'
+import type { components as Platform } from '@/api/platform.generated'
 
 type BodyOf<Responses> = Responses[keyof Responses] extends {
   content: { 'application/problem+json': infer Document }

@@ -1,5 +1,5 @@
-import type { components as Connector } from '@/engineer/api/generated'
-import type { components as Platform } from '@/partner/api/generated'
+import type { components as Connector } from '@/api/connector.generated'
+import type { components as Platform } from '@/api/platform.generated'
 import { credentials, request } from './http'
 import { Problem } from './problem'
 

@@ -1,6 +1,6 @@
 /** Names of the connector's schemas as the pages use them. */
 import type { EventOf } from '@/transport/live.svelte'
-import type { components, paths } from './generated'
+import type { components, paths } from '@/api/connector.generated'
 
 type Schemas = components['schemas']
 
@@ -28,7 +28,7 @@ export type DryRun = Schemas['DryRun']
 /** Action of a person at a machine. */
 export type EntryAction = Schemas['Action']
 export type Entry = Schemas['NewEntry']
-export type EntryOutcome = Schemas['EntryResult']
+export type EntryResult = Schemas['EntryResult']
 export type Field = Schemas['FieldView']
 export type FieldKey = Schemas['FieldKey']
 export type FieldLeak = Schemas['FieldLeak']

@@ -2,7 +2,7 @@ import { clock } from '@/format/clock.svelte'
 import { Problem } from '@/transport/problem'
 import { session } from '@/transport/session.svelte'
 import { connector } from '../api/client'
-import type { Entry, EntryAction, EntryOutcome } from '../api/types'
+import type { Entry, EntryAction, EntryResult } from '../api/types'
 import { moment, type StoredEntry } from './entries'
 import type { EntryStorage } from './entry-storage'
 
@@ -20,7 +20,7 @@ export interface Refused {
 export type OperationKey = Pick<Entry, 'operationNetworkId' | 'operationId'>
 
 /** Sends a batch and returns an outcome for each entry that the connector knows now. */
-export type Send = (sentAt: string, entries: Entry[]) => Promise<EntryOutcome[]>
+export type Send = (sentAt: string, entries: Entry[]) => Promise<EntryResult[]>
 
 /**
  * Queue of entries for the connector. An entry gets its id and time when the button is pressed, is
@@ -154,7 +154,7 @@ export class EntryQueue {
     return session.known?.userName ?? ''
   }
 
-  async #settle(batch: readonly Entry[], outcomes: readonly EntryOutcome[]): Promise<void> {
+  async #settle(batch: readonly Entry[], outcomes: readonly EntryResult[]): Promise<void> {
     for (const outcome of outcomes) {
       const entry = batch.find((each) => each.entryId === outcome.entryId)
       if (entry === undefined) continue

@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { Problem } from '@/transport/problem'
 import { session } from '@/transport/session.svelte'
-import type { Entry, EntryOutcome, OperatorOperation } from '../api/types'
+import type { Entry, EntryResult, OperatorOperation } from '../api/types'
 import { expected, today, type StoredEntry } from './entries'
 import type { EntryStorage } from './entry-storage'
 import { EntryQueue } from './entry-queue.svelte'
@@ -35,9 +35,9 @@ class Disk implements EntryStorage {
 class Connector {
   isReachable = true
   taken: Entry[] = []
-  send = (_: string, entries: Entry[]): Promise<EntryOutcome[]> => {
+  send = (_: string, entries: Entry[]): Promise<EntryResult[]> => {
     if (!this.isReachable) return Promise.reject(Problem.unreached())
-    const outcomes = entries.map((entry): EntryOutcome => {
+    const outcomes = entries.map((entry): EntryResult => {
       const isKnown = this.taken.some((known) => known.entryId === entry.entryId)
       if (!isKnown) this.taken.push(entry)
       return { entryId: entry.entryId, result: isKnown ? 'REPEATED' : 'TAKEN', fields: [] }

@@ -1,6 +1,6 @@
 import { Api } from '@/transport/api'
 import { LiveFeed } from '@/transport/live.svelte'
-import type { paths } from './generated'
+import type { paths } from '@/api/platform.generated'
 import type { LiveEvent } from './types'
 
 /** The platform's API. */

@@ -1,6 +1,6 @@
 /** Names of the platform's schemas as the pages use them. */
 import type { EventOf } from '@/transport/live.svelte'
-import type { components } from './generated'
+import type { components } from '@/api/platform.generated'
 
 type Schemas = components['schemas']
 

@@ -1,4 +1,4 @@
-import type { AggregateFunction, StatementPart } from '@/engineer/api/types'
+import type { AggregateFunction, StatementPart } from '@/format/statement'
 import { isDay, sentence } from '@/format/statement'
 import { en } from '@/language/en'
 import { language } from '@/language/language.svelte'

@@ -2120,7 +2120,7 @@ export interface components {
         } | {
             /** @enum {string} */
             state: "resting";
-            /** @description Until when, by the local clock. */
+            /** @description End of the rest, by the local clock. */
             until: components["schemas"]["DateTime"];
         } | {
             /** @enum {string} */
@@ -2383,12 +2383,6 @@ export interface components {
             /** @description Decisions of standing rules among them. */
             ruleCount: number;
         };
-        /** @description Entries that a page has collected. */
-        Delivery: {
-            /** @description Up to 500, in any order. */
-            entries: components["schemas"]["NewEntry"][];
-            sentAt?: components["schemas"]["DateTime"] | null;
-        };
         /**
          * @description Stable codes of diagnostics.
          * @enum {string}
@@ -2588,9 +2582,15 @@ export interface components {
             /** @description The value as plain JSON; 64-bit integers may be texts. */
             value: components["schemas"]["PlainValue"];
         };
+        /** @description Entries that a page has collected. */
+        EntryDelivery: {
+            /** @description Up to 500, in any order. */
+            entries: components["schemas"]["NewEntry"][];
+            sentAt?: components["schemas"]["DateTime"] | null;
+        };
         /** @description An entry's id, made where it was entered: 1 to 64 letters, digits, `-` or `_`. */
         EntryId: string;
-        /** @description Result of an entry. */
+        /** @description Answer to one delivered entry: taken, known, or refused with the reason. */
         EntryResult: {
             /** @description For `REFUSED`: the reason as a code. */
             code?: string | null;
@@ -2897,17 +2897,17 @@ export interface components {
         GapCause: "COALESCED" | "EXPIRED" | "WITHDRAWN" | "REVOKED";
         /** @description Number of mappings by health. */
         HealthCounts: {
-            /** @description So many `CLOCK_AHEAD`. */
+            /** @description Number of mappings that are `CLOCK_AHEAD`. */
             clockAhead: number;
-            /** @description So many `DOUBTFUL`. */
+            /** @description Number of mappings that are `DOUBTFUL`. */
             doubtful: number;
-            /** @description So many `FAILING`. */
+            /** @description Number of mappings that are `FAILING`. */
             failing: number;
-            /** @description So many `RESTING`. */
+            /** @description Number of mappings that are `RESTING`. */
             resting: number;
-            /** @description So many `WAITING`. */
+            /** @description Number of mappings that are `WAITING`. */
             waiting: number;
-            /** @description So many `WELL`. */
+            /** @description Number of mappings that are `WELL`. */
             well: number;
         };
         /** @description Sign-in of the client on a server. */
@@ -3129,11 +3129,11 @@ export interface components {
             instanceId: components["schemas"]["InstanceId"];
             /** @description Time of its last request, by the platform's clock. */
             lastHeardAt: components["schemas"]["DateTime"];
-            /** @description Since when it holds the lease, or when it asked first. */
+            /** @description Time at which it got the lease, or first asked for it. */
             since: components["schemas"]["DateTime"];
         };
         /**
-         * @description The state of a lease.
+         * @description Right to send, as the platform last answered.
          * @enum {string}
          */
         LeaseState: "ASKING" | "HELD" | "REFUSED";
@@ -3176,7 +3176,7 @@ export interface components {
             /** @description Every recipient that has a chain. */
             recipients: string[];
         };
-        /** @description Phase of a link. */
+        /** @description Progress of a link towards a connection with a broker. */
         LinkPhase: {
             /** @enum {string} */
             state: "connecting";
@@ -3352,7 +3352,7 @@ export interface components {
              */
             pointer: string;
         };
-        /** @description Diagnostic of a mapping. */
+        /** @description Fault or warning about a mapping document, with its JSON pointer. */
         MappingDiagnostic: {
             /** @description A stable code in camelCase. */
             code: components["schemas"]["DiagnosticCode"];
@@ -4129,7 +4129,7 @@ export interface components {
             faults?: components["schemas"]["ProblemFault"][];
             /**
              * Format: int64
-             * @description After how many seconds trying again makes sense; also the header `Retry-After`.
+             * @description Seconds after which trying again makes sense; also the header `Retry-After`.
              */
             retryAfterSeconds?: number | null;
             /**
@@ -4523,7 +4523,7 @@ export interface components {
             mappingState: components["schemas"]["MappingState"];
             /** @description Decision that the rule offers. */
             offer: components["schemas"]["RuleOfferView"];
-            /** @description It is undecided and no engineer has left it open: the rule would decide now. */
+            /** @description Undecided, and no engineer has left it open: the rule would decide now. */
             wouldDecide: boolean;
         };
         /** @description Decision about a field that standing rules offer. */
@@ -4745,7 +4745,7 @@ export interface components {
             security?: components["schemas"]["SecurityChoice"];
             /**
              * Format: int32
-             * @description After how many milliseconds without any sign of life a connection is given up (500 to 600
+             * @description Milliseconds without any sign of life after which a connection is given up (500 to 600
              *     000).
              */
             silenceMsMax?: number;
@@ -4767,7 +4767,7 @@ export interface components {
          */
         SourceProblemKind: "unreachable" | "noSuitableEndpoint" | "serverCertificateUntrusted" | "serverCertificateInvalid" | "clientCertificateRejected" | "credentialsRejected" | "serverFull" | "connectionLost" | "stalled" | "refused" | "configuration";
         /**
-         * @description The state of a source.
+         * @description Progress of a session towards live values.
          * @enum {string}
          */
         SourceState: "connecting" | "subscribing" | "connected" | "waiting";
@@ -5008,7 +5008,7 @@ export interface components {
             message?: string | null;
             value?: components["schemas"]["ShownValue"] | null;
         };
-        /** @description A stored cap. */
+        /** @description A cap with its new version, and the fields that it held back. */
         StoredCap: components["schemas"]["DocumentVersion"] & {
             /** @description Fields whose consents ended so that all caps hold. */
             heldBack: components["schemas"]["FieldKey"][];
@@ -5086,7 +5086,7 @@ export interface components {
             /** @description The servers that were looked through. */
             sources: components["schemas"]["SearchedSource"][];
         };
-        /** @description A mapping of a survey. */
+        /** @description A mapping with the health that it is listed under. */
         SurveyedMapping: {
             /** @description Health from which its rank follows. */
             health: components["schemas"]["MappingHealth"];
@@ -5111,7 +5111,7 @@ export interface components {
             /** @description Its id: letters, digits, `_` and `-`. */
             templateId: string;
         };
-        /** @description A parameter of a template. */
+        /** @description Placeholder in the documents of a template. */
         TemplateParameter: {
             /** @description Value where none is given. */
             default?: string | null;
@@ -5497,7 +5497,7 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"];
             };
         };
-        /** @description It does not fit the present state. */
+        /** @description The call does not fit the present state. */
         Conflict: {
             headers: {
                 [name: string]: unknown;
@@ -5515,7 +5515,7 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"];
             };
         };
-        /** @description It does not exist. */
+        /** @description The resource does not exist. */
         NotFound: {
             headers: {
                 [name: string]: unknown;
@@ -5783,7 +5783,7 @@ export interface operations {
             };
         };
         responses: {
-            /** @description A stored cap. */
+            /** @description A cap with its new version, and the fields that it held back. */
             200: {
                 headers: {
                     [name: string]: unknown;
@@ -7455,7 +7455,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["Delivery"];
+                "application/json": components["schemas"]["EntryDelivery"];
             };
         };
         responses: {

@@ -868,7 +868,7 @@ export interface components {
              */
             leaseNumber: number;
         };
-        /** @description Phase of a link. */
+        /** @description Progress of a link towards a connection with a broker. */
         LinkPhase: {
             /** @enum {string} */
             state: "connecting";
@@ -1282,7 +1282,7 @@ export interface components {
             nextCursor?: string | null;
         };
         /**
-         * @description State of a part.
+         * @description Progress of a part of a network towards its factory.
          * @enum {string}
          */
         PartState: "SENT" | "ACCEPTED" | "UNCHANGED" | "REJECTED";
@@ -1351,7 +1351,7 @@ export interface components {
             faults?: components["schemas"]["ProblemFault"][];
             /**
              * Format: int64
-             * @description After how many seconds trying again makes sense; also the header `Retry-After`.
+             * @description Seconds after which trying again makes sense; also the header `Retry-After`.
              */
             retryAfterSeconds?: number | null;
             /**
@@ -1563,7 +1563,7 @@ export interface components {
         StatusResolution: "FULL" | "SEVERITY";
         /** @description A token to enrol with, shown this once. */
         TokenView: {
-            /** @description Until when it can be used. */
+            /** @description End of its validity. */
             expiresAt: components["schemas"]["DateTime"];
             /** @description For `factory-connector enrol`; contains the platform's address. */
             token: string;
@@ -1596,7 +1596,7 @@ export interface components {
          * @enum {string}
          */
         UpdateFrequencyUnit: "SECOND" | "MINUTE" | "HOUR" | "DAY" | "WEEK";
-        /** @description A user. */
+        /** @description Account of a person, without the password. */
         UserView: {
             organisationId?: components["schemas"]["OrganisationId"] | null;
             role: components["schemas"]["Role"];
@@ -1650,7 +1650,7 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"];
             };
         };
-        /** @description It does not fit the present state. */
+        /** @description The call does not fit the present state. */
         Conflict: {
             headers: {
                 [name: string]: unknown;
@@ -1668,7 +1668,7 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"];
             };
         };
-        /** @description It does not exist, or the viewer has no part in it. */
+        /** @description The resource does not exist, or the viewer has no part in it. */
         NotFound: {
             headers: {
                 [name: string]: unknown;
@@ -2702,7 +2702,7 @@ export interface operations {
             };
         };
         responses: {
-            /** @description A user. */
+            /** @description Account of a person, without the password. */
             200: {
                 headers: {
                     [name: string]: unknown;
