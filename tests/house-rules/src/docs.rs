@@ -20,6 +20,13 @@ use crate::{
 const OPENING_WORDS: [&str; 12] = [
     "What", "Who", "Whose", "Whom", "How", "Where", "When", "Which", "Why", "Whether", "That", "If",
 ];
+/// First words that stand for a noun which the reader has to find elsewhere.
+const PRONOUNS: [&str; 4] = ["It", "They", "There", "So"];
+/// Words before a relative clause: "Until when", "After how many".
+const PREPOSITIONS: [&str; 13] = [
+    "About", "After", "At", "Before", "By", "For", "From", "In", "Of", "Since", "To", "Until",
+    "With",
+];
 /// Words that add nothing to a name.
 const FILL_WORDS: [&str; 9] = ["the", "a", "an", "of", "its", "s", "is", "time", "in"];
 /// Words that begin with so many equal letters count as the same.
@@ -42,6 +49,7 @@ pub(crate) fn check(package: &Package, graph: &ImportGraph) -> Vec<Finding> {
         findings = checker.findings;
         if file.role == Role::Library && !is_test {
             public_items(file, &file.syntax.items, &mut findings);
+            type_docs(file, &file.syntax.items, &mut findings);
         }
     }
     findings
@@ -71,10 +79,16 @@ impl Checker<'_> {
         if goes_on && !is_below_heading {
             return;
         }
-        let first = text.split(|c: char| !c.is_alphabetic()).next();
+        let mut words = text.split(|c: char| !c.is_alphabetic());
+        let (first, second) = (words.next(), words.next().unwrap_or_default());
         // "# Errors: When ..." is the convention of the standard library.
         let is_condition = |word: &str| is_below_heading && matches!(word, "When" | "If");
-        let is_opening = |word: &&str| OPENING_WORDS.contains(word) && !is_condition(word);
+        let is_relative = OPENING_WORDS.iter().any(|word| word.to_lowercase() == second);
+        let is_opening = |word: &&str| {
+            OPENING_WORDS.contains(word) && !is_condition(word)
+                || PRONOUNS.contains(word)
+                || PREPOSITIONS.contains(word) && is_relative
+        };
         if let Some(word) = first.filter(is_opening) {
             self.report(
                 line,
@@ -186,6 +200,25 @@ fn public_items(file: &SourceFile, items: &[Item], findings: &mut Vec<Finding>) 
             && !is_test_only(&child.attrs)
         {
             public_items(file, items, findings);
+        }
+    }
+}
+
+/// Reports docs of public types that repeat their name.
+fn type_docs(file: &SourceFile, items: &[Item], findings: &mut Vec<Finding>) {
+    for item in items.iter().filter(|item| !is_test_only(attributes_of(item))) {
+        let (visibility, attributes, name) = match item {
+            Item::Enum(item) => (&item.vis, &item.attrs, &item.ident),
+            Item::Struct(item) => (&item.vis, &item.attrs, &item.ident),
+            Item::Trait(item) => (&item.vis, &item.attrs, &item.ident),
+            Item::Type(item) => (&item.vis, &item.attrs, &item.ident),
+            _ => continue,
+        };
+        let Some((line, text)) = text_of(attributes) else { continue };
+        if matches!(visibility, Visibility::Public(_)) && repeats(&text, &name.to_string()) {
+            let text = format!("\"{}\" says no more than `{name}`", text.trim());
+            let rule = Rule::ShortMemberDoc;
+            findings.push(Finding { file: file.path.clone(), line, rule, text });
         }
     }
 }

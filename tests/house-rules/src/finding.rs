@@ -29,6 +29,7 @@ pub enum Rule {
     ImplSpread,
     TypeSize,
     ColumnByPlace,
+    LargeTuple,
     BannedWord,
     SharedTypeName,
 }
@@ -47,6 +48,7 @@ impl fmt::Display for Rule {
             Self::FunctionLength => "function-length",
             Self::ImplSpread => "impl-spread",
             Self::TypeSize => "type-size",
+            Self::LargeTuple => "large-tuple",
             Self::ColumnByPlace => "column-by-place",
             Self::BannedWord => "banned-word",
             Self::SharedTypeName => "shared-type-name",

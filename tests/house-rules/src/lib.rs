@@ -5,6 +5,7 @@
 //! those of the module walls, which the caller hands to [`check_walls`]. [`check_texts`] reads what
 //! is no Rust.
 
+mod asserts;
 mod circles;
 mod columns;
 mod docs;
@@ -37,6 +38,7 @@ pub use words::{BANNED_WORDS, BannedWord};
 pub fn check(package: &Package) -> Vec<Finding> {
     let graph = imports::ImportGraph::of(package);
     let mut findings = circles::check(&graph);
+    findings.extend(asserts::check(package));
     findings.extend(columns::check(package));
     findings.extend(docs::check(package, &graph));
     findings.extend(size::check(package));

@@ -58,13 +58,17 @@ fn docs_begin_with_a_noun_or_a_verb() {
     let source = "//! What is here.\n\n/// Returns one.\n/// When the line goes on.\nfn a() {}\n\
                   /// Whether it is so.\nfn b() {}\n/// Whatever.\n///\n/// # Errors\n\
                   /// When it fails.\nfn c() {}\n// Why this is a comment of the code.\n\
-                  /// what begins small.\nfn d() {}\n/// If\n/// it is.\nfn e() {}\n";
+                  /// what begins small.\nfn d() {}\n/// If\n/// it is.\nfn e() {}\n\
+                  /// Until when it holds.\nfn f() {}\n/// Until then.\nfn g() {}\n\
+                  /// It fails.\nfn h() {}\n";
     assert_eq!(
         found(Rule::OpeningWord, &[("src/lib.rs", source)]),
         [
             "src/lib.rs:1 begins with \"What\": begin with a noun or a verb of doing",
             "src/lib.rs:6 begins with \"Whether\": begin with a noun or a verb of doing",
             "src/lib.rs:16 begins with \"If\": begin with a noun or a verb of doing",
+            "src/lib.rs:19 begins with \"Until\": begin with a noun or a verb of doing",
+            "src/lib.rs:23 begins with \"It\": begin with a noun or a verb of doing",
         ]
     );
 }
@@ -188,5 +192,28 @@ fn stores_read_columns_by_name() {
         found(Rule::ColumnByPlace, &sources),
         ["src/store.rs:2", "src/store.rs:3", "src/store/rows.rs:1"]
             .map(|at| format!("{at} {text}"))
+    );
+}
+
+#[test]
+fn docs_of_types_say_more_than_their_name() {
+    let source = "/// A broker's settings.\npub struct BrokerSettings;\n/// A broker.\n\
+                  pub struct BrokerView;\n/// Where messages wait.\nstruct Waits;\n";
+    assert_eq!(
+        found(Rule::ShortMemberDoc, &[("src/lib.rs", source)]),
+        [
+            "src/lib.rs:1 \"A broker's settings.\" says no more than `BrokerSettings`",
+            "src/lib.rs:3 \"A broker.\" says no more than `BrokerView`",
+        ]
+    );
+}
+
+#[test]
+fn large_tuples_are_not_compared() {
+    let source = "fn f() {\nassert_eq!((a, b), (1, 2));\nassert_eq!((a, f(b, c), d), x);\n\
+                  assert_eq!((a, b, c).1, 2);\n}";
+    assert_eq!(
+        found(Rule::LargeTuple, &[("src/lib.rs", source)]),
+        ["src/lib.rs:3 a tuple of 3 is compared: compare its members"]
     );
 }
