@@ -65,7 +65,7 @@ pub struct LeaseStatus {
     pub contender: Option<LeaseParty>,
 }
 
-/// The state of a lease.
+/// Right to send, as the platform last answered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum LeaseState {

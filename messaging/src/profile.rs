@@ -36,7 +36,7 @@ pub enum InvalidTemplate {
         "the template {template:?} contains none of {{address}}, {{address:percent}} and {{address:path}}"
     )]
     NoPlaceholder { template: String },
-    /// There is no profile of that name.
+    /// No profile has that name.
     #[error(
         "there is no broker profile {name:?}; choose embedded, rabbitmq-3, rabbitmq-4, activemq or mqtt, or give templates"
     )]

@@ -18,7 +18,7 @@ use crate::{NamespaceTable, values::from_stack};
 const BINARY_ID: ObjectId = ObjectId::DataChangeNotification_Encoding_DefaultBinary;
 /// The shortest notification of an item: its handle and an empty data value.
 const ITEM_BYTES_MIN: usize = 5;
-/// So much of a body is believed before it is there.
+/// Elements of a body that are believed before they are there.
 const TRUSTED_BYTES: usize = 1 << 20;
 
 // The encoding mask of a data value (OPC 10000-6 §5.2.2.17).

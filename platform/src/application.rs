@@ -61,7 +61,7 @@ impl Application {
         Self(Arc::new(parts))
     }
 
-    /// After how long an unanswered part is sent again.
+    /// Time after which an unanswered part is sent again.
     #[must_use]
     pub fn resend_after(&self) -> Duration {
         Duration::from_millis(self.config.parts.resend_after_ms)

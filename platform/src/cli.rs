@@ -108,7 +108,7 @@ struct SetUser {
     /// ADMINISTRATOR, PLANNER or VIEWER.
     #[arg(long)]
     role: Role,
-    /// For whom the user looks and acts; made where it is not known.
+    /// Organisation for which the user looks and acts; made where it is not known.
     #[arg(long)]
     organisation: Option<String>,
 }

@@ -72,7 +72,7 @@ impl Default for WebConfig {
     }
 }
 
-/// The broker.
+/// Listeners and certificate of the embedded broker, and the address that connectors get.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct BrokerSettings {
@@ -178,7 +178,7 @@ impl Default for AdminConfig {
     }
 }
 
-/// Receipts.
+/// Frequency of the receipts that connectors get.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ReceiptConfig {

@@ -15,7 +15,7 @@ use crate::{
 pub struct EnrolmentToken {
     /// `<platform's address, base64url>.<secret>`: all a connector needs to enrol.
     pub token: Confidential<String>,
-    /// Until when it can be used.
+    /// End of its validity.
     pub expires_at: DateTime,
 }
 

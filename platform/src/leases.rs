@@ -270,10 +270,9 @@ mod tests {
         );
         assert_eq!((lease.number, lease.holder.instance_id.as_str()), (1, "a"));
         let contender = &lease.contenders[0];
-        assert_eq!(
-            (contender.instance_id.as_str(), contender.since, contender.is_second),
-            ("b2", at(2), true)
-        );
+        assert_eq!(contender.instance_id.as_str(), "b2");
+        assert_eq!(contender.since, at(2));
+        assert!(contender.is_second);
     }
 
     #[test]
@@ -281,10 +280,9 @@ mod tests {
         let (lease, decisions) =
             request_in_turn(&[("a", "here", false), ("b", "there", false), ("b", "there", true)]);
         assert_eq!(decisions, [LeaseDecision::Passed, refused(true), LeaseDecision::Passed]);
-        assert_eq!(
-            (lease.number, lease.holder.instance_id.as_str(), lease.contenders.len()),
-            (2, "b", 0)
-        );
+        assert_eq!(lease.number, 2);
+        assert_eq!(lease.holder.instance_id.as_str(), "b");
+        assert_eq!(lease.contenders.len(), 0);
         // A contender stays refused after the lease has passed to a third connector.
         let asked = [
             ("a", "here", false),
@@ -303,10 +301,9 @@ mod tests {
         let (lease, _) = request_in_turn(&[("a", "here", false), ("b", "there", false)]);
         assert_eq!(lease.clone().handed_over(&"nobody".parse().expect("valid"), at(3)), None);
         let lease = lease.handed_over(&"b".parse().expect("valid"), at(3)).expect("b was refused");
-        assert_eq!(
-            (lease.number, lease.holder.instance_id.as_str(), lease.holder.since),
-            (2, "b", at(3))
-        );
+        assert_eq!(lease.number, 2);
+        assert_eq!(lease.holder.instance_id.as_str(), "b");
+        assert_eq!(lease.holder.since, at(3));
         let (lease, decision) = FactoryLease::ask(Some(lease), &request("a", "here"), true, at(4));
         assert_eq!((decision, lease.number), (refused(false), 2));
     }

@@ -65,7 +65,7 @@ pub struct SourceConfig {
     /// Publishing interval of the subscriptions, in milliseconds (1 to 60 000).
     #[serde(default = "default_publishing_interval_ms")]
     pub publishing_interval_ms: u32,
-    /// After how many milliseconds without any sign of life a connection is given up (500 to 600
+    /// Milliseconds without any sign of life after which a connection is given up (500 to 600
     /// 000).
     #[serde(default = "default_silence_ms_max")]
     pub silence_ms_max: u32,

@@ -8,7 +8,7 @@ use crate::SourceId;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShopFloorError {
-    /// There is no such source.
+    /// No source has this id.
     #[error("there is no source {0}")]
     UnknownSource(SourceId),
     #[error("the source {0} is not connected")]

@@ -40,7 +40,7 @@ pub struct SourceStatus {
     pub limits: Option<ServerLimits>,
 }
 
-/// The state of a source.
+/// Progress of a session towards live values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum SourceState {

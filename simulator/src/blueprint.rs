@@ -62,7 +62,7 @@ pub enum Class {
     StartJob,
 }
 
-/// A variable.
+/// Type and course of the values of a simulated node.
 pub struct VariablePlan {
     pub data_type: NodeId,
     pub type_definition: NodeId,
@@ -73,7 +73,7 @@ pub struct VariablePlan {
 
 /// Origin of a variable's value.
 pub enum Source {
-    /// It runs by itself.
+    /// The machine runs by itself.
     Signal(Signal),
     /// Clients may write it; this is what it begins with.
     Written(Variant),

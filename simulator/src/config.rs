@@ -17,7 +17,7 @@ pub const EXAMPLE: &str = include_str!("../simulator.example.toml");
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Config {
-    /// From which all values follow.
+    /// Seed from which all values follow.
     #[serde(default)]
     pub seed: u64,
     /// Simulated seconds per second.
@@ -116,7 +116,7 @@ pub struct SecurityConfig {
     pub trusts_all_clients: bool,
 }
 
-/// A user.
+/// Account that may sign in to the simulated servers.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct UserConfig {

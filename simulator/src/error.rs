@@ -17,7 +17,7 @@ pub enum SimulatorError {
     /// A server cannot be started.
     #[error("the server of {machine} cannot be started: {reason}")]
     Server { machine: String, reason: String },
-    /// There is no such machine.
+    /// No machine has this name.
     #[error("there is no machine {0}")]
     UnknownMachine(String),
     /// The machine has no such variable.

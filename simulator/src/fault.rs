@@ -49,8 +49,8 @@ pub enum MachineFault {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default, deny_unknown_fields)]
 pub struct Layout {
-    /// So many further namespaces come before the machine's (at most 100), and the machine's in
-    /// reverse order.
+    /// Number of further namespaces before the machine's (at most 100), which
+    /// come in reverse order.
     pub namespaces_before: u16,
     /// Other than 0: nodes have other ids, and ids that existed before name other nodes where they
     /// are numbers.

@@ -27,7 +27,7 @@ use crate::{
     outcome::CommandOutcome,
 };
 
-/// Commands of `asi`.
+/// Subcommands, each a call that reads files and ends.
 #[derive(Debug, clap::Subcommand)]
 #[expect(clippy::large_enum_variant, reason = "one per run")]
 pub enum AsiCommand {

@@ -64,7 +64,7 @@ pub struct Lease {
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum LeaseResult {
-    /// It is the factory's connector.
+    /// The factory's connector holds it.
     Granted,
     /// Another one is.
     Refused,
@@ -78,7 +78,7 @@ pub struct LeaseParty {
     pub instance_id: InstanceId,
     /// Its machine and folder.
     pub host: String,
-    /// Since when it holds the lease, or when it asked first.
+    /// Time at which it got the lease, or first asked for it.
     pub since: DateTime,
     /// Time of its last request, by the platform's clock.
     pub last_heard_at: DateTime,

@@ -27,10 +27,10 @@ pub struct DynamicDataRequest {
     pub recipient_list: Vec<OrganisationId>,
     /// Purpose of the data in words, for the factory's engineer.
     pub purpose: String,
-    /// From when answers are wanted; at once where absent.
+    /// Begin of the time for which answers are wanted; at once where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub valid_from: Option<DateTime>,
-    /// Until when answers are wanted; without end where absent.
+    /// End of the time for which answers are wanted; without end where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub valid_until: Option<DateTime>,
     /// More about the request.

@@ -3,14 +3,14 @@
 /// Error for a document that is not a node set or breaks a limit.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NodeSetError {
-    /// It breaks a limit.
+    /// The document breaks a limit.
     #[error("the document has more than {count_max} {what}")]
     TooLarge {
         /// Plural name of what is counted.
         what: &'static str,
         count_max: usize,
     },
-    /// It is not XML or not a NodeSet2.
+    /// The document is not XML or not a NodeSet2.
     #[error("at byte {position}: {message}")]
     Malformed {
         /// Position in bytes, where the reader noticed.

@@ -78,7 +78,7 @@ pub struct NetworkMessage {
     pub messages: Vec<DataSetMessage>,
 }
 
-/// Kind of a DataSetMessage.
+/// Content of a DataSetMessage (OPC UA Part 14, 7.2.5.4): its JSON `MessageType`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum DataSetMessageKind {
     /// All fields. Where a message does not say, this is meant.

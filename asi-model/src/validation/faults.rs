@@ -95,7 +95,7 @@ fault_codes! {
     SemanticTypeMismatch = "SEMANTIC_TYPE_MISMATCH",
     /// An update frequency without its unit, or the other way round.
     UpdateFrequencyIncomplete = "UPDATE_FREQUENCY_INCOMPLETE",
-    /// There are more faults than are listed.
+    /// More faults exist than are listed.
     TooManyFaults = "TOO_MANY_FAULTS",
 }
 

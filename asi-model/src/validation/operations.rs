@@ -38,26 +38,26 @@ pub(super) fn operation(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<O
 
 fn kind(reader: &mut Reader, node: JsonNode<'_, '_>) -> OperationKind {
     #[derive(Clone)]
-    enum Wanted {
+    enum Kind {
         Production,
         Inspection,
         Transportation,
     }
-    const TYPES: [(&str, Wanted); 3] = [
-        ("PRODUCTION", Wanted::Production),
-        ("INSPECTION", Wanted::Inspection),
-        ("TRANSPORTATION", Wanted::Transportation),
+    const TYPES: [(&str, Kind); 3] = [
+        ("PRODUCTION", Kind::Production),
+        ("INSPECTION", Kind::Inspection),
+        ("TRANSPORTATION", Kind::Transportation),
     ];
     match reader.required(node, "operationType", |reader, node| reader.choice(node, &TYPES)) {
-        Some(Wanted::Inspection) => OperationKind::Inspection {
+        Some(Kind::Inspection) => OperationKind::Inspection {
             inspected_operation_id: reader.optional(node, "inspectedOperationId", Reader::id),
             characteristic: reader.optional(node, "characteristic", Reader::name),
         },
-        Some(Wanted::Transportation) => OperationKind::Transportation {
+        Some(Kind::Transportation) => OperationKind::Transportation {
             origin: reader.optional(node, "origin", Reader::name),
             destination: reader.optional(node, "destination", Reader::name),
         },
-        Some(Wanted::Production) | None => OperationKind::Production {
+        Some(Kind::Production) | None => OperationKind::Production {
             product_id: reader.optional(node, "productId", Reader::name),
         },
     }

@@ -79,7 +79,7 @@ codes! {
     BAD_ENCODING_ERROR BadEncodingError = 0x8006_0000;
     /// Decoding failed.
     BAD_DECODING_ERROR BadDecodingError = 0x8007_0000;
-    /// It took too long.
+    /// The operation took too long.
     BAD_TIMEOUT BadTimeout = 0x800A_0000;
     /// The server is shutting down.
     BAD_SHUTDOWN BadShutdown = 0x800C_0000;
@@ -117,7 +117,7 @@ codes! {
     BAD_OUT_OF_SERVICE BadOutOfService = 0x808D_0000;
     /// The type of a value does not fit.
     BAD_TYPE_MISMATCH BadTypeMismatch = 0x8074_0000;
-    /// There is no data.
+    /// No data exists for the requested time.
     BAD_NO_DATA BadNoData = 0x809B_0000;
     /// The arguments are invalid.
     BAD_INVALID_ARGUMENT BadInvalidArgument = 0x80AB_0000;

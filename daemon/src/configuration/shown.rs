@@ -161,19 +161,17 @@ mod tests {
         assert_eq!(listen.origin.as_deref(), Some("environment variable VERBUND_WEB__LISTEN"));
 
         let key = &settings[2];
-        assert_eq!(
-            (key.section.as_str(), key.default.as_deref(), key.value.as_deref()),
-            ("web.tls", None, None)
-        );
+        assert_eq!(key.section.as_str(), "web.tls");
+        assert_eq!(key.default.as_deref(), None);
+        assert_eq!(key.value.as_deref(), None);
 
         let password = &settings[3];
         assert!(password.is_hidden && password.value.is_none());
         assert!(!format!("{settings:?}").contains("canary"), "a secret is not shown");
 
         let extra = &settings[4];
-        assert_eq!(
-            (extra.section.as_str(), extra.key.as_str(), extra.value.as_deref()),
-            ("web", "extra", Some("3"))
-        );
+        assert_eq!(extra.section.as_str(), "web");
+        assert_eq!(extra.key.as_str(), "extra");
+        assert_eq!(extra.value.as_deref(), Some("3"));
     }
 }

@@ -32,7 +32,7 @@ pub struct Problem {
     /// Each single fault, where a document has several.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub faults: Vec<ProblemFault>,
-    /// After how many seconds trying again makes sense; also the header `Retry-After`.
+    /// Seconds after which trying again makes sense; also the header `Retry-After`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub retry_after_seconds: Option<u64>,
 }

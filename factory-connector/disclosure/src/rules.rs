@@ -89,7 +89,7 @@ pub struct RuleCondition {
     pub name_pattern: Option<String>,
 }
 
-/// Fault of a rule.
+/// Reason why a rule is refused, with its place.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RuleFault {
     /// JSON pointer into the rule.

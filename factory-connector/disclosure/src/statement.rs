@@ -125,10 +125,9 @@ mod tests {
         let statement = disclosure_statement(&policy, Some("PIECE"));
         assert_eq!(stated.statement, statement.description);
         let hours = &statement.hours_list[0];
-        assert_eq!(
-            (&hours.day_list[0][..], &hours.from[..], &hours.until[..]),
-            ("MONDAY", "06:00", "22:00")
-        );
+        assert_eq!(hours.day_list[0], "MONDAY");
+        assert_eq!(hours.from, "06:00");
+        assert_eq!(hours.until, "22:00");
         assert_eq!((statement.band_list, statement.is_withheld_in_states), (vec![0.5, 50.0], true));
         assert_eq!(statement.status_codes, Some(StatusResolution::Severity));
         assert_eq!(

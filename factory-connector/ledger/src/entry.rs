@@ -60,11 +60,11 @@ pub enum Event {
     },
     /// The platform has stored them.
     Receipted(SequenceRange),
-    /// They were dropped for newer values, because the spool was full.
+    /// Dropped for newer values, because the spool was full.
     Coalesced(SequenceRange),
-    /// They became too old before they could be sent.
+    /// Became too old before they could be sent.
     Expired(SequenceRange),
-    /// They were withdrawn because the consent or the request ended; those not sent never will be.
+    /// Withdrawn because the consent or the request ended; those not sent never will be.
     Purged(SequenceRange),
     /// A consent ended, as the receipt with this id states.
     Revoked {

@@ -52,7 +52,7 @@ pub async fn list_caps(_: Viewer, State(api): State<Api>) -> Result<Json<Page<Ca
     Ok(Json(Page::whole(read.await?)))
 }
 
-/// A stored cap.
+/// A cap with its new version, and the fields that it held back.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct StoredCap {

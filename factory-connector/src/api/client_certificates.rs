@@ -59,17 +59,17 @@ pub enum ClientTrust {
 pub enum ClientRejection {
     /// No engineer has approved it, or one withdrew the approval.
     NotTrusted,
-    /// It is not valid at this time.
+    /// The certificate is not valid at this time.
     OutOfTime,
-    /// It may not be used for signing.
+    /// The certificate may not be used for signing.
     Usage,
     /// Its key is too short or too long for the security policy.
     KeyLength,
-    /// It cannot be read.
+    /// The certificate cannot be read.
     Unreadable,
     /// Its issuer revoked it.
     Revoked,
-    /// There is no current revocation list of its issuer.
+    /// The issuer has no current revocation list.
     RevocationUnknown,
 }
 

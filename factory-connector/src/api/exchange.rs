@@ -26,7 +26,7 @@ use super::{
 /// Longest file that is accepted, in bytes.
 pub const IMPORT_BYTES_MAX: usize = FILE_BYTES_MAX;
 
-/// Form of an export.
+/// Format in which mappings are exported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum ExportForm {

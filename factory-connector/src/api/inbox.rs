@@ -341,10 +341,9 @@ mod tests {
         let scene = inbox(20, 100, 10);
         let found = first(&scene, json!({ "limit": 50 }), at(0));
         assert_eq!((found.count, found.items.len()), (2001, 50));
-        assert_eq!(
-            (found.totals.requests, found.totals.pending, found.totals.overdue_requests),
-            (2001, 20_002, 0)
-        );
+        assert_eq!(found.totals.requests, 2001);
+        assert_eq!(found.totals.pending, 20_002);
+        assert_eq!(found.totals.overdue_requests, 0);
         let check = |json: Value, expected: usize| {
             assert_eq!(first(&scene, json.clone(), at(0)).count, expected, "{json}")
         };

@@ -22,10 +22,10 @@ pub enum Problems {
     /// The role does not allow it, or the CSRF token is wrong.
     #[response(status = 403, content_type = "application/problem+json")]
     Forbidden(Problem),
-    /// It does not exist.
+    /// The resource does not exist.
     #[response(status = 404, content_type = "application/problem+json")]
     NotFound(Problem),
-    /// It does not fit the present state.
+    /// The call does not fit the present state.
     #[response(status = 409, content_type = "application/problem+json")]
     Conflict(Problem),
     /// Understood, but wrong in its meaning; each fault with its JSON pointer.

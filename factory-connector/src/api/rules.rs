@@ -84,7 +84,7 @@ pub struct RuleMatch {
     key: FieldKey,
     /// `PENDING`, `MAPPED` or `REFUSED`: only undecided fields would be decided.
     mapping_state: asi_model::messages::MappingState,
-    /// It is undecided and no engineer has left it open: the rule would decide now.
+    /// Undecided, and no engineer has left it open: the rule would decide now.
     would_decide: bool,
     /// Decision that the rule offers.
     offer: RuleOfferView,

@@ -10,7 +10,7 @@ use futures::future::join_all;
 use mapping_engine::{
     MappingInput, TypeName,
     mapping::LateValues,
-    suggestion::{KnownVariable, PastDecision, Suggestion, WantedField, suggest},
+    suggestion::{KnownVariable, PastDecision, RequestedField, Suggestion, suggest},
 };
 use serde::{Deserialize, Serialize};
 use shop_floor::{BrowsePath, BrowsedNode, MonitorOptions, SourceId, SourceState};
@@ -24,7 +24,7 @@ use crate::{catalog::Listing, values::ShownValue};
 /// Suggestions in an answer without a limit, and at most.
 const SUGGESTIONS_DEFAULT: usize = 10;
 const SUGGESTIONS_MAX: usize = 100;
-/// Of how many variables per server type, unit and value are looked up, once names have been
+/// Number of variables whose server type, unit and value are looked up, once names have been
 /// compared.
 const DESCRIBED_MAX: usize = 200;
 /// Time that a page waits for the lists of servers that were not listed yet.
@@ -143,7 +143,7 @@ async fn search(
     api: &Api,
     source_id: SourceId,
     is_connected: bool,
-    wanted: &WantedField,
+    wanted: &RequestedField,
     past: &[PastDecision],
 ) -> (SearchedSource, Vec<(KnownVariable, Detail)>) {
     let mut searched = SearchedSource {

@@ -14,7 +14,7 @@ pub struct RetentionLimits {
     pub entry_days: u32,
 }
 
-/// Limits of the spool.
+/// Bounds of waiting reports, and when they are sent again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SpoolLimits {

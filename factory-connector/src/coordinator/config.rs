@@ -6,7 +6,7 @@ use connector_state::StateConfig;
 
 use crate::config::{RetentionLimits, SpoolLimits};
 
-/// Configuration of the coordinator.
+/// Settings that do not change while the coordinator runs.
 #[derive(Debug, Clone)]
 pub struct CoordinatorConfig {
     /// Identity and form of the reports.

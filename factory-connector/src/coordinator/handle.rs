@@ -52,7 +52,7 @@ pub(super) enum CommandKind {
     Execute(UseCase),
 }
 
-/// Handle of the coordinator.
+/// Sender of commands; clones share one queue.
 #[derive(Clone)]
 pub struct CoordinatorHandle {
     commands: mpsc::Sender<CoordinatorCommand>,

@@ -12,7 +12,7 @@ use crate::{
     writes::{FieldRow, FieldValueRow, ShadowRow, WriterRow},
 };
 
-/// A stored network.
+/// Newest revision of a network, as read at the start.
 #[derive(Debug, Clone)]
 pub struct StoredNetwork {
     pub operation_network_id: OperationNetworkId,
@@ -32,7 +32,7 @@ pub struct StoredMappings {
     pub shadows: HashMap<i64, ShadowRow>,
 }
 
-/// Stored policies.
+/// Named policies, recipients' policies and standing rules, as read at the start.
 #[derive(Debug, Default)]
 pub struct StoredPolicies {
     /// Named policies in their newest version.

@@ -226,9 +226,11 @@ async fn disclosed_values_are_listed_summed_up_exported_and_revoked() {
     assert_eq!(plant.get("/leak-budgets?partner=nobody").await["items"], json!([]));
     let summary = plant.get("/leak-budgets/summary").await;
     let short = &summary["items"][0];
+    assert_eq!(short["partner"], json!("acme"), "{summary:#}");
+    assert_eq!(short["fieldCount"], json!(2), "{summary:#}");
     assert_eq!(
-        (&short["partner"], &short["fieldCount"], &short["warningCount"]),
-        (&json!("acme"), &json!(2), &json!(acme["warnings"].as_array().map(Vec::len))),
+        short["warningCount"],
+        json!(acme["warnings"].as_array().map(Vec::len)),
         "{summary:#}"
     );
     assert_eq!(

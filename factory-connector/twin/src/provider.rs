@@ -17,7 +17,7 @@ use opcua_stack::opcua::{
 
 use crate::access::{Role, TwinUser};
 
-/// A namespace of a provider.
+/// Index and URI under which a provider shows its nodes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ProvidedNamespace {
     /// Its index in the server's NamespaceArray.

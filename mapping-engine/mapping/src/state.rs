@@ -66,11 +66,11 @@ pub(crate) enum StepState {
         above: bool,
     },
     Debounce {
-        shown: Option<Box<Kept>>,
+        shown: Option<Box<StoredValue>>,
         pending: Option<Box<Pending>>,
     },
     Deadband {
-        passed: Option<Box<Kept>>,
+        passed: Option<Box<StoredValue>>,
     },
     Rate {
         last: Option<RatePoint>,
@@ -91,7 +91,7 @@ impl StepState {
 
 /// A value that is remembered with its status and times.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Kept {
+pub(crate) struct StoredValue {
     #[serde(with = "stored::variant")]
     pub value: Variant,
     #[serde(with = "stored::meta", flatten)]
@@ -101,7 +101,7 @@ pub(crate) struct Kept {
 /// A value that waits for being stable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Pending {
-    pub kept: Kept,
+    pub kept: StoredValue,
     /// Time at which it passes, by the local clock.
     pub due: DateTime,
 }

@@ -19,7 +19,7 @@ use crate::{
     document::{Convert, Step, TypeName, UnitConversion},
 };
 use context::unit;
-pub use context::{KnownVariable, PastDecision, WantedField};
+pub use context::{KnownVariable, PastDecision, RequestedField};
 use evidence::Evidence;
 pub use evidence::{Reason, ReasonKind};
 
@@ -49,7 +49,7 @@ pub struct Suggestion {
 /// The variables that might be meant, best first, at most so many.
 #[must_use]
 pub fn suggest(
-    wanted: &WantedField,
+    wanted: &RequestedField,
     variables: &[KnownVariable],
     decisions: &[PastDecision],
     most: usize,
@@ -67,7 +67,7 @@ pub fn suggest(
 }
 
 fn judge(
-    wanted: &WantedField,
+    wanted: &RequestedField,
     variable: &KnownVariable,
     decisions: &[PastDecision],
 ) -> Option<Suggestion> {
@@ -108,7 +108,7 @@ fn judge(
 }
 
 /// The functions between variable and field; `None` where nothing leads from one to the other.
-fn steps_needed(wanted: &WantedField, variable: &KnownVariable) -> Option<Vec<Step>> {
+fn steps_needed(wanted: &RequestedField, variable: &KnownVariable) -> Option<Vec<Step>> {
     let is_scalar = |rank: i32| rank < 0;
     if variable.value_rank.is_some_and(|rank| {
         rank != -2 && rank != -3 && is_scalar(rank) != is_scalar(wanted.value_rank)

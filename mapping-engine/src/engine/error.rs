@@ -11,10 +11,10 @@ pub enum EngineError {
     /// The mapping has errors; all that is to be said about it.
     #[error("the mapping has errors")]
     Rejected(Vec<MappingDiagnostic>),
-    /// There are as many mappings as allowed.
+    /// The engine has as many mappings as allowed.
     #[error("there are {0} mappings already, which is the limit")]
     TooManyMappings(usize),
-    /// There are as many scripts as the workers may hold.
+    /// The workers hold as many scripts as they may.
     #[error("there are {0} scripts already, which is the limit: raise script.workers")]
     TooManyScripts(usize),
     /// More samples than a dry run takes.

@@ -69,11 +69,11 @@ pub struct InputStatus {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase", tag = "state")]
 pub enum CircuitState {
-    /// They are, or there are none.
+    /// All breakers are closed, or the mapping has no script.
     Closed,
     /// One rests because it did not keep to its budget.
     Resting {
-        /// Until when, by the local clock.
+        /// End of the rest, by the local clock.
         until: DateTime,
     },
     /// One was let run again to see whether it works.

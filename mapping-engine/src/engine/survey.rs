@@ -40,21 +40,21 @@ pub enum MappingHealth {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct HealthCounts {
-    /// So many `RESTING`.
+    /// Number of mappings that are `RESTING`.
     pub resting: usize,
-    /// So many `FAILING`.
+    /// Number of mappings that are `FAILING`.
     pub failing: usize,
-    /// So many `WAITING`.
+    /// Number of mappings that are `WAITING`.
     pub waiting: usize,
-    /// So many `DOUBTFUL`.
+    /// Number of mappings that are `DOUBTFUL`.
     pub doubtful: usize,
-    /// So many `CLOCK_AHEAD`.
+    /// Number of mappings that are `CLOCK_AHEAD`.
     pub clock_ahead: usize,
-    /// So many `WELL`.
+    /// Number of mappings that are `WELL`.
     pub well: usize,
 }
 
-/// A mapping of a survey.
+/// A mapping with the health that it is listed under.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct SurveyedMapping {

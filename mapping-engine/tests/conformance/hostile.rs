@@ -16,7 +16,7 @@ use super::bench::{Bench, Worker};
 
 /// The budget of a call in these tests.
 const BUDGET_MS: u64 = 300;
-/// So often is it tried whether a script ends in time, because a busy machine does not share its
+/// Attempts to see a script end in time, because a busy machine does not share its
 /// time evenly.
 const ATTEMPTS: u32 = 3;
 

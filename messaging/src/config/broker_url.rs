@@ -307,11 +307,9 @@ mod tests {
             ("mqtt+wss", true, true, Some("/mqtt")),
         ] {
             let url: BrokerUrl = format!("{scheme}://h").parse().expect(scheme);
-            assert_eq!(
-                (url.is_mqtt(), url.is_encrypted(), url.websocket_path()),
-                (is_mqtt, is_encrypted, path),
-                "{scheme}"
-            );
+            assert_eq!(url.is_mqtt(), is_mqtt, "{scheme}");
+            assert_eq!(url.is_encrypted(), is_encrypted, "{scheme}");
+            assert_eq!(url.websocket_path(), path, "{scheme}");
             assert_eq!(url.http_authority(), "h", "{scheme}");
         }
         let other: BrokerUrl = "amqp+wss://[::1]:8443".parse().expect("an address");

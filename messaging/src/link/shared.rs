@@ -29,7 +29,7 @@ pub(crate) struct Shared {
     pub reconnect: Notify,
     /// The spool is to be read from its beginning.
     pub restart: Notify,
-    /// There are volatile messages to send.
+    /// Volatile messages wait to be sent.
     pub has_volatile: Notify,
     has_backoff: Notify,
     volatile: Mutex<VecDeque<(LogicalAddress, Envelope)>>,

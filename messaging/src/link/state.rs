@@ -37,7 +37,7 @@ pub struct LinkState {
     pub connects: u64,
 }
 
-/// Phase of a link.
+/// Progress of a link towards a connection with a broker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(tag = "state", rename_all = "camelCase")]

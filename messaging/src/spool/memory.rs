@@ -16,9 +16,9 @@ use crate::{address::LogicalAddress, clock, envelope::Envelope};
 /// Treatment of an accepted report by a [`MemorySpool`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AcceptedReports {
-    /// They are removed, as at the platform.
+    /// Removes the row, as the platform does.
     Leave,
-    /// They stay as *sent*, as in the connector.
+    /// Keeps the row as *sent*, as the connector does.
     WaitForReceipt,
 }
 
@@ -37,7 +37,7 @@ enum State {
     Parked(Rejection),
 }
 
-/// A spool in memory.
+/// Rows without a store: they are gone with the process.
 #[derive(Debug)]
 pub struct MemorySpool {
     accepted_reports: AcceptedReports,

@@ -6,7 +6,7 @@ use bytes::Bytes;
 
 use crate::address::AddressPattern;
 
-/// Configuration of a broker.
+/// Listeners, store, queues and limits, fixed at the start.
 #[derive(Debug, Clone)]
 pub struct BrokerConfig {
     /// Listeners; port 0 picks a free one, which `BrokerHandle::local_addresses` returns.

@@ -16,7 +16,7 @@ pub trait CredentialSource: Send + Sync + 'static {
     fn user(&self, name: &str) -> Option<BrokerUser>;
 }
 
-/// A user of the broker.
+/// Account with the addresses that it may write and read.
 #[derive(Debug, Clone, Default)]
 pub struct BrokerUser {
     /// Valid secrets; more than one while a secret is being rotated.

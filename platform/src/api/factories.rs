@@ -37,7 +37,7 @@ pub struct NewFactory {
 pub struct TokenView {
     /// For `factory-connector enrol`; contains the platform's address.
     token: String,
-    /// Until when it can be used.
+    /// End of its validity.
     expires_at: DateTime,
 }
 

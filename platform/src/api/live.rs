@@ -12,7 +12,7 @@ use utoipa::IntoParams;
 use super::problems::ReadProblems;
 use crate::{application::Application, live::LiveEvent, principal::Principal};
 
-/// From where on.
+/// Id of the event after which the stream begins.
 #[derive(Deserialize, IntoParams)]
 #[serde(rename_all = "camelCase")]
 #[into_params(parameter_in = Query)]

@@ -22,7 +22,7 @@ pub enum ReadProblems {
     /// The role does not allow it, or the CSRF token is wrong.
     #[response(status = 403, content_type = "application/problem+json")]
     Forbidden(Problem),
-    /// It does not exist, or the viewer has no part in it.
+    /// The resource does not exist, or the viewer has no part in it.
     #[response(status = 404, content_type = "application/problem+json")]
     NotFound(Problem),
 }
@@ -40,10 +40,10 @@ pub enum ChangeProblems {
     /// The role does not allow it, or the CSRF token is wrong.
     #[response(status = 403, content_type = "application/problem+json")]
     Forbidden(Problem),
-    /// It does not exist, or the viewer has no part in it.
+    /// The resource does not exist, or the viewer has no part in it.
     #[response(status = 404, content_type = "application/problem+json")]
     NotFound(Problem),
-    /// It does not fit the present state.
+    /// The call does not fit the present state.
     #[response(status = 409, content_type = "application/problem+json")]
     Conflict(Problem),
     /// Understood, but wrong in its meaning; each fault with its JSON pointer.

@@ -27,11 +27,11 @@ pub struct PutUser {
     #[schema(value_type = String, format = Password)]
     password: Confidential<String>,
     role: Role,
-    /// For whom the user looks and acts.
+    /// Organisation for which the user looks and acts.
     organisation_id: Option<OrganisationId>,
 }
 
-/// A user.
+/// Account of a person, without the password.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct UserView {

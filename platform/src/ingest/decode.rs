@@ -59,7 +59,7 @@ pub enum Content {
     DataRequest(Box<DataRequestMessage>),
     /// A type that this version does not know; ignored, as the standard asks.
     Unknown,
-    /// It cannot be used; stored with the reason, and settled.
+    /// Unusable; stored with the reason, and settled.
     Dead(Box<NewDeadLetter>),
 }
 

@@ -19,7 +19,7 @@ use crate::{
 /// Author and terms of a change.
 pub(super) struct Terms<'a> {
     pub(super) author: &'a Author,
-    /// After how long an unanswered part is sent again.
+    /// Time after which an unanswered part is sent again.
     pub(super) resend_after: Duration,
 }
 

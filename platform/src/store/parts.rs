@@ -15,7 +15,7 @@ use super::{
     scope::Scope,
 };
 
-/// State of a part.
+/// Progress of a part of a network towards its factory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum PartState {

@@ -59,7 +59,7 @@ pub struct User {
     /// The name to sign in with.
     pub user_name: String,
     pub role: Role,
-    /// For whom the user looks and acts; administrators may have none.
+    /// Organisation for which the user looks and acts; administrators may have none.
     pub organisation_id: Option<OrganisationId>,
 }
 

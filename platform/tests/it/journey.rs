@@ -22,10 +22,9 @@ async fn a_request_reaches_the_factory_and_its_answer_the_page() {
         json!({ "revision": 1, "isChanged": true, "sentTo": ["FOR_MUC", "INS_HAM"] })
     );
     let part = munich.receive("operation-network", |_| true).await;
-    assert_eq!(
-        (&part["revision"], &part["factoryId"], &part["collaborationId"]),
-        (&json!(1), &json!("FOR_MUC"), &json!("order"))
-    );
+    assert_eq!(part["revision"], json!(1));
+    assert_eq!(part["factoryId"], json!("FOR_MUC"));
+    assert_eq!(part["collaborationId"], json!("order"));
     let operations = part["operationNetwork"]["operationList"].as_array().expect("operations");
     assert_eq!(operations[1]["stub"], true, "the neighbour is a stub: {}", operations[1]);
 
@@ -59,10 +58,9 @@ async fn a_value_reaches_the_page_once_however_often_it_is_delivered() {
     munich.send("ua-data", &story::report("m1", 0, 3));
     let (_, event) = live.next("value").await;
     let field = &event["fields"][0];
-    assert_eq!(
-        (&field["value"], &field["status"], &field["sequence"]),
-        (&json!("3"), &json!("Good"), &json!(0))
-    );
+    assert_eq!(field["value"], json!("3"));
+    assert_eq!(field["status"], json!("Good"));
+    assert_eq!(field["sequence"], json!(0));
     assert_eq!(field["sourceTimestamp"], "2019-04-18T18:20:05Z");
     let (_, event) = live.next("progress").await;
     assert_eq!(

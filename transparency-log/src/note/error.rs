@@ -6,7 +6,7 @@ pub enum NoteError {
     /// The text is empty, does not end with a line feed, or has other control characters.
     #[error("this is no text of a note")]
     Text,
-    /// There is no blank line with signatures after it.
+    /// No blank line with signatures after it.
     #[error("the note has no signatures")]
     NoSignatures,
     /// A line after the text is no signature.

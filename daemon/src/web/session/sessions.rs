@@ -26,7 +26,7 @@ use crate::{Confidential, web::problem::Problem};
 /// Header that carries the CSRF token of a session with every change.
 pub const CSRF_HEADER: &str = "x-csrf-token";
 
-/// Configuration of sessions.
+/// Cookie, lifetime and bounds of sessions.
 #[derive(Debug, Clone)]
 pub struct SessionConfig {
     /// The cookie's name. Cookies know no ports, so daemons that may share a host need different

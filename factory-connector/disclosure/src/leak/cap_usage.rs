@@ -19,7 +19,7 @@ const TOLERANCE: f64 = 1e-6;
 /// Exactness of sums as a share of the cap: adding and subtracting many figures is not exact.
 const TOLERANCE_SHARE: f64 = 1e-9;
 
-/// A cap in force.
+/// A cap and who counts towards it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CapInForce {
     pub cap: Versioned<Cap>,

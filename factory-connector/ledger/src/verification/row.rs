@@ -86,7 +86,7 @@ impl StoredReport {
 pub(super) enum Values {
     /// The entry has no values.
     None,
-    /// They were compared with the root.
+    /// The values are stored and were compared with the root.
     Compared,
     /// Retention has emptied them.
     Emptied,

@@ -59,11 +59,11 @@ pub enum EventView {
     Sent(SentView),
     /// The platform has stored them.
     Receipted(SequenceRange),
-    /// They were dropped for newer values, because the spool was full.
+    /// Dropped for newer values, because the spool was full.
     Coalesced(SequenceRange),
-    /// They became too old before they could be sent.
+    /// Became too old before they could be sent.
     Expired(SequenceRange),
-    /// They were withdrawn because the consent or the request ended.
+    /// Withdrawn because the consent or the request ended.
     Purged(SequenceRange),
     /// A consent ended.
     Revoked(RevokedView),

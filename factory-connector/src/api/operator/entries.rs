@@ -68,7 +68,6 @@ pub async fn list_operator_entries(
 /// Entries that a page has collected.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
-#[schema(as = Delivery)]
 pub struct EntryDelivery {
     /// Page's clock at the delivery. The entries' times are corrected by its difference to ours.
     sent_at: Option<DateTime>,
@@ -92,7 +91,7 @@ pub struct NewEntry {
     action: Action,
 }
 
-/// Result of an entry.
+/// Answer to one delivered entry: taken, known, or refused with the reason.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct EntryResult {

@@ -89,7 +89,9 @@ mod tests {
             }
         }
         let measured = rate.measured(at(120));
-        assert_eq!((measured.candidates, measured.released, measured.hours), (120, 12, 2.0));
+        assert_eq!(measured.candidates, 120);
+        assert_eq!(measured.released, 12);
+        assert_eq!(measured.hours, 2.0);
         assert_eq!(measured.candidates_per_hour(), Some(60.0));
         let later = rate.measured(at(25 * 60 - 1));
         assert_eq!((later.candidates, later.hours), (60, 24.0), "the first hour is over a day ago");

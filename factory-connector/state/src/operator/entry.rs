@@ -107,7 +107,7 @@ const fn one() -> f64 {
 /// Reason for which an entry is never accepted; it is useless to deliver it again.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum EntryFault {
-    /// There is no such operation here, or no more.
+    /// No such operation is here, or no more.
     #[error("there is no such operation here; it may have been withdrawn")]
     UnknownOperation,
     /// The field takes no typed values.
@@ -122,7 +122,7 @@ pub enum EntryFault {
     /// The text is empty or too long.
     #[error("a problem is described in 1 to 1000 characters")]
     Text,
-    /// It was made too long ago.
+    /// The entry was made too long ago.
     #[error("it was made more than 31 days ago; type the present value instead")]
     TooOld,
     /// The operation has as many entries as it may have.

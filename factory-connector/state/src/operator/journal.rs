@@ -44,7 +44,8 @@ pub struct OperatorProblem {
     /// Time of its entry.
     pub since: DateTime,
     /// Name of the user who entered it.
-    pub told_by: String,
+    #[serde(rename = "toldBy")]
+    pub reported_by: String,
 }
 
 /// Status of an operation by its entries.
@@ -120,9 +121,9 @@ impl Journal {
                 }
                 Action::Problem { text } => {
                     status.state = Some(OperationState::Interrupted);
-                    let told_by = entry.made_by.clone();
+                    let reported_by = entry.made_by.clone();
                     status.problem =
-                        Some(OperatorProblem { text: text.clone(), since: at, told_by });
+                        Some(OperatorProblem { text: text.clone(), since: at, reported_by });
                 }
                 Action::Value { .. } => {}
             }

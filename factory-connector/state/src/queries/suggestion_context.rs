@@ -6,14 +6,14 @@ use asi_model::{
 };
 use mapping::{
     Mapping,
-    suggestion::{PastDecision, WantedField},
+    suggestion::{PastDecision, RequestedField},
 };
 
 use crate::{ConnectorState, operator::OperationKey};
 
 /// Returns the meaning of a field in the partner's words and those around it.
 #[must_use]
-pub fn wanted_field(state: &ConnectorState, key: &FieldKey) -> Option<WantedField> {
+pub fn wanted_field(state: &ConnectorState, key: &FieldKey) -> Option<RequestedField> {
     let field = state.field(key)?;
     let (_, request) = state.request(&key.request)?;
     let operation = state.operation(&OperationKey {
@@ -28,7 +28,7 @@ pub fn wanted_field(state: &ConnectorState, key: &FieldKey) -> Option<WantedFiel
         operation.description.as_deref(),
         subject(operation),
     ];
-    Some(WantedField {
+    Some(RequestedField {
         name: field.definition().name.to_string(),
         value_type: field.definition().field_type.0,
         value_rank: field.definition().value_rank,

@@ -17,7 +17,7 @@ use crate::{
 /// Age at which an entry that waited on a page is not accepted any more.
 const AGE_MAX: Duration = Duration::from_secs(31 * 86_400);
 
-/// Outcome of an entry.
+/// Treatment of an operator's entry, and what it changed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum EntryOutcome {
     /// Stored; these fields got a value from the entry.

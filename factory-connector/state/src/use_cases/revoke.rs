@@ -10,7 +10,7 @@ use crate::{
     change_set::{EndedConsents, Ending},
 };
 
-/// A revocation.
+/// Fields whose consent a person ends, with the decision in its place.
 #[derive(Debug, Clone)]
 pub struct Revocation {
     pub fields: Vec<FieldKey>,

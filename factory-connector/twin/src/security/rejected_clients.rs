@@ -31,19 +31,19 @@ const FILE_BYTES_MAX: u64 = 16 * 1024;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum RejectionReason {
-    /// It was never approved, or the approval was withdrawn.
+    /// Never approved, or the approval was withdrawn.
     NotTrusted,
-    /// It is not valid at this time.
+    /// The certificate is not valid at this time.
     OutOfTime,
-    /// It may not be used for signing.
+    /// The certificate may not be used for signing.
     Usage,
     /// Its key is too short or too long for the security policy.
     KeyLength,
-    /// It cannot be read.
+    /// The certificate cannot be read.
     Unreadable,
     /// Its issuer revoked it.
     Revoked,
-    /// There is no current revocation list of its issuer.
+    /// The issuer has no current revocation list.
     RevocationUnknown,
 }
 

@@ -82,7 +82,7 @@ async fn a_certificate_waits_for_its_approval() {
     assert_eq!(list.len(), 1);
     assert_eq!(list[0].state, CertificateState::Rejected);
     assert_eq!(list[0].application_uri.as_deref(), Some("urn:verbund:test:client"));
-    let first = list[0].rejection.clone().expect("it says who knocked");
+    let first = list[0].rejection.clone().expect("the rejection is listed");
     assert_eq!(
         (first.reason, first.address),
         (RejectionReason::NotTrusted, Some("127.0.0.1".parse().unwrap()))
@@ -97,11 +97,11 @@ async fn a_certificate_waits_for_its_approval() {
     assert_eq!(
         twin.handle.trust_list().list().unwrap()[0].rejection,
         None,
-        "nobody has knocked since"
+        "no client was rejected since"
     );
     assert!(twin.connect("vera", "vera-secret", policy).await.is_err());
     let again =
-        twin.handle.trust_list().list().unwrap()[0].rejection.clone().expect("it knocked again");
+        twin.handle.trust_list().list().unwrap()[0].rejection.clone().expect("a second rejection");
     assert!(again.rejected_at > first.rejected_at);
     assert!(!twin.handle.trust_list().trust("00", "anna").unwrap());
     twin.stop().await;

@@ -34,7 +34,7 @@ pub enum Rounding {
 )]
 #[serde(rename_all = "camelCase")]
 pub enum Overflow {
-    /// It is a fault: the candidate is BadOutOfRange.
+    /// A fault: the candidate is BadOutOfRange.
     #[default]
     Fault,
     /// The nearest value of the type.

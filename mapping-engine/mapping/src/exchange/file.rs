@@ -27,10 +27,10 @@ pub struct MappingFile {
 /// Fault of a text that is not a mapping file.
 #[derive(Debug, thiserror::Error)]
 pub enum ExchangeError {
-    /// It is too long.
+    /// The file is too long.
     #[error("the file has {0} bytes; at most {FILE_BYTES_MAX} are read")]
     TooLong(usize),
-    /// It is not the JSON it should be.
+    /// The file is not the JSON it should be.
     #[error("line {line}, column {column}: {message}")]
     Malformed {
         /// The line, from 1.
@@ -40,7 +40,7 @@ pub enum ExchangeError {
         /// Sentence that names the fault.
         message: String,
     },
-    /// It is of a version that we do not know.
+    /// The file is of a version that we do not know.
     #[error("the file is of version {0}; version {VERSION} is read")]
     Version(u32),
 }

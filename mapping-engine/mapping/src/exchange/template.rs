@@ -47,7 +47,7 @@ pub struct MappingTemplate {
 #[allow(dead_code)]
 struct TemplateContent(BTreeMap<String, serde_json::Value>);
 
-/// A parameter of a template.
+/// Placeholder in the documents of a template.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct TemplateParameter {

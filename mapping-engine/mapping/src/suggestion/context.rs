@@ -3,9 +3,9 @@
 use asi_model::{BuiltInType, NodeId, network::Semantic, units as unece};
 use shop_floor_model::{BrowsedNode, ListedVariable, SourceId};
 
-/// Requested field.
+/// Field for which variables are suggested, with all that is known of its meaning.
 #[derive(Debug, Clone, PartialEq)]
-pub struct WantedField {
+pub struct RequestedField {
     pub name: String,
     pub value_type: BuiltInType,
     /// Its ValueRank: -1 scalar.
@@ -67,7 +67,7 @@ impl KnownVariable {
         }
     }
 
-    /// With what browsing shows of it.
+    /// Adds what browsing shows of the variable.
     #[must_use]
     pub fn described(self, node: &BrowsedNode) -> Self {
         Self {

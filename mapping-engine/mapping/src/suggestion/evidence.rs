@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    context::{KnownVariable, PastDecision, WantedField, unit},
+    context::{KnownVariable, PastDecision, RequestedField, unit},
     words::{likeness, words},
 };
 use crate::document::Step;
@@ -44,7 +44,7 @@ pub enum ReasonKind {
     CompanionType,
     /// Its value is such as the field's would be, or not.
     Value,
-    /// It was decided so before.
+    /// A person decided so before.
     Decision,
 }
 
@@ -111,7 +111,7 @@ impl Evidence {
     }
 
     /// Compares the names: up to 35 points.
-    pub fn names(&mut self, wanted: &WantedField, variable: &KnownVariable) {
+    pub fn names(&mut self, wanted: &RequestedField, variable: &KnownVariable) {
         let points = share(likeness(&words(&wanted.name), &words(&variable.name)), 35);
         self.add(
             ReasonKind::Name,
@@ -121,7 +121,7 @@ impl Evidence {
     }
 
     /// Looks for words of the field's meaning in the name: 15 or 25 points, or -20.
-    pub fn meaning(&mut self, wanted: &WantedField, variable: &KnownVariable) {
+    pub fn meaning(&mut self, wanted: &RequestedField, variable: &KnownVariable) {
         let Some(semantic) = &wanted.semantic else { return };
         let (likely, unlikely) = meaning_words(semantic);
         let have = words(&variable.name);
@@ -145,7 +145,7 @@ impl Evidence {
     }
 
     /// Compares asset and names above the variable: up to 23 points.
-    pub fn place(&mut self, wanted: &WantedField, variable: &KnownVariable) {
+    pub fn place(&mut self, wanted: &RequestedField, variable: &KnownVariable) {
         if let Some(asset) = &wanted.asset
             && (variable.path.iter().any(|name| name.eq_ignore_ascii_case(asset))
                 || variable.source_id.as_str().eq_ignore_ascii_case(asset))
@@ -158,7 +158,7 @@ impl Evidence {
     }
 
     /// Counts common words of the descriptions: up to 12 points.
-    pub fn descriptions(&mut self, wanted: &WantedField, variable: &KnownVariable) {
+    pub fn descriptions(&mut self, wanted: &RequestedField, variable: &KnownVariable) {
         let of_wanted: BTreeSet<String> =
             wanted.descriptions.iter().flat_map(|text| words(text)).collect();
         let mut of_variable = variable.description.as_deref().map(words).unwrap_or_default();
@@ -173,7 +173,7 @@ impl Evidence {
     }
 
     /// Compares the types: -10 to 12 points.
-    pub fn types(&mut self, wanted: &WantedField, variable: &KnownVariable, steps: &[Step]) {
+    pub fn types(&mut self, wanted: &RequestedField, variable: &KnownVariable, steps: &[Step]) {
         let Some(have) = variable.value_type else { return };
         let needs_convert = steps.iter().any(|step| matches!(step, Step::Convert(_)));
         if have == wanted.value_type {
@@ -196,7 +196,7 @@ impl Evidence {
     }
 
     /// Compares the units: -5 to 15 points.
-    pub fn units(&mut self, wanted: &WantedField, variable: &KnownVariable) {
+    pub fn units(&mut self, wanted: &RequestedField, variable: &KnownVariable) {
         match (unit(variable.unit.as_deref()), unit(wanted.unit.as_deref())) {
             (Some(have), Some(want)) if have.code == want.code => {
                 self.add(ReasonKind::Unit, 15, format!("both are in {}", want.description));
@@ -217,7 +217,7 @@ impl Evidence {
     }
 
     /// Looks for the variable's type in companion specifications: 8 points.
-    pub fn companion(&mut self, wanted: &WantedField, variable: &KnownVariable) {
+    pub fn companion(&mut self, wanted: &RequestedField, variable: &KnownVariable) {
         let mut of_wanted = words(&wanted.name);
         if let Some(semantic) = &wanted.semantic {
             of_wanted.extend(words(meaning_words(semantic).0));
@@ -237,7 +237,7 @@ impl Evidence {
     }
 
     /// Compares the current value with the field's meaning: 5 or -25 points.
-    pub fn value(&mut self, wanted: &WantedField, variable: &KnownVariable) {
+    pub fn value(&mut self, wanted: &RequestedField, variable: &KnownVariable) {
         let (Some(value), Some(semantic)) = (variable.value, &wanted.semantic) else { return };
         let is_plausible = match semantic {
             Semantic::ProducedQuantity | Semantic::GoodQuantity | Semantic::ScrapQuantity => {
@@ -261,7 +261,7 @@ impl Evidence {
     /// Looks for earlier decisions on the variable: up to 40 points.
     pub fn decisions(
         &mut self,
-        wanted: &WantedField,
+        wanted: &RequestedField,
         variable: &KnownVariable,
         decisions: &[PastDecision],
     ) {

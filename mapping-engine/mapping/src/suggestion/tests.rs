@@ -7,8 +7,8 @@ fn wanted(
     value_type: BuiltInType,
     unit: Option<&str>,
     semantic: Option<Semantic>,
-) -> WantedField {
-    WantedField {
+) -> RequestedField {
+    RequestedField {
         name: name.to_owned(),
         value_type,
         value_rank: -1,
@@ -51,7 +51,7 @@ fn plant() -> Vec<KnownVariable> {
     ]
 }
 
-fn best(field: &WantedField, past: &[PastDecision]) -> Vec<String> {
+fn best(field: &RequestedField, past: &[PastDecision]) -> Vec<String> {
     suggest(field, &plant(), past, 3).into_iter().map(|suggestion| suggestion.place).collect()
 }
 

@@ -17,7 +17,7 @@ use crate::{
     number::Number,
     path,
     quality::Meta,
-    state::{Kept, Pending, RatePoint, StepState},
+    state::{Pending, RatePoint, StepState, StoredValue},
     text::{Source, Template},
 };
 
@@ -110,7 +110,7 @@ impl Function {
         match (self, state) {
             (Self::Debounce(_), StepState::Debounce { shown, pending }) => match pending.take() {
                 Some(waited) => {
-                    let Kept { value, meta } = &waited.kept;
+                    let StoredValue { value, meta } = &waited.kept;
                     let flow = Flow { value: value.clone(), meta: *meta };
                     *shown = Some(Box::new(waited.kept));
                     Applied::Pass(flow)
@@ -165,7 +165,7 @@ impl UnitFactor {
 }
 
 fn debounce(
-    shown: Option<&Kept>,
+    shown: Option<&StoredValue>,
     pending: &mut Option<Box<Pending>>,
     flow: Flow,
     due: DateTime,
@@ -175,20 +175,20 @@ fn debounce(
         // Its time goes on, since the value did not change; only status and times are newer.
         Some(waiting) if waiting.kept.value == value => waiting.kept.meta = meta,
         _ if shown.is_some_and(|shown| shown.value == value) => *pending = None,
-        _ => *pending = Some(Box::new(Pending { kept: Kept { value, meta }, due })),
+        _ => *pending = Some(Box::new(Pending { kept: StoredValue { value, meta }, due })),
     }
     Applied::Hold
 }
 
 impl Band {
-    fn apply(&self, passed: &mut Option<Box<Kept>>, flow: Flow) -> Applied {
+    fn apply(&self, passed: &mut Option<Box<StoredValue>>, flow: Flow) -> Applied {
         if let Some(last) = passed
             && last.meta.status == flow.meta.status
             && self.holds(&last.value, &flow.value)
         {
             return Applied::Hold;
         }
-        *passed = Some(Box::new(Kept { value: flow.value.clone(), meta: flow.meta }));
+        *passed = Some(Box::new(StoredValue { value: flow.value.clone(), meta: flow.meta }));
         Applied::Pass(flow)
     }
 

@@ -12,7 +12,7 @@ use crate::{
 
 /// Greatest delay of a late value; beyond it the source's clock was set back.
 const LATE_MAX: Duration = Duration::from_secs(10);
-/// So many late values in a row are a clock that was set back a little.
+/// Late values in a row that are a clock that was set back a little.
 const LATE_IN_A_ROW_MAX: u8 = 16;
 
 /// Numbers of values of all inputs that were not taken as they came.

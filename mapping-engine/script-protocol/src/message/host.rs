@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{ScriptId, ScriptLimits, Spoken};
 use crate::codec::{DecodeError, MessageDecoder, MessageEncoder};
 
-/// Messages of the host.
+/// Frames that the host writes to a worker.
 #[derive(Debug, Clone, PartialEq)]
 pub enum HostMessage {
     /// The first message: the protocol's version and what scripts may use. Answered by `Welcome`.
@@ -165,7 +165,7 @@ impl InputValue {
 }
 
 impl Call {
-    /// About how many bytes the call takes in a frame.
+    /// Approximate bytes of the call in a frame.
     #[must_use]
     pub fn size(&self) -> usize {
         let mut to = MessageEncoder::new();

@@ -8,7 +8,7 @@ use crate::{
     value::ScriptValue,
 };
 
-/// Messages of the worker.
+/// Frames that a worker writes to its host.
 #[derive(Debug, Clone, PartialEq)]
 pub enum WorkerMessage {
     /// Ready. Answers `Hello`.
@@ -48,7 +48,7 @@ pub struct Spoken {
     pub source_time_ms: Option<f64>,
 }
 
-/// Result of a call.
+/// Yield or fault of a script's call, with its state and time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CallResult {
     /// Yielded value or fault.

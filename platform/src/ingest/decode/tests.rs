@@ -53,7 +53,9 @@ fn the_report_of_the_contract_is_understood() {
     let Content::Reports { reports, keep_alives, .. } = incoming.content else { panic!("reports") };
     assert!(keep_alives.is_empty());
     let report = &reports[0];
-    assert_eq!((report.data_set_writer_id, report.epoch, report.sequence), (1, 608_926_829, 4));
+    assert_eq!(report.data_set_writer_id, 1);
+    assert_eq!(report.epoch, 608_926_829);
+    assert_eq!(report.sequence, 4);
     assert_eq!(report.request.to_string(), "frame-4711/MakeFrame1/ReqResponse1");
     assert_eq!(report.released_to, Some(vec!["acme-aero".parse().expect("an id")]));
     assert_eq!(report.fields.len(), 1, "units and reserved members are no fields");

@@ -31,7 +31,7 @@ struct Possible {
     forms: Vec<DataValue>,
     /// Time from which on its delay counts: its arrival, or the end of its window.
     from: u64,
-    /// It came for a window, whose status and time are its own.
+    /// True for a value of a window, with the status and time of the window.
     is_of_window: bool,
 }
 

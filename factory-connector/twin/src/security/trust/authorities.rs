@@ -29,7 +29,7 @@ pub enum RevocationKnowledge {
     },
     /// The list should have been replaced at `next_update`.
     Outdated { next_update: DateTime },
-    /// There is no list.
+    /// No list is stored.
     Missing,
 }
 

@@ -30,7 +30,7 @@ pub enum OnDecrease {
     Reset,
     /// The counter was set; nothing was counted.
     Set,
-    /// It counts downwards too: the increment is negative.
+    /// Counts downwards too: the increment is negative.
     Subtract,
 }
 
