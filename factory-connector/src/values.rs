@@ -4,6 +4,7 @@ use asi_model::{
     DataValue, DateTime,
     opcua_json::{DataEncoding, encode_variant},
 };
+use disclosure::Released;
 use serde::Serialize;
 
 /// Value in the form that pages show.
@@ -17,6 +18,12 @@ pub struct ShownValue {
     pub status: String,
     /// Time of the measurement, by the source's clock.
     pub source_timestamp: Option<DateTime>,
+}
+
+impl From<&Released> for ShownValue {
+    fn from(value: &Released) -> Self {
+        Self::from(&**value)
+    }
 }
 
 impl From<&DataValue> for ShownValue {

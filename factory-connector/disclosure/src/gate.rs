@@ -13,7 +13,7 @@ use asi_model::{BuiltInType, DataValue, DateTime, FieldName};
 pub use document::{gate_from_json, gate_to_json};
 
 use super::{
-    AggregateFunction, DisclosurePolicy,
+    AggregateFunction, DisclosurePolicy, Released,
     aggregate::Aggregation,
     coarsening::{Coarsened, coarsen},
     rate,
@@ -36,32 +36,48 @@ pub enum GateOutcome {
     Suppressed,
 }
 
-/// State of a gate that is stored over restarts.
+/// State of a gate that is stored over restarts. Its members are the gate's own: what waits in it
+/// leaves without being coarsened again.
+///
+/// ```compile_fail,E0451
+/// let _ = disclosure::GateState { disclosed: None, ..Default::default() };
+/// ```
+///
+/// ```compile_fail,E0616
+/// fn wait(state: &mut disclosure::GateState, value: asi_model::DataValue) {
+///     state.waiting.push_back((asi_model::DateTime::MIN, value));
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GateState {
     /// Time of the last release, for the minimum interval.
-    pub last_released_at: Option<DateTime>,
+    pub(crate) last_released_at: Option<DateTime>,
     /// The value released last.
-    pub disclosed: Option<DataValue>,
+    pub(crate) disclosed: Option<Released>,
     /// Coarsened values that wait, with their times of arrival, oldest first.
-    pub waiting: VecDeque<(DateTime, DataValue)>,
+    pub(crate) waiting: VecDeque<(DateTime, DataValue)>,
     /// Times of releases, for the rate limits, oldest first.
-    pub released: VecDeque<DateTime>,
+    pub(crate) released: VecDeque<DateTime>,
     /// The window of an aggregate.
-    pub aggregation: Aggregation,
+    pub(crate) aggregation: Aggregation,
     /// True when the field's own value is in a withheld state.
-    pub is_in_withheld_state: bool,
+    pub(crate) is_in_withheld_state: bool,
     /// Other fields; true for those in a withheld state, absent when that is not known.
-    pub withheld_by: BTreeMap<FieldName, bool>,
+    pub(crate) withheld_by: BTreeMap<FieldName, bool>,
 }
 
 impl GateState {
     /// Coarsens the status codes of a state that may be from a time when all were disclosed.
     fn coarsen_statuses(&mut self, policy: &DisclosurePolicy) {
-        let waiting = self.waiting.iter_mut().map(|(_, value)| value);
-        for value in waiting.chain(&mut self.disclosed) {
+        let coarsen = |mut value: DataValue| {
             value.status = policy.status_codes.coarsen(value.status);
+            value
+        };
+        for (_, value) in &mut self.waiting {
+            *value = coarsen(std::mem::take(value));
         }
+        let disclosed = self.disclosed.take();
+        self.disclosed = disclosed.map(|old| Released::by_gate(coarsen(old.into_value())));
     }
 }
 
@@ -122,7 +138,7 @@ impl Gate {
 
     /// Returns the value released last, which the node shows and the partner has.
     #[must_use]
-    pub const fn disclosed(&self) -> Option<&DataValue> {
+    pub const fn disclosed(&self) -> Option<&Released> {
         self.state.disclosed.as_ref()
     }
 
@@ -203,7 +219,7 @@ impl Gate {
         if self.is_known(&value) {
             return GateOutcome::Unchanged { is_coarsened };
         }
-        self.state.disclosed = Some(value);
+        self.state.disclosed = Some(Released::by_gate(value));
         self.state.last_released_at = Some(now);
         self.has_released = true;
         GateOutcome::Disclosed { is_coarsened }
@@ -284,7 +300,8 @@ impl Gate {
     }
 
     fn release(&mut self, now: DateTime) {
-        self.state.disclosed = self.releasable.take().map(|(_, value)| value);
+        self.state.disclosed =
+            self.releasable.take().map(|(_, value)| Released::by_gate(value));
         self.state.last_released_at = Some(now);
         rate::remember(&mut self.state.released, &self.policy.rate_limits, now);
         self.not_before = None;

@@ -2,14 +2,16 @@
 //!
 //! Every candidate - from a mapping, from an OPC UA client, from the operator's page - is coarsened
 //! in value *and* time by the policy of the engineer's consent. Only values that the [`Gate`] has
-//! released reach the reports, the twin's nodes and the ledger. The gate is pure, without a clock
-//! and without I/O, so its guarantees are tested as properties.
+//! released reach the reports, the twin's nodes and the ledger: these take [`Released`] values,
+//! which nothing but a gate makes, so that another way does not compile. The gate is pure, without
+//! a clock and without I/O, so its guarantees are tested as properties.
 
 mod aggregate;
 mod basis;
 mod coarsening;
 mod decimal;
 mod documents;
+mod draft_gate;
 mod effects;
 mod faults;
 mod gate;
@@ -17,6 +19,8 @@ mod language;
 mod leak;
 mod policy;
 mod rate;
+mod released;
+mod report_frame;
 mod rules;
 mod statement;
 mod status_codes;
@@ -30,6 +34,7 @@ pub use decimal::{Decimal, InvalidStep, RoundingStep};
 pub use documents::{
     DOCUMENTS_MAX, DocumentId, DocumentVersion, NAME_CHARS_MAX, NamedPolicy, Versioned,
 };
+pub use draft_gate::DraftGate;
 pub use effects::{
     Effect, EffectKind, effects, period_in_words, time_resolution_ms, values_per_hour_max,
 };
@@ -44,6 +49,8 @@ pub use leak::{
 };
 pub use policy::DisclosurePolicy;
 pub use rate::RateLimit;
+pub use released::Released;
+pub use report_frame::{ReportBody, ReportFrame, ReportOrigin, ReportedField};
 pub use rules::{Rule, RuleAction, RuleCondition, RuleFault, RuleOutcome, outcome};
 pub use statement::{Statement, StatementPart, disclosure_statement};
 pub use status_codes::StatusCodes;

@@ -54,6 +54,13 @@ impl DisclosurePolicy {
         }
     }
 
+    /// Returns true where everything that a former policy let out satisfies this one, too: it is stricter
+    /// in no dimension. Errs on the side of false.
+    #[must_use]
+    pub fn allows_all_of(&self, former: &Self) -> bool {
+        self == former || former.strictest(self) == *former
+    }
+
     /// Adapts this policy to a field of this type: parts that the type cannot have are removed, and
     /// whole numbers get steps and bounds that are at least as coarse.
     #[must_use]

@@ -167,11 +167,11 @@ pub async fn preview_decision(
             let effects = effects(&policy, field_type, &candidate, is_withheld, now);
             // A value that is delayed or waits for working hours leaves at its due time.
             let mut held_until = None;
-            while let Some(due) = gate.due().filter(|_| gate.disclosed().is_none()) {
+            while let Some(due) = gate.due().filter(|_| gate.shown().is_none()) {
                 held_until = Some(due);
                 gate.on_time(due);
             }
-            let shown = gate.disclosed().map(|disclosed| {
+            let shown = gate.shown().map(|disclosed| {
                 (ShownValue::from(disclosed), held_until, message(state, &field, disclosed, now))
             });
             Some((effects, is_withheld, shown))
@@ -309,7 +309,10 @@ async fn current(api: &Api, field: &FieldKey) -> Result<Option<DataValue>, Probl
     let field = field.clone();
     Ok(api
         .coordinator
-        .read(move |state| state.field(&field).and_then(|field| field.gate().disclosed().cloned()))
+        .read(move |state| {
+            let field = state.field(&field)?;
+            field.gate().disclosed().map(|released| DataValue::clone(released))
+        })
         .await?)
 }
 
@@ -323,7 +326,7 @@ fn message(
 ) -> Option<String> {
     let writer = state.writers().id_of(&field.request)?;
     let mut frame = queries::key_frame(state, writer, now)
-        .map_or_else(|| queries::empty_frame(state, writer, now), |(frame, _)| frame);
+        .map_or_else(|| queries::empty_frame(state, writer, now), |(frame, _)| frame.into_draft());
     let shown = DataValue { source_timestamp: None, server_timestamp: None, ..disclosed.clone() };
     let name: Arc<str> = Arc::from(field.field_name.as_str());
     match frame.fields.iter_mut().find(|payload| payload.name == name) {

@@ -6,7 +6,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use asi_model::{DataValue, OperationNetworkId, StatusCode};
+use asi_model::OperationNetworkId;
 use connector_state::{ConnectorState, Effects, Field, TwinUpdate};
 use twin::{AsiDocument, FieldRecord};
 
@@ -107,10 +107,7 @@ fn field_record(field: &Field) -> FieldRecord {
     FieldRecord {
         mapping_state: decision.mapping_state,
         value_source: decision.value_source,
-        value: field.gate().disclosed().cloned().unwrap_or_else(|| {
-            // No value is disclosed yet: the node shows what the partner has, which is nothing.
-            DataValue::status_only(StatusCode::BAD_WAITING_FOR_INITIAL_DATA, decision.decided_at)
-        }),
+        value: field.gate().disclosed().cloned(),
         disclosure: field.statement().map(|statement| Arc::from(statement.description)),
         reason: decision.reason.as_deref().map(Arc::from),
         decided_by: decision.decided_by.as_deref().map(Arc::from),

@@ -14,6 +14,7 @@ mod message_ids;
 mod message_times;
 mod opc_ua_decisions;
 mod receipts;
+mod replacement;
 mod revocation;
 mod ways_to_the_gate;
 

@@ -31,6 +31,8 @@ pub(crate) struct Purge {
     pub(crate) cause: GapCause,
     /// An earlier cause is stated instead.
     yields: bool,
+    /// A consent ended, so that reports from then on belong to another epoch.
+    pub(crate) is_end: bool,
 }
 
 impl ChangeSet {
@@ -52,23 +54,35 @@ impl ChangeSet {
             ending::append(&mut self.ended, ended);
         }
         for (writer, purge) in purges {
-            if purge.yields {
-                self.purges.entry(writer).or_insert(purge);
-            } else {
-                self.purges.insert(writer, purge);
-            }
+            self.put_purge(writer, purge);
         }
         self.to_refresh.extend(to_refresh);
     }
 
     /// Takes back what waits of a writer; of several causes the last one is stated.
     pub(crate) fn purge(&mut self, writer: u16, cause: GapCause) {
-        self.purges.insert(writer, Purge { cause, yields: false });
+        self.put_purge(writer, Purge { cause, yields: false, is_end: true });
     }
 
     /// Takes back what waits of a writer, unless another cause is stated already.
     pub(crate) fn purge_unless_purged(&mut self, writer: u16, cause: GapCause) {
-        self.purges.entry(writer).or_insert(Purge { cause, yields: true });
+        self.put_purge(writer, Purge { cause, yields: true, is_end: true });
+    }
+
+    /// Takes back what waits of a writer since the consent to one of its fields was replaced by one
+    /// that may not let all of it out: a stricter policy, or another source.
+    pub(crate) fn purge_replaced(&mut self, writer: u16) {
+        let cause = GapCause::Revoked;
+        self.put_purge(writer, Purge { cause, yields: true, is_end: false });
+    }
+
+    fn put_purge(&mut self, writer: u16, purge: Purge) {
+        let known = self.purges.entry(writer).or_insert(purge);
+        let is_end = known.is_end || purge.is_end;
+        if !purge.yields {
+            *known = purge;
+        }
+        known.is_end = is_end;
     }
 
     /// Puts a field's decision among the rows to store, and its state among the events.

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use asi_model::{DataValue, FieldKey, OperationNetworkId, messages::MappingState};
+use asi_model::{FieldKey, OperationNetworkId, messages::MappingState};
+use disclosure::Released;
 use mapping::{MappingId, PublishRequest};
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -16,7 +17,7 @@ pub struct Effects {
     /// Changes of the twin's nodes.
     pub twin: Vec<TwinUpdate>,
     /// Newly disclosed values for the twin's nodes, the newest of each field.
-    pub values: Vec<(FieldKey, DataValue)>,
+    pub values: Vec<(FieldKey, Released)>,
     /// Commands for the mapping engine.
     pub engine: Vec<EngineCommand>,
     /// Signals for the link.
@@ -151,5 +152,5 @@ pub struct FieldEvent {
     /// A state of the plant withholds all values at present.
     pub is_withheld: bool,
     /// The value that the partner has.
-    pub value: Option<DataValue>,
+    pub value: Option<Released>,
 }

@@ -7,6 +7,7 @@ use asi_model::{
     DataValue, DateTime, FieldKey, RequestKey, StatusCode, Variant,
     messages::{MappingState, OperationNetworkMessage, ValueSource},
 };
+use disclosure::Released;
 
 /// The present state of an operation network, with the connector's decisions about it. One document
 /// becomes one Activity Status Interface. Applying it again with a higher revision changes only the
@@ -31,7 +32,7 @@ pub struct FieldRecord {
     /// Source of the values of a mapped field.
     pub value_source: Option<ValueSource>,
     /// The newest value as it was disclosed; ignored unless the field is mapped.
-    pub value: DataValue,
+    pub value: Option<Released>,
     /// Description of the coarsening, in words and numbers.
     pub disclosure: Option<Arc<str>>,
     /// Reason of the decision.
@@ -54,12 +55,14 @@ impl FieldRecord {
             MappingState::Refused => {
                 DataValue::status_only(StatusCode::BAD_NOT_SUPPORTED, self.decision_time)
             }
-            MappingState::Mapped
-                if self.value.value == Variant::Null && self.value.status.is_good() =>
-            {
-                DataValue::status_only(StatusCode::BAD_WAITING_FOR_INITIAL_DATA, self.decision_time)
+            MappingState::Mapped => {
+                let shown = self.value.as_deref();
+                shown.filter(|shown| !is_empty(shown)).cloned().unwrap_or_else(|| {
+                    // The node shows what the partner has, which is nothing.
+                    let status = StatusCode::BAD_WAITING_FOR_INITIAL_DATA;
+                    DataValue::status_only(status, self.decision_time)
+                })
             }
-            MappingState::Mapped => self.value.clone(),
         }
     }
 
@@ -69,6 +72,10 @@ impl FieldRecord {
         self.mapping_state == MappingState::Mapped
             && self.value_source == Some(ValueSource::External)
     }
+}
+
+fn is_empty(value: &DataValue) -> bool {
+    value.value == Variant::Null && value.status.is_good()
 }
 
 /// Extent of the change by [`TwinHandle::apply`](crate::TwinHandle::apply).
@@ -84,12 +91,16 @@ pub struct AppliedDocument {
 
 #[cfg(test)]
 mod tests {
+    use asi_model::BuiltInType;
+    use disclosure::{Gate, GateState};
+
     use super::*;
 
     #[test]
     fn only_mapped_fields_show_values() {
-        let value = DataValue::good(7_u64, DateTime::from_ticks(1));
-        let check = |mapping_state, value: &DataValue, expected: StatusCode| {
+        let value = released(DataValue::good(7_u64, DateTime::from_ticks(1)));
+        let empty = released(DataValue::good(Variant::Null, DateTime::from_ticks(1)));
+        let check = |mapping_state, value: &Option<Released>, expected: StatusCode| {
             let record =
                 FieldRecord { mapping_state, value: value.clone(), ..FieldRecord::default() };
             assert_eq!(record.shown_value().status, expected, "{mapping_state:?}");
@@ -102,10 +113,15 @@ mod tests {
         check(MappingState::Pending, &value, StatusCode::BAD_WAITING_FOR_INITIAL_DATA);
         check(MappingState::Refused, &value, StatusCode::BAD_NOT_SUPPORTED);
         check(MappingState::Mapped, &value, StatusCode::GOOD);
-        check(
-            MappingState::Mapped,
-            &DataValue::default(),
-            StatusCode::BAD_WAITING_FOR_INITIAL_DATA,
-        );
+        check(MappingState::Mapped, &empty, StatusCode::BAD_WAITING_FOR_INITIAL_DATA);
+        check(MappingState::Mapped, &None, StatusCode::BAD_WAITING_FOR_INITIAL_DATA);
+    }
+
+    fn released(value: DataValue) -> Option<Released> {
+        let at = DateTime::from_ticks(1);
+        let mut gate =
+            Gate::new(Arc::default(), BuiltInType::UInt64, GateState::default(), at);
+        gate.on(at, value);
+        gate.disclosed().cloned()
     }
 }

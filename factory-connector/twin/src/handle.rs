@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use asi_model::{DataValue, FieldKey, OperationNetworkId};
+use asi_model::{FieldKey, OperationNetworkId};
+use disclosure::Released;
 use opcua_stack::opcua::{
     server::ServerHandle,
     types::{DataValue as StackValue, NodeId},
@@ -69,9 +70,9 @@ impl TwinHandle {
         self.interfaces.count()
     }
 
-    /// Shows newly disclosed values, after the commit, in the order given. Values of fields that do
+    /// Shows newly released values, after the commit, in the order given. Values of fields that do
     /// not exist or are not mapped are ignored. Returns how many were shown.
-    pub fn publish_values(&self, values: Vec<(FieldKey, DataValue)>) -> usize {
+    pub fn publish_values(&self, values: Vec<(FieldKey, Released)>) -> usize {
         self.interfaces.publish_values(values)
     }
 

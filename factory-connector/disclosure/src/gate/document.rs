@@ -10,7 +10,7 @@ use asi_model::{
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
-use crate::{Aggregation, GateState, OpenWindow, Sum};
+use crate::{Aggregation, GateState, OpenWindow, Released, Sum};
 
 /// A gate's state as stored: data values in the compact encoding of OPC UA JSON.
 #[derive(Serialize, Deserialize)]
@@ -112,7 +112,7 @@ impl StoredWindow {
 pub fn gate_to_json(state: &GateState) -> String {
     let stored = StoredGate {
         last_released_at: state.last_released_at,
-        disclosed: state.disclosed.as_ref().map(raw),
+        disclosed: state.disclosed.as_deref().map(raw),
         waiting: state.waiting.iter().map(|(at, value)| (*at, raw(value))).collect(),
         released: state.released.iter().copied().collect(),
         held: state.aggregation.held.as_ref().map(raw),
@@ -123,7 +123,8 @@ pub fn gate_to_json(state: &GateState) -> String {
     serde_json::to_string(&stored).expect("times and JSON texts serialise")
 }
 
-/// Decodes a gate's state from a JSON document.
+/// Decodes a gate's state from a JSON document, as the store has it: what it says was released
+/// counts as released.
 ///
 /// # Errors
 /// A description of the fault in the document.
@@ -132,7 +133,7 @@ pub fn gate_from_json(text: &str) -> Result<GateState, String> {
     let value = |json: &RawValue| data_value_from_json(json.get());
     Ok(GateState {
         last_released_at: stored.last_released_at,
-        disclosed: stored.disclosed.as_deref().map(value).transpose()?,
+        disclosed: stored.disclosed.as_deref().map(value).transpose()?.map(Released::by_gate),
         waiting: stored
             .waiting
             .iter()
@@ -178,7 +179,7 @@ mod tests {
         let at = DateTime::from_unix_micros(1_800_000_000_000_000);
         let state = GateState {
             last_released_at: Some(at),
-            disclosed: Some(DataValue::good(u64::MAX, at)),
+            disclosed: Some(Released::by_gate(DataValue::good(u64::MAX, at))),
             waiting: [
                 (at, DataValue::good(2.5_f64, at)),
                 (at, DataValue::status_only(StatusCode::BAD_NO_DATA, None)),

@@ -5,11 +5,12 @@ use std::sync::Arc;
 use asi_model::{DataValue, DateTime};
 
 use super::Gate;
-use crate::{Aggregation, DisclosurePolicy, WithholdCondition, coarsening::coarsen};
+use crate::{Aggregation, DisclosurePolicy, Released, WithholdCondition, coarsening::coarsen};
 
 impl Gate {
     /// Replaces the policy. What waited under the former one is dropped or coarsened again, and so is
-    /// the value released last, which key frames repeat; intervals and rates continue.
+    /// the value released last, which key frames repeat; where the new policy lets values out later
+    /// or less often, that value waits for it. Intervals and rates continue.
     pub fn change_policy(&mut self, policy: Arc<DisclosurePolicy>, now: DateTime) {
         let former = std::mem::replace(&mut self.policy, policy);
         self.is_immediate = self.policy.is_immediate();
@@ -36,6 +37,9 @@ impl Gate {
             }
             self.state.withheld_by.clear();
         }
+        if delays_more(&former, &self.policy) {
+            self.hold_disclosed_back(now);
+        }
         if coarsens_otherwise(&former, &self.policy) {
             self.coarsen_again();
         }
@@ -49,6 +53,20 @@ impl Gate {
         self.forget_own_state();
         self.state.disclosed = None;
         self.has_released = false;
+    }
+
+    /// Lets the value released last wait again: the report with it may not have left, and the next
+    /// one would bring it earlier than the policy allows. It counts as arrived when it was released,
+    /// if not before: never too early.
+    fn hold_disclosed_back(&mut self, now: DateTime) {
+        let Some(disclosed) = self.state.disclosed.take() else { return };
+        let waiting = &mut self.state.waiting;
+        if let Some(releasable) = self.releasable.take() {
+            waiting.push_front(releasable);
+        }
+        let released_at = self.state.last_released_at.unwrap_or(now);
+        let next_at = waiting.front().map_or(released_at, |(arrived_at, _)| *arrived_at);
+        waiting.push_front((released_at.min(next_at), disclosed.into_value()));
     }
 
     fn drop_waiting(&mut self) {
@@ -67,10 +85,12 @@ impl Gate {
         let Self { policy, field_type, state, releasable, .. } = self;
         let waiting = state.waiting.iter_mut().map(|(_, value)| value);
         let releasable = releasable.iter_mut().map(|(_, value)| value);
-        for value in waiting.chain(releasable).chain(&mut state.disclosed) {
+        for value in waiting.chain(releasable) {
             let former: DataValue = std::mem::take(value);
             *value = coarsen(policy, *field_type, former).value;
         }
+        let again = |old: Released| coarsen(policy, *field_type, old.into_value()).value;
+        state.disclosed = state.disclosed.take().map(|old| Released::by_gate(again(old)));
     }
 }
 
@@ -92,4 +112,19 @@ fn coarsens_otherwise(former: &DisclosurePolicy, policy: &DisclosurePolicy) -> b
         (rounding_step, significant_digits, time_step_ms, status_codes)
     };
     parts(former) != parts(policy) || former.bands != policy.bands
+}
+
+/// Returns true where a policy lets values out later, less often or at other times than the former
+/// one.
+fn delays_more(former: &DisclosurePolicy, policy: &DisclosurePolicy) -> bool {
+    let times = |policy: &DisclosurePolicy| DisclosurePolicy {
+        minimum_interval_ms: policy.minimum_interval_ms,
+        rate_limits: policy.rate_limits.clone(),
+        time_step_ms: policy.time_step_ms,
+        delay_ms: policy.delay_ms,
+        working_hours: policy.working_hours.clone(),
+        further_hours: policy.further_hours.clone(),
+        ..DisclosurePolicy::default()
+    };
+    !times(policy).allows_all_of(&times(former))
 }

@@ -34,7 +34,7 @@ pub(in crate::store) fn write(
                 row.created_at.unix_micros(),
                 document(&row.recipients),
                 i64::try_from(row.body.len()).unwrap_or(i64::MAX),
-                &row.body,
+                &*row.body,
                 &row.salt,
             )
         },

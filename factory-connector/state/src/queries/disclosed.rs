@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use asi_model::{DateTime, FieldKey, FieldName, StatusCode, messages::ValueSource};
-use disclosure::{DisclosurePolicy, Gate, GateState, PolicyFault};
+use disclosure::{DisclosurePolicy, DraftGate, PolicyFault};
 
 use crate::{ConnectorState, fields::is_withheld_by};
 
@@ -14,10 +14,10 @@ pub fn draft_gate(
     key: &FieldKey,
     policy: Arc<DisclosurePolicy>,
     now: DateTime,
-) -> Option<Gate> {
+) -> Option<DraftGate> {
     let field = state.field(key)?;
     let field_type = field.definition().field_type.0;
-    let mut gate = Gate::new(Arc::clone(&policy), field_type, GateState::default(), now);
+    let mut gate = DraftGate::new(Arc::clone(&policy), field_type, now);
     for other in fields_named_by(&policy) {
         let watched = state.field(&key.request.field(other.clone()));
         let is_withheld = watched.and_then(|field| is_withheld_by(field, other, &policy));

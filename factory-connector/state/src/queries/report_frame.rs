@@ -1,17 +1,15 @@
 //! Key frames: the DataSetMessage that a data set writer would report.
 
-use std::{collections::BTreeMap, sync::Arc, time::Duration};
+use std::{collections::BTreeMap, time::Duration};
 
 use asi_model::{
-    DataValue, DateTime, FieldName,
+    DateTime, FieldName,
     network::DynamicDataRequest,
-    pubsub::{DataSetMessage, PayloadField, ReportHeader, unit_member},
+    pubsub::{DataSetMessage, PayloadField, ReportHeader},
 };
+use disclosure::{ReportFrame, ReportOrigin, ReportedField};
 
 use crate::{ConnectorState, Field, Writer};
-
-/// Resolution of the times of reports without a time step. The leak budget counts on it.
-const TIMESTAMP_STEP: Duration = Duration::from_millis(1);
 
 /// Returns the newest disclosed values of a writer's data set in payload order, with the number of
 /// the consent for each field; `None` before the first value.
@@ -20,39 +18,26 @@ pub fn key_frame(
     state: &ConnectorState,
     id: u16,
     now: DateTime,
-) -> Option<(DataSetMessage, BTreeMap<FieldName, u32>)> {
+) -> Option<(ReportFrame, BTreeMap<FieldName, u32>)> {
     let writer = state.writers.get(id).filter(|writer| !writer.fields().is_empty())?;
     let (_, request) = state.request(writer.request())?;
-    let mut values = Vec::with_capacity(writer.fields().len() * 2);
-    let mut consents = BTreeMap::new();
-    let mut newest: Option<DateTime> = None;
-    // In the same pass: it is made for every report.
-    let mut step = Duration::ZERO;
-    for (name, field) in fields_of(state, writer) {
-        step = step.max(field.gate().policy().time_step());
-        let Some(value) = field.gate().disclosed() else { continue };
-        newest = newest.max(value.source_timestamp);
-        consents.insert(name.clone(), field.decision().version);
-        let shown = DataValue { source_timestamp: None, server_timestamp: None, ..value.clone() };
-        values.push(PayloadField::with(Arc::from(name.as_str()), shown));
-        if let Some(unit) = &field.definition().unit {
-            values.push(PayloadField::new(unit_member(name.as_str()), unit.as_str()));
-        }
-    }
-    if consents.is_empty() {
-        return None;
-    }
-    let shopfloor_timestamp = newest.unwrap_or(now).floor_to(step);
-    let mut fields = header(state, writer, request, shopfloor_timestamp);
-    fields.append(&mut values);
-    let frame = DataSetMessage {
-        data_set_writer_id: Some(id),
-        sequence_number: Some(writer.next_sequence()),
-        meta_data_version: Some(writer.version()),
-        timestamp: Some(now.floor_to(step.max(TIMESTAMP_STEP))),
-        fields,
-        ..DataSetMessage::default()
+    let origin = ReportOrigin {
+        data_set_writer_id: id,
+        sequence_number: writer.next_sequence(),
+        version: writer.version(),
+        report_name: &request.report_data_format.report_name,
+        request: writer.request(),
+        recipient_list: state.networks.recipient_list(writer.request()),
     };
+    let mut consents = BTreeMap::new();
+    let fields = fields_of(state, writer).map(|(name, field)| {
+        if field.gate().disclosed().is_some() {
+            consents.insert(name.clone(), field.decision().version);
+        }
+        let unit = field.definition().unit.as_deref();
+        ReportedField { name, unit, gate: field.gate() }
+    });
+    let frame = ReportFrame::of(&origin, fields, now)?;
     Some((frame, consents))
 }
 

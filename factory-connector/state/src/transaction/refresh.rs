@@ -37,7 +37,7 @@ fn refresh_writer(state: &mut ConnectorState, changes: &mut ChangeSet, id: u16, 
         .map(|(key, _)| key.field_name)
         .collect();
     // A consent that ended and was given again within one transaction ended nevertheless.
-    let is_ended = changes.purges.contains_key(&id);
+    let is_ended = changes.purges.get(&id).is_some_and(|purge| purge.is_end);
     if is_ended || !state.writers.append_fields(id, fields.clone(), now) {
         state.writers.begin_epoch(id, Some(fields), now);
     }

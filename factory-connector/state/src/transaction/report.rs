@@ -2,10 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use asi_model::{
-    DateTime, FieldName,
-    pubsub::{DataSetMessage, json::encode_data_set_message},
-};
+use asi_model::{DateTime, FieldName};
+use disclosure::ReportFrame;
 use ledger::{Event, SALT_BYTES, values_root};
 
 use crate::{
@@ -41,11 +39,11 @@ pub(super) fn report(
 fn queue(
     state: &mut ConnectorState,
     changes: &mut ChangeSet,
-    (id, frame, consents): (u16, &DataSetMessage, BTreeMap<FieldName, u32>),
+    (id, frame, consents): (u16, &ReportFrame, BTreeMap<FieldName, u32>),
     now: DateTime,
     salt: [u8; SALT_BYTES],
 ) -> Option<NewReport> {
-    let body = encode_data_set_message(frame, state.config.encoding);
+    let body = frame.encode(state.config.encoding);
     let row = state.next_row();
     let (epoch, sequence, carried) = state.writers.take_sequence(id, consents.keys(), now)?;
     let writer = state.writers.get(id)?;

@@ -30,7 +30,8 @@ pub struct WriterDelivery {
     pub rows: Vec<WaitingRow>,
 }
 
-/// Takes back the reports of all writers of which a consent ended.
+/// Takes back the reports of all writers of which a consent ended or was replaced. Their newest
+/// values are reported again, as far as they are disclosed.
 pub(super) fn purge_all(
     state: &mut ConnectorState,
     changes: &mut ChangeSet,
@@ -38,7 +39,11 @@ pub(super) fn purge_all(
     now: DateTime,
 ) {
     for (writer, Purge { cause, .. }) in std::mem::take(&mut changes.purges) {
-        purge(state, changes, rows.remove(&writer).unwrap_or_default(), cause, now);
+        let rows = rows.remove(&writer).unwrap_or_default();
+        if rows.iter().any(|waiting| waiting.row.sent_at.is_none()) {
+            state.writers.mark_unreported(writer);
+        }
+        purge(state, changes, rows, cause, now);
     }
 }
 

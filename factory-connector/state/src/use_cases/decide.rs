@@ -257,6 +257,9 @@ fn open(
     let is_other_source = field.decision().value_source != Some(value_source)
         || (value_source == ValueSource::Mapping
             && field.decision().mapping.as_deref() != mapping.as_deref());
+    if was_mapped && (is_other_source || !effective.allows_all_of(&policy_before)) {
+        changes.purge_replaced(field.writer());
+    }
     if is_other_source {
         let transform = transform_after(&field, mapping.as_deref());
         field.begin_source(transform);

@@ -66,6 +66,7 @@ fn import_one(
     let Some(mut field) = state.fields.get_mut(&key) else { return };
     let transform = field.state_for(&mapping).filter(|_| is_published);
     if is_published {
+        changes.purge_replaced(field.writer());
         field.begin_source(transform);
     } else {
         field.set_transform(transform);

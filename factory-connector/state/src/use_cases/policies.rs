@@ -125,6 +125,9 @@ fn apply(
     for (key, policy) in fields {
         let Some(field) = state.fields.get(&key) else { continue };
         let (id, writer) = (field.id(), field.writer());
+        if !policy.allows_all_of(field.gate().policy()) {
+            changes.purge_replaced(writer);
+        }
         through_gate(state, id, now, |gate| gate.change_policy(policy, now));
         if let Some(mut field) = state.fields.get_mut(&key) {
             field.change_decision(|decision| {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use asi_model::{DateTime, FieldKey, FieldName, MessageId, OrganisationId, RequestKey};
+use disclosure::ReportBody;
 use ledger::SALT_BYTES;
 use spool::ReportRow;
 
@@ -81,8 +82,8 @@ pub struct NewReport {
     pub created_at: DateTime,
     /// Organisations that may read it.
     pub recipients: Vec<OrganisationId>,
-    /// The DataSetMessage as JSON.
-    pub body: String,
+    /// The DataSetMessage.
+    pub body: ReportBody,
     /// Random bytes, so that its hashes reveal nothing.
     pub salt: [u8; SALT_BYTES],
 }

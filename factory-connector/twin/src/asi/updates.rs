@@ -3,9 +3,9 @@
 use std::{collections::HashMap, sync::Arc};
 
 use asi_model::{
-    DataValue as ModelValue, FieldKey, OperationNetworkId, instance::FOLDER_ID,
-    messages::MappingState,
+    FieldKey, OperationNetworkId, instance::FOLDER_ID, messages::MappingState,
 };
+use disclosure::Released;
 use opcua_stack::opcua::{
     server::node_manager::MonitoredItemRef,
     types::{AttributeId, DataValue, StatusCode},
@@ -83,8 +83,8 @@ impl AsiProvider {
         true
     }
 
-    /// Shows newly disclosed values in the order given. Returns how many were shown.
-    pub fn publish_values(&self, values: Vec<(FieldKey, ModelValue)>) -> usize {
+    /// Shows newly released values in the order given. Returns how many were shown.
+    pub fn publish_values(&self, values: Vec<(FieldKey, Released)>) -> usize {
         let _order = self.publishing.lock();
         let mut shown = 0;
         let mut changed = Vec::with_capacity(values.len());
@@ -101,7 +101,7 @@ impl AsiProvider {
                 if record.mapping_state != MappingState::Mapped {
                     continue;
                 }
-                record.value = value;
+                record.value = Some(value);
                 self.values.field(record)
             };
             shown += 1;

@@ -167,7 +167,7 @@ async fn the_status_shows_the_state_of_a_field() {
     assert!(twin.handle.publish_decision(&own, external()));
     let measured = "2019-04-18T18:20:05Z".parse().unwrap();
     let value = asi_model::DataValue::good(7_u64, measured);
-    assert_eq!(twin.handle.publish_values(vec![(own, value)]), 1);
+    assert_eq!(twin.handle.publish_values(vec![(own, crate::harness::released(value))]), 1);
     let shown = client.read(&id).await;
     assert_eq!((shown.status(), shown.value), (StatusCode::Good, Some(7_u64.into())));
     assert_eq!(
@@ -335,7 +335,7 @@ async fn the_operations_state_follows_its_field() {
     assert_eq!(client.read(state).await.status(), StatusCode::BadWaitingForInitialData);
     twin.handle.publish_decision(&field("net", "state"), external());
     let value = asi_model::DataValue::good("RUNNING", crate::harness::now());
-    twin.handle.publish_values(vec![(field("net", "state"), value)]);
+    twin.handle.publish_values(vec![(field("net", "state"), crate::harness::released(value))]);
     assert_eq!(client.read(state).await.value, Some(Variant::Int32(2)));
     let definition = client.browse(instance(state), BrowseDirection::Forward).await;
     assert_eq!(definition[0].node_id.node_id, VariableTypeId::BaseDataVariableType);

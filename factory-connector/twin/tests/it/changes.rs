@@ -1,6 +1,6 @@
 //! Notifications of subscribers: values, removals, model changes, the audit trail.
 
-use asi_model::{DataValue, StatusCode as ModelStatus};
+use asi_model::StatusCode as ModelStatus;
 use opcua_stack::opcua::{
     client::EventCallback,
     types::{
@@ -13,7 +13,7 @@ use tokio::sync::mpsc;
 use twin::FieldRecord;
 
 use crate::harness::{
-    Client, TestTwin, document, external, field, field_id, instance, message, next, now,
+    Client, TestTwin, document, external, field, field_id, good, instance, message, next,
 };
 
 #[tokio::test]
@@ -26,7 +26,7 @@ async fn values_are_pushed_in_order_and_none_is_lost() {
     assert_eq!(next(&mut changes).await.1.status(), StatusCode::BadWaitingForInitialData);
     for value in 1..=500_u64 {
         twin.handle
-            .publish_values(vec![(field("net", "progressStatus"), DataValue::good(value, now()))]);
+            .publish_values(vec![(field("net", "progressStatus"), good(value))]);
         if value % 50 == 0 {
             // The queue holds 100 values.
             for expected in value - 49..=value {
@@ -68,7 +68,7 @@ async fn a_revision_changes_only_nodes_that_differ() {
         .report_data_format
         .report_field_list = list;
     let mut document_with_value = document(revised);
-    let record = FieldRecord { value: DataValue::good(7_u64, now()), ..external() };
+    let record = FieldRecord { value: Some(good(7)), ..external() };
     document_with_value.fields.insert(field("net", "progressStatus"), record);
     twin.handle.apply(document_with_value);
     let ids: Vec<NodeId> = nodes.iter().map(|n| instance(n)).collect();
@@ -270,7 +270,7 @@ async fn the_audit_trail_contains_user_and_change() {
 
     // The engine's own updates are no audit events: the next is the sign-in.
     twin.handle
-        .publish_values(vec![(field("net", "progressStatus"), DataValue::good(7_u64, now()))]);
+        .publish_values(vec![(field("net", "progressStatus"), good(7))]);
     assert!(
         twin.connect("otto", "wrong", opcua_stack::opcua::crypto::SecurityPolicy::Basic256Sha256)
             .await

@@ -6,7 +6,6 @@ use std::{
     time::Duration,
 };
 
-use asi_model::DataValue;
 use opcua_stack::opcua::crypto::SecurityPolicy;
 use serde_json::{Value, json};
 use tokio::{
@@ -16,7 +15,7 @@ use tokio::{
     time::timeout,
 };
 
-use crate::harness::{TestTwin, document, external, field, field_id, message, now};
+use crate::harness::{TestTwin, document, external, field, field_id, good, message};
 
 /// Time limit of a command: the start of an interpreter on a busy machine is slow.
 const COMMAND_TIMEOUT: Duration = Duration::from_secs(90);
@@ -240,10 +239,7 @@ async fn check_subscription(viewer: &Foreign<'_>, twin: &TestTwin, nodes: &Nodes
     let changes = viewer
         .listen(&["subscribe", &nodes.field, "3"], async || {
             for value in [8_u64, 9] {
-                twin.handle.publish_values(vec![(
-                    field("net", "progressStatus"),
-                    DataValue::good(value, now()),
-                )]);
+                twin.handle.publish_values(vec![(field("net", "progressStatus"), good(value))]);
             }
         })
         .await;

@@ -6,10 +6,11 @@ use std::{
 };
 
 use asi_model::{
-    DataValue, DateTime, FactoryId, FieldKey, StatusCode,
+    BuiltInType, DataValue, DateTime, FactoryId, FieldKey, StatusCode,
     messages::{MappingState, OperationNetworkMessage, PlatformMessage, ValueSource},
 };
 use async_trait::async_trait;
+use disclosure::{DisclosurePolicy, Gate, GateState, Released, StatusCodes};
 use opcua_stack::{
     limits,
     opcua::{
@@ -53,7 +54,7 @@ impl FieldWriter for Connector {
     async fn write(&self, field: &FieldKey, value: DataValue, user: &TwinUser) -> StatusCode {
         self.writes.lock().push((field.clone(), value.clone(), user.clone()));
         if let Some(handle) = self.handle.get() {
-            handle.publish_values(vec![(field.clone(), value)]);
+            handle.publish_values(vec![(field.clone(), released(value))]);
         }
         self.answer.lock().unwrap_or(StatusCode::GOOD)
     }
@@ -381,6 +382,20 @@ pub fn field(network: &str, name: &str) -> FieldKey {
         "fieldName": name,
     }))
     .unwrap()
+}
+
+/// Returns a released number that was measured now.
+pub fn good(number: u64) -> Released {
+    released(DataValue::good(number, now()))
+}
+
+/// Lets a value through an open gate, which is the only way to show one.
+pub fn released(value: DataValue) -> Released {
+    let field_type = value.value.built_in_type().unwrap_or(BuiltInType::UInt64);
+    let policy = DisclosurePolicy { status_codes: StatusCodes::Full, ..Default::default() };
+    let mut gate = Gate::new(Arc::new(policy), field_type, GateState::default(), now());
+    gate.on(now(), value);
+    gate.disclosed().expect("an open gate releases at once").clone()
 }
 
 pub fn external() -> FieldRecord {

@@ -9,12 +9,12 @@ use std::{
     time::{Duration, Instant},
 };
 
-use asi_model::{DataValue, FieldKey};
+use asi_model::FieldKey;
 use opcua_stack::opcua::types::{BrowseDirection, NodeId};
 use twin::AsiDocument;
 
 use crate::harness::{
-    Client, DEADLINE, TestTwin, document, external, instance, message, next, now,
+    Client, DEADLINE, TestTwin, document, external, good, instance, message, next,
 };
 
 const NETWORKS: usize = 10_000;
@@ -56,7 +56,7 @@ fn large_document(network: usize, fields: usize) -> AsiDocument {
     let keys: Vec<FieldKey> =
         document.message.operation_network.fields().map(|(key, _, _)| key).collect();
     let record = |key: FieldKey| {
-        let value = DataValue::good(1_u64, now());
+        let value = Some(good(1));
         (key, twin::FieldRecord { value, reason: Some("as agreed".into()), ..external() })
     };
     document.fields = keys.into_iter().map(record).collect();
@@ -240,7 +240,7 @@ async fn fifty_thousand_items_change_in_one_tick_and_none_is_lost() {
     }
     let start = Instant::now();
     for round in 2..2 + ROUNDS {
-        let values = keys.iter().map(|key| (key.clone(), DataValue::good(round, now()))).collect();
+        let values = keys.iter().map(|key| (key.clone(), good(round))).collect();
         assert_eq!(twin.handle.publish_values(values), ITEMS);
     }
     for _ in 0..ITEMS * usize::try_from(ROUNDS).unwrap() {
@@ -306,7 +306,7 @@ async fn a_change_is_heard_at_the_next_publishing() {
     let mut times = Vec::new();
     for value in 2..202_u64 {
         let start = Instant::now();
-        twin.handle.publish_values(vec![(key.clone(), DataValue::good(value, now()))]);
+        twin.handle.publish_values(vec![(key.clone(), good(value))]);
         assert_eq!(next(&mut changes).await.1.value, Some(value.into()));
         times.push(start.elapsed());
         assert!(start.elapsed() < DEADLINE);

@@ -66,7 +66,7 @@ fn write(transaction: &Connection, changes: &Writes) -> rusqlite::Result<()> {
             created_at,
             recipients,
             bytes,
-            row.body,
+            &*row.body,
             row.salt
         ])?;
     }

@@ -9,13 +9,12 @@ use std::{
 };
 
 use anyhow::Context as _;
-use asi_model::DataValue;
 use opcua_stack::opcua::types::{NodeId, Variant};
 use serde_json::Value;
 
 use super::{
     client::{Client, instance},
-    server::{Running, document, fields, new, node, now, text},
+    server::{Running, document, fields, new, node, now, released, text},
 };
 use crate::bench::figures::{figure, figures};
 
@@ -139,7 +138,7 @@ pub(in crate::bench) async fn latency() -> anyhow::Result<Vec<Value>> {
         // Anywhere between two publishings.
         tokio::time::sleep(Duration::from_micros(1000 + (value * 137) % 9000)).await;
         let start = Instant::now();
-        twin.handle.publish_values(vec![(key.clone(), DataValue::good(value, now()))]);
+        twin.handle.publish_values(vec![(key.clone(), released(value, now()))]);
         anyhow::ensure!(
             heard(&mut changes).await?.1.value == Some(value.into()),
             "values come in order"
@@ -170,7 +169,7 @@ pub(in crate::bench) async fn burst() -> anyhow::Result<Vec<Value>> {
     let start = Instant::now();
     for round in 2..2 + ROUNDS {
         twin.handle.publish_values(
-            keys.iter().map(|key| (key.clone(), DataValue::good(round, now()))).collect(),
+            keys.iter().map(|key| (key.clone(), released(round, now()))).collect(),
         );
     }
     let mut last = vec![1_u64; ITEMS];

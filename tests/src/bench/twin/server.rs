@@ -4,10 +4,11 @@ use std::{collections::HashMap, io::Read as _, path::Path, sync::Arc, time::Dura
 
 use anyhow::Context as _;
 use asi_model::{
-    DataValue, DateTime, FactoryId, FieldKey, StatusCode,
+    BuiltInType, DataValue, DateTime, FactoryId, FieldKey, StatusCode,
     messages::{MappingState, OperationNetworkMessage, PlatformMessage, ValueSource},
 };
 use async_trait::async_trait;
+use disclosure::{Gate, GateState, Released};
 use serde_json::json;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
@@ -106,7 +107,7 @@ pub(super) fn document(text: &str) -> anyhow::Result<AsiDocument> {
     let record = || FieldRecord {
         mapping_state: MappingState::Mapped,
         value_source: Some(ValueSource::External),
-        value: DataValue::good(1_u64, now()),
+        value: Some(released(1, now())),
         disclosure: Some(Arc::clone(&how)),
         decided_by: Some(Arc::clone(&by)),
         decision_time: Some(now()),
@@ -126,6 +127,13 @@ pub(super) fn fields(document: &AsiDocument) -> Vec<FieldKey> {
 
 pub(super) fn node(key: &FieldKey) -> String {
     format!("{}/op/MakeFrame/req/Progress/{}", key.request.operation_network_id, key.field_name)
+}
+
+/// Lets a number through an open gate, which is the only way to show one.
+pub(super) fn released(number: u64, at: DateTime) -> Released {
+    let mut gate = Gate::new(Arc::default(), BuiltInType::UInt64, GateState::default(), at);
+    gate.on(at, DataValue::good(number, at));
+    gate.disclosed().expect("an open gate releases at once").clone()
 }
 
 pub(super) fn now() -> DateTime {
@@ -152,7 +160,7 @@ pub(in crate::bench) async fn serve() -> anyhow::Result<()> {
             tick.tick().await;
             let at = now();
             twin.handle.publish_values(
-                keys.iter().map(|key| (key.clone(), DataValue::good(value, at))).collect(),
+                keys.iter().map(|key| (key.clone(), released(value, at))).collect(),
             );
         }
     };

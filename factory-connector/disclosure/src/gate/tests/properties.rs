@@ -21,7 +21,8 @@ fn run(policy: &DisclosurePolicy, steps: &[(u64, Step)], is_late: bool) -> Left 
     let (mut now, mut left) = (0, Vec::new());
     let mut note = |gate: &mut Gate, now| {
         if gate.take_released() {
-            left.push((now, gate.disclosed().expect("a released value is disclosed").clone()));
+            let released = gate.disclosed().expect("a released value is disclosed");
+            left.push((now, DataValue::clone(released)));
         }
     };
     for (pause, step) in steps {

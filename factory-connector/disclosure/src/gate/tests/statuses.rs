@@ -24,14 +24,14 @@ fn a_script_made_status_carries_no_value_past_the_gate() {
 fn a_status_from_before_the_policy_knew_them_is_coarsened_at_the_start() {
     let fine = |ms| DataValue { status: StatusCode::BAD_SENSOR_FAILURE, ..candidate(ms, 0) };
     let state = GateState {
-        disclosed: Some(fine(0)),
+        disclosed: Some(Released::by_gate(fine(0))),
         waiting: [(at(0), fine(1))].into(),
         ..GateState::default()
     };
     let policy: DisclosurePolicy = serde_json::from_str(r#"{"delayMs":1000}"#).expect("a policy");
     let gate = Gate::new(Arc::new(policy), BuiltInType::Int64, state, at(1));
     let GateState { disclosed, waiting, .. } = gate.state();
-    let statuses = waiting.iter().map(|(_, value)| value).chain(&disclosed).map(|v| v.status);
+    let statuses = waiting.iter().map(|(_, value)| value).chain(disclosed.as_deref()).map(|v| v.status);
     assert!(statuses.eq([StatusCode::BAD; 2]));
 }
 

@@ -85,13 +85,53 @@ fn a_tightened_policy_shows_no_finer_value() {
     fine.status = StatusCode::UNCERTAIN_SUB_NORMAL;
     gate.on(at(17), fine);
     assert_eq!(shown(&gate), Some(123));
-    gate.change_policy(policy(r#"{"roundingStep":100,"timeStepMs":1000}"#), at(20));
-    let coarse = DataValue { status: StatusCode::UNCERTAIN, ..candidate(0, 100) };
-    assert_eq!(gate.disclosed(), Some(&coarse));
+    gate.change_policy(policy(r#"{"roundingStep":100}"#), at(20));
+    let coarse = DataValue { status: StatusCode::UNCERTAIN, ..candidate(17, 100) };
+    assert_eq!(gate.disclosed().map(|shown| &**shown), Some(&coarse));
     assert_eq!(gate.due(), None, "nothing is left to release");
+    gate.change_policy(policy(r#"{"roundingStep":100,"timeStepMs":1000}"#), at(30));
+    assert_eq!((gate.disclosed(), gate.due()), (None, Some(at(1000))), "not between two steps");
+    gate.on_time(at(1000));
+    let coarse = DataValue { status: StatusCode::UNCERTAIN, ..candidate(0, 100) };
+    assert_eq!(gate.disclosed().map(|shown| &**shown), Some(&coarse));
     // A single value is finer than any of a window.
-    gate.change_policy(policy(MEAN), at(30));
+    gate.change_policy(policy(MEAN), at(1030));
     assert_eq!(gate.disclosed(), None);
+}
+
+/// The report with the value may wait unsent, and is taken back; the next one must not bring the
+/// value earlier than the new policy allows.
+#[test]
+fn a_policy_that_delays_more_holds_the_value_released_last_back() {
+    for (later, due) in [
+        (r#"{"delayMs":60000}"#, 60_000),
+        (r#"{"minimumIntervalMs":60000}"#, 60_000),
+        (r#"{"rateLimits":[{"values":1,"periodMs":60000}]}"#, 0),
+        (r#"{"workingHours":{"days":["FRIDAY"],"from":"09:00","until":"10:00"}}"#, 3_600_000),
+    ] {
+        let mut gate = gate("{}");
+        gate.on(at(0), candidate(0, 1));
+        assert!(gate.take_released());
+        gate.change_policy(policy(later), at(10));
+        assert_eq!(gate.take_released(), due == 0, "{later}");
+        assert_eq!(gate.due(), Some(at(due)).filter(|_| due > 0), "{later}");
+        gate.on_time(at(due.max(10)));
+        assert_eq!(shown(&gate), Some(1), "{later}");
+    }
+    // What waits behind it stays behind it.
+    let mut gate = gate(r#"{"delayMs":1000}"#);
+    gate.on(at(0), candidate(0, 1));
+    gate.on(at(900), candidate(900, 2));
+    gate.on_time(at(1000));
+    gate.change_policy(policy(r#"{"delayMs":2000}"#), at(1100));
+    assert_eq!((gate.disclosed(), gate.due()), (None, Some(at(2900))));
+    let state = gate.state();
+    let mut gate = Gate::new(gate.policy().clone(), BuiltInType::Int64, state, at(1200));
+    gate.on_time(at(2900));
+    assert_eq!(shown(&gate), Some(2));
+    // A looser policy shows on what was shown.
+    gate.change_policy(policy(r#"{"delayMs":500}"#), at(3000));
+    assert_eq!((shown(&gate), gate.due()), (Some(2), None));
 }
 
 #[test]

@@ -1,0 +1,149 @@
+//! Reports made of gates: a value and its times get into a message only through here.
+
+use std::{fmt, ops::Deref, sync::Arc, time::Duration};
+
+use asi_model::{
+    DataValue, DateTime, FieldName, RequestKey,
+    pubsub::{
+        DataSetMessage, MetaDataVersion, PayloadField, RecipientList, ReportHeader,
+        json::{Encoding, encode_data_set_message},
+        unit_member,
+    },
+};
+
+use crate::Gate;
+
+/// Resolution of the times of reports without a time step. The leak budget counts on it.
+const TIMESTAMP_STEP: Duration = Duration::from_millis(1);
+
+/// Writer and request of a report: everything in it that comes from no gate.
+#[derive(Debug, Clone, Copy)]
+pub struct ReportOrigin<'r> {
+    pub data_set_writer_id: u16,
+    pub sequence_number: u32,
+    /// Version of the metadata that describes the report.
+    pub version: MetaDataVersion,
+    /// `reportName` of the request's ReportDataFormat.
+    pub report_name: &'r str,
+    pub request: &'r RequestKey,
+    /// The organisations that may read the report.
+    pub recipient_list: Option<&'r RecipientList>,
+}
+
+/// A field of a report: its value is the one that its gate released last.
+#[derive(Debug, Clone, Copy)]
+pub struct ReportedField<'g> {
+    pub name: &'g FieldName,
+    /// Unit in the words of the request.
+    pub unit: Option<&'g str>,
+    pub gate: &'g Gate,
+}
+
+/// The report of a data set. It has nothing but values that gates released, and its times are on
+/// the longest time step of their policies. No code outside of this crate makes another one:
+///
+/// ```compile_fail,E0423
+/// let _ = disclosure::ReportFrame(asi_model::pubsub::DataSetMessage::default());
+/// ```
+///
+/// ```compile_fail,E0616
+/// fn change(frame: &mut disclosure::ReportFrame) {
+///     frame.0.fields.clear();
+/// }
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReportFrame(DataSetMessage);
+
+impl ReportFrame {
+    /// Makes the report of these fields at `now`; `None` before the first value.
+    #[must_use]
+    pub fn of<'g>(
+        origin: &ReportOrigin<'_>,
+        fields: impl Iterator<Item = ReportedField<'g>>,
+        now: DateTime,
+    ) -> Option<Self> {
+        let mut values = Vec::with_capacity(2 * fields.size_hint().0);
+        let mut newest: Option<DateTime> = None;
+        // In the same pass: it is made for every report.
+        let mut step = Duration::ZERO;
+        for ReportedField { name, unit, gate } in fields {
+            step = step.max(gate.policy().time_step());
+            let Some(released) = gate.disclosed() else { continue };
+            newest = newest.max(released.source_timestamp);
+            let shown = DataValue {
+                source_timestamp: None,
+                server_timestamp: None,
+                ..DataValue::clone(released)
+            };
+            values.push(PayloadField::with(Arc::from(name.as_str()), shown));
+            if let Some(unit) = unit {
+                values.push(PayloadField::new(unit_member(name.as_str()), unit));
+            }
+        }
+        if values.is_empty() {
+            return None;
+        }
+        let header = ReportHeader {
+            report_name: origin.report_name,
+            request: origin.request,
+            shopfloor_timestamp: newest.unwrap_or(now).floor_to(step),
+            recipient_list: origin.recipient_list,
+        };
+        let mut payload = header.payload_fields();
+        payload.append(&mut values);
+        Some(Self(DataSetMessage {
+            data_set_writer_id: Some(origin.data_set_writer_id),
+            sequence_number: Some(origin.sequence_number),
+            meta_data_version: Some(origin.version),
+            timestamp: Some(now.floor_to(step.max(TIMESTAMP_STEP))),
+            fields: payload,
+            ..DataSetMessage::default()
+        }))
+    }
+
+    /// Encodes the report for the spool.
+    #[must_use]
+    pub fn encode(&self, encoding: Encoding) -> ReportBody {
+        ReportBody(encode_data_set_message(&self.0, encoding))
+    }
+
+    /// Returns the report as a message to look at. What is made of it cannot leave: the spool takes
+    /// a [`ReportBody`].
+    #[must_use]
+    pub fn into_draft(self) -> DataSetMessage {
+        self.0
+    }
+}
+
+/// A DataSetMessage as JSON that may leave the plant. The spool takes nothing else, and only a
+/// [`ReportFrame`] makes it:
+///
+/// ```compile_fail,E0423
+/// let _ = disclosure::ReportBody("{}".to_owned());
+/// ```
+///
+/// ```compile_fail,E0277
+/// let _: disclosure::ReportBody = "{}".to_owned().into();
+/// ```
+///
+/// ```
+/// fn length(body: &disclosure::ReportBody) -> usize {
+///     body.len()
+/// }
+/// ```
+#[derive(Clone, PartialEq, Eq)]
+pub struct ReportBody(String);
+
+impl Deref for ReportBody {
+    type Target = str;
+
+    fn deref(&self) -> &str {
+        &self.0
+    }
+}
+
+impl fmt::Debug for ReportBody {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(formatter)
+    }
+}
