@@ -300,8 +300,7 @@ impl Gate {
     }
 
     fn release(&mut self, now: DateTime) {
-        self.state.disclosed =
-            self.releasable.take().map(|(_, value)| Released::by_gate(value));
+        self.state.disclosed = self.releasable.take().map(|(_, value)| Released::by_gate(value));
         self.state.last_released_at = Some(now);
         rate::remember(&mut self.state.released, &self.policy.rate_limits, now);
         self.not_before = None;

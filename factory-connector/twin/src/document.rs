@@ -119,8 +119,7 @@ mod tests {
 
     fn released(value: DataValue) -> Option<Released> {
         let at = DateTime::from_ticks(1);
-        let mut gate =
-            Gate::new(Arc::default(), BuiltInType::UInt64, GateState::default(), at);
+        let mut gate = Gate::new(Arc::default(), BuiltInType::UInt64, GateState::default(), at);
         gate.on(at, value);
         gate.disclosed().cloned()
     }

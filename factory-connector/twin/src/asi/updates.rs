@@ -2,9 +2,7 @@
 
 use std::{collections::HashMap, sync::Arc};
 
-use asi_model::{
-    FieldKey, OperationNetworkId, instance::FOLDER_ID, messages::MappingState,
-};
+use asi_model::{FieldKey, OperationNetworkId, instance::FOLDER_ID, messages::MappingState};
 use disclosure::Released;
 use opcua_stack::opcua::{
     server::node_manager::MonitoredItemRef,

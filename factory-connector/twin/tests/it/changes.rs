@@ -25,8 +25,7 @@ async fn values_are_pushed_in_order_and_none_is_lost() {
     let mut changes = client.subscribe(&[instance(&field_id("net", "progressStatus"))]).await;
     assert_eq!(next(&mut changes).await.1.status(), StatusCode::BadWaitingForInitialData);
     for value in 1..=500_u64 {
-        twin.handle
-            .publish_values(vec![(field("net", "progressStatus"), good(value))]);
+        twin.handle.publish_values(vec![(field("net", "progressStatus"), good(value))]);
         if value % 50 == 0 {
             // The queue holds 100 values.
             for expected in value - 49..=value {
@@ -269,8 +268,7 @@ async fn the_audit_trail_contains_user_and_change() {
     }
 
     // The engine's own updates are no audit events: the next is the sign-in.
-    twin.handle
-        .publish_values(vec![(field("net", "progressStatus"), good(7))]);
+    twin.handle.publish_values(vec![(field("net", "progressStatus"), good(7))]);
     assert!(
         twin.connect("otto", "wrong", opcua_stack::opcua::crypto::SecurityPolicy::Basic256Sha256)
             .await

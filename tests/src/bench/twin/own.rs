@@ -168,9 +168,8 @@ pub(in crate::bench) async fn burst() -> anyhow::Result<Vec<Value>> {
     }
     let start = Instant::now();
     for round in 2..2 + ROUNDS {
-        twin.handle.publish_values(
-            keys.iter().map(|key| (key.clone(), released(round, now()))).collect(),
-        );
+        twin.handle
+            .publish_values(keys.iter().map(|key| (key.clone(), released(round, now()))).collect());
     }
     let mut last = vec![1_u64; ITEMS];
     let (mut received, mut out_of_order) = (0, 0);

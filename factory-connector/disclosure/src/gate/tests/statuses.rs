@@ -31,7 +31,8 @@ fn a_status_from_before_the_policy_knew_them_is_coarsened_at_the_start() {
     let policy: DisclosurePolicy = serde_json::from_str(r#"{"delayMs":1000}"#).expect("a policy");
     let gate = Gate::new(Arc::new(policy), BuiltInType::Int64, state, at(1));
     let GateState { disclosed, waiting, .. } = gate.state();
-    let statuses = waiting.iter().map(|(_, value)| value).chain(disclosed.as_deref()).map(|v| v.status);
+    let statuses =
+        waiting.iter().map(|(_, value)| value).chain(disclosed.as_deref()).map(|v| v.status);
     assert!(statuses.eq([StatusCode::BAD; 2]));
 }
 
