@@ -147,3 +147,51 @@ impl fmt::Debug for ReportBody {
         self.0.fmt(formatter)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use asi_model::BuiltInType;
+
+    use super::*;
+    use crate::GateState;
+
+    /// The step is a minute; the source measured and the report is made within one.
+    #[test]
+    fn the_times_of_a_report_are_on_the_longest_step_of_its_fields() {
+        let at = |text: &str| text.parse::<DateTime>().expect("a time");
+        let policy = serde_json::from_str(r#"{"timeStepMs":60000}"#).expect("a policy");
+        let (on_step, begin) = (at("2026-11-23T10:01:00Z"), at("2026-11-23T10:00:17.5Z"));
+        let gate = |policy| {
+            let (policy, state) = (Arc::new(policy), GateState::default());
+            let mut gate = Gate::new(policy, BuiltInType::UInt64, state, begin);
+            gate.on(begin, DataValue::good(7_u64, begin));
+            gate.on_time(on_step);
+            gate
+        };
+        let (stepped, open) = (gate(policy), gate(crate::DisclosurePolicy::default()));
+        let request = RequestKey {
+            operation_network_id: "n".parse().expect("an id"),
+            operation_id: "op".parse().expect("an id"),
+            dynamic_data_request_id: "R1".parse().expect("an id"),
+        };
+        let origin = ReportOrigin {
+            data_set_writer_id: 1,
+            sequence_number: 0,
+            version: MetaDataVersion::default(),
+            report_name: "Progress",
+            request: &request,
+            recipient_list: None,
+        };
+        let names = ["a", "b"].map(|name| name.parse::<FieldName>().expect("a name"));
+        let fields = names.iter().zip([&stepped, &open]);
+        let fields = fields.map(|(name, gate)| ReportedField { name, unit: None, gate });
+        let frame = ReportFrame::of(&origin, fields, at("2026-11-23T10:01:42.25Z"));
+        let message = frame.expect("it has values").into_draft();
+        assert_eq!(message.timestamp, Some(on_step));
+        let times = message.fields.iter().filter_map(|field| match field.value.value.as_scalar() {
+            Some(asi_model::Scalar::DateTime(time)) => Some(*time),
+            _ => None,
+        });
+        assert_eq!(times.collect::<Vec<_>>(), [at("2026-11-23T10:00:00Z")]);
+    }
+}
