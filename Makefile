@@ -68,7 +68,7 @@ web-lint web-check web-test: web
 	cd web && npm run --silent $(@:web-%=%)
 
 bench: prerequisites web ## latency and throughput of the whole path, release build; writes target/bench/results.json
-	$(CARGO) build --locked --release $(PROGRAMS) --bin bench
+	$(CARGO) build --locked --release $(PROGRAMS) --bin bench --bin asi
 	target/release/bench
 
 chaos: prerequisites-test web ## kills, cuts, lost stores, clocks, full disks: MINUTES=30 SEED=n; proves nothing lost or doubled

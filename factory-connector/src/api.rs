@@ -24,6 +24,7 @@ mod operator;
 mod paths;
 mod policies;
 mod preview;
+mod previews;
 mod problems;
 mod revocations;
 mod roles;

@@ -16,6 +16,11 @@ pub(crate) fn new_entry_id() -> EntryId {
     EntryId::try_from(new_uuid().to_string()).expect("a UUID is an id")
 }
 
+/// Returns the id of a preview.
+pub(crate) fn new_preview_id() -> String {
+    new_uuid().to_string()
+}
+
 #[expect(clippy::disallowed_methods, reason = "the ids of the connector")]
 fn new_uuid() -> uuid::Uuid {
     uuid::Uuid::now_v7()

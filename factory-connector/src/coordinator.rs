@@ -312,6 +312,7 @@ impl Coordinator {
         }
         // The reports were not taken back after all, so they may leave.
         self.work.outputs.in_flight.undo_recalls();
+        self.schedule.begin_retention_again();
         // A full or failing disk does not recover at once; without a pause this would only repeat.
         tokio::time::sleep(PAUSE_AFTER_FAILURE).await;
         let mut snapshot = self.work.store.load().await?;

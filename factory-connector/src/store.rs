@@ -27,6 +27,7 @@ mod networks;
 mod operator_entries;
 mod place;
 mod policy_documents;
+mod previews;
 mod query;
 mod received_messages;
 mod recipient_policies;
@@ -47,10 +48,10 @@ pub use comments::{Comments, StoredComment};
 use connector_state::{
     Snapshot, StoredBudgets, StoredMappings, StoredNetwork, StoredPolicies, Writes,
     writes::{
-        CarriedFieldRow, CheckpointRow, CommentRow, ConsentRow, ControlRow, DeadLetterRow,
-        DocumentRow, FieldRow, FieldValueRow, NetworkRow, NewReport, PolicyWrites,
-        RecipientPolicyRow, ReportMove, RevocationRow, RuleDecisionRow, ShadowRow, SourceRow,
-        TemplateRow, VersionRow, WaitingRow, WriterRow,
+        AnchorRow, CarriedFieldRow, CheckpointRow, CommentRow, ConsentRow, ControlRow,
+        DeadLetterRow, DocumentRow, FieldRow, FieldValueRow, NetworkRow, NewReport, PolicyWrites,
+        PreviewRow, RecipientPolicyRow, RemovedEntries, ReportMove, RevocationRow, RuleDecisionRow,
+        ShadowRow, SourceRow, TemplateRow, VersionRow, WaitingRow, WriterRow,
     },
 };
 pub use control_messages::ControlMessage;
@@ -62,7 +63,7 @@ pub use handle::Store;
 pub use identity::StoreIdentity;
 pub use ledger::{
     Checkpoints, Ledger, LedgerCursor, LedgerFilter, LedgerRow, LedgerSubject, LogCheckpoint,
-    StoredCheckpoint,
+    StoredCheckpoint, Trusted,
 };
 pub use mapping_templates::MappingTemplates;
 pub use mapping_versions::{StoredMappingVersions, VERSIONS_MAX};

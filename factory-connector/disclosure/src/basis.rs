@@ -22,6 +22,9 @@ pub struct DecisionBasis {
     /// The caps that hold the field back, in their versions at that time.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub caps: Vec<DocumentVersion>,
+    /// Salted hash of the preview that the engineer decided on, hexadecimal; in consents only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preview: Option<String>,
 }
 
 impl DecisionBasis {

@@ -2,22 +2,22 @@
 //! checkpoint that was kept elsewhere proves every entry up to it.
 //!
 //! The file has one JSON object per line. The first is an [`AuditStart`], each further one an
-//! [`AuditEntry`], in the order of the chain.
+//! [`AuditEntry`], in the order of the chain. Lines are first checked separately, on several threads
+//! if the caller wants ([`Auditor::check`]), and then taken in their order.
 
-mod delivery;
 mod file;
+mod line;
 #[cfg(test)]
 mod tests;
 
 use asi_model::DateTime;
-use delivery::Deliveries;
 pub use file::{AuditEntry, AuditStart};
+pub use line::CheckedLine;
+use line::Values;
 use serde::Serialize;
-use transparency_log::{
-    Checkpoint, CheckpointError, LeafRange, NoteError, SignedNote, VerifierKey, leaf_hash,
-};
+use transparency_log::{Checkpoint, CheckpointError, LeafRange, NoteError, SignedNote, VerifierKey};
 
-use super::{Event, LedgerEntry, LedgerFault, LogStart, values_root};
+use super::{LedgerFault, LogStart, history::ReportHistory};
 
 /// Most faults that are listed; further ones are only counted.
 const FAULTS_MAX: usize = 100;
@@ -79,16 +79,18 @@ pub struct Auditor {
     leaves: LeafRange,
     /// Number of the last entry.
     number: u64,
-    /// Values of reports that were queued before this time may be emptied.
+    /// Values of reports that were queued before this time may be missing without a statement of
+    /// retention.
     emptied_before: Option<DateTime>,
-    deliveries: Deliveries,
+    history: ReportHistory,
     is_proven: bool,
     outcome: Audit,
 }
 
 impl Auditor {
     /// Begins with a signed checkpoint, the key of the log, and the first line of the file. Values
-    /// may be missing only of reports that were queued before `emptied_before`.
+    /// may be missing where an entry of the chain states their retention, and of reports that were
+    /// queued before `emptied_before`.
     ///
     /// # Errors
     /// [`AuditError`] where the checkpoint is not signed with the key, or belongs to another log.
@@ -112,7 +114,7 @@ impl Auditor {
         }
         let leaves = first.leaves_before(&start).ok_or(AuditError::Start)?;
         let mut auditor = Self {
-            deliveries: Deliveries::new(first.number == 0),
+            history: ReportHistory::after(first.number),
             number: first.number,
             is_proven: false,
             outcome: Audit { origin: checkpoint.origin.clone(), ..Audit::default() },
@@ -125,36 +127,43 @@ impl Auditor {
         Ok(auditor)
     }
 
-    /// Checks the next entry.
+    /// Checks a line for itself; lines may be checked in any order.
+    #[must_use]
+    pub fn check(&self, line: &str) -> CheckedLine {
+        CheckedLine::new(line, self.start.recipient.as_str())
+    }
+
+    /// Checks and takes the next line.
     pub fn take(&mut self, line: &str) {
+        let checked = self.check(line);
+        self.take_checked(checked);
+    }
+
+    /// Takes the next line after it was checked for itself.
+    pub fn take_checked(&mut self, line: CheckedLine) {
         self.number += 1;
-        let Ok(line) = serde_json::from_str::<AuditEntry>(line) else {
-            return self.fault("the line cannot be read");
-        };
-        self.leaves.append(leaf_hash(line.entry.as_bytes()));
-        if self.leaves.end() <= self.checkpoint.size {
-            self.outcome.entries_proven += 1;
-        } else {
-            self.outcome.entries_after += 1;
+        let CheckedLine { leaf, number, recorded_at, faults, values, event } = line;
+        if let Some(leaf) = leaf {
+            self.leaves.append(leaf);
+            if self.leaves.end() <= self.checkpoint.size {
+                self.outcome.entries_proven += 1;
+            } else {
+                self.outcome.entries_after += 1;
+            }
+            self.compare_root();
         }
-        self.compare_root();
-        let Ok(entry) = serde_json::from_str::<LedgerEntry>(&line.entry) else {
-            return self.fault("the entry cannot be read");
-        };
-        if entry.recipient != self.start.recipient || entry.number != self.number {
+        match values {
+            Values::None => {}
+            Values::Compared => self.outcome.values_compared += 1,
+            Values::Emptied => self.outcome.values_emptied += 1,
+        }
+        for fault in faults {
+            self.fault(fault);
+        }
+        if number.is_some_and(|number| number != self.number) {
             self.fault("the entry stands in another's place");
         }
-        let has_report = line.report.is_some()
-            || line.salt.is_some()
-            || line.sent_at.is_some()
-            || line.message_id.is_some()
-            || line.delivered_at.is_some();
-        if matches!(entry.event, Event::Queued { .. }) {
-            self.compare_values(&entry, &line);
-        } else if has_report {
-            self.fault("the entry has the report of another");
-        }
-        if let Err(fault) = self.deliveries.take(&entry, &line) {
+        if let Err(fault) = self.history.take(self.number, recorded_at, event) {
             self.fault(fault);
         }
     }
@@ -162,9 +171,10 @@ impl Auditor {
     /// Ends the audit.
     #[must_use]
     pub fn finish(mut self) -> Audit {
-        for number in std::mem::take(&mut self.deliveries).wrong() {
+        let granted = self.emptied_before.map(DateTime::unix_micros);
+        for (number, fault) in std::mem::take(&mut self.history).finish(granted) {
             self.number = number;
-            self.fault("time or message of the delivery is not the one that was entered");
+            self.fault(fault);
         }
         if !self.is_proven {
             self.number = self.checkpoint.size.saturating_sub(1);
@@ -180,30 +190,6 @@ impl Auditor {
         self.is_proven = true;
         if self.leaves.root() != self.checkpoint.root {
             self.fault("the entries up to here are not those of the checkpoint");
-        }
-    }
-
-    fn compare_values(&mut self, entry: &LedgerEntry, line: &AuditEntry) {
-        let Event::Queued { range, values, .. } = &entry.event else { return };
-        match (&line.report, &line.salt) {
-            (Some(report), Some(salt)) => {
-                self.outcome.values_compared += 1;
-                let root = hex::decode(salt).ok();
-                let root = root.and_then(|salt| values_root(report.get(), &salt).ok());
-                if root.map(hex::encode).as_ref() != Some(values) {
-                    self.fault("the values are not those that were reported");
-                }
-            }
-            (None, None) => {
-                self.outcome.values_emptied += 1;
-                if self.emptied_before.is_none_or(|before| entry.recorded_at >= before) {
-                    self.fault("the values are missing");
-                }
-            }
-            _ => self.fault("the values were removed in part"),
-        }
-        if range.first_sequence != range.last_sequence {
-            self.fault("the entry is about several reports");
         }
     }
 

@@ -9,15 +9,7 @@ use asi_model::{
 use disclosure::{DecisionBasis, DisclosurePolicy, Language};
 use serde::{Deserialize, Serialize};
 
-/// Sequence numbers of one writer and epoch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct SequenceRange {
-    pub data_set_writer_id: u16,
-    pub epoch: u32,
-    pub first_sequence: u32,
-    pub last_sequence: u32,
-}
+use super::{RetentionStatement, SequenceRange};
 
 /// Event that an entry records.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -80,6 +72,8 @@ pub enum Event {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         last_delivered_sequence: Option<u32>,
     },
+    /// Values of reports were emptied, or the oldest entries of the chain removed.
+    Retention(RetentionStatement),
 }
 
 /// Kind of an event, for searches.
@@ -95,6 +89,7 @@ pub enum EventKind {
     Expired,
     Purged,
     Revoked,
+    Retention,
 }
 
 impl EventKind {
@@ -121,6 +116,7 @@ impl EventKind {
             Self::Expired => ("Expired", "Verfallen"),
             Self::Purged => ("Purged", "Gelöscht"),
             Self::Revoked => ("Consent ended", "Einwilligung beendet"),
+            Self::Retention => ("Retention", "Aufbewahrung"),
         };
         language.choose(english, german)
     }
@@ -137,6 +133,7 @@ impl EventKind {
             Self::Expired => "EXPIRED",
             Self::Purged => "PURGED",
             Self::Revoked => "REVOKED",
+            Self::Retention => "RETENTION",
         }
     }
 }

@@ -21,7 +21,7 @@ use tokio::sync::{Notify, watch};
 use tokio_util::sync::CancellationToken;
 use twin::TwinHandle;
 
-use super::accounts::StoredAccounts;
+use super::{accounts::StoredAccounts, previews::ShownPreviews};
 use crate::{
     catalog::CatalogHandle,
     coordinator::CoordinatorHandle,
@@ -79,6 +79,7 @@ pub struct Api {
     parts: Arc<ApiParts>,
     pub(super) sessions: Sessions<StoredAccounts>,
     pub(super) accounts: StoredAccounts,
+    pub(super) previews: Arc<ShownPreviews>,
 }
 
 impl Api {
@@ -88,7 +89,7 @@ impl Api {
         let accounts = StoredAccounts::new(parts.readers.clone());
         let config = SessionConfig::new(COOKIE, parts.server.has_tls);
         let sessions = Sessions::new(config, accounts.clone());
-        Self { parts: Arc::new(parts), sessions, accounts }
+        Self { parts: Arc::new(parts), sessions, accounts, previews: Arc::default() }
     }
 
     /// Takes a reading connection to the store.

@@ -9,9 +9,10 @@ use axum::{Json, extract::State};
 use connector_state::{
     operator::{Action, EntryFault, OperationKey, OperatorEntry},
     use_cases::{
-        decide::{DecisionCommand, DecisionRequest, decide},
+        decide::{DecisionCommand, DecisionError, DecisionRequest, decide},
         enter::{EntryOutcome, enter},
     },
+    writes::PreviewRow,
 };
 use daemon::web::{ApiJson, ApiPath, Problem, problem::ProblemFault};
 use disclosure::{DecisionBasis, DisclosurePolicy, DocumentId, GateOutcome};
@@ -26,7 +27,7 @@ use super::{
     roles::{Engineer, Operator, Viewer},
     view::FieldView,
 };
-use crate::clock::{new_entry_id, now};
+use crate::clock::{new_entry_id, now, salt};
 
 /// Time for a server to return the browse path of a variable.
 const BROWSE_PATH_TIMEOUT: std::time::Duration = std::time::Duration::from_secs(2);
@@ -62,6 +63,19 @@ pub struct DecisionBody {
     policy_id: Option<DocumentId>,
     /// Reason that the partner reads; needed with `REFUSED`.
     reason: Option<String>,
+    /// The preview of this draft that the engineer saw; the ledger has a salted hash of it.
+    preview_id: Option<String>,
+}
+
+/// Writes a draft as JSON, the same for equal drafts.
+pub(super) fn draft_text(
+    value_source: ValueSource,
+    mapping: Option<&MappingDraft>,
+    disclosure: &DisclosurePolicy,
+    policy_id: Option<&DocumentId>,
+) -> String {
+    let mapping = mapping.filter(|_| value_source == ValueSource::Mapping);
+    serde_json::json!([value_source, mapping, disclosure, policy_id]).to_string()
 }
 
 /// Completes a draft by the field's definition.
@@ -137,6 +151,7 @@ pub async fn decide_field(
     ApiJson(body): ApiJson<DecisionBody>,
 ) -> Result<Json<FieldView>, Problem> {
     let field = path.into_key();
+    let preview = preview_row(&api, &user.principal.user_name, &field, &body)?;
     let command = match body.mapping_state {
         MappingState::Pending => DecisionCommand::LeavePending,
         MappingState::Refused => DecisionCommand::Refuse,
@@ -159,12 +174,37 @@ pub async fn decide_field(
         command,
         reason: body.reason,
         decided_by: user.principal.user_name.clone(),
-        basis: DecisionBasis { policy_id: body.policy_id, ..DecisionBasis::default() },
+        basis: DecisionBasis {
+            policy_id: body.policy_id,
+            preview: preview.as_ref().map(|preview| preview.hash.clone()),
+            ..DecisionBasis::default()
+        },
     };
     let key = field.clone();
-    let decided = api.coordinator.execute(move |state, now| decide(state, &key, request, now));
+    let decided = api.coordinator.execute(move |state, now| {
+        let mut changes = decide(state, &key, request, now)?;
+        changes.writes.fields.previews.extend(preview);
+        Ok::<_, DecisionError>(changes)
+    });
     decided.await?.map_err(decision_problem)?;
     field_view(&api, field).await
+}
+
+/// Returns the preview that an engineer decides on, to be stored with the consent.
+fn preview_row(
+    api: &Api,
+    user: &str,
+    field: &FieldKey,
+    body: &DecisionBody,
+) -> Result<Option<PreviewRow>, Problem> {
+    let (Some(preview_id), Some(value_source)) = (&body.preview_id, body.value_source) else {
+        return Ok(None);
+    };
+    let disclosure = body.disclosure.clone().unwrap_or_default();
+    let draft =
+        draft_text(value_source, body.mapping.as_ref(), &disclosure, body.policy_id.as_ref());
+    let text = api.previews.text_for(preview_id, (user, field, &draft))?;
+    Ok(Some(PreviewRow::new(text, salt())))
 }
 
 /// Shows a field with its decision and its newest disclosed value.

@@ -24,13 +24,14 @@ use utoipa::ToSchema;
 
 use super::{
     context::Api,
-    fields::{MappingDraft, mapping_of},
+    fields::{MappingDraft, draft_text, mapping_of},
     paths::FieldPath,
+    previews::ShownPreview,
     problems::{Problems, engine, shop_floor},
     roles::Engineer,
 };
 use crate::{
-    clock::{new_message_id, now},
+    clock::{new_message_id, new_preview_id, now},
     values::ShownValue,
 };
 
@@ -74,6 +75,8 @@ pub struct StepView {
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Preview {
+    /// Id by which a decision names this preview, for some minutes.
+    preview_id: String,
     /// Present values of the variables.
     inputs: Vec<InputView>,
     /// Results of the mapping's functions, in order.
@@ -123,39 +126,59 @@ pub struct Leaks {
     responses((status = 200, body = Preview), Problems)
 )]
 pub async fn preview_decision(
-    _: Engineer,
+    Engineer(user): Engineer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
     ApiJson(draft): ApiJson<Draft>,
 ) -> Result<Json<Preview>, Problem> {
     let field = path.into_key();
+    let shown_draft = draft_text(
+        draft.value_source,
+        draft.mapping.as_ref(),
+        &draft.disclosure,
+        draft.policy_id.as_ref(),
+    );
+    let preview = preview_of(&api, field.clone(), draft).await?;
+    api.previews.remember(ShownPreview {
+        preview_id: preview.preview_id.clone(),
+        user: user.principal.user_name.clone(),
+        field,
+        draft: shown_draft,
+        text: serde_json::to_string(&preview).map_err(|error| Problem::internal(&error))?,
+    });
+    Ok(Json(preview))
+}
+
+/// Computes the preview of a draft.
+async fn preview_of(api: &Api, field: FieldKey, draft: Draft) -> Result<Preview, Problem> {
     let now = now();
-    let policy = effective(&api, &field, draft.disclosure, draft.policy_id).await?;
+    let policy = effective(api, &field, draft.disclosure, draft.policy_id).await?;
     let is_mapping = draft.value_source == ValueSource::Mapping;
     let inputs = draft.mapping.as_ref().filter(|_| is_mapping).map(|mapping| &mapping.inputs[..]);
     let variables = queries::variables_of(inputs.unwrap_or_default());
     let mut preview = Preview {
+        preview_id: new_preview_id(),
         inputs: Vec::new(),
         steps: Vec::new(),
         candidate: None,
         disclosed: None,
         disclosed_at: None,
-        statement: statement(&api, &field, &policy).await?,
+        statement: statement(api, &field, &policy).await?,
         effective_disclosure: (*policy).clone(),
         effects: Vec::new(),
-        leaks: leaks(&api, &field, &policy, variables, now).await?,
+        leaks: leaks(api, &field, &policy, variables, now).await?,
         is_withheld: false,
         message: None,
         diagnostics: Vec::new(),
     };
     let candidate = match (draft.value_source, draft.mapping) {
         (ValueSource::Mapping, Some(mapping)) => {
-            run(&api, &field, mapping, &mut preview, now).await?
+            run(api, &field, mapping, &mut preview, now).await?
         }
         (ValueSource::Mapping, None) => None,
-        _ => current(&api, &field).await?,
+        _ => current(api, &field).await?,
     };
-    let Some(candidate) = candidate else { return Ok(Json(preview)) };
+    let Some(candidate) = candidate else { return Ok(preview) };
     preview.candidate = Some(ShownValue::from(&candidate));
     let shown = api
         .coordinator
@@ -186,7 +209,7 @@ pub async fn preview_decision(
             preview.message = message;
         }
     }
-    Ok(Json(preview))
+    Ok(preview)
 }
 
 /// The precision that would hold.

@@ -16,7 +16,7 @@ use factory_connector::{
     config::ConnectorConfig,
     ledger_export::{ExportFormat, Exporter},
     ledger_key::{self, LEDGER_KEY_FILE},
-    store::{LedgerCursor, LedgerFilter, Store},
+    store::{LedgerCursor, LedgerFilter, Store, Trusted},
 };
 use ledger::Hash;
 
@@ -30,6 +30,10 @@ pub(super) enum LedgerCommand {
         /// verification named it. Without it, that of the key beside the ledger.
         #[arg(long, value_parser = public_key)]
         public_key: Option<Hash>,
+        /// A checkpoint of a log that was kept elsewhere, which reveals a store that was set back;
+        /// may be given several times.
+        #[arg(long, value_name = "FILE")]
+        checkpoint: Vec<PathBuf>,
     },
     /// Write a recipient's chain with all that proves it, for `asi ledger verify`.
     Audit {
@@ -99,7 +103,9 @@ fn time(text: &str) -> Result<DateTime, String> {
 
 pub(super) async fn run(command: LedgerCommand, config: &ConnectorConfig) -> anyhow::Result<()> {
     match command {
-        LedgerCommand::Verify { public_key } => verify(config, public_key).await,
+        LedgerCommand::Verify { public_key, checkpoint } => {
+            verify(config, public_key, &checkpoint).await
+        }
         LedgerCommand::Audit { recipient, output } => {
             audit::write_audit_file(config, &recipient, output).await
         }
@@ -130,13 +136,21 @@ pub(super) async fn run(command: LedgerCommand, config: &ConnectorConfig) -> any
     }
 }
 
-async fn verify(config: &ConnectorConfig, public_key: Option<Hash>) -> anyhow::Result<()> {
+async fn verify(
+    config: &ConnectorConfig,
+    public_key: Option<Hash>,
+    checkpoints: &[PathBuf],
+) -> anyhow::Result<()> {
+    let read = |path: &PathBuf| {
+        std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))
+    };
+    let checkpoints = checkpoints.iter().map(read).collect::<Result<_, _>>()?;
     let mut session = Store::connect(&config.data_directory).await?;
-    let trusted = match public_key {
+    let key = match public_key {
         Some(key) => Some(key),
         None => ledger_key::public_half(&config.data_directory.join(LEDGER_KEY_FILE))?,
     };
-    let outcome = session.ledger().verify(trusted).await?;
+    let outcome = session.ledger().verify_against(Trusted { key, checkpoints }).await?;
     print(&serde_json::to_string_pretty(&outcome)?)?;
     anyhow::ensure!(
         outcome.is_intact(),

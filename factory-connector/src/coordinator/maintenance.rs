@@ -7,6 +7,7 @@ use connector_state::{
     use_cases::{
         deliver::{drop_reports, resend_reports},
         keep_alive::keep_alives,
+        retain::{OldReport, RetentionLimit, empty_values, remove_entries},
         seal,
     },
     writes::WaitingRow,
@@ -56,6 +57,11 @@ impl Default for Schedule {
 impl Schedule {
     pub(super) const fn next(&self) -> Instant {
         self.next
+    }
+
+    /// Begins retention from the first report again: what was last emptied was not committed.
+    pub(super) const fn begin_retention_again(&mut self) {
+        self.emptied_through = 0;
     }
 }
 
@@ -116,22 +122,31 @@ async fn retain(
     schedule: &mut Schedule,
     now: DateTime,
 ) -> Result<(), StoreError> {
-    let UnitOfWork { store, config, key, .. } = work;
-    let before =
-        |days: u32| DateTime::from_unix_micros(now.unix_micros() - i64::from(days) * DAY_MICROS);
-    let RetentionLimits { value_days, entry_days } = config.retention;
+    let RetentionLimits { value_days, entry_days } = work.config.retention;
+    let limit = |days: u32| {
+        let micros = now.unix_micros() - i64::from(days) * DAY_MICROS;
+        (days > 0).then_some(RetentionLimit { days, before: DateTime::from_unix_micros(micros) })
+    };
     let mut is_done = true;
-    if value_days > 0 {
-        let last = store.empty_values(before(value_days), schedule.emptied_through).await?;
-        is_done &= last.is_none();
-        if let Some(last) = last {
+    if let Some(limit) = limit(value_days) {
+        let old = work.store.read().reports().old(limit.before, schedule.emptied_through).await?;
+        let moves = &work.pending.writes.reports.moves;
+        // What this transaction sends again keeps its values until it has left.
+        let is_moved = |old: &OldReport| {
+            moves.iter().any(|change| change.concerns(old.id, old.message))
+        };
+        is_done &= old.is_empty();
+        if let Some(last) = old.last().map(|old| old.id).filter(|_| !old.iter().any(is_moved)) {
             schedule.emptied_through = last;
+            let changes = empty_values(&mut work.state, &old, limit, now);
+            work.pending.merge(changes);
         }
     }
-    if entry_days > 0 {
-        let factory_id = &config.state.factory_id;
-        let pruned = store.prune_ledger(before(entry_days), factory_id, key, now).await?;
-        is_done &= pruned == 0;
+    if let Some(limit) = limit(entry_days) {
+        let old = work.store.read().ledger().old_entries(limit.before).await?;
+        is_done &= old.is_empty();
+        let changes = remove_entries(&mut work.state, old, limit, &work.key, now);
+        work.pending.merge(changes);
     }
     let pause = if is_done { RETENTION_INTERVAL } else { INTERVAL };
     schedule.next_retention = Instant::now() + pause;

@@ -15,6 +15,7 @@ mod message_times;
 mod opc_ua_decisions;
 mod receipts;
 mod replacement;
+mod retention;
 mod revocation;
 mod ways_to_the_gate;
 

@@ -5,7 +5,7 @@ use rusqlite::Connection;
 use super::{
     DocumentKind, PolicyWrites, Writes, carried_fields, comments, consents, control_messages,
     dead_letters, fields, identity, ledger, mapping_templates, mapping_versions, networks,
-    operator_entries, policy_documents, received_messages, recipient_policies, reports,
+    operator_entries, policy_documents, previews, received_messages, recipient_policies, reports,
     revocations, rule_decisions, shadow_mappings, sources, writers,
 };
 
@@ -19,6 +19,7 @@ pub(super) fn write(connection: &Connection, writes: &Writes) -> rusqlite::Resul
     fields::write(connection, &writes.fields.decided, &writes.fields.removed)?;
     fields::write_values(connection, &writes.fields.values)?;
     consents::write(connection, &writes.fields.consents)?;
+    previews::write(connection, &writes.fields.previews)?;
     mapping_versions::write(connection, &writes.mappings.versions)?;
     shadow_mappings::write(connection, &writes.mappings.shadows)?;
     let (templates, removed) = (&writes.mappings.templates, &writes.mappings.removed_templates);
@@ -52,6 +53,7 @@ fn write_spool(connection: &Connection, writes: &Writes) -> rusqlite::Result<()>
     // New reports first: one of them may change its state in the same transaction.
     reports::write(connection, &writes.reports.queued)?;
     reports::apply_moves(connection, &writes.reports.moves)?;
+    reports::empty_values(connection, &writes.reports.emptied)?;
     control_messages::write(connection, &writes.controls.queued)?;
     control_messages::remove(connection, &writes.controls.done)?;
     control_messages::park(connection, &writes.controls.parked)?;
@@ -63,5 +65,12 @@ fn write_ledger(connection: &Connection, writes: &Writes) -> rusqlite::Result<()
     ledger::write_heads(connection, &writes.ledger.heads)?;
     ledger::write_logs(connection, &writes.ledger.logs)?;
     revocations::write(connection, &writes.ledger.revocations)?;
-    ledger::write_checkpoint(connection, writes.ledger.checkpoint.as_ref())
+    ledger::write_checkpoint(connection, writes.ledger.checkpoint.as_ref())?;
+    ledger::write_seal(connection, writes.ledger.seal.as_ref())?;
+    // In the transaction of the entries that state it: without them it counts as tampering.
+    ledger::remove_entries(connection, &writes.ledger.removed)?;
+    if writes.ledger.is_former_retention_stated {
+        identity::end_former_retention(connection)?;
+    }
+    Ok(())
 }

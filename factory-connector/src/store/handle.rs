@@ -6,7 +6,6 @@ use std::{
     time::Duration,
 };
 
-use ::ledger::LedgerKey;
 use asi_model::{DateTime, FactoryId, InstanceId};
 use rusqlite::Transaction;
 use sqlx::{
@@ -19,10 +18,9 @@ use super::{
     Snapshot, Writes, commit,
     error::StoreError,
     identity::{Start, StoreIdentity, identify},
-    ledger, load,
+    load,
     migrations::migrate,
     place::{host_of, place_of},
-    reports,
     session::{Readers, StoreSession},
     write_connection::WriteConnection,
 };
@@ -155,46 +153,6 @@ impl Store {
             commit::write(connection, &writes).map_err(StoreError::while_writing(action))
         };
         self.writer.transact(action, work).await
-    }
-
-    /// Empties the values of finished reports that were made before `before`, after the report with
-    /// the number `after`; a bounded number at a time. Returns the number of the last one; `None`
-    /// when there are no more.
-    ///
-    /// # Errors
-    /// [`StoreError`] where the table cannot be written.
-    pub async fn empty_values(
-        &mut self,
-        before: DateTime,
-        after: i64,
-    ) -> Result<Option<i64>, StoreError> {
-        let action = "empty old values";
-        let work = move |connection: &Transaction<'_>| {
-            reports::empty_values(connection, before, after)
-                .map_err(StoreError::while_writing(action))
-        };
-        self.writer.transact(action, work).await
-    }
-
-    /// Removes the oldest entries of each chain that were recorded before a time, with the reports
-    /// that no chain refers to any more, and puts signed anchors in their place; a bounded number
-    /// at a time. Entries about reports that the spool works with stay. Returns the number of
-    /// removed entries.
-    ///
-    /// # Errors
-    /// [`StoreError`] where the tables cannot be written; then nothing was removed.
-    pub async fn prune_ledger(
-        &mut self,
-        before: DateTime,
-        factory: &FactoryId,
-        key: &LedgerKey,
-        now: DateTime,
-    ) -> Result<u64, StoreError> {
-        let (factory, key) = (factory.clone(), key.clone());
-        let work = move |connection: &Transaction<'_>| {
-            ledger::prune(connection, before, &factory, &key, now)
-        };
-        self.writer.transact("remove old entries", work).await
     }
 
     /// Closes the file in good order.

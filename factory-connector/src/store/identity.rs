@@ -127,6 +127,20 @@ pub(super) fn end_restoration(connection: &Connection) -> rusqlite::Result<()> {
     run(connection, "UPDATE identity SET must_begin_epochs = 0", ()).map(drop)
 }
 
+/// Notes that the chains state what former versions emptied and removed.
+pub(super) fn end_former_retention(connection: &Connection) -> rusqlite::Result<()> {
+    run(connection, "UPDATE identity SET must_state_retention = 0", ()).map(drop)
+}
+
+/// Returns whether the chains do not state yet what former versions emptied and removed.
+pub(super) async fn must_state_retention(
+    connection: &mut SqliteConnection,
+) -> Result<bool, StoreError> {
+    let query = query("SELECT must_state_retention FROM identity");
+    let flag = |row: &SqliteRow| row.flag("must_state_retention");
+    Ok(optional(connection, query, "read the store's identity", flag).await?.unwrap_or(false))
+}
+
 /// Notes that the lease was granted at this place, or refused.
 pub(super) fn write_lease(connection: &Connection, is_held: bool) -> rusqlite::Result<()> {
     run(connection, "UPDATE identity SET leased_place = iif(?, place, NULL)", (is_held,)).map(drop)

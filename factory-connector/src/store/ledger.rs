@@ -9,6 +9,7 @@ mod heads;
 mod logs;
 mod precision;
 mod pruning;
+mod seal;
 mod selection;
 mod verification;
 
@@ -16,7 +17,7 @@ use ::ledger::{
     Hash, Heads, Logs, Verification,
     audit::{AuditEntry, AuditStart},
 };
-use asi_model::{FieldKey, OrganisationId};
+use asi_model::{DateTime, FieldKey, OrganisationId};
 pub use audit::LogCheckpoint;
 pub(super) use checkpoints::write as write_checkpoint;
 pub use checkpoints::{Checkpoints, StoredCheckpoint};
@@ -25,13 +26,16 @@ pub use entries::LedgerRow;
 pub(super) use entries::write as write_entries;
 pub(super) use heads::write as write_heads;
 pub(super) use logs::write as write_logs;
+use connector_state::{FormerRetention, use_cases::retain::OldEntries};
 use precision::Precisions;
-pub(super) use pruning::prune;
+pub(super) use pruning::remove as remove_entries;
+pub(super) use seal::write as write_seal;
 use selection::Window;
 pub use selection::{LedgerFilter, LedgerSubject};
 use sqlx::{QueryBuilder, Sqlite, SqliteConnection};
+pub use verification::Trusted;
 
-use super::{error::StoreError, query::all, row::Columns as _};
+use super::{error::StoreError, identity, query::all, reports, row::Columns as _};
 
 /// Repository of the ledger.
 pub struct Ledger<'c>(pub(crate) &'c mut SqliteConnection);
@@ -60,6 +64,27 @@ impl Ledger<'_> {
     /// [`StoreError`].
     pub async fn logs(&mut self, heads: &Heads) -> Result<Logs, StoreError> {
         logs::load(self.0, heads).await
+    }
+
+    /// Reads the oldest entries of each chain that were recorded before a time, a bounded number.
+    /// Entries about reports that the spool works with are not among them.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn old_entries(&mut self, before: DateTime) -> Result<Vec<OldEntries>, StoreError> {
+        pruning::old_entries(self.0, before).await
+    }
+
+    /// Reads what former versions emptied and removed; `None` where the chains state it already.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn former_retention(&mut self) -> Result<Option<FormerRetention>, StoreError> {
+        if !identity::must_state_retention(self.0).await? {
+            return Ok(None);
+        }
+        let emptied = reports::emptied(self.0).await?;
+        Ok(Some(FormerRetention { emptied, removed: anchors::numbers(self.0).await? }))
     }
 
     /// Begins an audit file of a recipient's chain; `None` without a log.
@@ -158,6 +183,15 @@ impl Ledger<'_> {
     /// # Errors
     /// [`StoreError`] where the tables cannot be read. A damaged entry is no error but a finding.
     pub async fn verify(&mut self, trusted_key: Option<Hash>) -> Result<Verification, StoreError> {
-        verification::verify(self.0, trusted_key).await
+        self.verify_against(Trusted { key: trusted_key, checkpoints: Vec::new() }).await
+    }
+
+    /// Verifies the ledger against a key and checkpoints from outside of the store: they reveal that
+    /// it was set back, shortened or signed again.
+    ///
+    /// # Errors
+    /// [`StoreError`], as for [`verify`](Self::verify).
+    pub async fn verify_against(&mut self, trusted: Trusted) -> Result<Verification, StoreError> {
+        verification::verify(self.0, trusted).await
     }
 }

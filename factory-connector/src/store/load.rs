@@ -15,6 +15,7 @@ pub(super) async fn load(session: &mut StoreSession) -> Result<Snapshot, StoreEr
         logs: session.ledger().logs(&heads).await?,
         heads,
         last_checkpoint: session.checkpoints().last().await?,
+        former_retention: session.ledger().former_retention().await?,
         last_row: session.spool().last_id().await?,
         last_field: 0,
         operator_entries: session.operator_entries().all().await?,

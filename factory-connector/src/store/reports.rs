@@ -10,12 +10,13 @@ mod state;
 use std::collections::HashSet;
 
 use asi_model::DateTime;
+use connector_state::use_cases::retain::OldReport;
 pub(super) use delivery::{apply_moves, write};
 use messaging::{
     RowId,
     spool::{Fetch, ReportRow},
 };
-pub(super) use retention::{empty_values, oldest_in_spool, remove_unreferenced};
+pub(super) use retention::{empty_values, emptied, oldest_in_spool, remove_unreferenced};
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
 use state::ReportState;
 use time::OffsetDateTime;
@@ -124,6 +125,19 @@ impl Reports<'_> {
         let query =
             query(sql).bind(i64::from(writer)).bind(i64::from(epoch)).bind(document(sequences));
         all(self.0, query, READ, waiting).await
+    }
+
+    /// Reads finished reports with values that were made before `before`, after the report with the
+    /// number `after`; a bounded number at a time.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn old(
+        &mut self,
+        before: DateTime,
+        after: i64,
+    ) -> Result<Vec<OldReport>, StoreError> {
+        retention::old_reports(self.0, before, after).await
     }
 
     /// Reads the oldest spooled reports, at most so many.

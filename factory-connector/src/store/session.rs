@@ -63,6 +63,15 @@ impl StoreSession {
         Self(Connection::Own(Box::new(connection)))
     }
 
+    /// Begins a view: all that is read from here on is as of one time, while others go on writing.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn begin_view(&mut self) -> Result<(), StoreError> {
+        let begun = sqlx::query("BEGIN").execute(self.connection()).await;
+        begun.map(drop).map_err(StoreError::while_doing("begin a view of the store"))
+    }
+
     /// Returns the repository of signed checkpoints.
     pub fn checkpoints(&mut self) -> Checkpoints<'_> {
         Checkpoints(self.connection())

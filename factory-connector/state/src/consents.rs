@@ -28,11 +28,16 @@ pub(crate) fn record(
     key: &FieldKey,
     now: DateTime,
 ) {
+    // Of this consent only: what follows from it later was not seen in the preview.
+    let preview = state
+        .fields
+        .get_mut(key)
+        .and_then(|mut field| field.change_decision(|decision| decision.basis.preview.take()));
     let Some(field) = state.fields.get(key) else { return };
     let decision = field.decision();
     let (_, policies) =
         effective_policy(state, field, &decision.policy, decision.basis.policy_id.as_ref());
-    let basis = DecisionBasis { policies, ..decision.basis.clone() };
+    let basis = DecisionBasis { policies, preview, ..decision.basis.clone() };
     let policy = field.gate().policy();
     changes.writes.fields.consents.push(ConsentRow {
         field: key.to_string(),

@@ -82,6 +82,17 @@ impl LedgerChains {
         }
     }
 
+    /// Appends an event to one chain.
+    pub(crate) fn append_one(
+        &mut self,
+        writes: &mut LedgerWrites,
+        recipient: &OrganisationId,
+        now: DateTime,
+        event: &Event,
+    ) {
+        self.append(writes, std::slice::from_ref(recipient), now, None, event);
+    }
+
     /// Appends the outcome of reports to the chains of their recipients: one entry for neighbouring
     /// sequence numbers.
     pub(crate) fn append_outcome(

@@ -57,7 +57,9 @@ pub use log_record::LogRecord;
 pub use networks::{Network, NetworkRegistry};
 pub use policies::PolicyRegistry;
 pub use recipient_policy::RecipientPolicy;
-pub use snapshot::{Snapshot, StoredBudgets, StoredMappings, StoredNetwork, StoredPolicies};
+pub use snapshot::{
+    FormerRetention, Snapshot, StoredBudgets, StoredMappings, StoredNetwork, StoredPolicies,
+};
 pub use state::{ConnectorState, StateConfig};
 pub use writers::{Writer, WriterRegistry};
 pub use writes::Writes;

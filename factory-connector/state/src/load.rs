@@ -16,7 +16,7 @@ use crate::{
     queries::effective_policy,
     snapshot::StoredMappings,
     transaction::begin_epoch,
-    use_cases::caps::hold_back,
+    use_cases::{caps::hold_back, retain::state_former},
     writes::{FieldRow, FieldValueRow, ShadowRow},
 };
 
@@ -86,6 +86,9 @@ impl ConnectorState {
             schedule_keep_alive(&mut state, id);
         }
         let mut changes = ChangeSet::default();
+        if let Some(former) = snapshot.former_retention {
+            changes.merge(state_former(&mut state, former, now));
+        }
         if is_restored {
             changes.effects.log.push(LogRecord::EpochsBegun);
             changes.writes.writers.are_epochs_begun = true;

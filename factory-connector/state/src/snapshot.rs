@@ -1,10 +1,10 @@
 //! Stored state, as the store reads it back at a start and after a failed transaction.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use asi_model::{DateTime, OperationNetworkId, OrganisationId, messages::OperationNetworkMessage};
 use disclosure::{Alliance, Cap, NamedPolicy, Rule, Versioned};
-use ledger::{Heads, Logs};
+use ledger::{Heads, Logs, SequenceRange};
 
 use crate::{
     operator::OperatorEntry,
@@ -52,6 +52,15 @@ pub struct StoredBudgets {
     pub caps: Vec<Versioned<Cap>>,
 }
 
+/// What a former version emptied and removed, found at the first start of one that states it.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FormerRetention {
+    /// Reports without values, with the organisations whose chains have an entry about them.
+    pub emptied: Vec<(SequenceRange, Vec<OrganisationId>)>,
+    /// Number of the last entry that an anchor stands for, by chain.
+    pub removed: BTreeMap<OrganisationId, u64>,
+}
+
 /// Everything that [`ConnectorState`](crate::ConnectorState) is loaded from.
 #[derive(Debug, Default)]
 pub struct Snapshot {
@@ -67,6 +76,8 @@ pub struct Snapshot {
     pub logs: Logs,
     /// Number and time of the last checkpoint.
     pub last_checkpoint: Option<(u64, DateTime)>,
+    /// What former versions emptied and removed, unless the chains state it already.
+    pub former_retention: Option<FormerRetention>,
     /// The greatest number ever given in the spool.
     pub last_row: i64,
     /// The greatest number that is known to have been given to a field; 0 without knowledge.

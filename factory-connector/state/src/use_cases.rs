@@ -15,6 +15,7 @@ pub mod import_mappings;
 pub mod keep_alive;
 pub mod policies;
 pub mod receive;
+pub mod retain;
 pub mod revise;
 pub mod revoke;
 pub mod rules;

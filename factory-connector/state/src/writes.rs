@@ -9,8 +9,8 @@ mod policies;
 mod reports;
 mod sources;
 
-pub use fields::{ConsentRow, FieldRow, FieldValueRow, FieldWrites};
-pub use ledger::{CheckpointRow, LedgerWrites, RevocationRow};
+pub use fields::{ConsentRow, FieldRow, FieldValueRow, FieldWrites, PreviewRow};
+pub use ledger::{AnchorRow, CheckpointRow, LedgerWrites, RemovedEntries, RevocationRow};
 pub use mappings::{MappingWrites, ShadowRow, TemplateRow, VersionRow};
 pub use messages::{CommentRow, DeadLetterRow, MessageWrites, NetworkRow};
 pub use policies::{DocumentRow, PolicyWrites, RecipientPolicyRow, RuleDecisionRow};

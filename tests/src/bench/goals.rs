@@ -149,6 +149,7 @@ pub const GOALS: &[Goal] = &[
     goal(Subject::Ledger, "appending against bare SQLite", AtLeast(0.7), "times")
         .against("the same rows into the same tables by bare SQLite"),
     goal(Subject::Ledger, "verification of a million entries", AtMost(10.0), "s"),
+    goal(Subject::Ledger, "audit of a million entries", AtMost(10.0), "s"),
     // To and from each of three brokers.
     goal(Subject::Links, "*, link against bare client", AtLeast(0.8), "times")
         .against("*, bare client")

@@ -1,7 +1,8 @@
 //! Rate of disclosed values through gate, ledger and spool into the one transaction,
 //! what that transaction costs beside bare SQLite, and how long the verification of a million
-//! entries takes.
+//! entries takes: in the store, and by an auditor who has a file and a checkpoint only.
 
+mod audit;
 mod bare;
 
 use std::time::{Duration, Instant};
@@ -18,6 +19,7 @@ use connector_state::{
     use_cases::{
         decide::{DecisionCommand, DecisionRequest, decide},
         revise::receive_network,
+        seal,
         values::write_value,
     },
 };
@@ -64,6 +66,7 @@ pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
         // Fewer, larger transactions: this only fills the ledger.
         plant.disclose(VALUES_PER_TRANSACTION * 20).await?;
     }
+    plant.sign_logs().await?;
     plant.store.close().await;
     let mut session = Store::connect(folder.path()).await?;
     let began = Instant::now();
@@ -82,6 +85,7 @@ pub(super) async fn measure() -> anyhow::Result<Vec<Value>> {
         "million entries",
     ));
     results.push(result("verification of a million entries", took / millions, "s"));
+    results.extend(audit::measure(folder.path(), &mut session).await?);
     Ok(results)
 }
 
@@ -132,6 +136,7 @@ impl Plant {
         let config = StateConfig { factory_id: factory, encoding: Encoding::Digicor };
         let (snapshot, ids) = (store.load().await?, IdSource::new(rand::random()));
         let (mut state, mut pending) = ConnectorState::load(config, snapshot, ids, false, now())?;
+        pending.merge(seal::sign_all_heads(&mut state, &key));
         let message = network()?;
         let raw = serde_json::to_string(&message)?;
         let fields: Vec<FieldKey> =
@@ -157,6 +162,12 @@ impl Plant {
         let began = Instant::now();
         self.store.commit(changes).await?;
         Ok(began.elapsed())
+    }
+
+    /// Signs checkpoints over all entries, as the connector does each minute.
+    async fn sign_logs(&mut self) -> anyhow::Result<()> {
+        self.pending.merge(seal::checkpoint_logs(&mut self.state, &self.key));
+        self.disclose(0).await.map(drop)
     }
 
     /// Changes that follow when the next fields get new values.

@@ -14,6 +14,8 @@ export class PreviewRun {
   value = $state.raw<Preview | undefined>()
   problem = $state.raw<Problem | undefined>()
   isRunning = $state(false)
+  /** Draft that the preview shows. */
+  #shown = ''
 
   get diagnostics(): Diagnostic[] {
     return this.value?.diagnostics ?? []
@@ -28,14 +30,15 @@ export class PreviewRun {
     return this.diagnostics.filter((diagnostic) => diagnostic.severity === 'error')
   }
 
+  /** Id of the preview as seen, for the decision; none while it still shows a former draft. */
+  idFor(draft: Draft): { previewId?: string } {
+    const isCurrent = this.value !== undefined && this.#shown === JSON.stringify(bodyOf(draft))
+    return isCurrent && this.value ? { previewId: this.value.previewId } : {}
+  }
+
   /** Follows a draft until the returned function is called. Reactive: to be called in an effect. */
   follow(key: FieldKey, draft: Draft): () => void {
-    const body = {
-      valueSource: draft.source,
-      mapping: draft.mapping,
-      disclosure: tidy(draft.disclosure),
-      ...(draft.policyId === '' ? {} : { policyId: draft.policyId }),
-    }
+    const body = bodyOf(draft)
     const text = JSON.stringify(body)
     if (!draft.isComplete) {
       this.value = undefined
@@ -54,6 +57,7 @@ export class PreviewRun {
         })
         if (running.signal.aborted) return
         this.value = value
+        this.#shown = text
         this.problem = undefined
       } catch (failure) {
         if (running.signal.aborted) return
@@ -69,6 +73,15 @@ export class PreviewRun {
       clearTimeout(next)
       running.abort()
     }
+  }
+}
+
+function bodyOf(draft: Draft) {
+  return {
+    valueSource: draft.source,
+    mapping: draft.mapping,
+    disclosure: tidy(draft.disclosure),
+    ...(draft.policyId === '' ? {} : { policyId: draft.policyId }),
   }
 }
 

@@ -13,6 +13,7 @@ export const ENTRY_KINDS = [
   'EXPIRED',
   'PURGED',
   'REVOKED',
+  'RETENTION',
 ] as const satisfies readonly EntryKind[]
 
 export type LedgerSubject = Pick<

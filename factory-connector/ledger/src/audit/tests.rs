@@ -7,7 +7,10 @@ use serde_json::{Value, json, value::RawValue};
 use transparency_log::{KeyKind, VerifierKey};
 
 use super::*;
-use crate::{Head, Heads, LedgerKey, Log, SequenceRange, log_verifier};
+use crate::{
+    Event, Head, Heads, LedgerKey, Log, RetentionRule, RetentionStatement, SequenceRange,
+    log_verifier, values_root,
+};
 
 fn factory() -> FactoryId {
     "F".parse().expect("an id")
@@ -35,6 +38,9 @@ fn report(sequence: u32, value: u32) -> String {
     )
 }
 
+/// The report whose values retention has emptied.
+const EMPTIED: u32 = 4;
+
 /// A file with an entry of each kind, and the log over it.
 struct Sample {
     lines: Vec<String>,
@@ -61,11 +67,12 @@ impl Sample {
             let entry = heads.append(&acme(), at, event);
             log.append(&entry.content);
             let is_sent = queued.is_some_and(|sequence| sequence < 3);
+            let with_values = queued.filter(|sequence| *sequence != EMPTIED);
             let line = AuditEntry {
                 entry: entry.content,
-                report: queued
+                report: with_values
                     .map(|sequence| RawValue::from_string(report(sequence, value)).expect("JSON")),
-                salt: queued.map(|_| hex::encode([9; 16])),
+                salt: with_values.map(|_| hex::encode([9; 16])),
                 sent_at: is_sent.then(|| DateTime::from_unix_micros(7_000_000)),
                 message_id: is_sent.then(|| "m1".parse().expect("an id")),
                 delivered_at: is_sent.then(|| DateTime::from_unix_micros(8_000_000)),
@@ -119,6 +126,13 @@ fn events(value: u32) -> Vec<Event> {
             last_sent_sequence: Some(2),
             last_delivered_sequence: Some(2),
         },
+        Event::Retention(RetentionStatement {
+            rule: RetentionRule::ValueDays,
+            days: Some(30),
+            before: DateTime::from_unix_micros(7_000_000),
+            emptied: vec![range(EMPTIED, EMPTIED)],
+            removed_through: None,
+        }),
     ]
 }
 
@@ -138,7 +152,8 @@ fn an_intact_file_is_intact() {
     sample.lines[1..].iter().for_each(|line| auditor.take(line));
     let outcome = auditor.finish();
     assert!(outcome.is_intact(), "{outcome:?}");
-    assert_eq!((outcome.entries_proven, outcome.values_compared), (16, 8));
+    assert_eq!((outcome.entries_proven, outcome.values_compared), (17, 7));
+    assert_eq!(outcome.values_emptied, 1);
 }
 
 #[test]
@@ -146,7 +161,7 @@ fn entries_after_the_checkpoint_are_counted_and_emptied_values_need_a_time() {
     let mut sample = Sample::new(7);
     let at = |seconds: i64| DateTime::from_unix_micros(seconds * 1_000_000);
     let old = Sample::new(7).checkpoint();
-    let mut heads = Heads::new([(acme(), Head { number: 16, hash: [0; 32] })]);
+    let mut heads = Heads::new([(acme(), Head { number: 17, hash: [0; 32] })]);
     let entry = heads.append(&acme(), at(20), Event::Receipted(range(0, 2)));
     let line = json!({ "entry": entry.content, "report": null, "salt": null, "sentAt": null,
                        "messageId": null, "deliveredAt": null });
@@ -166,34 +181,57 @@ fn entries_after_the_checkpoint_are_counted_and_emptied_values_need_a_time() {
     };
     let outcome = audit(Some(at(5)));
     assert!(outcome.is_intact(), "{outcome:?}");
-    assert_eq!((outcome.entries_proven, outcome.entries_after), (16, 1));
-    assert_eq!((outcome.values_compared, outcome.values_emptied), (5, 3));
+    assert_eq!((outcome.entries_proven, outcome.entries_after), (17, 1));
+    assert_eq!((outcome.values_compared, outcome.values_emptied), (4, 4));
     assert_eq!(audit(Some(at(3))).fault_count, 2, "those that were queued later");
     assert_eq!(audit(None).fault_count, 3);
 }
 
 #[test]
 fn a_pruned_chain_is_proven_by_the_leaves_before_it() {
-    let sample = Sample::new(7);
-    let mut before = Log::new(factory(), acme(), &Head::default());
-    for line in &sample.lines[1..6] {
-        let line: AuditEntry = serde_json::from_str(line).expect("an entry");
-        before.append(&line.entry);
-    }
-    let start = AuditStart {
-        log_start: before.start().canonical(),
-        number: 5,
-        leaves: before.leaves().hashes().iter().map(hex::encode).collect(),
+    let pruned = |stated: Option<u64>| {
+        let mut sample = Sample::new(7);
+        let at = DateTime::from_unix_micros(18_000_000);
+        let entry = Heads::new([(acme(), Head { number: 17, hash: [0; 32] })]).append(
+            &acme(),
+            at,
+            Event::Retention(RetentionStatement {
+                rule: RetentionRule::EntryDays,
+                days: Some(30),
+                before: at,
+                emptied: Vec::new(),
+                removed_through: stated,
+            }),
+        );
+        sample.log.append(&entry.content);
+        sample.log.sign_checkpoint(&key());
+        let mut before = Log::new(factory(), acme(), &Head::default());
+        for line in &sample.lines[1..6] {
+            let line: AuditEntry = serde_json::from_str(line).expect("an entry");
+            before.append(&line.entry);
+        }
+        let start = AuditStart {
+            log_start: before.start().canonical(),
+            number: 5,
+            leaves: before.leaves().hashes().iter().map(hex::encode).collect(),
+        };
+        let first = serde_json::to_string(&start).expect("serialises");
+        let last = json!({ "entry": entry.content, "report": null, "salt": null, "sentAt": null,
+                           "messageId": null, "deliveredAt": null });
+        (sample.checkpoint(), [&[first], &sample.lines[6..], &[last.to_string()]].concat())
     };
-    let first = serde_json::to_string(&start).expect("serialises");
-    let lines = [&[first], &sample.lines[6..]].concat();
-    assert_eq!(faults(&lines, &sample.checkpoint(), &vkey(&key())), 0);
+    let (checkpoint, lines) = pruned(Some(5));
+    assert_eq!(faults(&lines, &checkpoint, &vkey(&key())), 0);
     for (place, other) in [(0, "\"number\":4"), (0, "\"number\":6")] {
         let mut lines = lines.clone();
         lines[place] = lines[place].replacen("\"number\":5", other, 1);
-        assert!(faults(&lines, &sample.checkpoint(), &vkey(&key())) > 0, "{other}");
+        assert!(faults(&lines, &checkpoint, &vkey(&key())) > 0, "{other}");
     }
-    let mut lines = lines;
-    lines.remove(1);
-    assert!(faults(&lines, &sample.checkpoint(), &vkey(&key())) > 0);
+    let mut shorter = lines;
+    shorter.remove(1);
+    assert!(faults(&shorter, &checkpoint, &vkey(&key())) > 0);
+    for stated in [None, Some(4), Some(6)] {
+        let (checkpoint, lines) = pruned(stated);
+        assert_eq!(faults(&lines, &checkpoint, &vkey(&key())), 1, "{stated:?} is stated");
+    }
 }

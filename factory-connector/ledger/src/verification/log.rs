@@ -37,16 +37,18 @@ pub(super) struct LogCheck {
     stored: StoredLog,
     leaves: LeafRange,
     checkpoint: Checkpoint,
+    /// Checkpoints that were kept where the store's owner cannot change them.
+    kept: Vec<Checkpoint>,
     /// The first leaves stand for entries that were removed.
     first_size: u64,
 }
 
 impl LogCheck {
-    /// Starts with the leaves before the present entries.
+    /// Starts with the leaves before the present entries, for which the anchor stands.
     pub(super) fn new(
         stored: StoredLog,
         factory_id: &str,
-        anchor: Option<&Anchor>,
+        (anchor, kept): (Option<&Anchor>, Vec<Checkpoint>),
         key: Option<&Hash>,
     ) -> Result<Self, &'static str> {
         let start: LogStart =
@@ -71,24 +73,31 @@ impl LogCheck {
             .filter(|checkpoint| checkpoint.origin == start.origin())
             .ok_or("the log's checkpoint was changed")?;
         let first_size = leaves.end();
-        let check = Self { stored, leaves, checkpoint, first_size };
-        if check.is_refuted() { Err(REFUTED) } else { Ok(check) }
+        if kept.iter().any(|kept| kept.size < first_size) {
+            return Err("a checkpoint that was kept elsewhere is older than what retention left");
+        }
+        let check = Self { stored, leaves, checkpoint, kept, first_size };
+        check.compare()?;
+        Ok(check)
     }
 
     /// Adds the leaf of the next entry.
     pub(super) fn take(&mut self, leaf: Hash) -> Result<(), &'static str> {
         self.leaves.append(leaf);
-        if self.is_refuted() { Err(REFUTED) } else { Ok(()) }
+        self.compare()
     }
 
     /// Compares the end of the log.
     pub(super) fn finish(self) -> Result<(), &'static str> {
-        let Self { stored, leaves, checkpoint, first_size } = self;
+        let Self { stored, leaves, checkpoint, kept, first_size } = self;
         let is_same = u64::try_from(stored.size) == Ok(leaves.end())
             && stored.root == leaves.root()
             && stored.leaves == leaves.to_bytes();
         if !is_same {
             return Err("the log is not the one over the entries of its chain");
+        }
+        if kept.iter().any(|kept| kept.size > leaves.end()) {
+            return Err("entries are missing that a checkpoint kept elsewhere covers");
         }
         let is_reached = checkpoint.size <= leaves.end();
         // What was pruned after the checkpoint is proven by the root of the whole log.
@@ -99,9 +108,17 @@ impl LogCheck {
         }
     }
 
-    fn is_refuted(&self) -> bool {
-        self.leaves.end() == self.checkpoint.size && self.leaves.root() != self.checkpoint.root
+    /// Compares the root with those of the checkpoints over as many leaves.
+    fn compare(&self) -> Result<(), &'static str> {
+        let is_refuted = |checkpoint: &Checkpoint| {
+            self.leaves.end() == checkpoint.size && self.leaves.root() != checkpoint.root
+        };
+        if is_refuted(&self.checkpoint) {
+            Err("the log's checkpoint states another root over these entries")
+        } else if self.kept.iter().any(is_refuted) {
+            Err("a checkpoint that was kept elsewhere states another root over these entries")
+        } else {
+            Ok(())
+        }
     }
 }
-
-const REFUTED: &str = "the log's checkpoint states another root over these entries";

@@ -1,13 +1,17 @@
 //! Verification of one entry or report separately: all checks that need only the hash of the entry
 //! before.
 
-use std::borrow::Cow;
+use std::sync::Arc;
 
-use asi_model::{DateTime, OrganisationId};
-use serde::Deserialize;
+use asi_model::OrganisationId;
 use transparency_log::leaf_hash;
 
-use super::super::{Event, Hash, LedgerEntry, chain_hash, values_root};
+use super::super::{
+    Event, Hash, LedgerEntry, chain_hash,
+    header::EntryHeader,
+    history::{Delivery, ReportEvent},
+    values_root,
+};
 
 /// A stored entry with unchecked columns: its faults are reported, not errors of the reader.
 #[derive(Debug, Clone, Default)]
@@ -39,6 +43,12 @@ pub struct StoredReport {
     pub body: Option<Vec<u8>>,
     /// The salt of its hashes, unless emptied.
     pub salt: Option<Vec<u8>>,
+    /// Time at which the broker accepted it last, in microseconds since 1970.
+    pub sent_at: Option<i64>,
+    /// The message in which it left last.
+    pub message_id: Option<Vec<u8>>,
+    /// Time at which the platform receipted it last, in microseconds since 1970.
+    pub receipted_at: Option<i64>,
 }
 
 /// A report without its values, with which the entries of all its recipients are compared.
@@ -46,8 +56,9 @@ pub struct StoredReport {
 pub struct ReportDigest {
     /// Writer, epoch, sequence number and time.
     stated: (i64, i64, i64, i64),
-    recipients: Vec<OrganisationId>,
+    recipients: Arc<[OrganisationId]>,
     values: Stored,
+    delivery: Delivery,
 }
 
 /// Stored state of a report's values.
@@ -77,6 +88,14 @@ impl StoredReport {
             stated: (self.data_set_writer_id, self.epoch, self.sequence, self.created_at),
             recipients: serde_json::from_slice(&self.recipients).unwrap_or_default(),
             values,
+            delivery: Delivery {
+                sent_at: self.sent_at,
+                message_id: self
+                    .message_id
+                    .as_ref()
+                    .map(|id| String::from_utf8_lossy(id).into_owned().into_boxed_str()),
+                receipted_at: self.receipted_at,
+            },
         }
     }
 }
@@ -104,35 +123,11 @@ pub struct CheckedEntry {
     /// A consent with its time of recording.
     pub(super) consent: Option<(Event, i64)>,
     pub(super) revocation: Option<String>,
-}
-
-/// The members of an entry's text that most checks need. Consents and revocations are rare and are
-/// parsed completely.
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct EntryHeader<'t> {
-    #[serde(borrow)]
-    recipient: Cow<'t, str>,
-    number: u64,
-    recorded_at: DateTime,
-    event: Kind,
-    data_set_writer_id: Option<u16>,
-    epoch: Option<u32>,
-    first_sequence: Option<u32>,
-    values: Option<&'t str>,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
-enum Kind {
-    Consent,
-    Queued,
-    Sent,
-    Receipted,
-    Coalesced,
-    Expired,
-    Purged,
-    Revoked,
+    /// Time of recording beside the entry, in microseconds since 1970.
+    pub(super) recorded_at: i64,
+    pub(super) event: ReportEvent,
+    /// The report with all its recipients, where others than this chain's are among them.
+    pub(super) shared: Option<(i64, Arc<[OrganisationId]>)>,
 }
 
 impl StoredEntry {
@@ -159,6 +154,9 @@ impl StoredEntry {
             values: Values::None,
             consent: None,
             revocation: None,
+            recorded_at: self.recorded_at,
+            event: ReportEvent::Other,
+            shared: None,
         };
         let content = std::str::from_utf8(&self.content).ok();
         if content.is_some_and(|content| chain_hash(previous, content)[..] != self.hash[..]) {
@@ -176,20 +174,30 @@ impl StoredEntry {
         if header.recorded_at.unix_micros() != self.recorded_at {
             checked.faults.push("the time beside the entry is not the entry's");
         }
-        if header.event == Kind::Queued {
+        if header.is_queued() {
             self.compare(&mut checked, &header, report);
-        } else if self.report_id.is_some() {
+            return checked;
+        }
+        if self.report_id.is_some() {
             checked.faults.push("the entry refers to a report that is not its own");
-        } else if matches!(header.event, Kind::Consent | Kind::Revoked) {
+        }
+        if header.is_rare() {
             self.parse_completely(&mut checked, content);
+        } else {
+            match header.event() {
+                Some(event) => checked.event = event,
+                None => checked.faults.push("the entry cannot be read"),
+            }
         }
         checked
     }
 
+    /// Parses an entry of a kind that has more than a header.
     fn parse_completely(&self, checked: &mut CheckedEntry, content: &str) {
         match serde_json::from_str::<LedgerEntry>(content).map(|entry| entry.event) {
             Ok(Event::Revoked { revocation_id, .. }) => checked.revocation = Some(revocation_id),
             Ok(event @ Event::Consent { .. }) => checked.consent = Some((event, self.recorded_at)),
+            Ok(Event::Retention(statement)) => checked.event = ReportEvent::Retained(statement),
             _ => checked.faults.push("the entry cannot be read"),
         }
     }
@@ -205,20 +213,33 @@ impl StoredEntry {
             return;
         };
         let (writer, epoch, sequence, at) = report.stated;
-        let is_same = header.data_set_writer_id.map(i64::from) == Some(writer)
-            && header.epoch.map(i64::from) == Some(epoch)
-            && header.first_sequence.map(i64::from) == Some(sequence)
+        let Some(range) = header.range() else {
+            checked.faults.push("the entry cannot be read");
+            return;
+        };
+        let is_same = i64::from(range.data_set_writer_id) == writer
+            && i64::from(range.epoch) == epoch
+            && i64::from(range.first_sequence) == sequence
             && at == self.recorded_at;
         if !is_same {
             checked.faults.push("the report is not the one that was queued");
         }
-        if !report.recipients.iter().any(|recipient| recipient.as_str() == header.recipient) {
+        let own = report.recipients.iter().filter(|known| known.as_str() == header.recipient);
+        if own.count() != 1 {
             checked.faults.push("the report's recipients were changed");
         }
+        if report.recipients.len() > 1 {
+            checked.shared = self.report_id.map(|id| (id, Arc::clone(&report.recipients)));
+        }
+        checked.event = ReportEvent::Queued {
+            range,
+            stated: report.delivery.clone(),
+            is_emptied: report.values == Stored::Emptied,
+        };
         match &report.values {
             Stored::Root(root) => {
                 checked.values = Values::Compared;
-                if root.is_none() || root.as_deref() != header.values {
+                if root.is_none() || root.as_deref() != header.values() {
                     checked.faults.push("the values are not those that were reported");
                 }
             }

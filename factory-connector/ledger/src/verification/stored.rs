@@ -1,6 +1,6 @@
 //! Stored records that a verification compares with the entries.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::StoredLog;
 use crate::Hash;
@@ -31,6 +31,14 @@ pub struct StoredHead {
     pub public_key: Vec<u8>,
 }
 
+/// The signed number of the checkpoints as stored.
+#[derive(Debug, Clone, Default)]
+pub struct StoredSeal {
+    pub number: i64,
+    pub signature: Vec<u8>,
+    pub public_key: Vec<u8>,
+}
+
 /// A consent in its own table.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StoredConsent {
@@ -42,6 +50,8 @@ pub struct StoredConsent {
     pub decided_by: Option<String>,
     /// Time of the decision, in microseconds since 1970.
     pub decided_at: i64,
+    /// Basis of the decision, as JSON.
+    pub basis: Option<String>,
 }
 
 /// The signed records beside the entries, and the consents.
@@ -54,12 +64,18 @@ pub struct Surroundings {
     pub anchors: Vec<StoredStatement>,
     /// The daily checkpoints, in order.
     pub checkpoints: Vec<StoredStatement>,
+    /// Their signed number.
+    pub seal: Option<StoredSeal>,
     /// Receipts of ended consents.
     pub revocations: Vec<StoredStatement>,
     /// The signed heads.
     pub heads: Vec<StoredHead>,
     /// The logs of the chains.
     pub logs: Vec<StoredLog>,
+    /// Checkpoints of logs that were kept elsewhere, as signed notes.
+    pub kept_checkpoints: Vec<String>,
     /// The consents by field and number.
     pub consents: HashMap<(String, u32), StoredConsent>,
+    /// Hashes of the previews whose stored texts have them.
+    pub previews: HashSet<String>,
 }

@@ -3,7 +3,12 @@ use std::collections::BTreeMap;
 use asi_model::{DateTime, FactoryId, OrganisationId};
 
 use super::*;
-use crate::{Heads, LedgerKey, LinkedEntry, Log, SequenceRange, SignedHead, values_root};
+use crate::{
+    Anchor, CheckpointSeal, HeadsCheckpoint, Heads, LedgerKey, LinkedEntry, Log, SequenceRange,
+    RetentionRule, RetentionStatement, SignedHead, values_root,
+};
+
+mod tampering;
 
 const REPORT: &str = r#"{"SequenceNumber":1,"Payload":{"a":1}}"#;
 const SALT: [u8; 16] = [3; 16];
@@ -28,8 +33,8 @@ fn entries(count: u32) -> (Vec<Row>, Heads, Vec<LinkedEntry>) {
         let range = SequenceRange {
             data_set_writer_id: 1,
             epoch: 1,
-            first_sequence: sequence,
-            last_sequence: sequence,
+            first_sequence: sequence / 2,
+            last_sequence: sequence / 2,
         };
         let is_queued = sequence % 2 == 0;
         let event = if is_queued {
@@ -50,15 +55,48 @@ fn entries(count: u32) -> (Vec<Row>, Heads, Vec<LinkedEntry>) {
         let report = is_queued.then(|| StoredReport {
             data_set_writer_id: 1,
             epoch: 1,
-            sequence: recorded_at,
+            sequence: recorded_at / 2,
             created_at: recorded_at,
             recipients: br#"["acme"]"#.to_vec(),
             body: Some(REPORT.as_bytes().to_vec()),
             salt: Some(SALT.to_vec()),
+            sent_at: (sequence + 1 < count).then_some(recorded_at + 1),
+            ..StoredReport::default()
         });
         (stored, report)
     });
     (stored.collect(), heads.clone(), linked)
+}
+
+/// Appends a statement of retention.
+fn retained(
+    (entries, heads, linked): (&mut Vec<Row>, &mut Heads, &mut Vec<LinkedEntry>),
+    rule: RetentionRule,
+    emptied: Vec<SequenceRange>,
+    removed_through: Option<u64>,
+) {
+    let recorded_at = i64::try_from(linked.len()).expect("small");
+    let at = DateTime::from_unix_micros(recorded_at);
+    let statement =
+        RetentionStatement { rule, days: Some(1), before: at, emptied, removed_through };
+    let recipient = "acme".parse().expect("an id");
+    let entry = heads.append(&recipient, at, Event::Retention(statement));
+    let stored = StoredEntry {
+        number: i64::try_from(entry.number).expect("small"),
+        recorded_at,
+        report_id: None,
+        content: entry.content.clone().into_bytes(),
+        hash: entry.hash.to_vec(),
+    };
+    linked.push(entry);
+    entries.push((stored, None));
+}
+
+fn sealed(key: &LedgerKey, number: u64) -> Option<StoredSeal> {
+    let CheckpointSeal { number, signature, public_key } =
+        CheckpointSeal::new(&factory(), number, key);
+    let number = i64::try_from(number).expect("small");
+    Some(StoredSeal { number, signature: signature.to_vec(), public_key: public_key.to_vec() })
 }
 
 fn verify(entries: &[Row], surroundings: Surroundings) -> Verification {
@@ -84,6 +122,7 @@ fn signed(linked: &[LinkedEntry], key: &LedgerKey) -> Surroundings {
         factory_id: "F".to_owned(),
         heads: heads.collect(),
         logs: vec![stored_log(linked, key)],
+        seal: sealed(key, 0),
         ..Surroundings::default()
     }
 }
@@ -172,8 +211,8 @@ fn a_rewritten_chain_contradicts_its_checkpoint() {
                 .to_vec(),
             public_key: key.public().to_vec(),
         };
-        verify(entries, Surroundings { checkpoints: vec![statement], ..signed(linked, &key) })
-            .is_intact()
+        let (checkpoints, seal) = (vec![statement], sealed(&key, 1));
+        verify(entries, Surroundings { checkpoints, seal, ..signed(linked, &key) }).is_intact()
     };
     assert!(check(&intact, &linked, &text));
     assert!(
@@ -186,8 +225,7 @@ fn a_rewritten_chain_contradicts_its_checkpoint() {
 #[test]
 fn a_chain_continues_from_its_anchor() {
     let key = key();
-    let (intact, _, linked) = entries(6);
-    let anchor = |number: usize| {
+    let anchor = |linked: &[LinkedEntry], number: usize| {
         let text = Anchor {
             factory_id: factory(),
             recipient: "acme".parse().expect("an id"),
@@ -206,23 +244,36 @@ fn a_chain_continues_from_its_anchor() {
             content: text.into_bytes(),
         }
     };
-    let check = |entries: &[Row], anchors| {
-        verify(entries, Surroundings { anchors, ..signed(&linked, &key) })
+    let pruned = |through: Option<u64>| {
+        let (mut intact, mut heads, mut linked) = entries(6);
+        let chain = (&mut intact, &mut heads, &mut linked);
+        retained(chain, RetentionRule::EntryDays, Vec::new(), through);
+        (intact, linked)
     };
-    let outcome = check(&intact[3..], vec![anchor(3)]);
+    let check = |entries: &[Row], linked: &[LinkedEntry], anchors| {
+        verify(entries, Surroundings { anchors, ..signed(linked, &key) })
+    };
+    let (intact, linked) = pruned(Some(3));
+    let outcome = check(&intact[3..], &linked, vec![anchor(&linked, 3)]);
     assert!(outcome.is_intact(), "{outcome:?}");
-    assert_eq!((outcome.entries, outcome.entries_pruned), (3, 3));
-    assert!(check(&[], vec![anchor(6)]).is_intact(), "everything was removed");
-    assert!(
-        !check(&intact[4..], vec![anchor(3)]).is_intact(),
-        "more is missing than the anchor states"
-    );
-    assert!(!check(&intact[3..], Vec::new()).is_intact(), "the anchor is missing");
-    let mut changed = anchor(3);
+    assert_eq!((outcome.entries, outcome.entries_pruned), (4, 3));
+    let (all, of_all) = pruned(Some(6));
+    let outcome = check(&all[6..], &of_all, vec![anchor(&of_all, 6)]);
+    assert!(outcome.is_intact(), "everything was removed: {outcome:?}");
+    let is_found = |entries: &[Row], linked: &[LinkedEntry], anchors, what: &str| {
+        assert!(!check(entries, linked, anchors).is_intact(), "{what}");
+    };
+    let early = vec![anchor(&linked, 3)];
+    is_found(&intact[4..], &linked, early, "more is missing than the anchor states");
+    is_found(&intact[3..], &linked, Vec::new(), "the anchor is missing");
+    let mut changed = anchor(&linked, 3);
     changed.content = String::from_utf8_lossy(&changed.content)
         .replace("\"number\":3", "\"number\":4")
         .into_bytes();
-    assert!(!check(&intact[4..], vec![changed]).is_intact(), "the anchor was changed");
+    is_found(&intact[4..], &linked, vec![changed], "the anchor was changed");
+    let (unstated, linked) = pruned(None);
+    is_found(&unstated[3..], &linked, vec![anchor(&linked, 3)], "no entry states the removal");
+    is_found(&intact[5..], &linked, vec![anchor(&linked, 5)], "more was removed than is stated");
 }
 
 #[test]
@@ -258,20 +309,26 @@ fn a_log_that_is_not_the_one_of_its_chain_is_found() {
     }
     let without = Surroundings { logs: Vec::new(), ..signed(&linked, &key) };
     assert!(!verify(&intact, without).is_intact(), "the log was deleted");
-    let mut former = signed(&linked, &key);
-    former.logs = vec![StoredLog { recipient: "acme".to_owned(), ..StoredLog::default() }];
-    assert!(verify(&intact, former).is_intact(), "a chain that has no log yet");
+    let former = || Surroundings {
+        logs: vec![StoredLog { recipient: "acme".to_owned(), ..StoredLog::default() }],
+        ..signed(&linked, &key)
+    };
+    let unsealed = Surroundings { seal: None, ..former() };
+    assert!(verify(&intact, unsealed).is_intact(), "a store of a former version has no log yet");
+    assert!(!verify(&intact, former()).is_intact(), "the log was emptied");
 }
 
 #[test]
 fn a_log_that_begins_after_pruned_entries_is_intact() {
     let key = key();
-    let (intact, _, linked) = entries(6);
+    let (mut intact, mut heads, mut linked) = entries(6);
+    let chain = (&mut intact, &mut heads, &mut linked);
+    retained(chain, RetentionRule::FormerVersion, Vec::new(), Some(3));
     let previous = Head { number: 3, hash: linked[2].hash };
     let mut log = Log::new(factory(), "acme".parse().expect("an id"), &previous);
     linked[3..].iter().for_each(|entry| log.append(&entry.content));
     log.sign_checkpoint(&key);
-    assert_eq!(log.last_number(), 6);
+    assert_eq!(log.last_number(), 7);
     let text = Anchor {
         factory_id: factory(),
         recipient: "acme".parse().expect("an id"),
@@ -292,7 +349,7 @@ fn a_log_that_begins_after_pruned_entries_is_intact() {
     };
     let stored = StoredLog {
         start: log.start().canonical(),
-        size: 4,
+        size: 5,
         root: log.leaves().root().to_vec(),
         leaves: log.leaves().to_bytes(),
         checkpoint: log.checkpoint().expect("signed").to_owned(),

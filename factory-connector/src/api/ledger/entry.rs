@@ -8,7 +8,7 @@ use asi_model::{
     openapi::EncodedValue,
 };
 use disclosure::{DecisionBasis, DisclosurePolicy, Statement, StatementPart};
-use ledger::{Event, LedgerEntry, SequenceRange};
+use ledger::{Event, LedgerEntry, RetentionStatement, SequenceRange};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use utoipa::ToSchema;
@@ -67,6 +67,8 @@ pub enum EventView {
     Purged(SequenceRange),
     /// A consent ended.
     Revoked(RevokedView),
+    /// Values of reports were emptied, or the oldest entries of the chain removed.
+    Retention(RetentionStatement),
     /// The stored text is damaged; the verification of the ledger names the entry.
     Unreadable,
 }
@@ -205,6 +207,7 @@ impl From<Event> for EventView {
                 last_sent_sequence,
                 last_delivered_sequence,
             }),
+            Event::Retention(statement) => Self::Retention(statement),
         }
     }
 }

@@ -21,6 +21,8 @@ pub(super) async fn write_audit_file(
 ) -> anyhow::Result<()> {
     let writing = "writing the audit file";
     let mut session = Store::connect(&config.data_directory).await?;
+    // Entries about a delivery may come while its report is written.
+    session.begin_view().await?;
     let start = session.ledger().audit_start(recipient).await?;
     let start = start.with_context(|| format!("there is no log for {recipient}"))?;
     let mut output: Box<dyn Write> = match output {

@@ -8,7 +8,7 @@ use ledger::{
 };
 use serde_json::value::RawValue;
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
-use transparency_log::VerifierKey;
+use transparency_log::{LeafRange, VerifierKey};
 
 use crate::store::{
     error::StoreError,
@@ -28,10 +28,11 @@ pub struct LogCheckpoint {
     pub key: VerifierKey,
 }
 
-pub(super) async fn start(
+/// Reads the leaves of a log before the entries that its chain still has; `None` without a log.
+pub(super) async fn leaves_before(
     connection: &mut SqliteConnection,
     recipient: &OrganisationId,
-) -> Result<Option<AuditStart>, StoreError> {
+) -> Result<Option<(LogStart, LeafRange)>, StoreError> {
     let sql = "SELECT start FROM ledger_log WHERE recipient = ? AND start <> ''";
     let query_start = query(sql).bind(recipient.to_string());
     let start: Option<LogStart> =
@@ -45,7 +46,15 @@ pub(super) async fn start(
         .leaves_before(anchor.as_ref())
         .ok_or("the anchor is not one of the log")
         .map_err(StoreError::unreadable("anchor"))?;
-    Ok(Some(AuditStart {
+    Ok(Some((start, leaves)))
+}
+
+pub(super) async fn start(
+    connection: &mut SqliteConnection,
+    recipient: &OrganisationId,
+) -> Result<Option<AuditStart>, StoreError> {
+    let found = leaves_before(connection, recipient).await?;
+    Ok(found.map(|(start, leaves)| AuditStart {
         log_start: start.canonical(),
         // The first leaf is no entry.
         number: start.number + leaves.end() - 1,

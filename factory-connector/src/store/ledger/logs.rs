@@ -2,7 +2,7 @@
 
 use asi_model::{FactoryId, OrganisationId};
 use ledger::{Anchor, Head, Heads, Log, LogStart, Logs};
-use rusqlite::{Connection, OptionalExtension as _};
+use rusqlite::Connection;
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
 use transparency_log::{Checkpoint, LeafRange, SignedNote};
 
@@ -99,27 +99,6 @@ fn log(row: &SqliteRow) -> Result<Log, StoreError> {
         .and_then(|parsed| parsed.text().parse::<Checkpoint>().ok())
         .map(|checkpoint| (checkpoint.size, note));
     Ok(Log::stored(start, leaves, checkpoint))
-}
-
-/// Returns the leaves of a log before the entries that its chain still has.
-pub(super) fn leaves_before(
-    connection: &Connection,
-    recipient: &str,
-) -> Result<LeafRange, StoreError> {
-    let text = |sql: &str, column: &str| -> Result<Option<String>, StoreError> {
-        let row = connection.query_row(sql, (recipient,), |row| row.get(column)).optional();
-        row.map_err(StoreError::while_writing(READ))
-    };
-    let start =
-        text("SELECT start FROM ledger_log WHERE recipient = ?", "start")?.unwrap_or_default();
-    let start: LogStart = serde_json::from_str(&start).map_err(StoreError::unreadable("start"))?;
-    let anchor = text("SELECT content FROM ledger_anchor WHERE recipient = ?", "content")?;
-    let anchor = anchor.map(|anchor| serde_json::from_str::<Anchor>(&anchor)).transpose();
-    let anchor = anchor.map_err(StoreError::unreadable("anchor"))?;
-    start
-        .leaves_before(anchor.as_ref())
-        .ok_or("the anchor is not one of the log")
-        .map_err(StoreError::unreadable("anchor"))
 }
 
 /// Stores logs that grew or were signed.

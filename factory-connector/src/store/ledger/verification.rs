@@ -5,6 +5,7 @@
 mod parallel;
 mod reports;
 mod surroundings;
+mod trusted;
 
 use std::collections::HashMap;
 
@@ -17,6 +18,7 @@ use self::{
     reports::{Digests, NewReports, ReportReader},
     surroundings::surroundings,
 };
+pub use self::trusted::Trusted;
 use crate::store::{
     error::StoreError,
     query::{all, optional, query},
@@ -46,15 +48,14 @@ struct Block {
     reports: NewReports,
 }
 
-/// Reads every chain from its beginning and checks it on all processors. Every signature must be
-/// one of the trusted key, where one is given.
+/// Reads every chain from its beginning and checks it on all processors.
 pub(super) async fn verify(
     connection: &mut SqliteConnection,
-    trusted_key: Option<Hash>,
+    against: Trusted,
 ) -> Result<Verification, StoreError> {
     // One view of everything, while the connector goes on writing.
     let mut view = connection.begin().await.map_err(StoreError::while_doing(READ))?;
-    let verifier = Verifier::new(surroundings(&mut view, trusted_key).await?);
+    let verifier = Verifier::new(surroundings(&mut view, against).await?);
     let (blocks, arriving) = mpsc::channel(BLOCKS_AHEAD);
     let checking = tokio::task::spawn_blocking(move || check(verifier, arriving));
     let read = read(&mut view, &blocks).await;

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use asi_model::DateTime;
-use ledger::{HeadsCheckpoint, LedgerKey, SignedHead};
+use ledger::{CheckpointSeal, HeadsCheckpoint, LedgerKey, SignedHead};
 
 use crate::{ChangeSet, ConnectorState, writes::CheckpointRow};
 
@@ -21,6 +21,7 @@ pub fn checkpoint(state: &mut ConnectorState, key: &LedgerKey, now: DateTime) ->
         return changes;
     }
     let factory_id = state.config.factory_id.clone();
+    changes.writes.ledger.seal = Some(CheckpointSeal::new(&factory_id, number, key));
     let content = HeadsCheckpoint::new(factory_id, number, now, state.ledger.heads()).canonical();
     changes.writes.ledger.checkpoint = Some(CheckpointRow {
         number,
@@ -43,7 +44,8 @@ pub fn checkpoint_logs(state: &mut ConnectorState, key: &LedgerKey) -> ChangeSet
     changes
 }
 
-/// Signs the heads of all chains and checkpoints of all logs, as they were loaded.
+/// Signs the heads of all chains, the number of the checkpoints, and checkpoints of all logs, as they
+/// were loaded.
 #[must_use]
 pub fn sign_all_heads(state: &mut ConnectorState, key: &LedgerKey) -> ChangeSet {
     let mut changes = ChangeSet::default();
@@ -52,6 +54,8 @@ pub fn sign_all_heads(state: &mut ConnectorState, key: &LedgerKey) -> ChangeSet 
         SignedHead::new(factory_id, recipient.clone(), head.number, head.hash, key)
     });
     changes.writes.ledger.heads.extend(signed);
+    let number = state.ledger.last_checkpoint().map_or(0, |(number, _)| number);
+    changes.writes.ledger.seal = Some(CheckpointSeal::new(factory_id, number, key));
     for log in state.ledger.logs_mut() {
         log.sign_checkpoint(key);
         changes.writes.ledger.logs.push(log.clone());

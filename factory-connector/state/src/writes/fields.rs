@@ -6,6 +6,7 @@ use asi_model::{
     DateTime, FieldKey,
     messages::{MappingState, ValueSource},
 };
+use ledger::{SALT_BYTES, preview_hash};
 
 /// Rows about fields, by field number.
 #[derive(Debug, Default, PartialEq)]
@@ -18,14 +19,17 @@ pub struct FieldWrites {
     pub values: BTreeMap<i64, FieldValueRow>,
     /// Decisions, each with the precision it consents to.
     pub consents: Vec<ConsentRow>,
+    /// Previews that decisions were made on.
+    pub previews: Vec<PreviewRow>,
 }
 
 impl FieldWrites {
     pub(super) fn merge(&mut self, later: Self) {
-        let Self { decided, removed, values, consents } = later;
+        let Self { decided, removed, values, consents, previews } = later;
         super::merge::extend(&mut self.decided, decided);
         super::merge::extend(&mut self.values, values);
         self.consents.extend(consents);
+        self.previews.extend(previews);
         for id in removed {
             self.remove(id);
         }
@@ -88,4 +92,23 @@ pub struct ConsentRow {
     pub reason: Option<String>,
     pub decided_by: Option<String>,
     pub decided_at: DateTime,
+}
+
+/// A preview that a decision was made on.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PreviewRow {
+    /// Salted hash of the text, hexadecimal, as the ledger's entry has it.
+    pub hash: String,
+    /// The preview as the engineer saw it, JSON.
+    pub text: String,
+    /// Random bytes, so that the hash reveals nothing.
+    pub salt: [u8; SALT_BYTES],
+}
+
+impl PreviewRow {
+    /// Commits to the text of a preview.
+    #[must_use]
+    pub fn new(text: String, salt: [u8; SALT_BYTES]) -> Self {
+        Self { hash: preview_hash(&text, &salt), text, salt }
+    }
 }

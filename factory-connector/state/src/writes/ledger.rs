@@ -1,7 +1,7 @@
 //! Rows of the ledger.
 
-use asi_model::DateTime;
-use ledger::{LinkedEntry, Log, SignedHead};
+use asi_model::{DateTime, OrganisationId};
+use ledger::{CheckpointSeal, LinkedEntry, Log, SignedHead};
 
 /// Rows of the ledger.
 #[derive(Debug, Default, PartialEq)]
@@ -15,16 +15,34 @@ pub struct LedgerWrites {
     /// Receipts of consents that ended.
     pub revocations: Vec<RevocationRow>,
     pub checkpoint: Option<CheckpointRow>,
+    /// Signed number of the checkpoints.
+    pub seal: Option<CheckpointSeal>,
+    /// Entries that retention removes.
+    pub removed: Vec<RemovedEntries>,
+    /// What former versions emptied and removed is stated from now on.
+    pub is_former_retention_stated: bool,
 }
 
 impl LedgerWrites {
     pub(super) fn merge(&mut self, later: Self) {
-        let Self { entries, heads, logs, revocations, checkpoint } = later;
+        let Self {
+            entries,
+            heads,
+            logs,
+            revocations,
+            checkpoint,
+            seal,
+            removed,
+            is_former_retention_stated,
+        } = later;
         self.entries.extend(entries);
         self.heads.extend(heads);
         self.logs.extend(logs);
         self.revocations.extend(revocations);
         self.checkpoint = checkpoint.or(self.checkpoint.take());
+        self.seal = seal.or(self.seal.take());
+        self.removed.extend(removed);
+        self.is_former_retention_stated |= is_former_retention_stated;
     }
 }
 
@@ -47,6 +65,30 @@ pub struct CheckpointRow {
 pub struct RevocationRow {
     pub revocation_id: String,
     pub revoked_at: DateTime,
+    /// The signed text.
+    pub content: String,
+    /// Ed25519 signature of the text.
+    pub signature: [u8; 64],
+    /// Ed25519 key that verifies the signature.
+    pub public_key: [u8; 32],
+}
+
+/// The oldest entries of a chain, which retention removes, with the anchor in their place.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RemovedEntries {
+    pub anchor: AnchorRow,
+    /// Numbers of the reports that they are about.
+    pub reports: Vec<i64>,
+}
+
+/// A signed statement in place of a chain's oldest entries.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AnchorRow {
+    /// Organisation of the chain.
+    pub recipient: OrganisationId,
+    /// Number of the last entry that is removed.
+    pub number: u64,
+    pub recorded_at: DateTime,
     /// The signed text.
     pub content: String,
     /// Ed25519 signature of the text.

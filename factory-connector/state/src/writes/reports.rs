@@ -59,13 +59,16 @@ pub struct ReportWrites {
     pub queued: Vec<NewReport>,
     /// Changes of delivery state, in order.
     pub moves: Vec<ReportMove>,
+    /// Numbers of the reports whose values retention empties.
+    pub emptied: Vec<i64>,
 }
 
 impl ReportWrites {
     pub(super) fn merge(&mut self, later: Self) {
-        let Self { queued, moves } = later;
+        let Self { queued, moves, emptied } = later;
         self.queued.extend(queued);
         self.moves.extend(moves);
+        self.emptied.extend(emptied);
     }
 }
 
@@ -115,6 +118,22 @@ pub enum ReportMove {
     Done(Vec<i64>),
     /// Reports that are never sent again, whatever their outcome.
     Revoked(Vec<i64>),
+}
+
+impl ReportMove {
+    /// Returns whether the move is about a report, or about its message.
+    #[must_use]
+    pub fn concerns(&self, report: i64, message: i64) -> bool {
+        match self {
+            Self::Sent { reports, .. } => reports.iter().any(|(id, _)| *id == report),
+            Self::Receipted { reports, .. }
+            | Self::Waiting(reports)
+            | Self::Reopened(reports)
+            | Self::Done(reports)
+            | Self::Revoked(reports) => reports.contains(&report),
+            Self::Attempted(messages) | Self::Parked(messages) => messages.contains(&message),
+        }
+    }
 }
 
 /// A report in the spool, without its body.

@@ -39,6 +39,12 @@ export const ledger: typeof English = {
     delivered: (when: string) => `zugestellt ${when}`,
     sentOnly: (when: string) => `gesendet ${when}, noch keine Quittung`,
     revokedAt: (writer: number, last: string) => `Schreiber ${writer}, zuletzt zugestellt ${last}`,
+    emptiedReports: (n: number) =>
+      n === 1 ? 'Werte von 1 Bericht gelöscht' : `Werte von ${n} Berichten gelöscht`,
+    removedThrough: (number: number) => `Einträge bis Nr. ${number} entfernt`,
+    olderThan: (when: string) => `älter als ${when}`,
+    formerRetention:
+      'So vorgefunden beim Update: Eine frühere Version hat ihre Aufbewahrung nicht eingetragen',
     verification: 'Ergebnis der Prüfung',
     faults: (n: number) => (n === 1 ? '1 Fehler gefunden.' : `${n} Fehler gefunden.`),
     chains: 'Ketten',
@@ -64,6 +70,7 @@ export const ledger: typeof English = {
       expired: 'Verfallen',
       purged: 'Gelöscht',
       revoked: 'Einwilligung beendet',
+      retention: 'Aufbewahrung',
       consent: 'Entscheidung',
     },
   },

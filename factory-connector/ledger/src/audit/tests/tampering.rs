@@ -155,8 +155,8 @@ fn order(sample: &Sample, attempts: &mut Attempts) {
 
 /// Values and salts emptied, alone and together, and reports exchanged.
 fn values(sample: &Sample, attempts: &mut Attempts) {
-    let queued: Vec<usize> =
-        (1..sample.lines.len()).filter(|index| sample.lines[*index].contains("QUEUED")).collect();
+    let has_values = |index: &usize| sample.lines[*index].contains("\"report\":{");
+    let queued: Vec<usize> = (1..sample.lines.len()).filter(has_values).collect();
     for index in &queued {
         let mut attempt = |name: &str, change: &dyn Fn(&mut Value)| {
             let mut lines = sample.lines.clone();

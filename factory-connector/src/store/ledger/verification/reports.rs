@@ -47,7 +47,8 @@ impl ReportReader {
             return Ok(NewReports { forgotten, stored: Vec::new() });
         }
         let sql = "SELECT id, writer_id, epoch, sequence, created_at,
-                       CAST(recipients AS BLOB) AS recipients, CAST(body AS BLOB) AS body, salt
+                       CAST(recipients AS BLOB) AS recipients, CAST(body AS BLOB) AS body, salt,
+                       sent_at, CAST(message_id AS BLOB) AS message_id, receipted_at
                    FROM report WHERE id IN (SELECT value FROM json_each(?))";
         let query = query(sql).bind(document(&missing));
         let stored = all(connection, query, "read the ledger's reports", report).await?;
@@ -64,6 +65,9 @@ fn report(row: &SqliteRow) -> Result<(i64, StoredReport), StoreError> {
         recipients: row.column("recipients")?,
         body: row.column("body")?,
         salt: row.column("salt")?,
+        sent_at: row.column("sent_at")?,
+        message_id: row.column("message_id")?,
+        receipted_at: row.column("receipted_at")?,
     };
     Ok((row.column("id")?, report))
 }

@@ -3,11 +3,15 @@
 
 use std::collections::HashMap;
 
-use ledger::{Hash, StoredConsent, StoredHead, StoredLog, StoredStatement, Surroundings};
+use ledger::{
+    StoredConsent, StoredHead, StoredLog, StoredSeal, StoredStatement, Surroundings,
+};
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
 
+use super::trusted::Trusted;
 use crate::store::{
     error::StoreError,
+    previews,
     query::{all, optional, query},
     row::Columns as _,
 };
@@ -19,6 +23,7 @@ const ANCHORS: &str = "SELECT CAST(recipient AS BLOB) AS name, recorded_at,
 const CHECKPOINTS: &str = "SELECT CAST(CAST(number AS TEXT) AS BLOB) AS name, recorded_at,
                                CAST(content AS BLOB) AS content, signature, public_key
                            FROM ledger_checkpoint ORDER BY number";
+const SEAL: &str = "SELECT number, signature, public_key FROM ledger_seal";
 const REVOCATIONS: &str = "SELECT CAST(revocation_id AS BLOB) AS name, revoked_at AS recorded_at,
                                CAST(content AS BLOB) AS content, signature, public_key
                            FROM revocation ORDER BY revocation_id";
@@ -32,25 +37,28 @@ const LOGS: &str =
 const CONSENTS: &str = "SELECT CAST(field AS BLOB) AS field, version,
                             CAST(mapping_state AS BLOB) AS mapping_state,
                             CAST(value_source AS BLOB) AS value_source,
-                            CAST(policy AS BLOB) AS policy,
+                            CAST(policy AS BLOB) AS policy, CAST(grounds AS BLOB) AS basis,
                             CAST(decided_by AS BLOB) AS decided_by, decided_at
                         FROM consent";
 
 pub(super) async fn surroundings(
     connection: &mut SqliteConnection,
-    trusted_key: Option<Hash>,
+    Trusted { key, checkpoints }: Trusted,
 ) -> Result<Surroundings, StoreError> {
     let identity = query("SELECT factory_id FROM identity");
     let factory = optional(connection, identity, READ, |row| row.column("factory_id")).await?;
     Ok(Surroundings {
         factory_id: factory.unwrap_or_default(),
-        trusted_key,
+        trusted_key: key,
         anchors: all(connection, query(ANCHORS), READ, statement).await?,
         checkpoints: all(connection, query(CHECKPOINTS), READ, statement).await?,
+        seal: optional(connection, query(SEAL), READ, seal).await?,
         revocations: all(connection, query(REVOCATIONS), READ, statement).await?,
         heads: all(connection, query(HEADS), READ, head).await?,
         logs: all(connection, query(LOGS), READ, log).await?,
+        kept_checkpoints: checkpoints,
         consents: consents(connection).await?,
+        previews: previews::intact(connection).await?,
     })
 }
 
@@ -66,6 +74,7 @@ async fn consents(
             policy: text(row, "policy")?,
             decided_by: optional_text(row, "decided_by")?,
             decided_at: row.column("decided_at")?,
+            basis: optional_text(row, "basis")?,
         };
         Ok(((text(row, "field")?, version), consent))
     });
@@ -87,6 +96,14 @@ fn head(row: &SqliteRow) -> Result<StoredHead, StoreError> {
         recipient: text(row, "recipient")?,
         number: row.column("number")?,
         hash: row.column("hash")?,
+        signature: row.column("signature")?,
+        public_key: row.column("public_key")?,
+    })
+}
+
+fn seal(row: &SqliteRow) -> Result<StoredSeal, StoreError> {
+    Ok(StoredSeal {
+        number: row.column("number")?,
         signature: row.column("signature")?,
         public_key: row.column("public_key")?,
     })
