@@ -6,6 +6,7 @@ mod comment;
 mod disclosure;
 mod from_factory;
 mod lease;
+mod revocation;
 mod to_factory;
 
 pub use asset::{AssetKind, AssetOffer, AssetRequest};
@@ -18,6 +19,7 @@ pub use from_factory::{
     GapCause, MappingState, ValueSource,
 };
 pub use lease::{Lease, LeaseParty, LeaseRequest, LeaseResult};
+pub use revocation::SignedRevocation;
 pub use to_factory::{OperationNetworkMessage, PlatformMessage, Receipt, Withdraw, WriterReceipt};
 
 /// Largest body of a message to a factory, in bytes after compression.

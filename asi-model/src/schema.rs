@@ -13,7 +13,7 @@ use serde_json::Value;
 use crate::{
     messages::{
         Acknowledgement, AssetOffer, AssetRequest, Comment, Decision, Gap, Lease, LeaseRequest,
-        OperationNetworkMessage, Receipt, Withdraw,
+        OperationNetworkMessage, Receipt, SignedRevocation, Withdraw,
     },
     network::OperationNetwork,
 };
@@ -34,6 +34,7 @@ pub fn all() -> Vec<(&'static str, Value)> {
         ("gap.schema.json", message::<Gap>("gap")),
         ("asset-offer.schema.json", message::<AssetOffer>("asset-offer")),
         ("lease-request.schema.json", message::<LeaseRequest>("lease-request")),
+        ("revocation.schema.json", message::<SignedRevocation>("revocation")),
         ("network.schema.json", document::<OperationNetwork>("network")),
         ("ua-data.schema.json", pubsub::data()),
         ("ua-metadata.schema.json", pubsub::meta_data()),

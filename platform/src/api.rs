@@ -18,6 +18,7 @@ mod page;
 mod problems;
 mod reports;
 mod requests;
+mod revocations;
 mod session;
 mod status;
 mod tools;
@@ -97,6 +98,7 @@ fn guarded() -> OpenApiRouter<Application> {
         .routes(routes!(requests::add))
         .routes(routes!(requests::remove))
         .routes(routes!(comments::list, comments::add))
+        .routes(routes!(revocations::list))
         .routes(routes!(reports::list))
         .routes(routes!(dead_letters::list))
         .routes(routes!(dead_letters::replay))

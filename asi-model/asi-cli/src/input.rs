@@ -56,9 +56,10 @@ impl InputKind {
         let Ok(tape) = Tape::read(bytes, limits) else { return Self::Unknown };
         let root = tape.root();
         match root.get("messageType").and_then(|node| node.text()).as_deref() {
-            Some("acknowledgement" | "decision" | "gap" | "asset-offer" | "lease-request") => {
-                Self::FromFactory
-            }
+            Some(
+                "acknowledgement" | "decision" | "gap" | "asset-offer" | "lease-request"
+                | "revocation",
+            ) => Self::FromFactory,
             Some(_) => Self::ToFactory,
             None if root.get("operationNetworkId").is_some() => Self::Network,
             // Layouts without headers are bare payloads.

@@ -1,6 +1,7 @@
 //! `asi ledger`: a disclosure ledger checked by those it concerns, without the factory's program.
 
 mod lines;
+mod receipt;
 
 use std::{
     fs::File,
@@ -20,6 +21,8 @@ use crate::outcome::CommandOutcome;
 const BUFFER_BYTES: usize = 1 << 20;
 /// Longest checkpoint that is read, in bytes.
 const CHECKPOINT_BYTES_MAX: u64 = 64 * 1024;
+/// Longest receipt that is read, in bytes.
+const RECEIPT_BYTES_MAX: u64 = 1024 * 1024;
 
 /// Commands on disclosure ledgers.
 #[derive(Debug, clap::Subcommand)]
@@ -39,18 +42,46 @@ pub enum LedgerCommand {
         #[arg(long, value_name = "TIME")]
         emptied_before: Option<DateTime>,
     },
+    /// Check the signed receipt of a revocation, as the platform lists it, and print it.
+    Receipt {
+        /// The receipt with its signature, a JSON object.
+        file: PathBuf,
+        /// The key of the factory's log for this organisation: name+id+key.
+        #[arg(long, value_name = "VKEY")]
+        key: VerifierKey,
+    },
 }
 
 /// Carries out a command.
 pub fn run(command: LedgerCommand, out: &mut dyn Write) -> anyhow::Result<CommandOutcome> {
-    let LedgerCommand::Verify { file, checkpoint, key, emptied_before } = command;
-    let open =
-        |path: &Path| File::open(path).with_context(|| format!("cannot read {}", path.display()));
+    match command {
+        LedgerCommand::Verify { file, checkpoint, key, emptied_before } => {
+            verify(&file, &checkpoint, &key, emptied_before, out)
+        }
+        LedgerCommand::Receipt { file, key } => {
+            let mut receipt = Vec::new();
+            open(&file)?.take(RECEIPT_BYTES_MAX).read_to_end(&mut receipt)?;
+            receipt::verify(&receipt, &key, out)
+        }
+    }
+}
+
+fn open(path: &Path) -> anyhow::Result<File> {
+    File::open(path).with_context(|| format!("cannot read {}", path.display()))
+}
+
+fn verify(
+    file: &Path,
+    checkpoint: &Path,
+    key: &VerifierKey,
+    emptied_before: Option<DateTime>,
+    out: &mut dyn Write,
+) -> anyhow::Result<CommandOutcome> {
     let mut note = String::new();
-    open(&checkpoint)?.take(CHECKPOINT_BYTES_MAX).read_to_string(&mut note)?;
-    let mut lines = BufReader::with_capacity(BUFFER_BYTES, open(&file)?);
+    open(checkpoint)?.take(CHECKPOINT_BYTES_MAX).read_to_string(&mut note)?;
+    let mut lines = BufReader::with_capacity(BUFFER_BYTES, open(file)?);
     let first = next_line(&mut lines)?.unwrap_or_default();
-    let mut auditor = match Auditor::new(&note, &key, &first, emptied_before) {
+    let mut auditor = match Auditor::new(&note, key, &first, emptied_before) {
         Ok(auditor) => auditor,
         Err(error) => {
             writeln!(out, "{:#}", anyhow::Error::new(error))?;

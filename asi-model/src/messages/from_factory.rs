@@ -8,6 +8,7 @@ use super::{
     comment::Comment,
     disclosure::DisclosureStatement,
     lease::LeaseRequest,
+    revocation::SignedRevocation,
 };
 use crate::{
     ids::{
@@ -34,6 +35,8 @@ pub enum FactoryMessage {
     AssetOffer(AssetOffer),
     /// A running connector asks for the lease.
     LeaseRequest(LeaseRequest),
+    /// The signed receipt of a revocation.
+    Revocation(SignedRevocation),
 }
 
 impl FactoryMessage {
@@ -47,6 +50,7 @@ impl FactoryMessage {
             Self::Comment(_) => "comment",
             Self::AssetOffer(_) => "asset-offer",
             Self::LeaseRequest(_) => "lease-request",
+            Self::Revocation(_) => "revocation",
         }
     }
 
@@ -60,6 +64,7 @@ impl FactoryMessage {
             Self::Comment(m) => &m.message_id,
             Self::AssetOffer(m) => &m.message_id,
             Self::LeaseRequest(m) => &m.message_id,
+            Self::Revocation(m) => &m.message_id,
         }
     }
 
@@ -73,6 +78,7 @@ impl FactoryMessage {
             Self::Comment(m) => &m.factory_id,
             Self::AssetOffer(m) => &m.factory_id,
             Self::LeaseRequest(m) => &m.factory_id,
+            Self::Revocation(m) => &m.factory_id,
         }
     }
 }

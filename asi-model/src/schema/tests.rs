@@ -80,7 +80,7 @@ fn check_readable(name: &str, message_type: &str, bytes: &[u8], instance: &Value
             // serde reads the same from its own text, as the stores do.
             assert_eq!(serde_json::from_slice::<PlatformMessage>(&again).expect(name), message);
         }
-        "acknowledgement" | "decision" | "gap" | "asset-offer" | "lease-request" => {
+        "acknowledgement" | "decision" | "gap" | "asset-offer" | "lease-request" | "revocation" => {
             let message = validation::parse_factory_message(bytes).expect(name);
             let again = serde_json::to_vec(&message).expect("writable");
             assert_eq!(validation::parse_factory_message(&again).as_ref(), Ok(&message));

@@ -3,6 +3,7 @@
 use super::{
     LIST_MAX,
     disclosure::disclosure,
+    lists::recipients,
     message_members::{
         ASSET_KINDS, comment, factory_id, kinds, message_type, number, revision, writer_id,
     },
@@ -12,7 +13,7 @@ use crate::{
     json::JsonNode,
     messages::{
         Acknowledgement, AcknowledgementResult, AssetKind, AssetOffer, Decision, DecisionTarget,
-        FactoryMessage, Fault, Gap, GapCause, LeaseRequest, MappingState,
+        FactoryMessage, Fault, Gap, GapCause, LeaseRequest, MappingState, SignedRevocation,
     },
 };
 
@@ -23,14 +24,22 @@ pub(super) fn factory_message(
     if !reader.is_object(root, "A message") {
         return None;
     }
-    const TYPES: [&str; 6] =
-        ["acknowledgement", "decision", "gap", "comment", "asset-offer", "lease-request"];
+    const TYPES: [&str; 7] = [
+        "acknowledgement",
+        "decision",
+        "gap",
+        "comment",
+        "asset-offer",
+        "lease-request",
+        "revocation",
+    ];
     Some(match message_type(reader, root, &TYPES)? {
         "acknowledgement" => FactoryMessage::Acknowledgement(acknowledgement(reader, root)),
         "decision" => FactoryMessage::Decision(decision(reader, root)?),
         "gap" => FactoryMessage::Gap(gap(reader, root)),
         "comment" => FactoryMessage::Comment(comment(reader, root, None)),
         "lease-request" => FactoryMessage::LeaseRequest(lease_request(reader, root)?),
+        "revocation" => FactoryMessage::Revocation(revocation(reader, root)),
         _ => FactoryMessage::AssetOffer(AssetOffer {
             message_id: reader.required_id(root, "messageId"),
             factory_id: factory_id(reader, root, None),
@@ -128,6 +137,20 @@ fn gap(reader: &mut Reader, root: JsonNode<'_, '_>) -> Gap {
         cause: reader
             .required(root, "cause", |reader, node| reader.choice(node, &CAUSES))
             .unwrap_or(GapCause::Coalesced),
+    }
+}
+
+fn revocation(reader: &mut Reader, root: JsonNode<'_, '_>) -> SignedRevocation {
+    SignedRevocation {
+        message_id: reader.required_id(root, "messageId"),
+        factory_id: factory_id(reader, root, None),
+        operation_network_id: reader.required_id(root, "operationNetworkId"),
+        operation_id: reader.required_id(root, "operationId"),
+        dynamic_data_request_id: reader.required_id(root, "dynamicDataRequestId"),
+        recipient_list: recipients(reader, root),
+        signed_text: reader.required(root, "signedText", Reader::document).unwrap_or_default(),
+        signature: reader.required(root, "signature", Reader::name).unwrap_or_default(),
+        public_key: reader.required(root, "publicKey", Reader::name).unwrap_or_default(),
     }
 }
 

@@ -9,6 +9,7 @@ use super::{FaultCode, NAME_CHARS_MAX, TEXT_CHARS_MAX, faults::Faults};
 use crate::{
     ids::{ID_BYTES_MAX, InvalidId, is_noncharacter},
     json::{JsonNode, Kind},
+    messages::MESSAGE_BYTES_MAX,
     values::DateTime,
 };
 
@@ -217,6 +218,11 @@ impl Reader {
     /// A description, purpose or comment.
     pub(super) fn text(&mut self, node: JsonNode<'_, '_>) -> Option<String> {
         self.bounded_text(node, TEXT_CHARS_MAX)
+    }
+
+    /// A document inside of the message.
+    pub(super) fn document(&mut self, node: JsonNode<'_, '_>) -> Option<String> {
+        self.bounded_text(node, MESSAGE_BYTES_MAX)
     }
 
     /// A text of more than white space.

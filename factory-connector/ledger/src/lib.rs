@@ -36,7 +36,7 @@ pub use key::{InvalidKey, LedgerKey};
 pub use log::{Log, LogStart, Logs, log_verifier};
 pub use preview::preview_hash;
 pub use retention::{RetentionRule, RetentionStatement};
-pub use revocation::{RevocationReceipt, RevokedField, RevokedWriter, Sequences};
+pub use revocation::{ReceiptError, RevocationReceipt, RevokedField, RevokedWriter, Sequences};
 pub use seal::CheckpointSeal;
 pub use sequence_range::SequenceRange;
 pub use values::{SALT_BYTES, ValuesError, values_root};

@@ -3,6 +3,19 @@
 use asi_model::{DateTime, FactoryId, FieldKey, OrganisationId, RequestKey, messages::GapCause};
 use serde::{Deserialize, Serialize};
 
+use super::{Hash, key::is_signed};
+
+/// Reason for which a receipt proves nothing.
+#[derive(Debug, thiserror::Error)]
+pub enum ReceiptError {
+    /// The text was not signed with the key.
+    #[error("the receipt is not signed with this key")]
+    Signature,
+    /// The signed text is no receipt.
+    #[error("the signed text is no receipt")]
+    Text(#[from] serde_json::Error),
+}
+
 /// Statement about the reports that had left when a consent ended. It is signed with the ledger's key
 /// and never deleted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
@@ -84,7 +97,40 @@ impl Sequences {
     }
 }
 
+/// Most fields in one statement for a partner, so that it fits into a message.
+const FIELDS_MAX: usize = 200;
+
 impl RevocationReceipt {
+    /// Returns what the receipt says about one data set, for its recipients: nothing of other
+    /// requests, and not the name of the user. Many fields make several statements.
+    #[must_use]
+    pub fn for_partners(&self, writer: &RevokedWriter) -> Vec<Self> {
+        let of_request = |field: &&RevokedField| field.field.request == writer.request;
+        let fields: Vec<RevokedField> = self.fields.iter().filter(of_request).cloned().collect();
+        let statement = |fields: &[RevokedField]| Self {
+            revoked_by: None,
+            fields: fields.to_vec(),
+            writers: vec![writer.clone()],
+            ..self.clone()
+        };
+        fields.chunks(FIELDS_MAX).map(statement).collect()
+    }
+
+    /// Reads a receipt whose signature is that of a key.
+    ///
+    /// # Errors
+    /// [`ReceiptError`].
+    pub fn verified(
+        signed_text: &str,
+        signature: &[u8],
+        public_key: &Hash,
+    ) -> Result<Self, ReceiptError> {
+        if !is_signed(signed_text, signature, public_key) {
+            return Err(ReceiptError::Signature);
+        }
+        Ok(serde_json::from_str(signed_text)?)
+    }
+
     /// Returns the text that is signed and stored.
     #[must_use]
     pub fn canonical(&self) -> String {

@@ -16,6 +16,7 @@ const MIGRATIONS: [(i64, &str, &str); 5] = [
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
     (4, "entitlement", include_str!("../../migrations/sqlite/0004_entitlement.sql")),
     (5, "network owners", include_str!("../../migrations/sqlite/0005_network_owners.sql")),
+    (10, "revocations", include_str!("../../migrations/sqlite/0010_revocations.sql")),
 ];
 
 /// Reads of pages at once; more would only share the same disk.

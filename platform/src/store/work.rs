@@ -23,6 +23,7 @@ use super::{
     recipient_sets::RecipientSets,
     recipients::Recipients,
     reports::Reports,
+    revocations::Revocations,
     tools::Tools,
     users::Users,
     writers::Writers,
@@ -58,6 +59,11 @@ impl Work {
     /// Returns the repository of comments between partners.
     pub fn comments(&mut self) -> Comments<'_> {
         Comments(self.connection())
+    }
+
+    /// Returns the repository of signed receipts of revocations.
+    pub fn revocations(&mut self) -> Revocations<'_> {
+        Revocations(self.connection())
     }
 
     /// Enrolment tokens and broker credentials.

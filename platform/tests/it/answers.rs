@@ -112,6 +112,13 @@ async fn every_operation_answers_as_in_its_snapshot() {
     let mut unusable = story::report("m1", 1, 4);
     unusable["Messages"][0].as_object_mut().expect("a message").remove("SequenceNumber");
     munich.send_under(1, "ua-data", &unusable);
+    munich.send_under(1, "revocation", &crate::revocations::receipt("FOR_MUC", &["acme-aero"]));
+    eventually("a receipt", || async {
+        let path = format!("{}/revocations", story::network_path());
+        let receipts = buyer.get(&path).await.expect_ok();
+        if receipts["items"][0].is_object() { Ok(()) } else { Err(receipts.to_string()) }
+    })
+    .await;
     eventually("a dead letter", || async {
         let letters = admin.get("/dead-letters").await.expect_ok();
         if letters["items"][0].is_object() { Ok(()) } else { Err(letters.to_string()) }
@@ -146,6 +153,8 @@ async fn reading(answers: &mut Answers, admin: &Api, buyer: &Api) {
     answers.get(buyer, "listOperationNetworks", "/operation-networks").await;
     answers.get(buyer, "showOperationNetwork", &story::network_path()).await;
     answers.get(buyer, "listReports", "/reports").await;
+    let path = format!("{}/revocations", story::network_path());
+    answers.get(buyer, "listRevocations", &path).await;
     answers.get(admin, "listDeadLetters", "/dead-letters").await;
     let path = "/dead-letters/ingest-1/replay";
     answers.post(admin, "replayDeadLetter", path, json!({})).await;

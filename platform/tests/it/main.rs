@@ -17,6 +17,7 @@ mod members;
 mod migration;
 mod openapi;
 mod receipts;
+mod revocations;
 mod rights;
 mod rubbish;
 mod sight;

@@ -159,6 +159,9 @@ fn readings(operation: &str, owner: &Member) -> Vec<String> {
         "/operation-networks/{operationNetworkId}/comments" => {
             vec![format!("{network}/comments"), format!("{}/comments", network_path())]
         }
+        "/operation-networks/{operationNetworkId}/revocations" => {
+            vec![format!("{network}/revocations"), format!("{}/revocations", network_path())]
+        }
         // Read to its end below.
         "/live" => Vec::new(),
         other => panic!("{other} has no row: what may one member read of another by it?"),

@@ -29,5 +29,7 @@ export type Organisation = Schemas['Organisation']
 export type Part = Schemas['PartView']
 export type RelationCondition = Schemas['RelationCondition']
 export type ReportField = Schemas['ReportField']
+/** Signed receipt of a revocation. */
+export type RevocationEntry = Schemas['RevocationEntry']
 export type UpdateFrequencyUnit = Schemas['UpdateFrequencyUnit']
 export type Writer = Schemas['WriterView']

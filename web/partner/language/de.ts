@@ -46,6 +46,14 @@ export const de: Texts = {
     faults: 'Was die Fabrik beanstandet',
     pointer: 'Wo',
     fault: 'Was',
+    receipts: 'Belege über beendete Einwilligungen',
+    receiptsHint:
+      'Jeder ist mit dem Schlüssel des Verzeichnisses der Fabrik signiert. Er lässt sich speichern und mit „asi ledger receipt“ prüfen.',
+    receiptFields: (names: string) => `Nicht mehr offengelegt: ${names}.`,
+    receiptDelivered: (last: number | undefined) =>
+      last === undefined ? 'Es war nichts zugestellt.' : `Zugestellt bis Bericht ${last}.`,
+    receiptKey: 'Schlüssel:',
+    receiptSave: 'Beleg speichern',
     choose: 'Wählen Sie einen Vorgang',
     chooseText:
       'Klicken Sie im Graphen oder auf der Zeitachse auf einen Vorgang, um seine Daten zu sehen.',

@@ -41,6 +41,14 @@ export const en = {
     faults: 'What the factory found wrong',
     pointer: 'Where',
     fault: 'What',
+    receipts: 'Receipts of ended consents',
+    receiptsHint:
+      'Each is signed with the key of the factory’s ledger. Save it and check it with “asi ledger receipt”.',
+    receiptFields: (names: string) => `No longer disclosed: ${names}.`,
+    receiptDelivered: (last: number | undefined) =>
+      last === undefined ? 'Nothing had been delivered.' : `Delivered through report ${last}.`,
+    receiptKey: 'Key:',
+    receiptSave: 'Save the receipt',
     choose: 'Choose an operation',
     chooseText: 'Click an operation in the graph or on the timeline to see its data.',
     operations: (n: number) => (n === 1 ? '1 operation' : `${n} operations`),

@@ -38,6 +38,7 @@ async fn a_revocation_stops_takes_back_notifies_and_states_what_had_left() {
 
     assert_receipt(&running, &id, &made).await;
     assert_partner_is_notified(&running).await;
+    assert_receipt_for_partners(&running, &id).await;
 
     // A report in flight arrives all the same, and the receipt's page shows it.
     running.receipt(&made, 1).await;
@@ -105,6 +106,27 @@ async fn assert_partner_is_notified(running: &Running) {
     assert_eq!(gap["firstSequence"], json!(2));
     assert_eq!(gap["lastSequence"], json!(3));
     assert_eq!(gap["cause"], json!("REVOKED"));
+}
+
+/// The recipients get what the receipt says about their request, signed with the ledger's key and
+/// without the user's name.
+async fn assert_receipt_for_partners(running: &Running, id: &str) {
+    let rows = running.fetch(Lane::Control).await;
+    let sent = rows.iter().filter(|row| row.envelope.subject == "revocation");
+    let sent: Vec<Value> =
+        sent.map(|row| serde_json::from_slice(&row.envelope.body).expect("JSON")).collect();
+    let [message] = &sent[..] else { panic!("{sent:?}") };
+    assert_eq!(message["recipientList"], json!(["acme", "hull"]));
+    assert_eq!(message["dynamicDataRequestId"], "R1");
+    let stored = running.session().await.revocations().lookup(id).await.expect("read");
+    let key = hex::decode(stored.expect("a receipt").public_key).expect("hexadecimal");
+    let key: ::ledger::Hash = key.try_into().expect("a key");
+    let signature = hex::decode(message["signature"].as_str().expect("a text")).expect("hex");
+    let text = message["signedText"].as_str().expect("a text");
+    let receipt = ::ledger::RevocationReceipt::verified(text, &signature, &key).expect("signed");
+    assert_eq!((receipt.revocation_id.as_str(), receipt.revoked_by), (id, None));
+    assert_eq!((receipt.fields.len(), receipt.writers.len()), (1, 1));
+    assert_eq!(receipt.writers[0].last_delivered_sequence, Some(0));
 }
 
 /// A report that the broker accepts at the moment of its revocation has left, and the ledger

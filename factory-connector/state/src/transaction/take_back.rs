@@ -2,8 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use asi_model::DateTime;
-use ledger::{Event, RevocationReceipt, RevokedWriter, Sequences};
+use asi_model::{
+    DateTime,
+    messages::{FactoryMessage, SignedRevocation},
+};
+use ledger::{Event, LedgerKey, RevocationReceipt, RevokedWriter, Sequences};
 
 use crate::{
     ChangeSet, ConnectorState,
@@ -82,6 +85,33 @@ pub(super) fn receipt(
         cause,
         fields,
         writers: revoked_writers,
+    }
+}
+
+/// Sends the recipients of each data set what the receipt says about it, signed.
+pub(super) fn tell_partners(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    receipt: &RevocationReceipt,
+    key: &LedgerKey,
+    now: DateTime,
+) {
+    for writer in receipt.writers.iter().filter(|writer| !writer.recipient_list.is_empty()) {
+        for statement in receipt.for_partners(writer) {
+            let signed_text = statement.canonical();
+            let message = FactoryMessage::Revocation(SignedRevocation {
+                message_id: state.ids.next_message_id(now),
+                factory_id: state.config.factory_id.clone(),
+                operation_network_id: writer.request.operation_network_id.clone(),
+                operation_id: writer.request.operation_id.clone(),
+                dynamic_data_request_id: writer.request.dynamic_data_request_id.clone(),
+                recipient_list: writer.recipient_list.clone(),
+                signature: hex::encode(key.sign(&signed_text)),
+                public_key: hex::encode(key.public()),
+                signed_text,
+            });
+            state.send(changes, &message, None, now);
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use asi_model::{
     FieldKey, RequestKey,
     messages::{
         Acknowledgement, AcknowledgementResult, Comment, Decision, DecisionTarget, FactoryMessage,
-        Gap, MappingState,
+        Gap, MappingState, SignedRevocation,
     },
 };
 use messaging::LogicalAddress;
@@ -37,6 +37,9 @@ pub(super) async fn apply(
         FactoryMessage::Comment(message) => comment(unit, address, incoming, message).await?,
         FactoryMessage::AssetOffer(offer) => {
             unit.work.meta_data().put_offer(offer, incoming.received_at).await?;
+        }
+        FactoryMessage::Revocation(message) => {
+            revocation(unit, address, incoming, message).await?;
         }
         // Answered by the lease arbiter, before the rest of the batch.
         FactoryMessage::LeaseRequest(_) => {}
@@ -78,6 +81,22 @@ async fn comment(
     let event = networks::comment_added(unit.work, id, comment_id).await?;
     unit.effects.notifications.push(event);
     Ok(())
+}
+
+/// Stores the signed receipt of a revocation for those who received the values. It is not checked
+/// here: its readers do, with the factory's key.
+async fn revocation(
+    unit: &mut IngestUnit<'_>,
+    address: &LogicalAddress,
+    incoming: &Incoming,
+    receipt: &SignedRevocation,
+) -> Result<(), StoreError> {
+    let (network, request) = (&receipt.operation_network_id, &receipt.dynamic_data_request_id);
+    if !unit.work.asked_requests().is_asked(network, request, &receipt.factory_id).await? {
+        let about = format!("{network}/{request}");
+        return unit.reject_foreign(address, incoming, &receipt.factory_id, about).await;
+    }
+    unit.work.revocations().add(receipt, incoming.received_at).await
 }
 
 /// Records the answer to a part of a network.

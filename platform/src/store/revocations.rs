@@ -1,0 +1,126 @@
+//! Receipts of revocations, as the factories signed them.
+
+use asi_model::{
+    DateTime, DynamicDataRequestId, FactoryId, OperationId, OperationNetworkId,
+    messages::SignedRevocation,
+};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::{
+    database::Connection,
+    error::StoreError,
+    row::{Columns, DatabaseRow, signed},
+    scope::Scope,
+};
+
+/// A receipt as its readers see it: for the organisations that received the values, and for the
+/// factory's own.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct RevocationEntry {
+    /// Its number, counting up.
+    pub revocation_number: u64,
+    pub factory_id: FactoryId,
+    pub operation_id: OperationId,
+    pub dynamic_data_request_id: DynamicDataRequestId,
+    /// The receipt, a JSON document, byte by byte as the factory signed it.
+    pub signed_text: String,
+    /// Ed25519 signature over the UTF-8 text, hexadecimal, as the factory stated it.
+    pub signature: String,
+    /// Ed25519 key, hexadecimal, as the factory stated it; to be compared with the key of its
+    /// ledger's checkpoints.
+    pub public_key: String,
+    /// Time of arrival at the platform.
+    pub received_at: DateTime,
+}
+
+/// Repository of receipts.
+pub struct Revocations<'w>(pub(super) &'w mut Connection);
+
+impl Revocations<'_> {
+    /// Stores a receipt with its readers.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn add(
+        &mut self,
+        receipt: &SignedRevocation,
+        received_at: DateTime,
+    ) -> Result<(), StoreError> {
+        let sql = "INSERT INTO revocation (message_id, factory_id, operation_network_id, operation_id,
+                       dynamic_data_request_id, signed_text, signature, public_key, received_at)
+                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9)
+                   ON CONFLICT DO NOTHING RETURNING revocation_number";
+        let row = sqlx::query(sql)
+            .bind(receipt.message_id.as_str())
+            .bind(receipt.factory_id.as_str())
+            .bind(receipt.operation_network_id.as_str())
+            .bind(receipt.operation_id.as_str())
+            .bind(receipt.dynamic_data_request_id.as_str())
+            .bind(&receipt.signed_text)
+            .bind(&receipt.signature)
+            .bind(&receipt.public_key)
+            .bind(received_at.ticks())
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("store a receipt of a revocation"))?;
+        let Some(row) = row else { return Ok(()) };
+        let number: u64 = row.unsigned("revocation_number")?;
+        let readers: Vec<&str> =
+            receipt.recipient_list.iter().map(asi_model::OrganisationId::as_str).collect();
+        let readers = serde_json::to_string(&readers).expect("texts serialise");
+        let sql = "INSERT INTO revocation_reader (revocation_number, organisation_id)
+                   SELECT $1, value FROM json_each($2)
+                   UNION SELECT $1, organisation_id FROM factory WHERE factory_id = $3";
+        sqlx::query(sql)
+            .bind(signed(number))
+            .bind(readers)
+            .bind(receipt.factory_id.as_str())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("store the readers of a receipt"))?;
+        Ok(())
+    }
+
+    /// Returns the receipts about requests of a network that the viewer may read, oldest first.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn list(
+        &mut self,
+        scope: &Scope,
+        network: &OperationNetworkId,
+        after: u64,
+        limit: u32,
+    ) -> Result<Vec<RevocationEntry>, StoreError> {
+        let sql = "SELECT v.* FROM revocation v
+                   WHERE v.operation_network_id = $2 AND v.revocation_number > $3
+                       AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
+                           SELECT 1 FROM revocation_reader r
+                           WHERE r.revocation_number = v.revocation_number AND r.organisation_id = $1))
+                   ORDER BY v.revocation_number LIMIT $4";
+        let rows = sqlx::query(sql)
+            .bind(scope.recipient())
+            .bind(network.as_str())
+            .bind(signed(after))
+            .bind(i64::from(limit))
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list receipts of revocations"))?;
+        rows.iter().map(read).collect()
+    }
+}
+
+fn read(row: &DatabaseRow) -> Result<RevocationEntry, StoreError> {
+    Ok(RevocationEntry {
+        revocation_number: row.unsigned("revocation_number")?,
+        factory_id: row.parsed("factory_id")?,
+        operation_id: row.parsed("operation_id")?,
+        dynamic_data_request_id: row.parsed("dynamic_data_request_id")?,
+        signed_text: row.column("signed_text")?,
+        signature: row.column("signature")?,
+        public_key: row.column("public_key")?,
+        received_at: row.time("received_at")?,
+    })
+}
