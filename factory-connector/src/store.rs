@@ -46,7 +46,7 @@ mod writers;
 
 pub use comments::{Comments, StoredComment};
 use connector_state::{
-    Snapshot, StoredBudgets, StoredMappings, StoredNetwork, StoredPolicies, Writes,
+    Snapshot, StoredBudgets, StoredLedger, StoredMappings, StoredNetwork, StoredPolicies, Writes,
     writes::{
         AnchorRow, CarriedFieldRow, CheckpointRow, CommentRow, ConsentRow, ControlRow,
         DeadLetterRow, DocumentRow, FieldRow, FieldValueRow, NetworkRow, NewReport, PolicyWrites,

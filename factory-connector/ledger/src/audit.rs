@@ -15,7 +15,9 @@ pub use file::{AuditEntry, AuditStart};
 pub use line::CheckedLine;
 use line::Values;
 use serde::Serialize;
-use transparency_log::{Checkpoint, CheckpointError, LeafRange, NoteError, SignedNote, VerifierKey};
+use transparency_log::{
+    Checkpoint, CheckpointError, LeafRange, NoteError, SignedNote, VerifierKey,
+};
 
 use super::{LedgerFault, LogStart, history::ReportHistory};
 

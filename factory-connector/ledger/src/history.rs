@@ -9,8 +9,7 @@ use ranges::Ranges;
 
 use super::{RetentionRule, RetentionStatement, SequenceRange};
 
-const WRONG_DELIVERY: &str =
-    "time or message of the delivery is not the one that was entered";
+const WRONG_DELIVERY: &str = "time or message of the delivery is not the one that was entered";
 const EMPTIED: &str = "the values were emptied without a statement of retention";
 const REMOVED: &str = "entries were removed without a statement of retention";
 
@@ -182,8 +181,7 @@ impl ReportHistory {
         if before > at {
             return Err("the statement of retention is about the future");
         }
-        if statement.rule == RetentionRule::FormerVersion
-            && *self.former_at.get_or_insert(at) != at
+        if statement.rule == RetentionRule::FormerVersion && *self.former_at.get_or_insert(at) != at
         {
             return Err("what a former version emptied is stated twice");
         }

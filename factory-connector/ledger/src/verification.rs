@@ -215,8 +215,7 @@ impl Verifier {
             if !(is_signed && self.is_known(&stored.public_key)) {
                 self.fault(&stored.recipient, number, "the signature of the chain's end is wrong");
             }
-            let end =
-                self.chains.get(&stored.recipient).map(ChainCheck::end).unwrap_or_default();
+            let end = self.chains.get(&stored.recipient).map(ChainCheck::end).unwrap_or_default();
             if end.number < number {
                 self.fault(&stored.recipient, end.number + 1, "entries are missing at the end");
             } else if end.number > number || end.hash[..] != stored.hash[..] {
@@ -258,7 +257,8 @@ impl Verifier {
         }
         let preview = basis.as_ref().and_then(|basis| basis.preview.as_ref());
         if preview.is_some_and(|preview| !self.previews.contains(preview)) {
-            faults.push("the preview beside the ledger is not the one that the consent is based on");
+            faults
+                .push("the preview beside the ledger is not the one that the consent is based on");
         }
         faults
     }
@@ -302,7 +302,7 @@ fn is_consent(event: &Event, stored: &StoredConsent) -> bool {
             == stored.value_source
         && stored_policy.as_ref() == Some(policy)
         && *decided_by == stored.decided_by
-        && stored_basis.transpose().is_ok_and(|stored| {
-            stored.filter(|basis| !basis.is_empty()).as_ref() == basis.as_ref()
-        })
+        && stored_basis
+            .transpose()
+            .is_ok_and(|stored| stored.filter(|basis| !basis.is_empty()).as_ref() == basis.as_ref())
 }

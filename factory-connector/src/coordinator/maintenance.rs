@@ -132,9 +132,8 @@ async fn retain(
         let old = work.store.read().reports().old(limit.before, schedule.emptied_through).await?;
         let moves = &work.pending.writes.reports.moves;
         // What this transaction sends again keeps its values until it has left.
-        let is_moved = |old: &OldReport| {
-            moves.iter().any(|change| change.concerns(old.id, old.message))
-        };
+        let is_moved =
+            |old: &OldReport| moves.iter().any(|change| change.concerns(old.id, old.message));
         is_done &= old.is_empty();
         if let Some(last) = old.last().map(|old| old.id).filter(|_| !old.iter().any(is_moved)) {
             schedule.emptied_through = last;

@@ -1,7 +1,7 @@
 //! Snapshot of the store, read at a start and after a failed transaction.
 
 use super::{
-    Snapshot, StoredBudgets, StoredMappings, StoredPolicies, error::StoreError,
+    Snapshot, StoredBudgets, StoredLedger, StoredMappings, StoredPolicies, error::StoreError,
     session::StoreSession,
 };
 
@@ -12,10 +12,12 @@ pub(super) async fn load(session: &mut StoreSession) -> Result<Snapshot, StoreEr
         networks: session.networks().all().await?,
         fields: session.fields().all().await?,
         writers: session.writers().all().await?,
-        logs: session.ledger().logs(&heads).await?,
-        heads,
-        last_checkpoint: session.checkpoints().last().await?,
-        former_retention: session.ledger().former_retention().await?,
+        ledger: StoredLedger {
+            logs: session.ledger().logs(&heads).await?,
+            heads,
+            last_checkpoint: session.checkpoints().last().await?,
+            former_retention: session.ledger().former_retention().await?,
+        },
         last_row: session.spool().last_id().await?,
         last_field: 0,
         operator_entries: session.operator_entries().all().await?,

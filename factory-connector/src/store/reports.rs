@@ -16,7 +16,7 @@ use messaging::{
     RowId,
     spool::{Fetch, ReportRow},
 };
-pub(super) use retention::{empty_values, emptied, oldest_in_spool, remove_unreferenced};
+pub(super) use retention::{emptied, empty_values, oldest_in_spool, remove_unreferenced};
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
 use state::ReportState;
 use time::OffsetDateTime;

@@ -58,7 +58,8 @@ pub use networks::{Network, NetworkRegistry};
 pub use policies::PolicyRegistry;
 pub use recipient_policy::RecipientPolicy;
 pub use snapshot::{
-    FormerRetention, Snapshot, StoredBudgets, StoredMappings, StoredNetwork, StoredPolicies,
+    FormerRetention, Snapshot, StoredBudgets, StoredLedger, StoredMappings, StoredNetwork,
+    StoredPolicies,
 };
 pub use state::{ConnectorState, StateConfig};
 pub use writers::{Writer, WriterRegistry};

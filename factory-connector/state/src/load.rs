@@ -57,9 +57,9 @@ impl ConnectorState {
             journals: JournalRegistry::default(),
             ledger: LedgerChains::new(
                 config.factory_id.clone(),
-                snapshot.heads,
-                snapshot.logs,
-                snapshot.last_checkpoint,
+                snapshot.ledger.heads,
+                snapshot.ledger.logs,
+                snapshot.ledger.last_checkpoint,
             ),
             config,
             ids,
@@ -86,7 +86,7 @@ impl ConnectorState {
             schedule_keep_alive(&mut state, id);
         }
         let mut changes = ChangeSet::default();
-        if let Some(former) = snapshot.former_retention {
+        if let Some(former) = snapshot.ledger.former_retention {
             changes.merge(state_former(&mut state, former, now));
         }
         if is_restored {

@@ -52,13 +52,26 @@ pub struct StoredBudgets {
     pub caps: Vec<Versioned<Cap>>,
 }
 
-/// What a former version emptied and removed, found at the first start of one that states it.
+/// Retention of a former version, as found at the first start of one that states it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FormerRetention {
     /// Reports without values, with the organisations whose chains have an entry about them.
     pub emptied: Vec<(SequenceRange, Vec<OrganisationId>)>,
     /// Number of the last entry that an anchor stands for, by chain.
     pub removed: BTreeMap<OrganisationId, u64>,
+}
+
+/// Stored ledger, as far as it is needed to go on.
+#[derive(Debug, Default)]
+pub struct StoredLedger {
+    /// Heads of the chains.
+    pub heads: Heads,
+    /// Logs of the chains, up to these heads.
+    pub logs: Logs,
+    /// Number and time of the last checkpoint.
+    pub last_checkpoint: Option<(u64, DateTime)>,
+    /// Retention of former versions, unless the chains state it already.
+    pub former_retention: Option<FormerRetention>,
 }
 
 /// Everything that [`ConnectorState`](crate::ConnectorState) is loaded from.
@@ -70,14 +83,7 @@ pub struct Snapshot {
     pub fields: Vec<(FieldRow, Option<FieldValueRow>)>,
     /// All data set writers, by DataSetWriterId.
     pub writers: Vec<(u16, WriterRow)>,
-    /// Heads of the ledger's chains.
-    pub heads: Heads,
-    /// Logs of the ledger's chains, up to these heads.
-    pub logs: Logs,
-    /// Number and time of the last checkpoint.
-    pub last_checkpoint: Option<(u64, DateTime)>,
-    /// What former versions emptied and removed, unless the chains state it already.
-    pub former_retention: Option<FormerRetention>,
+    pub ledger: StoredLedger,
     /// The greatest number ever given in the spool.
     pub last_row: i64,
     /// The greatest number that is known to have been given to a field; 0 without knowledge.

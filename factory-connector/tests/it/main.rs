@@ -9,5 +9,6 @@ mod ledger;
 mod logs;
 mod mappings;
 mod plant;
+mod previews;
 mod roles;
 mod trust;

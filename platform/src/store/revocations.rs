@@ -48,7 +48,8 @@ impl Revocations<'_> {
         receipt: &SignedRevocation,
         received_at: DateTime,
     ) -> Result<(), StoreError> {
-        let sql = "INSERT INTO revocation (message_id, factory_id, operation_network_id, operation_id,
+        let sql =
+            "INSERT INTO revocation (message_id, factory_id, operation_network_id, operation_id,
                        dynamic_data_request_id, signed_text, signature, public_key, received_at)
                    VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9)
                    ON CONFLICT DO NOTHING RETURNING revocation_number";

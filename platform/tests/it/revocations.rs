@@ -48,7 +48,11 @@ async fn the_receipt_of_a_revocation_reaches_its_recipients_as_it_was_signed() {
     hamburg.send("revocation", &receipt("INS_HAM", &["acme-aero"]));
     eventually("a dead letter", || async {
         let letters = admin.get("/dead-letters").await.expect_ok();
-        if letters["items"][0]["subject"] == "revocation" { Ok(()) } else { Err(letters.to_string()) }
+        if letters["items"][0]["subject"] == "revocation" {
+            Ok(())
+        } else {
+            Err(letters.to_string())
+        }
     })
     .await;
     munich.send("revocation", &sent);

@@ -14,7 +14,6 @@ export function retentionText(entry: Retention): string {
     ...(count > 0 ? [texts.ledger.emptiedReports(count)] : []),
     ...(entry.removedThrough == null ? [] : [texts.ledger.removedThrough(entry.removedThrough)]),
   ]
-  if (entry.rule === 'FORMER_VERSION')
-    return [texts.ledger.formerRetention, ...taken].join(' · ')
+  if (entry.rule === 'FORMER_VERSION') return [texts.ledger.formerRetention, ...taken].join(' · ')
   return [...taken, texts.ledger.olderThan(moment(entry.before))].join(' · ')
 }

@@ -40,7 +40,10 @@ pub(super) fn next_line(lines: &mut impl BufRead) -> anyhow::Result<Option<Strin
 ///
 /// # Errors
 /// When the file cannot be read, or a line is too long.
-pub(super) fn take_all(auditor: &mut Auditor, lines: &mut (impl BufRead + Send)) -> anyhow::Result<()> {
+pub(super) fn take_all(
+    auditor: &mut Auditor,
+    lines: &mut (impl BufRead + Send),
+) -> anyhow::Result<()> {
     let mut block = next_block(lines)?;
     while !block.is_empty() {
         // The next block is read while this one is checked.
@@ -71,9 +74,11 @@ fn check(auditor: &Auditor, lines: &[String]) -> Vec<CheckedLine> {
     let threads = thread::available_parallelism().map_or(1, NonZero::get);
     let share = lines.len().div_ceil(threads).max(1);
     thread::scope(|scope| {
-        let check = |part| move || -> Vec<CheckedLine> {
-            let part: &[String] = part;
-            part.iter().map(|line| auditor.check(line)).collect()
+        let check = |part| {
+            move || -> Vec<CheckedLine> {
+                let part: &[String] = part;
+                part.iter().map(|line| auditor.check(line)).collect()
+            }
         };
         let parts: Vec<_> = lines.chunks(share).map(|part| scope.spawn(check(part))).collect();
         parts

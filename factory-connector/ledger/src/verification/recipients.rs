@@ -27,10 +27,10 @@ impl AwaitedRecipients {
         own: &str,
         at: i64,
     ) {
-        let awaited = self.0.entry(report).or_insert_with(|| Awaited {
-            at,
-            recipients: recipients.iter().cloned().collect(),
-        });
+        let awaited = self
+            .0
+            .entry(report)
+            .or_insert_with(|| Awaited { at, recipients: recipients.iter().cloned().collect() });
         awaited.recipients.retain(|recipient| recipient.as_str() != own);
         if awaited.recipients.is_empty() {
             self.0.remove(&report);

@@ -4,8 +4,8 @@ use asi_model::{DateTime, FactoryId, OrganisationId};
 
 use super::*;
 use crate::{
-    Anchor, CheckpointSeal, HeadsCheckpoint, Heads, LedgerKey, LinkedEntry, Log, SequenceRange,
-    RetentionRule, RetentionStatement, SignedHead, values_root,
+    Anchor, CheckpointSeal, Heads, HeadsCheckpoint, LedgerKey, LinkedEntry, Log, RetentionRule,
+    RetentionStatement, SequenceRange, SignedHead, values_root,
 };
 
 mod tampering;

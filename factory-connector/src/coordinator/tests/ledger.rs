@@ -41,7 +41,6 @@ const GUARDED: [(&str, &[&str]); 8] = [
             "policy",
             "decided_by",
             "decided_at",
-            "grounds",
         ],
     ),
 ];

@@ -1,5 +1,4 @@
-//! Retention: the chains state what is emptied and removed, and what is missing without a statement
-//! is found.
+//! Retention: the chains state what is emptied and removed, and what is missing besides is found.
 
 use ::ledger::{LedgerKey, Verification};
 use asi_model::FactoryId;
@@ -31,7 +30,8 @@ impl Plant {
         let mut store = Store::open(folder, &factory_id, now()).await.expect("a store");
         let key = crate::ledger_key::open(&folder.join(LEDGER_KEY_FILE)).expect("the key");
         let snapshot = store.load().await.expect("read");
-        let config = StateConfig { factory_id, encoding: asi_model::pubsub::json::Encoding::Digicor };
+        let config =
+            StateConfig { factory_id, encoding: asi_model::pubsub::json::Encoding::Digicor };
         let ids = crate::clock::id_source();
         let (mut state, mut pending) =
             ConnectorState::load(config, snapshot, ids, false, now()).expect("loaded");
@@ -137,16 +137,21 @@ async fn values_emptied_in_the_store_are_found() {
     plant.store.close().await;
 }
 
-/// What a former version emptied and removed is stated at the first start, once, in other words.
+/// Retention of a former version is stated at the first start, once, in words of its own.
 #[tokio::test]
 async fn what_a_former_version_emptied_is_stated_at_the_first_start() {
     let folder = small_ledger().await;
     let mut connection = connect(folder.path()).await;
     run(&mut connection, "UPDATE report SET state = 'DONE'").await;
     // As the former version left it: without seal and logs, and with emptied values.
-    run(&mut connection, "UPDATE report SET body = NULL, salt = NULL WHERE sequence = 0").await;
+    run(
+        &mut connection,
+        "UPDATE report SET body = NULL, salt = NULL WHERE id = (SELECT min(id) FROM report)",
+    )
+    .await;
     run(&mut connection, "DELETE FROM ledger_seal").await;
-    let blank = "UPDATE ledger_log SET start = '', size = 0, root = x'', leaves = x'', checkpoint = ''";
+    let blank =
+        "UPDATE ledger_log SET start = '', size = 0, root = x'', leaves = x'', checkpoint = ''";
     run(&mut connection, blank).await;
     run(&mut connection, "UPDATE identity SET must_state_retention = 1").await;
     let outcome = verified(&mut connection).await;
@@ -166,7 +171,7 @@ async fn what_a_former_version_emptied_is_stated_at_the_first_start() {
         let entry: serde_json::Value = serde_json::from_str(content).expect("JSON");
         assert_eq!((&entry["rule"], &entry["days"]), (&"FORMER_VERSION".into(), &().into()));
     }
-    // Whoever empties more cannot have it stated by another start.
+    // Values that are emptied later are not stated by another start.
     run(&mut connection, "UPDATE report SET body = NULL, salt = NULL").await;
     let mut plant = Plant::open(folder.path()).await;
     plant.commit().await;

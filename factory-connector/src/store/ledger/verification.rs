@@ -13,12 +13,12 @@ use ledger::{CheckedEntry, Hash, StoredEntry, Verification, Verifier};
 use sqlx::{Connection as _, SqliteConnection, sqlite::SqliteRow};
 use tokio::sync::mpsc;
 
+pub use self::trusted::Trusted;
 use self::{
     parallel::on_all_processors,
     reports::{Digests, NewReports, ReportReader},
     surroundings::surroundings,
 };
-pub use self::trusted::Trusted;
 use crate::store::{
     error::StoreError,
     query::{all, optional, query},

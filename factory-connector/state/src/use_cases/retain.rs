@@ -4,9 +4,7 @@
 use std::collections::BTreeMap;
 
 use asi_model::{DateTime, OrganisationId};
-use ledger::{
-    Anchor, Event, Hash, LedgerKey, RetentionRule, RetentionStatement, SequenceRange,
-};
+use ledger::{Anchor, Event, Hash, LedgerKey, RetentionRule, RetentionStatement, SequenceRange};
 
 use crate::{
     ChangeSet, ConnectorState, FormerRetention,

@@ -19,7 +19,7 @@ pub struct LedgerWrites {
     pub seal: Option<CheckpointSeal>,
     /// Entries that retention removes.
     pub removed: Vec<RemovedEntries>,
-    /// What former versions emptied and removed is stated from now on.
+    /// Retention of former versions is stated from now on.
     pub is_former_retention_stated: bool,
 }
 

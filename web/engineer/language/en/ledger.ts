@@ -37,7 +37,8 @@ export const ledger = {
     delivered: (when: string) => `delivered ${when}`,
     sentOnly: (when: string) => `sent ${when}, no receipt yet`,
     revokedAt: (writer: number, last: string) => `Writer ${writer}, last delivered ${last}`,
-    emptiedReports: (n: number) => (n === 1 ? 'Values of 1 report emptied' : `Values of ${n} reports emptied`),
+    emptiedReports: (n: number) =>
+      n === 1 ? 'Values of 1 report emptied' : `Values of ${n} reports emptied`,
     removedThrough: (number: number) => `Entries through no. ${number} removed`,
     olderThan: (when: string) => `from before ${when}`,
     formerRetention: 'Found so at the update: a former version did not record its retention',

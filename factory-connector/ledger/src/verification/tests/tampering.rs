@@ -78,10 +78,7 @@ fn values_that_are_too_young_for_the_statement_are_found() {
     linked.push(entry);
     entries.push((stored, None));
     let outcome = Sample { entries, linked }.verify();
-    assert_eq!(
-        messages(&outcome),
-        ["the values were emptied without a statement of retention"]
-    );
+    assert_eq!(messages(&outcome), ["the values were emptied without a statement of retention"]);
 }
 
 #[test]
@@ -115,7 +112,8 @@ fn delivery_columns_that_differ_from_the_entries_are_found() {
     let intact = Sample::new(Some(vec![range(0, 1)]));
     for (what, change) in changes {
         for index in [0, 4] {
-            let mut sample = Sample { entries: intact.entries.clone(), linked: intact.linked.clone() };
+            let mut sample =
+                Sample { entries: intact.entries.clone(), linked: intact.linked.clone() };
             change(sample.entries[index].1.as_mut().expect("a report"));
             let outcome = sample.verify();
             let expected = "time or message of the delivery is not the one that was entered";
@@ -127,14 +125,9 @@ fn delivery_columns_that_differ_from_the_entries_are_found() {
 #[test]
 fn a_recipient_added_to_or_taken_from_a_report_is_found() {
     let intact = Sample::new(Some(vec![range(0, 1)]));
-    for recipients in [
-        r#"["acme","hull"]"#,
-        r#"["hull"]"#,
-        r#"["acme","acme"]"#,
-        r#"["hull","acme"]"#,
-        "[]",
-        "",
-    ] {
+    for recipients in
+        [r#"["acme","hull"]"#, r#"["hull"]"#, r#"["acme","acme"]"#, r#"["hull","acme"]"#, "[]", ""]
+    {
         let mut sample = Sample { entries: intact.entries.clone(), linked: intact.linked.clone() };
         sample.entries[4].1.as_mut().expect("a report").recipients = recipients.into();
         assert!(!sample.verify().is_intact(), "{recipients}");
@@ -213,7 +206,9 @@ fn a_store_that_was_set_back_or_signed_again_contradicts_a_checkpoint_kept_elsew
         messages(&verify(&[], surroundings)),
         ["a checkpoint that was kept elsewhere is about a log that is missing"]
     );
-    for note in ["rubbish", &stored_log(&whole.linked, &LedgerKey::from_secret(&[2; 32])).checkpoint] {
+    for note in
+        ["rubbish", &stored_log(&whole.linked, &LedgerKey::from_secret(&[2; 32])).checkpoint]
+    {
         assert!(!whole.verify_against(&[note]).is_intact(), "no checkpoint of this key");
     }
 }

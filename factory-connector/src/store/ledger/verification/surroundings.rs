@@ -3,9 +3,7 @@
 
 use std::collections::HashMap;
 
-use ledger::{
-    StoredConsent, StoredHead, StoredLog, StoredSeal, StoredStatement, Surroundings,
-};
+use ledger::{StoredConsent, StoredHead, StoredLog, StoredSeal, StoredStatement, Surroundings};
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
 
 use super::trusted::Trusted;
