@@ -43,7 +43,7 @@ async fn what_was_previewed_is_recorded_with_the_consent() {
     assert_eq!(plant.post("/ledger/verification", json!({})).await["valid"], true);
 
     // The consent that a changed policy makes was not seen in a preview.
-    let policy = json!({ "name": "Coarse", "policy": { "roundingStep": 10 } });
+    let policy = json!({ "name": "Coarse", "disclosure": { "roundingStep": 10 } });
     plant.put("/policies/coarse", policy).await;
     plant.put("/recipients/acme/policy", json!({ "policyId": "coarse" })).await;
     let entries = plant.get("/ledger?recipient=acme&kind=CONSENT").await;

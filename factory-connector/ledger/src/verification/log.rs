@@ -73,6 +73,9 @@ impl LogCheck {
             .filter(|checkpoint| checkpoint.origin == start.origin())
             .ok_or("the log's checkpoint was changed")?;
         let first_size = leaves.end();
+        if kept.iter().any(|kept| kept.origin != start.origin()) {
+            return Err("a checkpoint that was kept elsewhere is one of another log of the chain");
+        }
         if kept.iter().any(|kept| kept.size < first_size) {
             return Err("a checkpoint that was kept elsewhere is older than what retention left");
         }

@@ -3,16 +3,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use transparency_log::{Checkpoint, SignedNote};
+use transparency_log::{Checkpoint, KeyKind, SignedNote, VerifierKey};
 
 use super::{
     StoredSeal, StoredStatement, Verifier,
     chain::ChainCheck,
     log::{LogCheck, StoredLog},
 };
-use crate::{
-    Anchor, Hash, Head, HeadsCheckpoint, RevocationReceipt, log_verifier, seal::is_signed_seal,
-};
+use crate::{Anchor, Hash, Head, HeadsCheckpoint, RevocationReceipt, seal::is_signed_seal};
 
 impl Verifier {
     pub(super) fn anchor(&mut self, stored: &StoredStatement) {
@@ -175,11 +173,13 @@ fn kept_checkpoint(
 ) -> Option<(String, Checkpoint)> {
     let note = SignedNote::parse(note).ok()?;
     let checkpoint: Checkpoint = note.text().parse().ok()?;
-    let (factory, recipient) = checkpoint.origin.split_once("/to/")?;
+    let (factory, log) = checkpoint.origin.split_once("/to/")?;
     if factory != factory_id {
         return None;
     }
-    let verifier = log_verifier(&factory.parse().ok()?, &recipient.parse().ok()?, key?).ok()?;
+    let verifier = VerifierKey::new(&checkpoint.origin, KeyKind::Ed25519, key?).ok()?;
     note.verify([&verifier]).ok()?;
-    Some((recipient.to_owned(), checkpoint))
+    // A later log of the same chain has a number behind the recipient.
+    let recipient = log.split('/').next()?.to_owned();
+    Some((recipient, checkpoint))
 }
