@@ -8,7 +8,7 @@ use ledger::{Head, Heads};
 use serde_json::json;
 
 use crate::{
-    ConnectorState, IdSource, RecipientPolicy, Snapshot, StateConfig, StoredNetwork,
+    ConnectorState, IdSource, RecipientPolicy, Snapshot, StateConfig, StoredLedger, StoredNetwork,
     StoredPolicies, Writes,
     scene::{Scene, at, decision, field, network},
     use_cases::{
@@ -73,7 +73,10 @@ impl Stored {
             networks: self.networks.values().cloned().collect(),
             fields: self.fields.values().cloned().collect(),
             writers: self.writers.clone().into_iter().collect(),
-            heads: Heads::new(self.heads.clone()),
+            ledger: StoredLedger {
+                heads: Heads::new(self.heads.clone()),
+                ..StoredLedger::default()
+            },
             policies: StoredPolicies {
                 named: named.collect(),
                 recipients: self.recipients.clone().into_iter().collect(),
