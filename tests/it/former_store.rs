@@ -74,6 +74,28 @@ fn ledger_is_as_written(places: &Places, factory_id: &str, expected: &Value) -> 
     entries(&export)
 }
 
+/// Empties values as retention of version 0.1 did, without a word about it in the ledger.
+fn empty_old_values(places: &Places, factory_id: &str) {
+    let store = places.folder.join(format!("connector-{factory_id}/connector.sqlite"));
+    let store = rusqlite::Connection::open(store).unwrap();
+    let sql = "UPDATE report SET body = NULL, salt = NULL WHERE state = 'DONE' AND id IN
+                   (SELECT id FROM report WHERE state = 'DONE' ORDER BY id LIMIT 5)";
+    assert!(store.execute(sql, ()).unwrap() > 0, "{factory_id} has finished reports");
+}
+
+/// Expects that each chain states what was found emptied, in words that claim no more.
+fn former_retention_is_stated(export: &str) {
+    let entries = export.lines().map(|line| {
+        let line: Value = serde_json::from_str(line).unwrap();
+        serde_json::from_str::<Value>(line["entry"].as_str().unwrap()).unwrap()
+    });
+    let stated: Vec<Value> = entries.filter(|entry| entry["event"] == "RETENTION").collect();
+    assert!(!stated.is_empty());
+    for entry in stated {
+        assert_eq!((&entry["rule"], &entry["days"]), (&json!("FORMER_VERSION"), &Value::Null));
+    }
+}
+
 /// Proves each chain by a file of it and the last checkpoint, without the store.
 fn logs_are_proven(places: &Places, factory_id: &str, export: &str) {
     let recipient = |line: &str| -> String {
@@ -247,6 +269,8 @@ async fn stores_of_version_0_1_open_verify_and_go_on() {
         let expected = &expected_of(factory_id)["ledger"];
         ledgers.push(ledger_is_as_written(&places, factory_id, expected));
     }
+    empty_old_values(&places, MUNICH);
+    assert_ne!(verify_ledger(&places, MUNICH)["valuesEmptied"], 0);
 
     for factory_id in [MUNICH, HAMBURG] {
         world.start_connector(factory_id, None).await.unwrap();
@@ -268,12 +292,14 @@ async fn stores_of_version_0_1_open_verify_and_go_on() {
 
     world.stop().unwrap();
     for (factory_id, former) in [MUNICH, HAMBURG].into_iter().zip(ledgers) {
-        verify_ledger(&places, factory_id);
+        let verified = verify_ledger(&places, factory_id);
+        assert_eq!(verified["valuesEmptied"] != 0, factory_id == MUNICH, "{verified:#}");
         let export = connector_command(&places, factory_id, &["ledger", "export"]);
         let entries = entries(&export);
         let lost: Vec<&String> = former.difference(&entries).collect();
         assert!(lost.is_empty(), "{} former entries of {factory_id} are gone", lost.len());
         assert!(entries.len() > former.len(), "{factory_id} has recorded nothing since");
+        former_retention_is_stated(&export);
         logs_are_proven(&places, factory_id, &export);
     }
 }
