@@ -104,6 +104,13 @@ fn redacted(value: &Value) -> Value {
 async fn every_operation_answers_as_in_its_snapshot() {
     let world = World::start().await;
     let (admin, buyer, munich, _hamburg) = story::accepted(&world).await;
+    munich.send("revocation", &crate::revocations::receipt("FOR_MUC", &["acme-aero"]));
+    eventually("a receipt", || async {
+        let path = format!("{}/revocations", story::network_path());
+        let receipts = buyer.get(&path).await.expect_ok();
+        if receipts["items"][0].is_object() { Ok(()) } else { Err(receipts.to_string()) }
+    })
+    .await;
     with_leases(&munich);
     ask(&munich, "a", "here").await;
     ask(&munich, "b", "there").await;
@@ -112,13 +119,6 @@ async fn every_operation_answers_as_in_its_snapshot() {
     let mut unusable = story::report("m1", 1, 4);
     unusable["Messages"][0].as_object_mut().expect("a message").remove("SequenceNumber");
     munich.send_under(1, "ua-data", &unusable);
-    munich.send_under(1, "revocation", &crate::revocations::receipt("FOR_MUC", &["acme-aero"]));
-    eventually("a receipt", || async {
-        let path = format!("{}/revocations", story::network_path());
-        let receipts = buyer.get(&path).await.expect_ok();
-        if receipts["items"][0].is_object() { Ok(()) } else { Err(receipts.to_string()) }
-    })
-    .await;
     eventually("a dead letter", || async {
         let letters = admin.get("/dead-letters").await.expect_ok();
         if letters["items"][0].is_object() { Ok(()) } else { Err(letters.to_string()) }

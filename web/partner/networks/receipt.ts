@@ -1,7 +1,7 @@
 import type { RevocationEntry } from '../api/types'
 
 /** Receipt of a revocation as far as the page shows it. What is signed is the text alone. */
-export type ShownReceipt = {
+export interface ShownReceipt {
   revokedAt: string | undefined
   reason: string | undefined
   fieldNames: string[]
@@ -9,7 +9,7 @@ export type ShownReceipt = {
   lastDelivered: number | undefined
 }
 
-type SignedText = {
+interface SignedText {
   revokedAt?: string
   reason?: string
   fields?: { field?: { fieldName?: string } }[]
