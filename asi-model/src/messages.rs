@@ -6,6 +6,7 @@ mod comment;
 mod disclosure;
 mod from_factory;
 mod lease;
+mod ledger;
 mod revocation;
 mod to_factory;
 
@@ -19,6 +20,9 @@ pub use from_factory::{
     GapCause, MappingState, ValueSource,
 };
 pub use lease::{Lease, LeaseParty, LeaseRequest, LeaseResult};
+pub use ledger::{
+    LedgerCheckpoint, LedgerCheckpointResult, LedgerCosignature, ledger_log_origin,
+};
 pub use revocation::SignedRevocation;
 pub use to_factory::{OperationNetworkMessage, PlatformMessage, Receipt, Withdraw, WriterReceipt};
 

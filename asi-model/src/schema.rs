@@ -13,7 +13,8 @@ use serde_json::Value;
 use crate::{
     messages::{
         Acknowledgement, AssetOffer, AssetRequest, Comment, Decision, Gap, Lease, LeaseRequest,
-        OperationNetworkMessage, Receipt, SignedRevocation, Withdraw,
+        LedgerCheckpoint, LedgerCosignature, OperationNetworkMessage, Receipt, SignedRevocation,
+        Withdraw,
     },
     network::OperationNetwork,
 };
@@ -29,12 +30,17 @@ pub fn all() -> Vec<(&'static str, Value)> {
         ("asset-request.schema.json", message::<AssetRequest>("asset-request")),
         ("receipt.schema.json", message::<Receipt>("receipt")),
         ("lease.schema.json", message::<Lease>("lease")),
+        (
+            "ledger-cosignature.schema.json",
+            message::<LedgerCosignature>("ledger-cosignature"),
+        ),
         ("acknowledgement.schema.json", message::<Acknowledgement>("acknowledgement")),
         ("decision.schema.json", message::<Decision>("decision")),
         ("gap.schema.json", message::<Gap>("gap")),
         ("asset-offer.schema.json", message::<AssetOffer>("asset-offer")),
         ("lease-request.schema.json", message::<LeaseRequest>("lease-request")),
         ("revocation.schema.json", message::<SignedRevocation>("revocation")),
+        ("ledger-checkpoint.schema.json", message::<LedgerCheckpoint>("ledger-checkpoint")),
         ("network.schema.json", document::<OperationNetwork>("network")),
         ("ua-data.schema.json", pubsub::data()),
         ("ua-metadata.schema.json", pubsub::meta_data()),

@@ -178,5 +178,6 @@ fn about(message: &PlatformMessage) -> (FactoryId, Option<OperationNetworkId>, O
         PlatformMessage::AssetRequest(m) => (m.factory_id.clone(), None, None),
         PlatformMessage::Receipt(m) => (m.factory_id.clone(), None, None),
         PlatformMessage::Lease(m) => (m.factory_id.clone(), None, None),
+        PlatformMessage::LedgerCosignature(m) => (m.factory_id.clone(), None, None),
     }
 }

@@ -8,6 +8,7 @@ use super::{
     comment::Comment,
     disclosure::DisclosureStatement,
     lease::LeaseRequest,
+    ledger::LedgerCheckpoint,
     revocation::SignedRevocation,
 };
 use crate::{
@@ -37,6 +38,8 @@ pub enum FactoryMessage {
     LeaseRequest(LeaseRequest),
     /// The signed receipt of a revocation.
     Revocation(SignedRevocation),
+    /// A checkpoint of the ledger, to be countersigned.
+    LedgerCheckpoint(LedgerCheckpoint),
 }
 
 impl FactoryMessage {
@@ -51,6 +54,7 @@ impl FactoryMessage {
             Self::AssetOffer(_) => "asset-offer",
             Self::LeaseRequest(_) => "lease-request",
             Self::Revocation(_) => "revocation",
+            Self::LedgerCheckpoint(_) => "ledger-checkpoint",
         }
     }
 
@@ -65,6 +69,7 @@ impl FactoryMessage {
             Self::AssetOffer(m) => &m.message_id,
             Self::LeaseRequest(m) => &m.message_id,
             Self::Revocation(m) => &m.message_id,
+            Self::LedgerCheckpoint(m) => &m.message_id,
         }
     }
 
@@ -79,6 +84,7 @@ impl FactoryMessage {
             Self::AssetOffer(m) => &m.factory_id,
             Self::LeaseRequest(m) => &m.factory_id,
             Self::Revocation(m) => &m.factory_id,
+            Self::LedgerCheckpoint(m) => &m.factory_id,
         }
     }
 }

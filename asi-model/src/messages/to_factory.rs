@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{asset::AssetRequest, comment::Comment, lease::Lease};
+use super::{asset::AssetRequest, comment::Comment, lease::Lease, ledger::LedgerCosignature};
 use crate::{
     ids::{CollaborationId, FactoryId, MessageId, OperationNetworkId},
     network::OperationNetwork,
@@ -26,6 +26,8 @@ pub enum PlatformMessage {
     Receipt(Receipt),
     /// The holder of the lease.
     Lease(Lease),
+    /// Answer to a checkpoint of the ledger.
+    LedgerCosignature(LedgerCosignature),
 }
 
 impl PlatformMessage {
@@ -39,6 +41,7 @@ impl PlatformMessage {
             Self::AssetRequest(_) => "asset-request",
             Self::Receipt(_) => "receipt",
             Self::Lease(_) => "lease",
+            Self::LedgerCosignature(_) => "ledger-cosignature",
         }
     }
 
@@ -52,6 +55,7 @@ impl PlatformMessage {
             Self::AssetRequest(m) => &m.message_id,
             Self::Receipt(m) => &m.message_id,
             Self::Lease(m) => &m.message_id,
+            Self::LedgerCosignature(m) => &m.message_id,
         }
     }
 }

@@ -72,7 +72,8 @@ fn every_example_validates() {
 
 fn check_readable(name: &str, message_type: &str, bytes: &[u8], instance: &Value) {
     match message_type {
-        "operation-network" | "withdraw" | "comment" | "asset-request" | "receipt" | "lease" => {
+        "operation-network" | "withdraw" | "comment" | "asset-request" | "receipt" | "lease"
+        | "ledger-cosignature" => {
             let message = validation::parse_any_platform_message(bytes).expect(name);
             assert_eq!(message.message_type(), message_type);
             let again = serde_json::to_vec(&message).expect("writable");
@@ -80,7 +81,8 @@ fn check_readable(name: &str, message_type: &str, bytes: &[u8], instance: &Value
             // serde reads the same from its own text, as the stores do.
             assert_eq!(serde_json::from_slice::<PlatformMessage>(&again).expect(name), message);
         }
-        "acknowledgement" | "decision" | "gap" | "asset-offer" | "lease-request" | "revocation" => {
+        "acknowledgement" | "decision" | "gap" | "asset-offer" | "lease-request" | "revocation"
+        | "ledger-checkpoint" => {
             let message = validation::parse_factory_message(bytes).expect(name);
             let again = serde_json::to_vec(&message).expect("writable");
             assert_eq!(validation::parse_factory_message(&again).as_ref(), Ok(&message));

@@ -5,7 +5,8 @@ use super::{
     disclosure::disclosure,
     lists::recipients,
     message_members::{
-        ASSET_KINDS, comment, factory_id, kinds, message_type, number, revision, writer_id,
+        ASSET_KINDS, comment, epoch, factory_id, kinds, message_type, number, revision,
+        writer_id,
     },
     reader::Reader,
 };
@@ -13,7 +14,8 @@ use crate::{
     json::JsonNode,
     messages::{
         Acknowledgement, AcknowledgementResult, AssetKind, AssetOffer, Decision, DecisionTarget,
-        FactoryMessage, Fault, Gap, GapCause, LeaseRequest, MappingState, SignedRevocation,
+        FactoryMessage, Fault, Gap, GapCause, LeaseRequest, LedgerCheckpoint, MappingState,
+        SignedRevocation,
     },
 };
 
@@ -32,6 +34,7 @@ pub(super) fn factory_message(
         "asset-offer",
         "lease-request",
         "revocation",
+        "ledger-checkpoint",
     ];
     Some(match message_type(reader, root, &TYPES)? {
         "acknowledgement" => FactoryMessage::Acknowledgement(acknowledgement(reader, root)),
@@ -40,6 +43,7 @@ pub(super) fn factory_message(
         "comment" => FactoryMessage::Comment(comment(reader, root, None)),
         "lease-request" => FactoryMessage::LeaseRequest(lease_request(reader, root)?),
         "revocation" => FactoryMessage::Revocation(revocation(reader, root)),
+        "ledger-checkpoint" => FactoryMessage::LedgerCheckpoint(ledger_checkpoint(reader, root)),
         _ => FactoryMessage::AssetOffer(AssetOffer {
             message_id: reader.required_id(root, "messageId"),
             factory_id: factory_id(reader, root, None),
@@ -164,4 +168,17 @@ fn lease_request(reader: &mut Reader, root: JsonNode<'_, '_>) -> Option<LeaseReq
         host: reader.required(root, "host", Reader::name).unwrap_or_default(),
         started_at: started_at?,
     })
+}
+
+fn ledger_checkpoint(reader: &mut Reader, root: JsonNode<'_, '_>) -> LedgerCheckpoint {
+    LedgerCheckpoint {
+        message_id: reader.required_id(root, "messageId"),
+        factory_id: factory_id(reader, root, None),
+        recipient_id: reader.required_id(root, "recipientId"),
+        epoch: epoch(reader, root),
+        verifier_key: reader.required(root, "verifierKey", Reader::non_empty_text).unwrap_or_default(),
+        add_checkpoint: reader
+            .required(root, "addCheckpoint", Reader::non_empty_text)
+            .unwrap_or_default(),
+    }
 }

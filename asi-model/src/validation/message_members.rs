@@ -102,3 +102,15 @@ pub(super) fn number(reader: &mut Reader, object: JsonNode<'_, '_>, name: &str) 
 pub(super) fn milliseconds(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<u64> {
     reader.integer(node, "milliseconds as a number from 0")
 }
+
+/// Reads the number of a log among those that replaced each other, from 1.
+pub(super) fn epoch(reader: &mut Reader, object: JsonNode<'_, '_>) -> u32 {
+    let epoch = reader.required(object, "epoch", |reader, node| {
+        let epoch = reader.integer(node, "a number from 1 to 4294967295")?;
+        if epoch == 0 {
+            reader.fault(node, FaultCode::InvalidValue, "Logs are numbered from 1.");
+        }
+        Some(epoch)
+    });
+    epoch.unwrap_or_default()
+}

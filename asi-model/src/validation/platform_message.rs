@@ -3,7 +3,8 @@
 use super::{
     lists::recipients,
     message_members::{
-        comment, factory_id, kinds, message_type, milliseconds, number, revision, writer_id,
+        comment, epoch, factory_id, kinds, message_type, milliseconds, number, revision,
+        writer_id,
     },
     network,
     reader::Reader,
@@ -12,7 +13,8 @@ use crate::{
     ids::FactoryId,
     json::JsonNode,
     messages::{
-        AssetRequest, Lease, LeaseParty, LeaseResult, OperationNetworkMessage, PlatformMessage,
+        AssetRequest, Lease, LeaseParty, LeaseResult,
+        LedgerCheckpointResult, LedgerCosignature, OperationNetworkMessage, PlatformMessage,
         Receipt, Withdraw, WriterReceipt,
     },
 };
@@ -28,8 +30,15 @@ pub(super) fn platform_message(
     if !reader.is_object(root, "A message") {
         return None;
     }
-    const TYPES: [&str; 6] =
-        ["operation-network", "withdraw", "comment", "asset-request", "receipt", "lease"];
+    const TYPES: [&str; 7] = [
+        "operation-network",
+        "withdraw",
+        "comment",
+        "asset-request",
+        "receipt",
+        "lease",
+        "ledger-cosignature",
+    ];
     let message = match message_type(reader, root, &TYPES)? {
         "operation-network" => {
             PlatformMessage::OperationNetwork(operation_network(reader, root, expected)?)
@@ -43,6 +52,9 @@ pub(super) fn platform_message(
         "comment" => PlatformMessage::Comment(comment(reader, root, expected)),
         "asset-request" => PlatformMessage::AssetRequest(asset_request(reader, root, expected)),
         "lease" => PlatformMessage::Lease(lease(reader, root, expected)?),
+        "ledger-cosignature" => {
+            PlatformMessage::LedgerCosignature(ledger_cosignature(reader, root, expected)?)
+        }
         _ => PlatformMessage::Receipt(Receipt {
             message_id: reader.required_id(root, "messageId"),
             factory_id: factory_id(reader, root, expected),
@@ -143,5 +155,29 @@ fn lease_party(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<LeaseParty
         host: reader.required(node, "host", Reader::name).unwrap_or_default(),
         since: since?,
         last_heard_at: last_heard_at?,
+    })
+}
+
+fn ledger_cosignature(
+    reader: &mut Reader,
+    root: JsonNode<'_, '_>,
+    expected: Option<&FactoryId>,
+) -> Option<LedgerCosignature> {
+    const RESULTS: [(&str, LedgerCheckpointResult); 4] = [
+        ("COSIGNED", LedgerCheckpointResult::Cosigned),
+        ("STALE", LedgerCheckpointResult::Stale),
+        ("INCONSISTENT", LedgerCheckpointResult::Inconsistent),
+        ("OTHER_KEY", LedgerCheckpointResult::OtherKey),
+    ];
+    let result = reader.required(root, "result", |reader, node| reader.choice(node, &RESULTS));
+    Some(LedgerCosignature {
+        message_id: reader.required_id(root, "messageId"),
+        factory_id: factory_id(reader, root, expected),
+        correlation_id: reader.required_id(root, "correlationId"),
+        recipient_id: reader.required_id(root, "recipientId"),
+        epoch: epoch(reader, root),
+        checkpoint: reader.optional(root, "checkpoint", Reader::non_empty_text),
+        witness_key: reader.required(root, "witnessKey", Reader::non_empty_text).unwrap_or_default(),
+        result: result?,
     })
 }
