@@ -20,9 +20,7 @@ pub use from_factory::{
     GapCause, MappingState, ValueSource,
 };
 pub use lease::{Lease, LeaseParty, LeaseRequest, LeaseResult};
-pub use ledger::{
-    LedgerCheckpoint, LedgerCheckpointResult, LedgerCosignature, ledger_log_origin,
-};
+pub use ledger::{LedgerCheckpoint, LedgerCheckpointResult, LedgerCosignature, ledger_log_origin};
 pub use revocation::SignedRevocation;
 pub use to_factory::{OperationNetworkMessage, PlatformMessage, Receipt, Withdraw, WriterReceipt};
 

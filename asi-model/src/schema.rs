@@ -30,10 +30,7 @@ pub fn all() -> Vec<(&'static str, Value)> {
         ("asset-request.schema.json", message::<AssetRequest>("asset-request")),
         ("receipt.schema.json", message::<Receipt>("receipt")),
         ("lease.schema.json", message::<Lease>("lease")),
-        (
-            "ledger-cosignature.schema.json",
-            message::<LedgerCosignature>("ledger-cosignature"),
-        ),
+        ("ledger-cosignature.schema.json", message::<LedgerCosignature>("ledger-cosignature")),
         ("acknowledgement.schema.json", message::<Acknowledgement>("acknowledgement")),
         ("decision.schema.json", message::<Decision>("decision")),
         ("gap.schema.json", message::<Gap>("gap")),

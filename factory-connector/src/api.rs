@@ -154,6 +154,8 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(guarded!(ledger::checkpoints::list_checkpoints))
         .routes(guarded!(ledger::verification::verify_ledger))
         .routes(guarded!(ledger::export::export_ledger))
+        .routes(guarded!(ledger::logs::list_ledger_logs))
+        .routes(guarded!(ledger::logs::begin_ledger_log))
         .routes(guarded!(revocations::list_revocations))
         .routes(guarded!(revocations::revoke_consents))
         .routes(guarded!(revocations::show_revocation))

@@ -18,6 +18,7 @@ mod outcomes;
 mod outputs;
 mod publish_effects;
 mod unit_of_work;
+mod witnessing;
 
 use std::{collections::VecDeque, time::Duration};
 
@@ -29,6 +30,7 @@ use connector_state::{
     use_cases::{
         seal, validity,
         values::{self, FieldCandidate},
+        witness,
     },
 };
 use handle::Reply;
@@ -108,6 +110,7 @@ impl Coordinator {
         let is_restored = store.identity().is_restored;
         let snapshot = store.load().await?;
         let (state, pending) = load(&config, snapshot, &key, is_restored)?;
+        outputs.in_flight.set_held(state.ledger().is_in_conflict());
         let instant = Instant::now();
         Ok(Self {
             work: UnitOfWork { config, store, state, pending, outputs, key },
@@ -277,6 +280,8 @@ impl Coordinator {
         for reply in self.replies.drain(..) {
             reply(true);
         }
+        // Before the link is told that it may go on.
+        self.work.outputs.in_flight.set_held(self.work.state.ledger().is_in_conflict());
         // After the commit: nobody sees what a failed transaction takes away again.
         publish_effects::publish_effects(&self.work.outputs, &self.work.state, effects).await;
         self.timing.has_ledger_entries |= has_ledger_entries;
@@ -337,6 +342,7 @@ fn load(
     let (mut state, mut changes) =
         ConnectorState::load(config, snapshot, clock::id_source(), is_restored, now())?;
     changes.merge(seal::sign_all_heads(&mut state, key));
+    changes.merge(witness::submit_all(&mut state, key, now()));
     Ok((state, changes))
 }
 

@@ -8,6 +8,7 @@ use std::{
 
 use asi_model::MessageId;
 use parking_lot::Mutex;
+use tokio::sync::watch;
 
 /// Most messages whose reports are remembered; far more than the link has under way.
 const FETCHED_MAX: usize = 65_536;
@@ -29,7 +30,11 @@ pub struct SentMessage {
 /// Shared by the link, which composes and sends messages, and the coordinator, which recalls
 /// reports.
 #[derive(Default)]
-pub struct InFlight(Mutex<Inner>);
+pub struct InFlight {
+    inner: Mutex<Inner>,
+    /// No message of reports leaves, whatever is in it.
+    is_held: watch::Sender<bool>,
+}
 
 #[derive(Default)]
 struct Inner {
@@ -53,7 +58,7 @@ struct Fetched {
 impl InFlight {
     /// Notes that a message was composed of these reports.
     pub fn fetched(&self, message_id: MessageId, reports: impl Iterator<Item = i64>) {
-        let mut inner = self.0.lock();
+        let mut inner = self.inner.lock();
         let fetched = Fetched { reports: reports.collect(), row: None };
         if inner.fetched.insert(message_id.clone(), fetched).is_none() {
             inner.order.push_back(message_id);
@@ -66,10 +71,13 @@ impl InFlight {
     /// Notes that a message is about to be put on the wire. Returns false where a report in it was
     /// recalled meanwhile.
     pub fn may_leave(&self, row: i64, message_id: &MessageId) -> bool {
-        let mut inner = self.0.lock();
+        let mut inner = self.inner.lock();
         let Inner { fetched, recalled, being_recalled, .. } = &mut *inner;
         // Control messages and keep-alives carry no reports, so nothing in them can be recalled.
         let Some(fetched) = fetched.get_mut(message_id) else { return true };
+        if self.is_held() {
+            return false;
+        }
         let is_recalled =
             |report: &i64| recalled.contains(report) || being_recalled.contains(report);
         if fetched.reports.iter().any(is_recalled) {
@@ -80,11 +88,28 @@ impl InFlight {
         true
     }
 
+    /// Holds all reports back (true), or lets them leave. While held they wait in the spool.
+    pub fn set_held(&self, is_held: bool) {
+        self.is_held.send_if_modified(|held| std::mem::replace(held, is_held) != is_held);
+    }
+
+    /// Returns whether all reports are held back.
+    #[must_use]
+    pub fn is_held(&self) -> bool {
+        *self.is_held.borrow()
+    }
+
+    /// Watches whether all reports are held back.
+    #[must_use]
+    pub fn watch_held(&self) -> watch::Receiver<bool> {
+        self.is_held.subscribe()
+    }
+
     /// Returns the contents of a message that the broker accepted, as often as it is asked until
     /// [`Self::recorded`]: where the outcome cannot be written, it is recorded again.
     #[must_use]
     pub fn accepted(&self, row: i64) -> Option<SentMessage> {
-        let inner = self.0.lock();
+        let inner = self.inner.lock();
         let message_id = inner.sent.get(&row)?.clone();
         let reports = Arc::clone(&inner.fetched.get(&message_id)?.reports);
         Some(SentMessage { row, message_id, reports })
@@ -92,7 +117,7 @@ impl InFlight {
 
     /// Notes that the outcomes of these messages are committed.
     pub fn recorded<'m>(&self, messages: impl IntoIterator<Item = &'m SentMessage>) {
-        let mut inner = self.0.lock();
+        let mut inner = self.inner.lock();
         for SentMessage { row, message_id, .. } in messages {
             if inner.sent.get(row) == Some(message_id) {
                 inner.sent.remove(row);
@@ -102,13 +127,13 @@ impl InFlight {
 
     /// Notes that a message was not sent after all.
     pub fn not_sent(&self, row: i64) {
-        self.0.lock().sent.remove(&row);
+        self.inner.lock().sent.remove(&row);
     }
 
     /// Recalls reports: no message that was fetched with one of them is sent. The recall holds
     /// until [`Self::undo_recalls`], or for ever after [`Self::confirm_recalls`].
     pub fn recall(&self, reports: impl IntoIterator<Item = i64>) {
-        let mut inner = self.0.lock();
+        let mut inner = self.inner.lock();
         if inner.recalled.len() > RECALLED_MAX {
             inner.forget_recalls_of_others();
         }
@@ -117,14 +142,14 @@ impl InFlight {
 
     /// Notes that the recalls of the transaction are committed.
     pub fn confirm_recalls(&self) {
-        let mut inner = self.0.lock();
+        let mut inner = self.inner.lock();
         let confirmed = std::mem::take(&mut inner.being_recalled);
         inner.recalled.extend(confirmed);
     }
 
     /// Undoes the recalls of a failed transaction; those of former transactions hold.
     pub fn undo_recalls(&self) {
-        self.0.lock().being_recalled.clear();
+        self.inner.lock().being_recalled.clear();
     }
 }
 
@@ -194,7 +219,11 @@ mod tests {
             in_flight.fetched(id(number), std::iter::once(report));
             assert!(in_flight.may_leave(report, &id(number)));
         }
-        assert_eq!(in_flight.0.lock().sent.len(), FETCHED_MAX, "no outcome came for any of them");
+        assert_eq!(
+            in_flight.inner.lock().sent.len(),
+            FETCHED_MAX,
+            "no outcome came for any of them"
+        );
         assert_eq!(in_flight.accepted(0), None, "the oldest are forgotten");
         assert!(in_flight.accepted(10).is_some());
 
@@ -207,6 +236,6 @@ mod tests {
             !in_flight.may_leave(held, &id(FETCHED_MAX)),
             "a recall of what may still leave is kept"
         );
-        assert_eq!(in_flight.0.lock().recalled.len(), 2, "others are forgotten");
+        assert_eq!(in_flight.inner.lock().recalled.len(), 2, "others are forgotten");
     }
 }

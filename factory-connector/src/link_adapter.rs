@@ -126,6 +126,10 @@ impl SpoolStore for ConnectorSpool {
     async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, SpoolError> {
         // Without the lease another connector of this factory may be sending.
         let Some(lease) = self.gate.number() else { return Ok(Vec::new()) };
+        // While the ledger is in conflict with its witness, only control messages leave.
+        if fetch.lane != Lane::Control && self.in_flight.is_held() {
+            return Ok(Vec::new());
+        }
         let messages = self.readers.session().await?.spool().fetch(fetch).await?;
         let mut rows: Vec<SpoolRow> =
             messages.into_iter().map(|message| self.row(message)).collect();

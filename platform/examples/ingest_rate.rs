@@ -12,12 +12,13 @@ use messaging::{Delivery, Envelope, Inbox, LogicalAddress, Settlement};
 use platform::{
     broker_access::BrokerAccess,
     clock::Clock,
-    ingest::Ingest,
+    ingest::{Ingest, IngestConfig},
     live::LiveLog,
     networks::{Author, PutNetwork, put},
     principal::Principal,
     progress_notifier::ProgressNotifier,
     store::{Collaboration, Organisation, Role, Store, User},
+    witness::WitnessKey,
 };
 use tokio_util::sync::CancellationToken;
 
@@ -35,14 +36,14 @@ async fn main() -> anyhow::Result<()> {
     let live = LiveLog::new(1_000, 1);
     let (_board, progress) = ProgressNotifier::new(store.clone(), live.clone());
     let wait = std::time::Duration::from_secs(60);
+    let witness = Arc::new(WitnessKey::open(folder.path())?);
     let (ingest, handle) = Ingest::new(
+        IngestConfig { resend_after: wait, silence: wait, witness },
         store.clone(),
         live,
         BrokerAccess::new(Vec::new()),
         progress,
         Clock::system(),
-        wait,
-        wait,
     )
     .await?;
     let shutdown = CancellationToken::new();

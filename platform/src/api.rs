@@ -10,6 +10,7 @@ mod dead_letters;
 mod enrolments;
 mod factories;
 mod leases;
+mod ledger_logs;
 mod live;
 mod networks;
 mod organisations;
@@ -102,6 +103,7 @@ fn guarded() -> OpenApiRouter<Application> {
         .routes(routes!(reports::list))
         .routes(routes!(dead_letters::list))
         .routes(routes!(dead_letters::replay))
+        .routes(routes!(ledger_logs::list))
         .routes(routes!(live::stream))
 }
 

@@ -12,7 +12,7 @@ use tokio_util::sync::CancellationToken;
 
 use crate::{
     accounts::StoredAccounts, broker_access::BrokerAccess, clock::Clock, config::PlatformConfig,
-    ingest::IngestHandle, live::LiveLog, store::Store,
+    ingest::IngestHandle, live::LiveLog, store::Store, witness::WitnessKey,
 };
 
 /// Endpoint of the broker for connectors and tools, handed out with their credentials.
@@ -38,6 +38,8 @@ pub struct ApplicationParts {
     pub broker_access: BrokerAccess,
     /// Handle to process dead letters again.
     pub ingest: IngestHandle,
+    /// The key that countersigns checkpoints of ledgers.
+    pub witness: Arc<WitnessKey>,
     /// The signed-in user and the token of its session.
     pub sessions: Sessions<StoredAccounts>,
     pub clock: Clock,

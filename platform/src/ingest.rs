@@ -14,4 +14,4 @@ mod service;
 mod unit;
 
 pub use decode::{Incoming, IncomingReport, decode};
-pub use service::{Ingest, IngestHandle};
+pub use service::{Ingest, IngestConfig, IngestHandle};

@@ -11,7 +11,7 @@
 //! - [`broker_access`], [`certificates`], [`enrolment`]: users, queues and certificates of the
 //!   broker, and credentials of connectors. [`spool`]: outgoing messages for the link.
 //! - [`networks`]: changes of networks and the parts sent to factories. [`ingest`]: received
-//!   messages, each exactly once.
+//!   messages, each exactly once. [`witness`]: countersigned checkpoints of factories' ledgers.
 //! - Tasks: [`receipts`], [`retention`], [`progress_notifier`].
 //! - [`accounts`], [`administrator`], [`application`], [`api`]: the HTTP API.
 
@@ -40,3 +40,4 @@ pub mod spool;
 pub mod store;
 pub mod tools;
 pub mod value_json;
+pub mod witness;

@@ -27,7 +27,7 @@ use crate::{
     broker_access::BrokerAccess,
     clock::Clock,
     config::PlatformConfig,
-    ingest::Ingest,
+    ingest::{Ingest, IngestConfig},
     live::{EVENTS_KEPT_MAX, LiveLog},
     networks::Resender,
     progress_notifier::ProgressNotifier,
@@ -35,6 +35,7 @@ use crate::{
     retention::Retention,
     spool::StoredSpool,
     store::Store,
+    witness::WitnessKey,
 };
 
 pub use brokers::start_broker_alone;
@@ -86,14 +87,15 @@ impl Platform {
         let (progress_notifier, progress) = ProgressNotifier::new(store.clone(), live.clone());
         let resend_after = Duration::from_millis(config.parts.resend_after_ms);
         let silence = config.lease_silence();
+        let witness = Arc::new(WitnessKey::open(&config.data_directory)?);
+        let ingest_config = IngestConfig { resend_after, silence, witness: Arc::clone(&witness) };
         let (ingest, ingest_handle) = Ingest::new(
+            ingest_config,
             store.clone(),
             live.clone(),
             broker_access.clone(),
             progress,
             clock.clone(),
-            resend_after,
-            silence,
         )
         .await?;
 
@@ -129,6 +131,7 @@ impl Platform {
             live,
             broker_access,
             ingest: ingest_handle,
+            witness,
             sessions,
             clock,
             broker_endpoint: access,

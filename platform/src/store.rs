@@ -23,6 +23,7 @@ mod factories;
 mod fields;
 mod inbox;
 mod leases;
+mod ledger_logs;
 mod meta_data;
 mod networks;
 mod organisations;
@@ -55,6 +56,7 @@ pub use fields::{
 };
 pub use inbox::{InboxMessages, NewInboxMessage};
 pub use leases::Leases;
+pub use ledger_logs::LedgerLogs;
 pub use meta_data::MetaData;
 pub use networks::{NetworkRow, NetworkSummary, Networks};
 pub use organisations::{Organisation, Organisations};

@@ -20,3 +20,9 @@ async fn a_copied_connector_is_refused_and_reported_on_both_sides() {
     rustls::crypto::ring::default_provider().install_default().ok();
     chaos::copied().await.unwrap();
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_connector_with_an_older_store_discloses_nothing_until_an_engineer_decides() {
+    rustls::crypto::ring::default_provider().install_default().ok();
+    chaos::rolled_back().await.unwrap();
+}

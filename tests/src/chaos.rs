@@ -12,6 +12,7 @@ mod findings;
 mod line;
 mod load;
 mod plan;
+mod rolled_back;
 mod stage;
 mod stores;
 
@@ -21,6 +22,7 @@ use comments::CommentTraffic;
 pub use copied::copied;
 use findings::Findings;
 pub use plan::{Fault, Plan, Strike};
+pub use rolled_back::rolled_back;
 use serde_json::Value;
 use stage::Stage;
 use stores::Comment;

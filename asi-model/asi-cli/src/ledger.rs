@@ -37,6 +37,9 @@ pub enum LedgerCommand {
         /// The key of the log, as noted at the beginning: name+id+key.
         #[arg(long, value_name = "VKEY")]
         key: VerifierKey,
+        /// The key of a witness that must have countersigned the checkpoint: name+id+key.
+        #[arg(long, value_name = "VKEY")]
+        witness: Option<VerifierKey>,
         /// Values of reports that were queued before this time (RFC 3339) may be missing without an
         /// entry about their retention: a time that the factory names in another way.
         #[arg(long, value_name = "TIME")]
@@ -55,8 +58,8 @@ pub enum LedgerCommand {
 /// Carries out a command.
 pub fn run(command: LedgerCommand, out: &mut dyn Write) -> anyhow::Result<CommandOutcome> {
     match command {
-        LedgerCommand::Verify { file, checkpoint, key, emptied_before } => {
-            verify(&file, &checkpoint, &key, emptied_before, out)
+        LedgerCommand::Verify { file, checkpoint, key, witness, emptied_before } => {
+            verify(&file, &checkpoint, &key, witness.as_ref(), emptied_before, out)
         }
         LedgerCommand::Receipt { file, key } => {
             let mut receipt = Vec::new();
@@ -74,6 +77,7 @@ fn verify(
     file: &Path,
     checkpoint: &Path,
     key: &VerifierKey,
+    witness: Option<&VerifierKey>,
     emptied_before: Option<DateTime>,
     out: &mut dyn Write,
 ) -> anyhow::Result<CommandOutcome> {
@@ -81,7 +85,11 @@ fn verify(
     open(checkpoint)?.take(CHECKPOINT_BYTES_MAX).read_to_string(&mut note)?;
     let mut lines = BufReader::with_capacity(BUFFER_BYTES, open(file)?);
     let first = next_line(&mut lines)?.unwrap_or_default();
-    let mut auditor = match Auditor::new(&note, key, &first, emptied_before) {
+    let begun = Auditor::new(&note, key, &first, emptied_before).and_then(|mut auditor| {
+        witness.map_or(Ok(()), |witness| auditor.demand_witness(witness))?;
+        Ok(auditor)
+    });
+    let mut auditor = match begun {
         Ok(auditor) => auditor,
         Err(error) => {
             writeln!(out, "{:#}", anyhow::Error::new(error))?;

@@ -60,17 +60,17 @@ pub struct LedgerCosignature {
     pub witness_key: String,
 }
 
-/// Result of a checkpoint.
+/// Result of a checkpoint at its witness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum LedgerCheckpointResult {
-    /// It is the newest one now, and countersigned.
+    /// Countersigned, and the newest one now.
     Cosigned,
-    /// Its proof does not begin at the newest checkpoint that the platform holds.
+    /// Not countersigned: its proof does not begin at the newest checkpoint that the platform holds.
     Stale,
-    /// The log is not an extension of the one that the platform holds.
+    /// Refused: the log is not an extension of the one that the platform holds.
     Inconsistent,
-    /// Another key signed the log before.
+    /// Refused: another key signed the log before.
     OtherKey,
 }

@@ -5,8 +5,7 @@ use super::{
     disclosure::disclosure,
     lists::recipients,
     message_members::{
-        ASSET_KINDS, comment, epoch, factory_id, kinds, message_type, number, revision,
-        writer_id,
+        ASSET_KINDS, comment, epoch, factory_id, kinds, message_type, number, revision, writer_id,
     },
     reader::Reader,
 };
@@ -176,7 +175,9 @@ fn ledger_checkpoint(reader: &mut Reader, root: JsonNode<'_, '_>) -> LedgerCheck
         factory_id: factory_id(reader, root, None),
         recipient_id: reader.required_id(root, "recipientId"),
         epoch: epoch(reader, root),
-        verifier_key: reader.required(root, "verifierKey", Reader::non_empty_text).unwrap_or_default(),
+        verifier_key: reader
+            .required(root, "verifierKey", Reader::non_empty_text)
+            .unwrap_or_default(),
         add_checkpoint: reader
             .required(root, "addCheckpoint", Reader::non_empty_text)
             .unwrap_or_default(),

@@ -3,8 +3,7 @@
 use super::{
     lists::recipients,
     message_members::{
-        comment, epoch, factory_id, kinds, message_type, milliseconds, number, revision,
-        writer_id,
+        comment, epoch, factory_id, kinds, message_type, milliseconds, number, revision, writer_id,
     },
     network,
     reader::Reader,
@@ -13,9 +12,8 @@ use crate::{
     ids::FactoryId,
     json::JsonNode,
     messages::{
-        AssetRequest, Lease, LeaseParty, LeaseResult,
-        LedgerCheckpointResult, LedgerCosignature, OperationNetworkMessage, PlatformMessage,
-        Receipt, Withdraw, WriterReceipt,
+        AssetRequest, Lease, LeaseParty, LeaseResult, LedgerCheckpointResult, LedgerCosignature,
+        OperationNetworkMessage, PlatformMessage, Receipt, Withdraw, WriterReceipt,
     },
 };
 
@@ -177,7 +175,9 @@ fn ledger_cosignature(
         recipient_id: reader.required_id(root, "recipientId"),
         epoch: epoch(reader, root),
         checkpoint: reader.optional(root, "checkpoint", Reader::non_empty_text),
-        witness_key: reader.required(root, "witnessKey", Reader::non_empty_text).unwrap_or_default(),
+        witness_key: reader
+            .required(root, "witnessKey", Reader::non_empty_text)
+            .unwrap_or_default(),
         result: result?,
     })
 }

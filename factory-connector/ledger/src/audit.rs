@@ -30,6 +30,9 @@ pub enum AuditError {
     /// The checkpoint is not a note of this key.
     #[error("the checkpoint is not signed with this key")]
     Signature(#[source] NoteError),
+    /// The checkpoint is not countersigned with the key of the witness.
+    #[error("the checkpoint is not countersigned by this witness")]
+    Witness,
     /// The signed text is no checkpoint.
     #[error("the signed text is no checkpoint")]
     Checkpoint(#[source] CheckpointError),
@@ -52,6 +55,10 @@ pub enum AuditError {
 pub struct Audit {
     /// Name of the log.
     pub origin: String,
+    /// Time at which the witness countersigned the checkpoint, by its own clock; absent where none
+    /// was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub witnessed_at: Option<DateTime>,
     /// Number of entries that the checkpoint proves.
     pub entries_proven: u64,
     /// Number of later entries, which a later checkpoint can prove.
@@ -77,6 +84,7 @@ impl Audit {
 /// Checks an audit file line by line.
 pub struct Auditor {
     start: LogStart,
+    note: SignedNote,
     checkpoint: Checkpoint,
     leaves: LeafRange,
     /// Number of the last entry.
@@ -122,11 +130,25 @@ impl Auditor {
             outcome: Audit { origin: checkpoint.origin.clone(), ..Audit::default() },
             emptied_before,
             start,
+            note,
             checkpoint,
             leaves,
         };
         auditor.compare_root();
         Ok(auditor)
+    }
+
+    /// Demands that the checkpoint is countersigned with this key of a witness.
+    ///
+    /// # Errors
+    /// [`AuditError::Witness`].
+    pub fn demand_witness(&mut self, witness: &VerifierKey) -> Result<(), AuditError> {
+        let verified = self.note.verify([witness]).map_err(|_| AuditError::Witness)?;
+        let seconds = verified.first().and_then(|signature| signature.cosigned_at);
+        let micros = seconds.and_then(|at| i64::try_from(at).ok()?.checked_mul(1_000_000));
+        self.outcome.witnessed_at =
+            Some(DateTime::from_unix_micros(micros.ok_or(AuditError::Witness)?));
+        Ok(())
     }
 
     /// Checks a line for itself; lines may be checked in any order.

@@ -10,6 +10,7 @@
 //! crate is pure; the store writes the entries in the transaction of their effect.
 
 mod anchor;
+mod answer;
 pub mod audit;
 mod chain;
 mod checkpoint;
@@ -26,14 +27,16 @@ mod seal;
 mod sequence_range;
 mod values;
 mod verification;
+mod witnessing;
 
 pub use anchor::Anchor;
+pub use answer::{Answered, HeldCheckpoint, InvalidAnswer};
 pub use chain::{Head, Heads, LinkedEntry, chain_hash};
 pub use checkpoint::{CheckpointHead, HeadsCheckpoint};
 pub use entry::{Event, EventKind, LedgerEntry};
 pub use head::SignedHead;
 pub use key::{InvalidKey, LedgerKey};
-pub use log::{Log, LogStart, Logs, log_verifier};
+pub use log::{Log, LogStart, Logs, Predecessor, log_verifier};
 pub use preview::preview_hash;
 pub use retention::{RetentionRule, RetentionStatement};
 pub use revocation::{ReceiptError, RevocationReceipt, RevokedField, RevokedWriter, Sequences};
@@ -44,5 +47,6 @@ pub use verification::{
     CheckedEntry, LedgerFault, ReportDigest, StoredConsent, StoredEntry, StoredHead, StoredLog,
     StoredReport, StoredSeal, StoredStatement, Surroundings, Verification, Verifier,
 };
+pub use witnessing::{ConflictKind, CosignedCheckpoint, LogConflict, Witnessing};
 
 pub use transparency_log::Hash;

@@ -3,11 +3,14 @@
 
 use std::collections::BTreeMap;
 
-use asi_model::{FactoryId, OrganisationId};
+use asi_model::{DateTime, FactoryId, OrganisationId, messages::ledger_log_origin};
 use serde::{Deserialize, Serialize};
-use transparency_log::{Checkpoint, KeyError, KeyKind, LeafRange, NoteKey, VerifierKey, leaf_hash};
+use transparency_log::{
+    AddCheckpoint, Checkpoint, KeyError, KeyKind, LeafRange, NoteKey, SignedNote, VerifierKey,
+    leaf_hash,
+};
 
-use super::{Anchor, Hash, Head, LedgerKey, LinkedEntry};
+use super::{Anchor, Hash, Head, LedgerKey, LinkedEntry, Witnessing};
 
 /// First leaf of a log: the chain that it is about, and the entry that its second leaf follows.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -20,6 +23,35 @@ pub struct LogStart {
     pub number: u64,
     /// Hash of that entry in the chain, hexadecimal; zeros where the log has all entries.
     pub hash: String,
+    /// Number of the log among those that replaced each other, from 1.
+    #[serde(default = "first_epoch", skip_serializing_if = "is_first_epoch")]
+    pub epoch: u32,
+    /// The log that this one replaced; none for the first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub predecessor: Option<Predecessor>,
+}
+
+/// Statement why a log replaced another one, for all who audit the new one.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Predecessor {
+    /// The last checkpoint of the former log that the platform holds, a signed note; none where it
+    /// showed none.
+    pub checkpoint: Option<String>,
+    /// Name of the user who decided.
+    pub decided_by: String,
+    pub decided_at: DateTime,
+    /// Reason in the user's words.
+    pub reason: String,
+}
+
+const fn first_epoch() -> u32 {
+    1
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands a reference")]
+const fn is_first_epoch(epoch: &u32) -> bool {
+    *epoch == 1
 }
 
 impl LogStart {
@@ -32,7 +64,15 @@ impl LogStart {
     /// Returns the name of the log, unique among all logs.
     #[must_use]
     pub fn origin(&self) -> String {
-        origin(&self.factory_id, &self.recipient)
+        ledger_log_origin(&self.factory_id, &self.recipient, self.epoch)
+    }
+
+    /// Names the key of a ledger as the key of this log.
+    ///
+    /// # Errors
+    /// [`KeyError`] where the bytes are no key, or a weak one.
+    pub fn verifier(&self, public_key: &Hash) -> Result<VerifierKey, KeyError> {
+        VerifierKey::new(&self.origin(), KeyKind::Ed25519, public_key)
     }
 
     /// Returns the leaves before those of the present entries: the start itself, and the entries
@@ -55,13 +95,7 @@ impl LogStart {
     }
 }
 
-/// Returns the name of the log of what a factory discloses to an organisation. Both ids have letters,
-/// digits, `_` and `-` only.
-fn origin(factory: &FactoryId, recipient: &OrganisationId) -> String {
-    format!("{factory}/to/{recipient}")
-}
-
-/// Names the key of a ledger as the key of one log.
+/// Names the key of a ledger as the key of a chain's first log.
 ///
 /// # Errors
 /// [`KeyError`] where the bytes are no key, or a weak one.
@@ -70,7 +104,7 @@ pub fn log_verifier(
     recipient: &OrganisationId,
     public_key: &Hash,
 ) -> Result<VerifierKey, KeyError> {
-    VerifierKey::new(&origin(factory, recipient), KeyKind::Ed25519, public_key)
+    VerifierKey::new(&ledger_log_origin(factory, recipient, 1), KeyKind::Ed25519, public_key)
 }
 
 /// The log of one chain, as far as it is needed to extend it and to sign its checkpoints.
@@ -80,27 +114,44 @@ pub struct Log {
     leaves: LeafRange,
     /// The last checkpoint as a signed note, with its size; none before the first.
     checkpoint: Option<(u64, String)>,
+    witnessing: Witnessing,
 }
 
 impl Log {
-    /// Begins a log after an entry of the chain, or at its beginning.
+    /// Begins the first log of a chain, after an entry of it or at its beginning.
     #[must_use]
     pub fn new(factory_id: FactoryId, recipient: OrganisationId, previous: &Head) -> Self {
         let (number, hash) = (previous.number, hex::encode(previous.hash));
-        let start = LogStart { factory_id, recipient, number, hash };
-        let mut leaves = LeafRange::starting_at(0);
-        leaves.append(leaf_hash(start.canonical().as_bytes()));
-        Self { start, leaves, checkpoint: None }
+        Self::beginning(LogStart {
+            factory_id,
+            recipient,
+            number,
+            hash,
+            epoch: first_epoch(),
+            predecessor: None,
+        })
     }
 
-    /// Creates a log as it was stored.
+    /// Begins a log with its first leaf.
     #[must_use]
-    pub const fn stored(
-        start: LogStart,
-        leaves: LeafRange,
-        checkpoint: Option<(u64, String)>,
-    ) -> Self {
-        Self { start, leaves, checkpoint }
+    pub fn beginning(start: LogStart) -> Self {
+        let mut leaves = LeafRange::starting_at(0);
+        leaves.append(leaf_hash(start.canonical().as_bytes()));
+        let witnessing = Witnessing::new(leaves.clone());
+        Self { start, leaves, checkpoint: None, witnessing }
+    }
+
+    /// Creates a log as it was stored, of which nothing is known to be countersigned.
+    #[must_use]
+    pub fn stored(start: LogStart, leaves: LeafRange, checkpoint: Option<(u64, String)>) -> Self {
+        let witnessing = Witnessing::new(leaves.clone());
+        Self { start, leaves, checkpoint, witnessing }
+    }
+
+    /// Returns the log with what the platform has countersigned of it.
+    #[must_use]
+    pub fn with(self, witnessing: Witnessing) -> Self {
+        Self { witnessing, ..self }
     }
 
     /// Returns the first leaf.
@@ -134,9 +185,33 @@ impl Log {
         self.checkpoint.as_ref().is_none_or(|(size, _)| *size < self.leaves.end())
     }
 
+    /// Returns what the platform has countersigned.
+    #[must_use]
+    pub const fn witnessing(&self) -> &Witnessing {
+        &self.witnessing
+    }
+
+    /// Returns what the platform has countersigned, to be changed by its answer.
+    pub(crate) const fn witnessing_mut(&mut self) -> &mut Witnessing {
+        &mut self.witnessing
+    }
+
     /// Appends the entry that follows in the chain, given its canonical text.
     pub fn append(&mut self, content: &str) {
-        self.leaves.append(leaf_hash(content.as_bytes()));
+        let leaf = leaf_hash(content.as_bytes());
+        self.leaves.append(leaf);
+        self.witnessing.append(leaf);
+    }
+
+    /// Makes the request to countersign the whole log, and signs a checkpoint for it where it grew
+    /// since the last one.
+    pub fn submit(&mut self, key: &LedgerKey, now: DateTime) -> AddCheckpoint {
+        if self.has_grown() {
+            self.sign_checkpoint(key);
+        }
+        let note = self.checkpoint().and_then(|note| SignedNote::parse(note).ok());
+        let (old_size, proof) = self.witnessing.submit(now);
+        AddCheckpoint { old_size, proof, checkpoint: note.expect("it was signed here") }
     }
 
     /// Signs a checkpoint over all entries so far.
@@ -175,6 +250,11 @@ impl Logs {
     }
 
     /// Returns all logs, by their recipients.
+    pub fn iter(&self) -> impl Iterator<Item = &Log> {
+        self.0.values()
+    }
+
+    /// Returns all logs, by their recipients, to sign their checkpoints.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut Log> {
         self.0.values_mut()
     }

@@ -4,6 +4,7 @@ pub mod checkpoints;
 mod entry;
 pub mod export;
 pub mod fields;
+pub mod logs;
 pub mod verification;
 
 use asi_model::{

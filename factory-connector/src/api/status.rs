@@ -1,8 +1,10 @@
 //! Status of the connector.
 
-use asi_model::DateTime;
+use asi_model::{DateTime, OrganisationId};
 use axum::{Json, extract::State};
+use connector_state::ConnectorState;
 use daemon::web::Problem;
+use ledger::LogConflict;
 use messaging::{Backlog, LinkPhase, LinkState};
 use serde::Serialize;
 use shop_floor::SourceStatus;
@@ -31,6 +33,19 @@ pub struct Status {
     spool: Backlog,
     /// Status of each local server.
     sources: Vec<SourceStatus>,
+    /// Conflicts with the platform as the witness of the ledger. While there is one, values wait in
+    /// the spool.
+    ledger_conflicts: Vec<LedgerConflictStatus>,
+}
+
+/// A log of the ledger of which the platform holds another history.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct LedgerConflictStatus {
+    /// Organisation of the chain.
+    recipient_id: OrganisationId,
+    #[serde(flatten)]
+    conflict: LogConflict,
 }
 
 /// Link to the platform, with evidence.
@@ -98,6 +113,7 @@ pub struct TwinStatus {
 )]
 pub async fn show_status(_: Viewer, State(api): State<Api>) -> Result<Json<Status>, Problem> {
     let spool = api.store().await?.spool().backlog().await?;
+    let ledger_conflicts = api.coordinator.read(ledger_conflicts).await?;
     Ok(Json(Status {
         factory_id: api.instance.factory_id.to_string(),
         version: env!("CARGO_PKG_VERSION"),
@@ -110,5 +126,14 @@ pub async fn show_status(_: Viewer, State(api): State<Api>) -> Result<Json<Statu
         },
         spool,
         sources: api.shop_floor.states(),
+        ledger_conflicts,
     }))
+}
+
+fn ledger_conflicts(state: &ConnectorState) -> Vec<LedgerConflictStatus> {
+    let of = |log: &ledger::Log| {
+        let conflict = log.witnessing().conflict()?.clone();
+        Some(LedgerConflictStatus { recipient_id: log.start().recipient.clone(), conflict })
+    };
+    state.ledger().logs().filter_map(of).collect()
 }

@@ -7,6 +7,7 @@ use super::{
     handle::{CommandKind, CoordinatorCommand, Reply, WriteOutcome},
     incoming, outcomes,
     unit_of_work::UnitOfWork,
+    witnessing,
 };
 use crate::{clock::now, store::StoreError};
 
@@ -35,6 +36,10 @@ pub(super) async fn handle_command(
             let written = write_value(&mut work.state, &field, source, value, now);
             let outcome = written.map_or_else(WriteOutcome::Rejected, WriteOutcome::Accepted);
             Box::new(move |is_written| _ = reply.send(is_written.then_some(outcome)))
+        }
+        CommandKind::BeginLog(decision, reply) => {
+            let is_begun = witnessing::begin_log(work, &decision, now).await?;
+            Box::new(move |is_written| _ = reply.send(is_written.then_some(is_begun)))
         }
         CommandKind::Read(query) => {
             // It may see what is not committed yet; a caller that needs certainty runs a use case.

@@ -1,7 +1,7 @@
 //! Handle: the way to the coordinator, the same for production and tests.
 
 use asi_model::{DataValue, DateTime, FieldKey, StatusCode, messages::ValueSource};
-use connector_state::{ChangeSet, ConnectorState, IntoChanges};
+use connector_state::{ChangeSet, ConnectorState, IntoChanges, use_cases::witness::NewLogDecision};
 use disclosure::GateOutcome;
 use messaging::{Delivery, RowOutcome, Settlement};
 use tokio::sync::{mpsc, oneshot};
@@ -47,6 +47,8 @@ pub(super) enum CommandKind {
     RecordOutcomes(Vec<RowOutcome>, Vec<SentMessage>, oneshot::Sender<bool>),
     /// A value of a person or an OPC UA client.
     WriteValue(FieldKey, ValueSource, DataValue, oneshot::Sender<Option<WriteOutcome>>),
+    /// A new log in place of one about which the platform is in conflict.
+    BeginLog(NewLogDecision, oneshot::Sender<Option<bool>>),
     /// A question about the state.
     Read(StateQuery),
     Execute(UseCase),
@@ -97,6 +99,16 @@ impl CoordinatorHandle {
         let outcome =
             self.ask(|reply| CommandKind::WriteValue(field, source, value, reply)).await?;
         outcome.ok_or(CoordinatorError::NotWritten)
+    }
+
+    /// Begins a new log in place of one about which the platform is in conflict. Returns when it is
+    /// committed; false where there is no conflict.
+    ///
+    /// # Errors
+    /// [`CoordinatorError`].
+    pub async fn begin_log(&self, decision: NewLogDecision) -> Result<bool, CoordinatorError> {
+        let is_begun = self.ask(|reply| CommandKind::BeginLog(decision, reply)).await?;
+        is_begun.ok_or(CoordinatorError::NotWritten)
     }
 
     /// Reads the state.

@@ -19,7 +19,7 @@ use messaging::{
     spool::{ReportRow, apply_receipt},
 };
 
-use super::{delivery_progress::reports_of, unit_of_work::UnitOfWork};
+use super::{delivery_progress::reports_of, unit_of_work::UnitOfWork, witnessing};
 use crate::{clock::new_message_id, store::StoreError};
 
 /// Age below which a report that was sent may still be under way.
@@ -113,6 +113,9 @@ async fn handle_message(
         PlatformMessage::Receipt(receipt) => return record(work, receipt, now).await,
         // Leases arrive at an address of their own.
         PlatformMessage::Lease(_) => return Ok(()),
+        PlatformMessage::LedgerCosignature(answer) => {
+            return witnessing::receive(work, &answer, now).await;
+        }
         PlatformMessage::AssetRequest(request) => {
             receive::reject_asset_request(state, &request, now)
         }

@@ -43,5 +43,61 @@ pub(super) fn write(record: &LogRecord) {
                 "The spool is full; older reports were dropped for newer ones."
             );
         }
+        LogRecord::LogWitnessed { .. }
+        | LogRecord::WitnessChanged { .. }
+        | LogRecord::WitnessForgot { .. }
+        | LogRecord::WitnessNotUnderstood { .. }
+        | LogRecord::LedgerConflict { .. }
+        | LogRecord::LogReplaced { .. } => write_witness(record),
+    }
+}
+
+/// Writes and counts what the platform said as the witness of the ledger.
+fn write_witness(record: &LogRecord) {
+    let count = |result: &'static str| {
+        metrics::counter!("verbund_ledger_witness_answers_total", "result" => result).increment(1);
+    };
+    match record {
+        LogRecord::LogWitnessed { origin } => {
+            count("cosigned");
+            tracing::debug!(log = origin, "The platform countersigned a checkpoint of the ledger.");
+        }
+        LogRecord::WitnessChanged { origin } => {
+            tracing::warn!(
+                log = origin,
+                "The platform countersigns the ledger with another key than before."
+            );
+        }
+        LogRecord::WitnessForgot { origin, former_size } => {
+            count("forgotten");
+            tracing::warn!(
+                log = origin,
+                size = former_size,
+                "The platform has lost what it had countersigned of the ledger; it begins again \
+                 with the next checkpoint."
+            );
+        }
+        LogRecord::WitnessNotUnderstood { origin, reason } => {
+            count("invalid");
+            tracing::warn!(
+                log = origin,
+                reason,
+                "An answer of the platform to a checkpoint of the ledger proves nothing."
+            );
+        }
+        LogRecord::LedgerConflict { origin, kind } => {
+            count("conflict");
+            tracing::error!(
+                log = origin,
+                ?kind,
+                "The platform holds another history of the ledger: the store was set back, cut or \
+                 replaced. Nothing is disclosed until an engineer restores the newest store, or \
+                 begins a new log on the page of the ledger."
+            );
+        }
+        LogRecord::LogReplaced { origin } => {
+            tracing::warn!(log = origin, "An engineer began a new log of the ledger.");
+        }
+        _ => {}
     }
 }

@@ -8,7 +8,7 @@ use connector_state::{
         deliver::{drop_reports, resend_reports},
         keep_alive::keep_alives,
         retain::{OldReport, RetentionLimit, empty_values, remove_entries},
-        seal,
+        seal, witness,
     },
     writes::WaitingRow,
 };
@@ -83,6 +83,8 @@ pub(super) async fn run_maintenance(
         schedule.next_log_checkpoint = instant + LOG_CHECKPOINT_INTERVAL;
         let checkpoints = seal::checkpoint_logs(&mut work.state, &work.key);
         work.pending.merge(checkpoints);
+        let submitted = witness::submit_due(&mut work.state, &work.key, now);
+        work.pending.merge(submitted);
     }
     if instant >= schedule.next_spool {
         schedule.next_spool = instant + SPOOL_INTERVAL;

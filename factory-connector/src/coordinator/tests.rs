@@ -18,6 +18,7 @@ mod replacement;
 mod retention;
 mod revocation;
 mod ways_to_the_gate;
+mod witness;
 
 use std::{
     path::{Path, PathBuf},

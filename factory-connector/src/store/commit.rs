@@ -64,6 +64,7 @@ fn write_ledger(connection: &Connection, writes: &Writes) -> rusqlite::Result<()
     ledger::write_entries(connection, &writes.ledger.entries)?;
     ledger::write_heads(connection, &writes.ledger.heads)?;
     ledger::write_logs(connection, &writes.ledger.logs)?;
+    ledger::write_witnessed(connection, &writes.ledger.witnessed)?;
     revocations::write(connection, &writes.ledger.revocations)?;
     ledger::write_checkpoint(connection, writes.ledger.checkpoint.as_ref())?;
     ledger::write_seal(connection, writes.ledger.seal.as_ref())?;

@@ -12,9 +12,10 @@ mod pruning;
 mod seal;
 mod selection;
 mod verification;
+mod witnessed;
 
 use ::ledger::{
-    Hash, Heads, Logs, Verification,
+    Anchor, Hash, Head, Heads, Logs, Verification,
     audit::{AuditEntry, AuditStart},
 };
 use asi_model::{DateTime, FieldKey, OrganisationId};
@@ -34,6 +35,7 @@ use selection::Window;
 pub use selection::{LedgerFilter, LedgerSubject};
 use sqlx::{QueryBuilder, Sqlite, SqliteConnection};
 pub use verification::Trusted;
+pub(super) use witnessed::write as write_witnessed;
 
 use super::{error::StoreError, identity, query::all, reports, row::Columns as _};
 
@@ -57,13 +59,47 @@ impl Ledger<'_> {
         heads::load(self.0).await
     }
 
-    /// Reads the logs of all chains up to these heads. The log of a chain of a former version is
+    /// Reads the logs of all chains up to these heads, with what was countersigned of them. The log of a chain of a former version is
     /// computed from its entries.
     ///
     /// # Errors
     /// [`StoreError`].
     pub async fn logs(&mut self, heads: &Heads) -> Result<Logs, StoreError> {
-        logs::load(self.0, heads).await
+        let logs = logs::load(self.0, heads).await?;
+        witnessed::add(self.0, logs).await
+    }
+
+    /// Returns the entry after which a pruned chain begins; the beginning of one that was not pruned.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn anchor(&mut self, recipient: &OrganisationId) -> Result<Head, StoreError> {
+        logs::anchor(self.0, recipient).await
+    }
+
+    /// Reads the anchor of a pruned chain; `None` of one that was not pruned.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn stored_anchor(
+        &mut self,
+        recipient: &OrganisationId,
+    ) -> Result<Option<Anchor>, StoreError> {
+        logs::stored_anchor(self.0, recipient).await
+    }
+
+    /// Calls `take` with the text of each entry after a number of a chain, in order, and returns the
+    /// last number.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn each_entry(
+        &mut self,
+        recipient: &OrganisationId,
+        after: u64,
+        take: &mut impl FnMut(&str),
+    ) -> Result<u64, StoreError> {
+        logs::each_entry(self.0, recipient, after, take).await
     }
 
     /// Reads the oldest entries of each chain that were recorded before a time, a bounded number.

@@ -20,6 +20,7 @@ const MIGRATIONS: &[(i64, &str, &str)] = &[
     (41, "recipient list", include_str!("../../migrations/0041_recipient_list.sql")),
     (42, "ledger logs", include_str!("../../migrations/0042_ledger_logs.sql")),
     (43, "caps", include_str!("../../migrations/0043_caps.sql")),
+    (44, "ledger witness", include_str!("../../migrations/0044_ledger_witness.sql")),
     (45, "retention", include_str!("../../migrations/0045_retention.sql")),
 ];
 

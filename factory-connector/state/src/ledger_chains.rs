@@ -37,6 +37,27 @@ impl LedgerChains {
         self.logs.get(recipient)
     }
 
+    /// Returns the logs of all chains, by their recipients.
+    pub fn logs(&self) -> impl Iterator<Item = &Log> {
+        self.logs.iter()
+    }
+
+    /// Returns whether the platform holds another history of any log: then nothing may leave.
+    #[must_use]
+    pub fn is_in_conflict(&self) -> bool {
+        self.logs().any(|log| log.witnessing().conflict().is_some())
+    }
+
+    /// Returns the log of a recipient's chain, to be changed by the platform's answer.
+    pub(crate) fn log_mut(&mut self, recipient: &OrganisationId) -> Option<&mut Log> {
+        self.logs.get_mut(recipient)
+    }
+
+    /// Puts a log in the place of the recipient's former one.
+    pub(crate) fn put_log(&mut self, log: Log) {
+        self.logs.insert(log);
+    }
+
     /// Returns the log of a recipient's chain with a checkpoint: the last one, or else the first.
     pub(crate) fn signed_log(
         &mut self,

@@ -2,6 +2,7 @@
 
 use asi_model::{FieldKey, MessageId, OperationNetworkId, RequestKey};
 use disclosure::DocumentId;
+use ledger::ConflictKind;
 
 /// A record for the log (OpenTelemetry's LogRecord). It has no values of the plant.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -27,4 +28,16 @@ pub enum LogRecord {
     EpochsBegun,
     /// Reports were dropped for newer ones: the spool is full.
     ReportsCoalesced { report_count: usize },
+    /// The platform countersigned a checkpoint of a log.
+    LogWitnessed { origin: String },
+    /// The platform countersigns with another key than before.
+    WitnessChanged { origin: String },
+    /// The platform holds nothing any more of a log of which it had countersigned `former_size` leaves.
+    WitnessForgot { origin: String, former_size: u64 },
+    /// An answer of the platform to a checkpoint proves nothing.
+    WitnessNotUnderstood { origin: String, reason: String },
+    /// The platform holds another history of a log; nothing is disclosed any more.
+    LedgerConflict { origin: String, kind: ConflictKind },
+    /// An engineer replaced a log by this one.
+    LogReplaced { origin: String },
 }

@@ -22,3 +22,4 @@ pub mod rules;
 pub mod seal;
 pub mod validity;
 pub mod values;
+pub mod witness;

@@ -106,6 +106,8 @@ const ROLES: &[(&str, Least)] = &[
     ("showRevocation", Viewer),
     ("printRevocation", Viewer),
     ("revokeConsents", Engineer),
+    ("listLedgerLogs", Viewer),
+    ("beginLedgerLog", Engineer),
     // Policies and standing rules.
     ("listLeakBudgets", Viewer),
     ("summariseLeakBudgets", Viewer),

@@ -1,5 +1,6 @@
 //! Application of received messages to the store, within one unit of work.
 
+mod checkpoints;
 mod from_factories;
 mod from_tools;
 mod reports;
@@ -18,7 +19,10 @@ use super::{
     lease_arbiter::LeaseArbiter,
     unit::{Effects, IngestUnit},
 };
-use crate::store::{DecisionEffect, NewInboxMessage, StoreError, Work};
+use crate::{
+    store::{DecisionEffect, NewInboxMessage, StoreError, Work},
+    witness::WitnessKey,
+};
 
 /// Applies batches of messages to one unit of ingest.
 pub(super) struct Applier<'w> {
@@ -26,6 +30,7 @@ pub(super) struct Applier<'w> {
     leases: LeaseArbiter<'w>,
     reports: ReportCollector,
     resend_after: Duration,
+    witness: &'w WitnessKey,
 }
 
 impl<'w> Applier<'w> {
@@ -34,12 +39,14 @@ impl<'w> Applier<'w> {
         now: DateTime,
         resend_after: Duration,
         heartbeats: &'w Heartbeats,
+        witness: &'w WitnessKey,
     ) -> Self {
         Self {
             unit: IngestUnit::new(work, now),
             leases: LeaseArbiter::new(heartbeats),
             reports: ReportCollector::default(),
             resend_after,
+            witness,
         }
     }
 
@@ -128,6 +135,11 @@ impl<'w> Applier<'w> {
                 Ok(())
             }
             (Content::Factory(message), Some(_)) => {
+                if let FactoryMessage::LedgerCheckpoint(checkpoint) = &**message {
+                    let witness = self.witness;
+                    return checkpoints::receive(unit, witness, address, incoming, checkpoint)
+                        .await;
+                }
                 let effect = from_factories::apply(unit, address, incoming, message).await?;
                 match &**message {
                     FactoryMessage::Decision(decision) => {

@@ -24,6 +24,7 @@ use crate::{
     live::{LiveEvent, LiveLog},
     progress_notifier::ProgressNotifierHandle,
     store::{Heard, Store, StoreError},
+    witness::WitnessKey,
 };
 
 /// Batches up to this size are decoded where they are; larger ones would hold up other tasks.
@@ -38,6 +39,17 @@ const BATCHES_PER_WORK_MAX: usize = 32;
 /// The metadata of all writers; replaced as a whole, so that decoding holds no lock.
 type MetaDataTable = HashMap<(FactoryId, u16), DataSetMetaData>;
 
+/// Rules of the ingest.
+#[derive(Debug, Clone)]
+pub struct IngestConfig {
+    /// Time after which an unanswered part of a network is sent again.
+    pub resend_after: Duration,
+    /// Time without a sign of a connector after which another one may get its lease.
+    pub silence: Duration,
+    /// The key that countersigns checkpoints of ledgers.
+    pub witness: Arc<WitnessKey>,
+}
+
 /// The service; [`run`](Self::run) it.
 pub struct Ingest {
     store: Store,
@@ -46,6 +58,7 @@ pub struct Ingest {
     progress: ProgressNotifierHandle,
     clock: Clock,
     resend_after: Duration,
+    witness: Arc<WitnessKey>,
     heartbeats: Heartbeats,
     meta_data: Arc<RwLock<Arc<MetaDataTable>>>,
     batches: mpsc::Receiver<Batch>,
@@ -68,19 +81,17 @@ struct Batch {
 }
 
 impl Ingest {
-    /// A service over the store; knows the metadata that was received before. A connector that was
-    /// not heard for the time of `silence` may lose its lease to another one.
+    /// A service over the store; knows the metadata that was received before.
     ///
     /// # Errors
     /// [`StoreError`].
     pub async fn new(
+        config: IngestConfig,
         store: Store,
         live: LiveLog,
         broker_access: BrokerAccess,
         progress: ProgressNotifierHandle,
         clock: Clock,
-        resend_after: Duration,
-        silence: Duration,
     ) -> Result<(Self, IngestHandle), StoreError> {
         // Writers send metadata once, and reports that arrive after a restart need it.
         let mut table = MetaDataTable::new();
@@ -94,6 +105,7 @@ impl Ingest {
         let meta_data = Arc::new(RwLock::new(Arc::new(table)));
         let (sender, batches) = mpsc::channel(BATCHES_WAITING_MAX);
         let handle = IngestHandle { meta_data: Arc::clone(&meta_data), batches: sender };
+        let IngestConfig { resend_after, silence, witness } = config;
         let (heard_published, heartbeats) = (Mutex::default(), Heartbeats::new(silence));
         Ok((
             Self {
@@ -103,6 +115,7 @@ impl Ingest {
                 progress,
                 clock,
                 resend_after,
+                witness,
                 heartbeats,
                 meta_data,
                 batches,
@@ -181,8 +194,9 @@ impl Ingest {
         batches: &[(&LogicalAddress, &[Incoming])],
     ) -> Result<(), StoreError> {
         let mut work = self.store.begin().await?;
+        let now = self.clock.now();
         let mut applier =
-            Applier::new(&mut work, self.clock.now(), self.resend_after, &self.heartbeats);
+            Applier::new(&mut work, now, self.resend_after, &self.heartbeats, &self.witness);
         for (address, messages) in batches {
             applier.batch(address, messages).await?;
         }

@@ -11,7 +11,7 @@ use messaging::LinkError;
 
 use crate::{
     administrator::AdministratorError, broker_access::BrokerAccessError,
-    certificates::CertificateError, store::StoreError,
+    certificates::CertificateError, store::StoreError, witness::WitnessError,
 };
 
 /// Failure to start the platform.
@@ -32,6 +32,9 @@ pub enum StartError {
     /// The certificate authority cannot be used.
     #[error("the certificate authority cannot be used")]
     Certificates(#[from] CertificateError),
+    /// The key of the witness cannot be used.
+    #[error("the key of the witness cannot be used")]
+    Witness(#[from] WitnessError),
     /// The link cannot be made.
     #[error("the link to the broker cannot be made")]
     Link(#[from] LinkError),

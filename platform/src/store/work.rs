@@ -14,6 +14,7 @@ use super::{
     fields::Fields,
     inbox::InboxMessages,
     leases::Leases,
+    ledger_logs::LedgerLogs,
     meta_data::MetaData,
     networks::Networks,
     organisations::Organisations,
@@ -94,6 +95,11 @@ impl Work {
     /// Leases on factories' identities.
     pub fn leases(&mut self) -> Leases<'_> {
         Leases(self.connection())
+    }
+
+    /// Returns the repository of the logs of factories' ledgers.
+    pub fn ledger_logs(&mut self) -> LedgerLogs<'_> {
+        LedgerLogs(self.connection())
     }
 
     /// Metadata of data set writers, and asset offers.

@@ -10,11 +10,13 @@ use crate::{
     harness::{Answer, Api, Live, PASSWORD, World, eventually},
     leases::{ask, with_leases},
     story::{self, NETWORK},
+    witness,
 };
 
 /// Members whose values differ from run to run, or depend on the machine.
-const VOLATILE: [&str; 12] = [
+const VOLATILE: [&str; 14] = [
     "brokerUrl",
+    "checkpoint",
     "connections",
     "csrfToken",
     "detail",
@@ -26,6 +28,7 @@ const VOLATILE: [&str; 12] = [
     "rootCertificatePem",
     "token",
     "version",
+    "witnessKey",
 ];
 
 /// Operation that answers with live events.
@@ -114,6 +117,7 @@ async fn every_operation_answers_as_in_its_snapshot() {
     with_leases(&munich);
     ask(&munich, "a", "here").await;
     ask(&munich, "b", "there").await;
+    witness::countersigned(&munich).await;
     munich.send_under(1, "ua-data", &story::report("m0", 0, 3));
     let view = story::value_is(&buyer, "3").await;
     let mut unusable = story::report("m1", 1, 4);
@@ -149,6 +153,7 @@ async fn reading(answers: &mut Answers, admin: &Api, buyer: &Api) {
     answers.get(buyer, "listFactories", "/factories").await;
     answers.get(admin, "showLease", "/factories/FOR_MUC/lease").await;
     answers.get(admin, "listWriters", "/factories/FOR_MUC/writers").await;
+    answers.get(buyer, "listLedgerLogs", "/factories/FOR_MUC/ledger-logs").await;
     answers.get(buyer, "listCollaborations", "/collaborations").await;
     answers.get(buyer, "listOperationNetworks", "/operation-networks").await;
     answers.get(buyer, "showOperationNetwork", &story::network_path()).await;

@@ -25,3 +25,4 @@ mod store;
 mod story;
 mod throughput;
 mod tools;
+mod witness;

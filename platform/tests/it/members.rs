@@ -154,6 +154,9 @@ fn readings(operation: &str, owner: &Member) -> Vec<String> {
             vec!["/reports".into(), format!("/reports?network={id}"), "/reports?newest=true".into()]
         }
         "/factories/{factoryId}/lease" => vec![format!("/factories/{}/lease", owner.factory)],
+        "/factories/{factoryId}/ledger-logs" => {
+            vec![format!("/factories/{}/ledger-logs", owner.factory)]
+        }
         "/factories/{factoryId}/writers" => vec![format!("/factories/{}/writers", owner.factory)],
         "/operation-networks/{operationNetworkId}" => vec![network, network_path()],
         "/operation-networks/{operationNetworkId}/comments" => {

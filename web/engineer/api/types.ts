@@ -43,6 +43,7 @@ export type InputStatus = Schemas['InputStatus']
 export type LeakBudget = Schemas['LeakBudget']
 export type LeakWarning = Schemas['LeakWarning']
 export type LeaseStatus = Schemas['LeaseStatus']
+export type LedgerConflict = Schemas['LedgerConflictStatus']
 export type LedgerEntry = Schemas['EntryView']
 export type LedgerExportQuery = paths['/ledger/export']['get']['parameters']['query']
 export type LedgerQuery = NonNullable<paths['/ledger']['get']['parameters']['query']>

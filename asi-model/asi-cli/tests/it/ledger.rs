@@ -5,6 +5,7 @@ use std::path::Path;
 use ::ledger::{Event, Head, Heads, LedgerKey, Log, SequenceRange, log_verifier};
 use asi_model::{DateTime, FactoryId, OrganisationId};
 use serde_json::json;
+use transparency_log::{KeyKind, NoteKey, SignedNote};
 
 use crate::asi;
 
@@ -60,4 +61,34 @@ fn an_audit_file_is_checked_against_a_checkpoint() {
     assert_eq!(foreign.code, 1);
     assert!(foreign.out.contains("not signed with this key"), "{}", foreign.out);
     assert_eq!(verify("rubbish").code, 2);
+}
+
+#[test]
+fn a_witness_can_be_demanded() {
+    let folder = tempfile::tempdir().unwrap();
+    let key = write_files(folder.path());
+    let [file, checkpoint] =
+        ["audit.jsonl", "checkpoint"].map(|name| folder.path().join(name).display().to_string());
+    let verify = |witness: &NoteKey| {
+        let witness = witness.verifier().to_string();
+        let args =
+            ["ledger", "verify", &file, "--checkpoint", &checkpoint, "--key", &key, "--witness"];
+        asi(&[&args[..], &[&witness]].concat(), "")
+    };
+    let key_of = |secret: u8| {
+        let secret = ed25519_dalek::SigningKey::from_bytes(&[secret; 32]);
+        NoteKey::new("cloud/witness", KeyKind::CosignatureV1, secret).unwrap()
+    };
+    let witness = key_of(9);
+    let missing = verify(&witness);
+    assert_eq!(missing.code, 1);
+    assert!(missing.out.contains("not countersigned by this witness"), "{}", missing.out);
+    let mut note = SignedNote::parse(&std::fs::read_to_string(&checkpoint).unwrap()).unwrap();
+    note.cosign(&witness, 1_700_000_000).unwrap();
+    std::fs::write(&checkpoint, note.to_string()).unwrap();
+    let intact = verify(&witness);
+    assert_eq!(intact.code, 0, "{}{}", intact.out, intact.err);
+    let told: serde_json::Value = serde_json::from_str(&intact.out).unwrap();
+    assert_eq!(told["witnessedAt"], "2023-11-14T22:13:20Z");
+    assert_eq!(verify(&key_of(8)).code, 1, "another witness");
 }

@@ -2,7 +2,7 @@
 
 use transparency_log::{Checkpoint, LeafRange, SignedNote};
 
-use super::super::{Anchor, Hash, LogStart, log_verifier};
+use super::super::{Anchor, Hash, LogStart};
 
 /// A chain's log as stored.
 #[derive(Debug, Clone, Default)]
@@ -63,7 +63,7 @@ impl LogCheck {
             .leaves_before(anchor)
             .ok_or("the log does not continue from the anchor of its chain")?;
         let verified = SignedNote::parse(&stored.checkpoint).ok().and_then(|note| {
-            let verifier = log_verifier(&start.factory_id, &start.recipient, key?).ok()?;
+            let verifier = start.verifier(key?).ok()?;
             note.verify([&verifier]).ok()?;
             // One line only: the text of another key is no part of what was signed.
             (note.to_string() == stored.checkpoint && note.signature_count() == 1)

@@ -1,15 +1,15 @@
 //! A chain as an audit file, which others check against a checkpoint that they kept.
 
-use asi_model::{FactoryId, OrganisationId};
+use asi_model::OrganisationId;
 use ledger::{
-    Anchor, LogStart,
+    LogStart,
     audit::{AuditEntry, AuditStart},
-    log_verifier,
 };
 use serde_json::value::RawValue;
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
 use transparency_log::{LeafRange, VerifierKey};
 
+use super::logs::stored_anchor;
 use crate::store::{
     error::StoreError,
     query::{all, optional, query},
@@ -38,10 +38,7 @@ pub(super) async fn leaves_before(
     let start: Option<LogStart> =
         optional(connection, query_start, READ, |row| row.document("start")).await?;
     let Some(start) = start else { return Ok(None) };
-    let sql = "SELECT content FROM ledger_anchor WHERE recipient = ?";
-    let query_anchor = query(sql).bind(recipient.to_string());
-    let anchor: Option<Anchor> =
-        optional(connection, query_anchor, READ, |row| row.document("content")).await?;
+    let anchor = stored_anchor(connection, recipient).await?;
     let leaves = start
         .leaves_before(anchor.as_ref())
         .ok_or("the anchor is not one of the log")
@@ -83,12 +80,11 @@ pub(super) async fn checkpoint(
                WHERE l.recipient = ? AND l.checkpoint <> ''";
     let read = |row: &SqliteRow| {
         let start: LogStart = row.document("start")?;
-        let factory: &FactoryId = &start.factory_id;
         let key: Vec<u8> = row.column("public_key")?;
         let key = key
             .try_into()
             .ok()
-            .and_then(|key| log_verifier(factory, &start.recipient, &key).ok())
+            .and_then(|key| start.verifier(&key).ok())
             .ok_or("this is no Ed25519 key")
             .map_err(StoreError::unreadable("public_key"))?;
         Ok(LogCheckpoint { note: row.column("checkpoint")?, key })

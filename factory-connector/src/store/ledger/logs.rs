@@ -53,34 +53,59 @@ async fn append_missing(
     recipient: &OrganisationId,
     head: &Head,
 ) -> Result<(), StoreError> {
-    while log.last_number() < head.number {
-        let sql = "SELECT content FROM ledger_entry WHERE recipient = ? AND number > ?
-                   ORDER BY number LIMIT ?";
-        let next =
-            query(sql).bind(recipient.to_string()).bind(signed(log.last_number())).bind(BLOCK);
-        let entries = all(connection, next, READ, |row| row.column::<String>("content")).await?;
-        if entries.is_empty() {
+    let after = log.last_number();
+    if after < head.number {
+        let mut take = |content: &str| log.append(content);
+        let last = each_entry(connection, recipient, after, &mut take).await?;
+        if last < head.number {
             tracing::error!(
                 %recipient,
                 "Entries of the ledger are missing; run `factory-connector ledger verify`."
             );
-            break;
         }
-        entries.iter().for_each(|content| log.append(content));
     }
     Ok(())
 }
 
+/// Calls `take` with the text of each entry after a number of a chain, in order. Returns the last
+/// number, that number where there is none.
+pub(super) async fn each_entry(
+    connection: &mut SqliteConnection,
+    recipient: &OrganisationId,
+    after: u64,
+    take: &mut impl FnMut(&str),
+) -> Result<u64, StoreError> {
+    let mut last = after;
+    loop {
+        let sql = "SELECT number, content FROM ledger_entry WHERE recipient = ? AND number > ?
+                   ORDER BY number LIMIT ?";
+        let next = query(sql).bind(recipient.to_string()).bind(signed(last)).bind(BLOCK);
+        let read = |row: &SqliteRow| Ok((row.number("number")?, row.column::<String>("content")?));
+        let entries: Vec<(u64, String)> = all(connection, next, READ, read).await?;
+        let Some((number, _)) = entries.last() else { return Ok(last) };
+        last = *number;
+        entries.iter().for_each(|(_, content)| take(content));
+    }
+}
+
+/// Reads the anchor of a pruned chain; `None` of one that was not pruned.
+pub(super) async fn stored_anchor(
+    connection: &mut SqliteConnection,
+    recipient: &OrganisationId,
+) -> Result<Option<Anchor>, StoreError> {
+    let sql = "SELECT content FROM ledger_anchor WHERE recipient = ?";
+    let query = query(sql).bind(recipient.to_string());
+    optional(connection, query, READ, |row| row.document("content")).await
+}
+
 /// Returns the entry after which a pruned chain begins; the beginning of one that was not pruned.
-async fn anchor(
+pub(super) async fn anchor(
     connection: &mut SqliteConnection,
     recipient: &OrganisationId,
 ) -> Result<Head, StoreError> {
-    let sql = "SELECT content FROM ledger_anchor WHERE recipient = ?";
-    let query = query(sql).bind(recipient.to_string());
-    let anchor: Option<Anchor> =
-        optional(connection, query, READ, |row| row.document("content")).await?;
-    let Some(anchor) = anchor else { return Ok(Head::default()) };
+    let Some(anchor) = stored_anchor(connection, recipient).await? else {
+        return Ok(Head::default());
+    };
     let hash = hex::decode(&anchor.hash).ok().and_then(|hash| hash.try_into().ok());
     let hash = hash.ok_or("a hash has 32 bytes").map_err(StoreError::unreadable("hash"))?;
     Ok(Head { number: anchor.number, hash })

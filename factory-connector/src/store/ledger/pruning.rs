@@ -7,7 +7,7 @@ use rusqlite::Connection;
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
 use transparency_log::leaf_hash;
 
-use super::{anchors, audit, heads};
+use super::{anchors, audit, heads, witnessed};
 use crate::store::{
     RemovedEntries,
     error::StoreError,
@@ -32,7 +32,8 @@ struct Entry {
 }
 
 /// Reads the oldest entries of each chain that were recorded before a time, up to the first that is
-/// not old enough. Entries about reports that the spool works with are not among them.
+/// not old enough. Entries about reports that the spool works with are not among them, nor those
+/// that the platform has yet to countersign, once it does.
 pub(super) async fn old_entries(
     connection: &mut SqliteConnection,
     before: DateTime,
@@ -51,6 +52,10 @@ pub(super) async fn old_entries(
         let mut entries = all(connection, query, READ, entry).await?;
         let count = entries.iter().take_while(|entry| entry.recorded_at < before).count();
         entries.truncate(count);
+        // The proof of the next checkpoint needs the entries since the last countersigned one.
+        if let Some(last) = witnessed::last_number(connection, &recipient).await? {
+            entries.retain(|entry| entry.number <= last);
+        }
         let Some(last) = entries.last() else { continue };
         let last = (last.number, last.hash, last.recorded_at);
         let Some((_, mut leaves)) = audit::leaves_before(connection, &recipient).await? else {

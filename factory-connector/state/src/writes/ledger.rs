@@ -12,6 +12,8 @@ pub struct LedgerWrites {
     pub heads: Vec<SignedHead>,
     /// Logs that grew or were signed.
     pub logs: Vec<Log>,
+    /// Logs of which the platform countersigned more, or about which it is in conflict.
+    pub witnessed: Vec<Log>,
     /// Receipts of consents that ended.
     pub revocations: Vec<RevocationRow>,
     pub checkpoint: Option<CheckpointRow>,
@@ -29,6 +31,7 @@ impl LedgerWrites {
             entries,
             heads,
             logs,
+            witnessed,
             revocations,
             checkpoint,
             seal,
@@ -38,6 +41,7 @@ impl LedgerWrites {
         self.entries.extend(entries);
         self.heads.extend(heads);
         self.logs.extend(logs);
+        self.witnessed.extend(witnessed);
         self.revocations.extend(revocations);
         self.checkpoint = checkpoint.or(self.checkpoint.take());
         self.seal = seal.or(self.seal.take());

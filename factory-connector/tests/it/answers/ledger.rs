@@ -14,6 +14,9 @@ pub async fn read(answers: &mut Answers<'_>) {
     let checkpoints = "/ledger/checkpoints";
     plant.until("a checkpoint is made", checkpoints, |page| page["items"][0] != Value::Null).await;
     answers.get("listCheckpoints", checkpoints).await;
+    answers.get("listLedgerLogs", "/ledger/logs").await;
+    let path = "/ledger/logs/acme/successor";
+    answers.post("beginLedgerLog", path, json!({ "reason": "Disk replaced" })).await;
     // With the checkpoint, which is made a second after the first entry.
     answers.post("verifyLedger", "/ledger/verification", json!({})).await;
 }

@@ -41,8 +41,8 @@ pub(super) async fn apply(
         FactoryMessage::Revocation(message) => {
             revocation(unit, address, incoming, message).await?;
         }
-        // Answered by the lease arbiter, before the rest of the batch.
-        FactoryMessage::LeaseRequest(_) => {}
+        // Answered by the lease arbiter, before the rest of the batch, and by the witness.
+        FactoryMessage::LeaseRequest(_) | FactoryMessage::LedgerCheckpoint(_) => {}
     }
     Ok(None)
 }

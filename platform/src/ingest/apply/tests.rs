@@ -36,7 +36,7 @@ fn count() -> FieldKey {
 /// A platform whose factory F is asked for the field `count`, factory G for nothing.
 struct Platform {
     store: Store,
-    _folder: TempDir,
+    folder: TempDir,
 }
 
 impl Platform {
@@ -74,14 +74,16 @@ impl Platform {
         work.fields().replace(&id("net"), &wanted).await.expect("stored");
         work.asked_requests().add(&count().request, &id("F")).await.expect("stored");
         work.commit().await.expect("committed");
-        Self { store, _folder: folder }
+        Self { store, folder }
     }
 
     /// Applies messages in one unit of ingest.
     async fn ingest(&self, messages: &[(&str, Value)]) {
         let mut work = self.store.begin().await.expect("begun");
         let heartbeats = Heartbeats::new(Duration::from_secs(60));
-        let mut applier = Applier::new(&mut work, at(59), Duration::from_secs(60), &heartbeats);
+        let witness = WitnessKey::open(self.folder.path()).expect("a key");
+        let wait = Duration::from_secs(60);
+        let mut applier = Applier::new(&mut work, at(59), wait, &heartbeats, &witness);
         for (factory, body) in messages {
             let address = LogicalAddress::FactoryIngress(id(factory));
             let delivery = Delivery {

@@ -106,6 +106,29 @@ export const overview: typeof English = {
     contestedRemedy:
       'Suchen Sie die andere und halten Sie sie an: Wahrscheinlich wurde sie aus einer Kopie des Datenverzeichnisses dieser Anbindung gestartet.',
   },
+  witness: {
+    title: 'Die Plattform hat eine andere Geschichte des Ausgangsbuchs',
+    held: 'Es wird nichts offengelegt: Werte warten hier, bis das geklärt ist.',
+    kind: {
+      ROLLED_BACK:
+        'Die Plattform hat mehr Einträge: Der Speicher wurde zurückgesetzt oder gekürzt.',
+      REPLACED:
+        'Die Plattform hat andere Einträge: Der Speicher wurde ersetzt, oder zurückgesetzt und fortgeführt.',
+      OTHER_KEY: 'Die Plattform kennt dieses Log unter einem anderen Schlüssel.',
+      SUPERSEDED: 'Ein neueres Log hat dieses ersetzt: Der Speicher ist älter.',
+      UNPROVABLE:
+        'Die Einträge, die den Prüfpunkt der Plattform beweisen würden, sind nicht im Speicher.',
+    },
+    heldSize: (size) => `Sie hat ${size} davon.`,
+    remedy:
+      'Halten Sie die Anbindung an und stellen Sie die neueste Sicherung ihres Datenverzeichnisses wieder her. Gibt es keine, beginnen Sie ein neues Log: Der Empfänger sieht es.',
+    begin: 'Neues Log beginnen',
+    beginFor: (recipient) => `Neues Log für ${recipient}`,
+    consequence:
+      'Das neue Log hat die Einträge, die hier gespeichert sind. Was die Plattform vom früheren hat, bleibt dort als Beleg. Danach gehen wieder Werte hinaus.',
+    reason: 'Grund',
+    reasonHint: 'Steht mit Ihrem Namen und der Zeit im neuen Log; der Empfänger liest ihn.',
+  },
   users: {
     title: 'Benutzer',
     subtitle: 'Wer sich hier und über OPC UA am Zwilling anmelden darf',

@@ -104,6 +104,26 @@ export const overview = {
     contestedRemedy:
       'Find the other one and stop it: it was probably started from a copy of this connector’s data directory.',
   },
+  witness: {
+    title: 'The platform holds another history of the ledger',
+    held: 'Nothing is disclosed: values wait here until this is settled.',
+    kind: {
+      ROLLED_BACK: 'The platform has more entries: the store was set back or cut.',
+      REPLACED: 'The platform has other entries: the store was replaced, or set back and continued.',
+      OTHER_KEY: 'The platform knows this log under another key.',
+      SUPERSEDED: 'A newer log has replaced this one: the store is older than that.',
+      UNPROVABLE: 'The entries that would prove the platform’s checkpoint are not in the store.',
+    } as Record<string, string>,
+    heldSize: (size: string) => `It holds ${size} of them.`,
+    remedy:
+      'Stop the connector and restore the newest backup of its data directory. If there is none, begin a new log: the recipient sees it.',
+    begin: 'Begin a new log',
+    beginFor: (recipient: string) => `New log for ${recipient}`,
+    consequence:
+      'The new log has the entries that are stored here. What the platform holds of the former log stays there as evidence. Then values leave again.',
+    reason: 'Reason',
+    reasonHint: 'Stands in the new log, with your name and the time; the recipient reads it.',
+  },
   users: {
     title: 'Users',
     subtitle: 'Who may sign in here and, over OPC UA, at the twin',
