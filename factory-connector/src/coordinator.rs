@@ -110,7 +110,7 @@ impl Coordinator {
         let is_restored = store.identity().is_restored;
         let snapshot = store.load().await?;
         let (state, pending) = load(&config, snapshot, &key, is_restored)?;
-        outputs.in_flight.set_held(state.ledger().is_in_conflict());
+        witnessing::hold(&outputs, &state);
         let instant = Instant::now();
         Ok(Self {
             work: UnitOfWork { config, store, state, pending, outputs, key },
@@ -281,7 +281,7 @@ impl Coordinator {
             reply(true);
         }
         // Before the link is told that it may go on.
-        self.work.outputs.in_flight.set_held(self.work.state.ledger().is_in_conflict());
+        witnessing::hold(&self.work.outputs, &self.work.state);
         // After the commit: nobody sees what a failed transaction takes away again.
         publish_effects::publish_effects(&self.work.outputs, &self.work.state, effects).await;
         self.timing.has_ledger_entries |= has_ledger_entries;

@@ -3,12 +3,14 @@
 
 use std::{
     collections::{HashMap, HashSet, VecDeque},
-    sync::Arc,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
 };
 
 use asi_model::MessageId;
 use parking_lot::Mutex;
-use tokio::sync::watch;
 
 /// Most messages whose reports are remembered; far more than the link has under way.
 const FETCHED_MAX: usize = 65_536;
@@ -33,7 +35,7 @@ pub struct SentMessage {
 pub struct InFlight {
     inner: Mutex<Inner>,
     /// No message of reports leaves, whatever is in it.
-    is_held: watch::Sender<bool>,
+    is_held: AtomicBool,
 }
 
 #[derive(Default)]
@@ -90,19 +92,13 @@ impl InFlight {
 
     /// Holds all reports back (true), or lets them leave. While held they wait in the spool.
     pub fn set_held(&self, is_held: bool) {
-        self.is_held.send_if_modified(|held| std::mem::replace(held, is_held) != is_held);
+        self.is_held.store(is_held, Ordering::Release);
     }
 
     /// Returns whether all reports are held back.
     #[must_use]
     pub fn is_held(&self) -> bool {
-        *self.is_held.borrow()
-    }
-
-    /// Watches whether all reports are held back.
-    #[must_use]
-    pub fn watch_held(&self) -> watch::Receiver<bool> {
-        self.is_held.subscribe()
+        self.is_held.load(Ordering::Acquire)
     }
 
     /// Returns the contents of a message that the broker accepted, as often as it is asked until
@@ -209,6 +205,18 @@ mod tests {
         in_flight.undo_recalls();
         assert!(!in_flight.may_leave(1, &id("first")), "a revoked report stays revoked");
         assert!(in_flight.may_leave(2, &id("second")));
+    }
+
+    #[test]
+    fn no_report_leaves_while_all_are_held() {
+        let in_flight = InFlight::default();
+        let id = |text: &str| MessageId::new(text).expect("an id");
+        in_flight.fetched(id("report"), [1].into_iter());
+        in_flight.set_held(true);
+        assert!(!in_flight.may_leave(1, &id("report")));
+        assert!(in_flight.may_leave(2, &id("control")), "it carries no report");
+        in_flight.set_held(false);
+        assert!(in_flight.may_leave(1, &id("report")));
     }
 
     #[test]

@@ -4,7 +4,6 @@ mod link;
 mod mappings;
 mod status_events;
 mod tasks;
-mod witness_watch;
 
 use std::{net::SocketAddr, path::Path, sync::Arc};
 
@@ -114,7 +113,7 @@ pub async fn start(
         tls.is_some(),
     );
 
-    opened.tasks.spawn(lifecycle, readiness.clone());
+    opened.tasks.spawn(lifecycle);
     lifecycle.spawn("web", Importance::Essential, async move {
         serve(web_listener, tls, router, shutdown).await.map_err(anyhow::Error::from)
     });
@@ -191,7 +190,6 @@ async fn open(
         in_flight,
     } = link::open(link_config, identity, started_at, &readers, &coordinator_handle, &events)?;
 
-    let conflicts = in_flight.watch_held();
     let (mappings, mapping_work) = mpsc::channel(MAPPING_BATCHES_MAX);
     let outputs = Outputs {
         twin: twin_handle.clone(),
@@ -218,7 +216,6 @@ async fn open(
         mapping_work,
         lease_client,
         link,
-        conflicts,
     };
     Ok(Opened {
         tasks,

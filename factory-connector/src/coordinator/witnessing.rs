@@ -2,12 +2,23 @@
 //! far as stored entries have to be read for them.
 
 use asi_model::{DateTime, OrganisationId, messages::LedgerCosignature};
-use connector_state::use_cases::witness::{self, NewLogDecision};
+use connector_state::{
+    ConnectorState,
+    use_cases::witness::{self, NewLogDecision},
+};
 use ledger::Log;
 use transparency_log::{LeafRange, leaf_hash};
 
-use super::unit_of_work::UnitOfWork;
+use super::{outputs::Outputs, unit_of_work::UnitOfWork};
 use crate::store::StoreError;
+
+/// Holds all reports back while the platform holds another history of the ledger. The connector
+/// stays ready all the same: the engineer who decides needs its pages.
+pub(super) fn hold(outputs: &Outputs, state: &ConnectorState) {
+    let is_in_conflict = state.ledger().is_in_conflict();
+    outputs.in_flight.set_held(is_in_conflict);
+    metrics::gauge!("verbund_ledger_conflict").set(f64::from(u8::from(is_in_conflict)));
+}
 
 /// Takes an answer to a checkpoint.
 pub(super) async fn receive(

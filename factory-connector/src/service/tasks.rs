@@ -1,17 +1,14 @@
 //! Tasks of a running connector. All are essential: the first that ends early stops the others.
 
 use connector_state::EngineCommand;
-use daemon::{
-    lifecycle::{Importance, Lifecycle},
-    web::health::Readiness,
-};
+use daemon::lifecycle::{Importance, Lifecycle};
 use mapping_engine::{MappingEngine, MappingEngineHandle};
 use messaging::Link;
 use shop_floor::ShopFloor;
-use tokio::sync::{mpsc, watch};
+use tokio::sync::mpsc;
 use twin::Twin;
 
-use super::{mappings, witness_watch};
+use super::mappings;
 use crate::{
     catalog::Catalog, coordinator::Coordinator, lease::LeaseClient, twin_adapter::UserWatch,
 };
@@ -29,13 +26,11 @@ pub(super) struct Tasks {
     pub(super) mapping_work: mpsc::Receiver<Vec<EngineCommand>>,
     pub(super) lease_client: LeaseClient,
     pub(super) link: Link,
-    /// True while the platform holds another history of the ledger.
-    pub(super) conflicts: watch::Receiver<bool>,
 }
 
 impl Tasks {
     /// Spawns the tasks, which end at the lifecycle's shutdown.
-    pub(super) fn spawn(self, lifecycle: &Lifecycle, readiness: Readiness) {
+    pub(super) fn spawn(self, lifecycle: &Lifecycle) {
         let Self {
             coordinator,
             twin,
@@ -47,13 +42,7 @@ impl Tasks {
             mapping_work,
             lease_client,
             link,
-            conflicts,
         } = self;
-        let token = lifecycle.shutdown();
-        lifecycle.spawn("witness watch", Importance::Essential, async move {
-            witness_watch::run(conflicts, readiness, token).await;
-            anyhow::Ok(())
-        });
         let token = lifecycle.shutdown();
         lifecycle.spawn("coordinator", Importance::Essential, async move {
             coordinator.run(token).await.map_err(anyhow::Error::from)

@@ -298,3 +298,28 @@ async fn repeated_and_unsigned_answers_do_no_harm() {
     assert!(!running.fetch(Lane::Reports).await.is_empty());
     running.close().await;
 }
+
+#[tokio::test]
+async fn retention_leaves_what_the_proof_of_the_next_checkpoint_needs() {
+    let (mut platform, running, _older) = countersigned().await;
+    let size = witnessed(&running).await;
+    running.enter_both(5).await;
+    let folder = running.close().await;
+    let factory: asi_model::FactoryId = "F".parse().expect("an id");
+    let key = ledger_key::open(&folder.path().join(LEDGER_KEY_FILE)).expect("a key");
+    let later = DateTime::from_unix_micros(now().unix_micros() + 1_000_000);
+    let mut connection = connect(folder.path()).await;
+    let done = sqlx::query("UPDATE report SET state = 'DONE'").execute(&mut connection).await;
+    done.expect("no report is in the spool");
+    let mut store = Store::open(folder.path(), &factory, now()).await.expect("a store");
+    while store.prune_ledger(later, &factory, &key, later).await.expect("pruned") > 0 {}
+    store.close().await;
+    let first = "SELECT min(number) FROM ledger_entry WHERE recipient = 'acme'";
+    let first: i64 = sqlx::query_scalar(first).fetch_one(&mut connection).await.expect("read");
+    // The first leaf is no entry.
+    assert_eq!(first.unsigned_abs(), size, "the entry after the countersigned ones");
+    let running = Running::open_in(folder.path().to_owned(), Some(folder)).await;
+    assert_eq!(platform.serve(&running).await, [LedgerCheckpointResult::Cosigned; 2]);
+    assert!(witnessed(&running).await > size);
+    running.close().await;
+}
