@@ -62,6 +62,8 @@ impl Platform {
     /// Answers the checkpoints that wait, each once; the results.
     async fn serve(&mut self, running: &Running) -> Vec<LedgerCheckpointResult> {
         let mut results = Vec::new();
+        // Commands wait for the first transaction, which has the checkpoints of the start.
+        running.coordinator.read(|_| ()).await.expect("it runs");
         for row in running.fetch(Lane::Control).await {
             if row.envelope.subject != "ledger-checkpoint" {
                 continue;
