@@ -858,6 +858,48 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/ledger/logs": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Lists the logs of all chains, by their recipients.
+         * @description Least role: VIEWER.
+         */
+        get: operations["listLedgerLogs"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/ledger/logs/{recipientId}/successor": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Begins a new log in place of one of which the platform holds another history. It has all entries
+         *     that the store has; what the platform holds of the former log stays there for the recipient.
+         *     Values leave again.
+         * @description Least role: ENGINEER.
+         */
+        post: operations["beginLedgerLog"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/ledger/verification": {
         parameters: {
             query?: never;
@@ -2216,6 +2258,11 @@ export interface components {
          */
         ConditionKind: "START_NO_EARLIER_THAN" | "START_NO_LATER_THAN" | "FINISH_NO_EARLIER_THAN" | "FINISH_NO_LATER_THAN" | "MINIMUM_GAP" | "MAXIMUM_GAP";
         /**
+         * @description Kind of a conflict between a log and its witness.
+         * @enum {string}
+         */
+        ConflictKind: "ROLLED_BACK" | "REPLACED" | "OTHER_KEY" | "SUPERSEDED" | "UNPROVABLE";
+        /**
          * @description Effect of a difference on the engineer's consent.
          * @enum {string}
          */
@@ -3151,6 +3198,11 @@ export interface components {
             since: components["schemas"]["DateTime"];
             state: components["schemas"]["LeaseState"];
         };
+        /** @description A log of the ledger of which the platform holds another history. */
+        LedgerConflictStatus: components["schemas"]["LogConflict"] & {
+            /** @description Organisation of the chain. */
+            recipientId: components["schemas"]["OrganisationId"];
+        };
         /** @description A difference from what was written. */
         LedgerFault: {
             /** @description Description of the fault. */
@@ -3302,6 +3354,47 @@ export interface components {
             data: Record<string, never>;
             /** @enum {string} */
             event: "reset";
+        };
+        /**
+         * @description Finding that the platform holds another history of the log. Nothing is disclosed until an engineer
+         *     restores the store or begins a new log.
+         */
+        LogConflict: {
+            /** @description The checkpoint that it holds, a C2SP signed note. */
+            checkpoint?: string | null;
+            /**
+             * Format: int32
+             * @description Number of the log that the platform holds, among those that replaced each other.
+             */
+            epoch: number;
+            foundAt: components["schemas"]["DateTime"];
+            /**
+             * Format: int64
+             * @description Number of entries in the checkpoint that the platform holds, where it can be read.
+             */
+            heldSize?: number | null;
+            kind: components["schemas"]["ConflictKind"];
+        };
+        /** @description Log of a chain, which others check with one checkpoint that they kept. */
+        LogView: {
+            conflict?: components["schemas"]["LogConflict"] | null;
+            /**
+             * Format: int32
+             * @description Number of the log among those that replaced each other, from 1.
+             */
+            epoch: number;
+            /** @description Name of the log (C2SP tlog-checkpoint). */
+            origin: string;
+            /** @description Organisation of the chain. */
+            recipientId: components["schemas"]["OrganisationId"];
+            /**
+             * Format: int64
+             * @description Number of leaves: the entries, and one for the beginning.
+             */
+            size: number;
+            /** @description The key of the log, for the recipient to note: name, id and key. */
+            verifierKey?: string | null;
+            witnessed?: components["schemas"]["WitnessedView"] | null;
         };
         /** @description From values to values by a table. */
         Lookup: {
@@ -3630,6 +3723,11 @@ export interface components {
             /** @description Time of the entry by the page's clock. */
             madeAt: components["schemas"]["DateTime"];
         };
+        /** @description Decision to begin a new log. */
+        NewLogBody: {
+            /** @description Reason, which stands in the new log for the recipient to read. */
+            reason: string;
+        };
         /**
          * @description Node classes (OPC 10000-3 §5.2.3).
          * @enum {string}
@@ -3895,6 +3993,12 @@ export interface components {
         /** @description A page of a list. */
         Page_LedgerField: {
             items: components["schemas"]["LedgerField"][];
+            /** @description Cursor of the next page; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_LogView: {
+            items: components["schemas"]["LogView"][];
             /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
@@ -4905,6 +5009,11 @@ export interface components {
             factoryId: string;
             /** @description Lease to speak for the factory. */
             lease: components["schemas"]["LeaseStatus"];
+            /**
+             * @description Conflicts with the platform as the witness of the ledger. While there is one, values wait in
+             *     the spool.
+             */
+            ledgerConflicts: components["schemas"]["LedgerConflictStatus"][];
             link?: components["schemas"]["LinkStatus"] | null;
             /** @description Clock of the connector; pages compute ages from it. */
             now: components["schemas"]["DateTime"];
@@ -5469,6 +5578,19 @@ export interface components {
             field?: components["schemas"]["FieldName"] | null;
             /** @description The states: texts, numbers or truth values. */
             states: components["schemas"]["StateValue"][];
+        };
+        /** @description A checkpoint with the signature of the platform. */
+        WitnessedView: {
+            /** @description The checkpoint, a C2SP signed note. */
+            checkpoint: string;
+            cosignedAt: components["schemas"]["DateTime"];
+            /**
+             * Format: int64
+             * @description Number of leaves that the platform holds; 0 where it has lost them.
+             */
+            size: number;
+            /** @description The platform's key as a witness: name, id and key. */
+            witnessKey: string;
         };
         /**
          * @description Hours in which values may be released. Of changes outside of them, the newest is released when
@@ -7012,6 +7134,66 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Page_LedgerField"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listLedgerLogs: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_LogView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    beginLedgerLog: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                recipientId: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewLogBody"];
+            };
+        };
+        responses: {
+            /** @description Log of a chain, which others check with one checkpoint that they kept. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LogView"];
                 };
             };
             400: components["responses"]["BadRequest"];

@@ -205,6 +205,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/factories/{factoryId}/ledger-logs": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Lists the logs of a factory's ledger with their countersigned checkpoints: for a recipient those
+         *     about what it gets, for the factory's own organisation all.
+         */
+        get: operations["listLedgerLogs"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/factories/{factoryId}/writers": {
         parameters: {
             query?: never;
@@ -869,6 +889,44 @@ export interface components {
             leaseNumber: number;
         };
         /** @description Progress of a link towards a connection with a broker. */
+        /** @description Log of what a factory discloses to one organisation. */
+        LedgerLogView: {
+            /** @description The newest checkpoint, a C2SP signed note with the signatures of the log and of the platform. */
+            checkpoint: string;
+            /** @description Time of the platform's signature. */
+            cosignedAt: components["schemas"]["DateTime"];
+            /**
+             * Format: int32
+             * @description Number of the log among those that replaced each other, from 1. The factory decided to replace
+             *     one; its audit file says who, when and why.
+             */
+            epoch: number;
+            /** @description Time at which it came. */
+            firstSeenAt: components["schemas"]["DateTime"];
+            /**
+             * Format: int64
+             * @description Number of leaves in the first checkpoint that the platform saw. Unless it is 1 or 2, entries
+             *     were made before the platform watched the log, or the platform has lost what it held.
+             */
+            firstSize: number;
+            /** @description Name of the log (C2SP tlog-checkpoint). */
+            origin: string;
+            /** @description The organisation whose values the log is about. */
+            recipientId: components["schemas"]["OrganisationId"];
+            refusedAt?: components["schemas"]["DateTime"] | null;
+            /** @description The last checkpoint that was refused: it contradicts the newest one, or has another key. */
+            refusedCheckpoint?: string | null;
+            /**
+             * Format: int64
+             * @description Number of leaves in the newest checkpoint: the entries, and one for the beginning.
+             */
+            size: number;
+            /** @description The key of the log, pinned with its first checkpoint: name, id and key. */
+            verifierKey: string;
+            /** @description The platform's key as a witness: name, id and key. */
+            witnessKey: string;
+        };
+        /** @description Phase of a link. */
         LinkPhase: {
             /** @enum {string} */
             state: "connecting";
@@ -1248,6 +1306,12 @@ export interface components {
         /** @description A page of a list. */
         Page_Factory: {
             items: components["schemas"]["Factory"][];
+            /** @description Cursor of the next page; absent on the last one. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_LedgerLogView: {
+            items: components["schemas"]["LedgerLogView"][];
             /** @description Cursor of the next page; absent on the last one. */
             nextCursor?: string | null;
         };
@@ -2077,6 +2141,32 @@ export interface operations {
             404: components["responses"]["NotFound"];
             409: components["responses"]["Conflict"];
             422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    listLedgerLogs: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                factoryId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_LedgerLogView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
         };
     };
     listWriters: {

@@ -109,7 +109,8 @@ export const overview = {
     held: 'Nothing is disclosed: values wait here until this is settled.',
     kind: {
       ROLLED_BACK: 'The platform has more entries: the store was set back or cut.',
-      REPLACED: 'The platform has other entries: the store was replaced, or set back and continued.',
+      REPLACED:
+        'The platform has other entries: the store was replaced, or set back and continued.',
       OTHER_KEY: 'The platform knows this log under another key.',
       SUPERSEDED: 'A newer log has replaced this one: the store is older than that.',
       UNPROVABLE: 'The entries that would prove the platform’s checkpoint are not in the store.',
