@@ -7,6 +7,7 @@ mod disclosure;
 mod from_factory;
 mod lease;
 mod ledger;
+mod past_release;
 mod revocation;
 mod to_factory;
 
@@ -21,6 +22,7 @@ pub use from_factory::{
 };
 pub use lease::{Lease, LeaseParty, LeaseRequest, LeaseResult};
 pub use ledger::{LedgerCheckpoint, LedgerCheckpointResult, LedgerCosignature, ledger_log_origin};
+pub use past_release::{PastRelease, ReportRange};
 pub use revocation::SignedRevocation;
 pub use to_factory::{OperationNetworkMessage, PlatformMessage, Receipt, Withdraw, WriterReceipt};
 

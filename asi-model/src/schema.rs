@@ -13,8 +13,8 @@ use serde_json::Value;
 use crate::{
     messages::{
         Acknowledgement, AssetOffer, AssetRequest, Comment, Decision, Gap, Lease, LeaseRequest,
-        LedgerCheckpoint, LedgerCosignature, OperationNetworkMessage, Receipt, SignedRevocation,
-        Withdraw,
+        LedgerCheckpoint, LedgerCosignature, OperationNetworkMessage, PastRelease, Receipt,
+        SignedRevocation, Withdraw,
     },
     network::OperationNetwork,
 };
@@ -38,6 +38,7 @@ pub fn all() -> Vec<(&'static str, Value)> {
         ("lease-request.schema.json", message::<LeaseRequest>("lease-request")),
         ("revocation.schema.json", message::<SignedRevocation>("revocation")),
         ("ledger-checkpoint.schema.json", message::<LedgerCheckpoint>("ledger-checkpoint")),
+        ("past-release.schema.json", message::<PastRelease>("past-release")),
         ("network.schema.json", document::<OperationNetwork>("network")),
         ("ua-data.schema.json", pubsub::data()),
         ("ua-metadata.schema.json", pubsub::meta_data()),

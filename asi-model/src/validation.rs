@@ -14,6 +14,7 @@ mod lists;
 mod message_members;
 mod network;
 mod operations;
+mod past_release;
 mod platform_message;
 mod reader;
 mod report_format;

@@ -1,8 +1,10 @@
-//! Entitlement: who may read a report is settled once, when it arrives, and never widened.
+//! Entitlement: who may read a report is settled when it leaves the plant, and widened by the
+//! factory alone.
 //!
 //! The factory says in the report to whom it released it; the platform's own list of recipients
 //! narrows that, and nothing widens it. Reports of connectors that name no recipients are for those
-//! to whom the factory had consented by then.
+//! to whom the factory had consented by then. A release of the past, which names reports of the
+//! factory and one recipient, is the only thing that adds a reader afterwards.
 
 use std::collections::{BTreeSet, HashMap};
 

@@ -8,7 +8,10 @@ use daemon::web::events::{EventLog, ServerSentEvent};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use crate::{progress::OperationProgress, store::PartState};
+use crate::{
+    progress::OperationProgress,
+    store::{CurrentValue, PartState},
+};
 
 /// The log behind `GET /live`.
 pub type LiveLog = EventLog<Notification>;
@@ -110,6 +113,21 @@ pub struct FieldUpdate {
     pub epoch: u32,
     /// The report's sequence number.
     pub sequence: u32,
+}
+
+impl From<&CurrentValue> for FieldUpdate {
+    fn from(value: &CurrentValue) -> Self {
+        Self {
+            key: value.key.clone(),
+            value: value.value.clone(),
+            status: value.status.to_string(),
+            source_timestamp: value.source_timestamp,
+            report_timestamp: value.report_timestamp,
+            received_at: value.received_at,
+            epoch: value.epoch,
+            sequence: value.sequence,
+        }
+    }
 }
 
 impl LiveEvent {

@@ -9,6 +9,7 @@ use super::{
     disclosure::DisclosureStatement,
     lease::LeaseRequest,
     ledger::LedgerCheckpoint,
+    past_release::PastRelease,
     revocation::SignedRevocation,
 };
 use crate::{
@@ -40,6 +41,8 @@ pub enum FactoryMessage {
     Revocation(SignedRevocation),
     /// A checkpoint of the ledger, to be countersigned.
     LedgerCheckpoint(LedgerCheckpoint),
+    /// Reports of the past are shown to one more recipient.
+    PastRelease(PastRelease),
 }
 
 impl FactoryMessage {
@@ -55,6 +58,7 @@ impl FactoryMessage {
             Self::LeaseRequest(_) => "lease-request",
             Self::Revocation(_) => "revocation",
             Self::LedgerCheckpoint(_) => "ledger-checkpoint",
+            Self::PastRelease(_) => "past-release",
         }
     }
 
@@ -70,6 +74,7 @@ impl FactoryMessage {
             Self::LeaseRequest(m) => &m.message_id,
             Self::Revocation(m) => &m.message_id,
             Self::LedgerCheckpoint(m) => &m.message_id,
+            Self::PastRelease(m) => &m.message_id,
         }
     }
 
@@ -85,6 +90,7 @@ impl FactoryMessage {
             Self::LeaseRequest(m) => &m.factory_id,
             Self::Revocation(m) => &m.factory_id,
             Self::LedgerCheckpoint(m) => &m.factory_id,
+            Self::PastRelease(m) => &m.factory_id,
         }
     }
 }

@@ -7,6 +7,7 @@ use super::{
     message_members::{
         ASSET_KINDS, comment, epoch, factory_id, kinds, message_type, number, revision, writer_id,
     },
+    past_release::past_release,
     reader::Reader,
 };
 use crate::{
@@ -34,6 +35,7 @@ pub(super) fn factory_message(
         "lease-request",
         "revocation",
         "ledger-checkpoint",
+        "past-release",
     ];
     Some(match message_type(reader, root, &TYPES)? {
         "acknowledgement" => FactoryMessage::Acknowledgement(acknowledgement(reader, root)),
@@ -43,6 +45,7 @@ pub(super) fn factory_message(
         "lease-request" => FactoryMessage::LeaseRequest(lease_request(reader, root)?),
         "revocation" => FactoryMessage::Revocation(revocation(reader, root)),
         "ledger-checkpoint" => FactoryMessage::LedgerCheckpoint(ledger_checkpoint(reader, root)),
+        "past-release" => FactoryMessage::PastRelease(past_release(reader, root)?),
         _ => FactoryMessage::AssetOffer(AssetOffer {
             message_id: reader.required_id(root, "messageId"),
             factory_id: factory_id(reader, root, None),

@@ -3,6 +3,7 @@
 mod checkpoints;
 mod from_factories;
 mod from_tools;
+mod past_releases;
 mod reports;
 #[cfg(test)]
 mod tests;
@@ -12,7 +13,7 @@ use std::time::Duration;
 use asi_model::{DateTime, messages::FactoryMessage};
 use messaging::LogicalAddress;
 
-use self::reports::ReportCollector;
+use self::{past_releases::PastReleaseCollector, reports::ReportCollector};
 use super::{
     decode::{Content, Incoming},
     heartbeats::Heartbeats,
@@ -29,6 +30,7 @@ pub(super) struct Applier<'w> {
     unit: IngestUnit<'w>,
     leases: LeaseArbiter<'w>,
     reports: ReportCollector,
+    past_releases: PastReleaseCollector,
     resend_after: Duration,
     witness: &'w WitnessKey,
 }
@@ -45,6 +47,7 @@ impl<'w> Applier<'w> {
             unit: IngestUnit::new(work, now),
             leases: LeaseArbiter::new(heartbeats),
             reports: ReportCollector::default(),
+            past_releases: PastReleaseCollector::default(),
             resend_after,
             witness,
         }
@@ -86,6 +89,8 @@ impl<'w> Applier<'w> {
     /// Writes the collected rows and returns the effects.
     pub(super) async fn finish(mut self) -> Result<Effects, StoreError> {
         self.reports.write(&mut self.unit).await?;
+        // After the reports: some of the past may have arrived in this unit.
+        self.past_releases.widen(&mut self.unit).await?;
         self.unit.finish().await
     }
 
@@ -146,6 +151,11 @@ impl<'w> Applier<'w> {
                         self.reports.decided(decision, effect.unwrap_or(DecisionEffect::Ignored));
                     }
                     FactoryMessage::Acknowledgement(_) => self.reports.forget_requests(),
+                    FactoryMessage::PastRelease(release) => {
+                        self.past_releases.collect(unit, address, incoming, release).await?;
+                        // Reports of it that come later in this unit are for the recipient, too.
+                        self.reports.forget_requests();
+                    }
                     _ => {}
                 }
                 Ok(())

@@ -94,6 +94,18 @@ impl<'w> IngestUnit<'w> {
         Ok(self.writers.entry(key.clone()).or_insert_with(|| WriterRow::new(key)))
     }
 
+    /// Returns network and request of the last report of a writer's epoch; `None` before its first.
+    pub(super) async fn reported_about(
+        &mut self,
+        key: &WriterKey,
+    ) -> Result<Option<(String, String)>, StoreError> {
+        let row = match self.writers.get(key) {
+            Some(row) => Some(row.clone()),
+            None => self.work.writers().lookup(key).await?,
+        };
+        Ok(row.and_then(|row| row.operation_network_id.zip(row.dynamic_data_request_id)))
+    }
+
     /// Adds a message to be sent.
     pub(super) async fn send(
         &mut self,

@@ -21,6 +21,7 @@ use super::{
     outgoing::OutgoingMessages,
     ownership::Ownership,
     parts::Parts,
+    past_releases::PastReleases,
     recipient_sets::RecipientSets,
     recipients::Recipients,
     reports::Reports,
@@ -130,6 +131,11 @@ impl Work {
     /// Parts of networks, as sent to factories.
     pub fn parts(&mut self) -> Parts<'_> {
         Parts(self.connection())
+    }
+
+    /// Releases of reports to recipients that were added later.
+    pub fn past_releases(&mut self) -> PastReleases<'_> {
+        PastReleases(self.connection())
     }
 
     /// Returns the repository of the sets of organisations to whom reports were released.

@@ -11,25 +11,25 @@ use crate::{
     story::{self, NETWORK, network_path},
 };
 
-const BUYER: &str = "acme-aero";
-const INSPECTOR: &str = "inspect-hamburg";
+pub const BUYER: &str = "acme-aero";
+pub const INSPECTOR: &str = "inspect-hamburg";
 
 /// The network with the buyer's request open to these recipients.
-fn network_to(recipients: &[&str]) -> Value {
+pub fn network_to(recipients: &[&str]) -> Value {
     let mut network = story::network();
     network["operationList"][0]["dynamicDataRequestList"][0]["recipientList"] = json!(recipients);
     network
 }
 
 /// The sequence numbers of the reports that a viewer may read.
-async fn sequences(api: &Api) -> Vec<u64> {
+pub async fn sequences(api: &Api) -> Vec<u64> {
     let reports = api.get(&format!("/reports?network={NETWORK}")).await.expect_ok();
     let items = reports["items"].as_array().cloned().unwrap_or_default();
     items.iter().filter_map(|report| report["sequence"].as_u64()).collect()
 }
 
 /// Waits until the platform holds as many reports of FOR_MUC.
-async fn held(admin: &Api, count: u64) {
+pub async fn held(admin: &Api, count: u64) {
     eventually("the reports", || async {
         let writers = admin.get("/factories/FOR_MUC/writers").await.expect_ok();
         let received = writers["items"][0]["received"].as_u64();
@@ -40,7 +40,7 @@ async fn held(admin: &Api, count: u64) {
 
 /// Returns what a viewer sees of `progressStatus`: its value, whether a report about the network is known,
 /// and the quantity concluded from it.
-async fn shown(api: &Api) -> (Value, bool, Value) {
+pub async fn shown(api: &Api) -> (Value, bool, Value) {
     let view = api.get(&network_path()).await.expect_ok();
     let networks = api.get("/operation-networks").await.expect_ok();
     (
@@ -50,12 +50,12 @@ async fn shown(api: &Api) -> (Value, bool, Value) {
     )
 }
 
-fn nothing() -> (Value, bool, Value) {
+pub fn nothing() -> (Value, bool, Value) {
     (Value::Null, false, Value::Null)
 }
 
 /// The factory takes the newest revision, and its engineer consents again.
-async fn consent_again(buyer: &Api, munich: &Peer, revision: u64, time: &str) {
+pub async fn consent_again(buyer: &Api, munich: &Peer, revision: u64, time: &str) {
     let part = munich.receive("operation-network", |part| part["revision"] == revision).await;
     munich.send("decision", &story::decision_at(time, "PENDING", None));
     munich.accept(&part);

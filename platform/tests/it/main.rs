@@ -16,6 +16,7 @@ mod leases;
 mod members;
 mod migration;
 mod openapi;
+mod past_releases;
 mod receipts;
 mod revocations;
 mod rights;

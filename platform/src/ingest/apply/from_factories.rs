@@ -43,6 +43,8 @@ pub(super) async fn apply(
         }
         // Answered by the lease arbiter, before the rest of the batch, and by the witness.
         FactoryMessage::LeaseRequest(_) | FactoryMessage::LedgerCheckpoint(_) => {}
+        // Applied with the reports, some of which may be in the same batch.
+        FactoryMessage::PastRelease(_) => {}
     }
     Ok(None)
 }

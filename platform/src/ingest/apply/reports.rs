@@ -25,8 +25,8 @@ use crate::{
     },
     live::{FieldUpdate, LiveEvent},
     store::{
-        AskedField, CurrentValue, DecisionEffect, NewReport, Recipient, RecipientSetId, StoreError,
-        WriterRow,
+        AskedField, CurrentValue, DecisionEffect, NewReport, Recipient, RecipientSetId,
+        ReleasedRange, StoreError, WriterRow,
     },
     value_json::value_json,
 };
@@ -42,12 +42,31 @@ struct Request {
     /// The fields in effect; none once the request is gone.
     fields: HashMap<FieldName, AskedField>,
     recipients: Vec<Recipient>,
+    /// Reports that were released afterwards to recipients that were added.
+    released: Vec<ReleasedRange>,
     tools: Vec<(ToolId, OrganisationId)>,
 }
 
 impl Request {
     fn was_asked(&self, factory: &FactoryId, operation: &OperationId) -> bool {
         self.asked.iter().any(|(asked, about)| asked == factory && about == operation)
+    }
+
+    /// Returns the recipients in effect to which a report was released after it had left.
+    fn released_to<'r>(
+        &'r self,
+        factory: &'r FactoryId,
+        report: &'r IncomingReport,
+    ) -> impl Iterator<Item = &'r OrganisationId> {
+        let recipients = self.recipients.iter().map(|recipient| &recipient.organisation_id);
+        recipients.filter(move |recipient| {
+            self.released.iter().any(|released| {
+                released.organisation_id == **recipient
+                    && released.factory_id == *factory
+                    && released.operation_id == report.request.operation_id
+                    && released.contains(report.data_set_writer_id, report.epoch, report.sequence)
+            })
+        })
     }
 
     /// Returns the field that a factory is asked for at present.
@@ -159,7 +178,9 @@ impl ReportCollector {
         report: &IncomingReport,
     ) -> Result<BTreeSet<OrganisationId>, StoreError> {
         let reported_at = report.report_timestamp.or(report.shopfloor_timestamp);
-        let entitled = entitled(&request.recipients, report.released_to.as_deref(), reported_at);
+        let mut entitled =
+            entitled(&request.recipients, report.released_to.as_deref(), reported_at);
+        entitled.extend(request.released_to(from.factory, report).cloned());
         let recipient_set = self.recipient_set(unit, &entitled).await?;
         if request.is_asked(from.factory, report) {
             unit.effects.networks.insert(report.request.operation_network_id.clone());
@@ -191,6 +212,7 @@ impl ReportCollector {
             asked: unit.work.asked_requests().of_request(&key.0, &key.1).await?,
             fields: fields.into_iter().map(|field| (field.field_name.clone(), field)).collect(),
             recipients: unit.work.recipients().of_request(&key.0, &key.1).await?,
+            released: unit.work.past_releases().of_request(&key.0, &key.1).await?,
             tools: unit.work.tools().of_request(&key.0, &key.1).await?,
         });
         self.requests.insert(key, Arc::clone(&read));
@@ -225,7 +247,7 @@ impl ReportCollector {
             let key = report.request.field(field.field_name.clone());
             let candidate = current_value(key, value, from.incoming, report, recipient_set);
             if field.is_mapped {
-                notifications.push(field_update(&candidate));
+                notifications.push(FieldUpdate::from(&candidate));
             }
             let order = |value: &CurrentValue| (value.epoch, value.sequence);
             match self.values.get_mut(&candidate.key) {
@@ -318,19 +340,6 @@ fn new_report(
         is_replay: from.incoming.is_replay,
         recipient_set,
         fields,
-    }
-}
-
-fn field_update(value: &CurrentValue) -> FieldUpdate {
-    FieldUpdate {
-        key: value.key.clone(),
-        value: value.value.clone(),
-        status: value.status.to_string(),
-        source_timestamp: value.source_timestamp,
-        report_timestamp: value.report_timestamp,
-        received_at: value.received_at,
-        epoch: value.epoch,
-        sequence: value.sequence,
     }
 }
 
