@@ -21,6 +21,7 @@ mod mapping_import;
 mod mapping_status;
 mod networks;
 mod operator;
+mod past;
 mod paths;
 mod policies;
 mod preview;
@@ -160,6 +161,9 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(guarded!(revocations::revoke_consents))
         .routes(guarded!(revocations::show_revocation))
         .routes(guarded!(revocations::print_revocation))
+        .routes(guarded!(past::list_past_offers))
+        .routes(guarded!(past::decide_past))
+        .routes(guarded!(past::list_past_decisions))
         .routes(guarded!(spool::show_spool))
         .routes(guarded!(spool::list_dead_letters))
         .merge(disclosure())

@@ -25,6 +25,8 @@ mod migrations;
 mod names;
 mod networks;
 mod operator_entries;
+mod past_decisions;
+mod past_reports;
 mod place;
 mod policy_documents;
 mod previews;
@@ -49,9 +51,10 @@ use connector_state::{
     Snapshot, StoredBudgets, StoredLedger, StoredMappings, StoredNetwork, StoredPolicies, Writes,
     writes::{
         AnchorRow, CarriedFieldRow, CheckpointRow, CommentRow, ConsentRow, ControlRow,
-        DeadLetterRow, DocumentRow, FieldRow, FieldValueRow, NetworkRow, NewReport, PolicyWrites,
-        PreviewRow, RecipientPolicyRow, RemovedEntries, ReportMove, RevocationRow, RuleDecisionRow,
-        ShadowRow, SourceRow, TemplateRow, VersionRow, WaitingRow, WriterRow,
+        DeadLetterRow, DocumentRow, FieldRow, FieldValueRow, NetworkRow, NewReport,
+        PastDecisionRow, PolicyWrites, PreviewRow, RecipientPolicyRow, RemovedEntries, ReportMove,
+        RevocationRow, RuleDecisionRow, ShadowRow, SourceRow, TemplateRow, VersionRow, WaitingRow,
+        WriterRow,
     },
 };
 pub use control_messages::ControlMessage;
@@ -69,6 +72,8 @@ pub use mapping_templates::MappingTemplates;
 pub use mapping_versions::{StoredMappingVersions, VERSIONS_MAX};
 pub use networks::{Networks, Revisions};
 pub use operator_entries::OperatorEntries;
+pub use past_decisions::{PastDecisions, StoredPastDecision};
+pub use past_reports::{EpochRecipients, PastReports};
 pub use policy_documents::{DocumentKind, PolicyDocuments};
 pub use received_messages::ReceivedMessages;
 pub use recipient_policies::RecipientPolicies;

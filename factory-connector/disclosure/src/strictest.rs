@@ -58,7 +58,8 @@ impl DisclosurePolicy {
     /// in no dimension. Errs on the side of false.
     #[must_use]
     pub fn allows_all_of(&self, former: &Self) -> bool {
-        self == former || former.strictest(self) == *former
+        // With itself: the combination has one form of what can be written in several.
+        self == former || former.strictest(self) == former.strictest(former)
     }
 
     /// Adapts this policy to a field of this type: parts that the type cannot have are removed, and
@@ -285,6 +286,30 @@ mod tests {
                 r#"{{"workingHours":{day},"furtherHours":[{night}],"withholdWhile":[{{"states":[1]}},{{"states":[2]}}]}}"#
             ),
         );
+    }
+
+    #[test]
+    fn a_policy_satisfies_what_is_no_stricter() {
+        let check = |policy: &str, other: &str, expected: bool| {
+            let parse =
+                |json: &str| serde_json::from_str::<DisclosurePolicy>(json).expect("a policy");
+            assert_eq!(parse(other).allows_all_of(&parse(policy)), expected, "{policy} and {other}");
+        };
+        check("{}", "{}", true);
+        check(r#"{"roundingStep":10}"#, "{}", true);
+        check("{}", r#"{"roundingStep":10}"#, false);
+        check(r#"{"roundingStep":10}"#, r#"{"roundingStep":10,"delayMs":5}"#, false);
+        check(r#"{"roundingStep":100,"delayMs":9}"#, r#"{"roundingStep":10,"delayMs":9}"#, true);
+        check(r#"{"bands":[0.0,50.0]}"#, r#"{"bands":[0.0,25.0,50.0]}"#, true);
+        check(r#"{"bands":[0.0,25.0,50.0]}"#, r#"{"bands":[0.0,50.0]}"#, false);
+        check(r#"{"statusCodes":"FULL"}"#, "{}", false);
+        let rates = r#"{"rateLimits":[{"values":5,"periodMs":10},{"values":1,"periodMs":2}]}"#;
+        check(rates, rates, true);
+        check(rates, r#"{"rateLimits":[{"values":2,"periodMs":2}]}"#, true);
+        check(rates, r#"{"rateLimits":[{"values":1,"periodMs":20}]}"#, false);
+        let withheld = r#"{"withholdWhile":[{"states":[1]}]}"#;
+        check(withheld, "{}", true);
+        check("{}", withheld, false);
     }
 
     #[test]

@@ -74,6 +74,19 @@ pub enum Event {
     },
     /// Values of reports were emptied, or the oldest entries of the chain removed.
     Retention(RetentionStatement),
+    /// Reports that had left for others before are shown to this recipient, too.
+    PastReleased {
+        #[serde(flatten)]
+        range: SequenceRange,
+        /// Root over the roots of the reports' values, hexadecimal (see
+        /// [`past_root`](crate::past_root)).
+        values: String,
+        /// Name of the person who decided.
+        decided_by: String,
+        /// Reason that the person gave.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        reason: Option<String>,
+    },
 }
 
 /// Kind of an event, for searches.
@@ -90,11 +103,12 @@ pub enum EventKind {
     Purged,
     Revoked,
     Retention,
+    PastReleased,
 }
 
 impl EventKind {
     /// Kinds of events about reports.
-    pub const OF_REPORTS: [Self; 7] = [
+    pub const OF_REPORTS: [Self; 8] = [
         Self::Queued,
         Self::Sent,
         Self::Receipted,
@@ -102,6 +116,7 @@ impl EventKind {
         Self::Expired,
         Self::Purged,
         Self::Revoked,
+        Self::PastReleased,
     ];
 
     /// Returns the name for people, the same as on the pages.
@@ -117,6 +132,7 @@ impl EventKind {
             Self::Purged => ("Purged", "Gelöscht"),
             Self::Revoked => ("Consent ended", "Einwilligung beendet"),
             Self::Retention => ("Retention", "Aufbewahrung"),
+            Self::PastReleased => ("Past shown", "Vergangenes gezeigt"),
         };
         language.choose(english, german)
     }
@@ -134,6 +150,7 @@ impl EventKind {
             Self::Purged => "PURGED",
             Self::Revoked => "REVOKED",
             Self::Retention => "RETENTION",
+            Self::PastReleased => "PAST_RELEASED",
         }
     }
 }
@@ -180,7 +197,14 @@ mod tests {
         insta::assert_snapshot!(queued.canonical(), @r#"{"recipient":"acme","number":7,"recordedAt":"2026-11-21T10:00:00Z","event":"QUEUED","dataSetWriterId":1,"epoch":9,"firstSequence":4,"lastSequence":4,"values":"00ff","consents":{"progress":2}}"#);
         let sent = entry(Event::Sent { range, message_id: None });
         insta::assert_snapshot!(sent.canonical(), @r#"{"recipient":"acme","number":7,"recordedAt":"2026-11-21T10:00:00Z","event":"SENT","dataSetWriterId":1,"epoch":9,"firstSequence":4,"lastSequence":4}"#);
-        for entry in [queued, sent] {
+        let past = entry(Event::PastReleased {
+            range: SequenceRange { last_sequence: 9, ..range },
+            values: "00ff".to_owned(),
+            decided_by: "eve".to_owned(),
+            reason: None,
+        });
+        insta::assert_snapshot!(past.canonical(), @r#"{"recipient":"acme","number":7,"recordedAt":"2026-11-21T10:00:00Z","event":"PAST_RELEASED","dataSetWriterId":1,"epoch":9,"firstSequence":4,"lastSequence":9,"values":"00ff","decidedBy":"eve"}"#);
+        for entry in [queued, sent, past] {
             assert_eq!(
                 serde_json::from_str::<LedgerEntry>(&entry.canonical()).expect("reads back"),
                 entry

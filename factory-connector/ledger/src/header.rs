@@ -37,6 +37,7 @@ enum Kind {
     Purged,
     Revoked,
     Retention,
+    PastReleased,
 }
 
 impl EntryHeader<'_> {
@@ -47,7 +48,10 @@ impl EntryHeader<'_> {
 
     /// Returns whether the entry has more than a header.
     pub(crate) const fn is_rare(&self) -> bool {
-        matches!(self.event, Kind::Consent | Kind::Revoked | Kind::Retention)
+        matches!(
+            self.event,
+            Kind::Consent | Kind::Revoked | Kind::Retention | Kind::PastReleased
+        )
     }
 
     /// Returns the root over the values of a report, hexadecimal.
@@ -76,7 +80,11 @@ impl EntryHeader<'_> {
             }
             Kind::Receipted => ReportEvent::Receipted(range),
             Kind::Coalesced | Kind::Expired | Kind::Purged => ReportEvent::Ended(range),
-            Kind::Consent | Kind::Queued | Kind::Revoked | Kind::Retention => ReportEvent::Other,
+            Kind::Consent
+            | Kind::Queued
+            | Kind::Revoked
+            | Kind::Retention
+            | Kind::PastReleased => ReportEvent::Other,
         })
     }
 }

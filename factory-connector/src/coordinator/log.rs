@@ -36,6 +36,9 @@ pub(super) fn write(record: &LogRecord) {
                 "The store was restored, moved, copied or migrated; every data set writer began a new epoch."
             );
         }
+        LogRecord::PastReleased { request, recipient, report_count } => {
+            tracing::info!(%request, %recipient, reports = report_count, "A recipient that was added later sees reports of the past.");
+        }
         LogRecord::ReportsCoalesced { report_count } => {
             metrics::counter!("verbund_reports_coalesced_total").increment(*report_count as u64);
             tracing::warn!(

@@ -13,6 +13,7 @@ mod lookup;
 mod message_ids;
 mod message_times;
 mod opc_ua_decisions;
+mod past;
 mod receipts;
 mod replacement;
 mod retention;

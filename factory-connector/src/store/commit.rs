@@ -5,8 +5,8 @@ use rusqlite::Connection;
 use super::{
     DocumentKind, PolicyWrites, Writes, carried_fields, comments, consents, control_messages,
     dead_letters, fields, identity, ledger, mapping_templates, mapping_versions, networks,
-    operator_entries, policy_documents, previews, received_messages, recipient_policies, reports,
-    revocations, rule_decisions, shadow_mappings, sources, writers,
+    operator_entries, past_decisions, policy_documents, previews, received_messages,
+    recipient_policies, reports, revocations, rule_decisions, shadow_mappings, sources, writers,
 };
 
 /// Writes the rows of every noun.
@@ -66,6 +66,7 @@ fn write_ledger(connection: &Connection, writes: &Writes) -> rusqlite::Result<()
     ledger::write_logs(connection, &writes.ledger.logs)?;
     ledger::write_witnessed(connection, &writes.ledger.witnessed)?;
     revocations::write(connection, &writes.ledger.revocations)?;
+    past_decisions::write(connection, &writes.ledger.past_decisions)?;
     ledger::write_checkpoint(connection, writes.ledger.checkpoint.as_ref())?;
     ledger::write_seal(connection, writes.ledger.seal.as_ref())?;
     // In the transaction of the entries that state it: without them it counts as tampering.

@@ -17,6 +17,7 @@ pub(super) async fn load(session: &mut StoreSession) -> Result<Snapshot, StoreEr
             heads,
             last_checkpoint: session.checkpoints().last().await?,
             former_retention: session.ledger().former_retention().await?,
+            past_decisions: session.past_decisions().newest().await?,
         },
         last_row: session.spool().last_id().await?,
         last_field: 0,

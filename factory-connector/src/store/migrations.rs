@@ -22,6 +22,7 @@ const MIGRATIONS: &[(i64, &str, &str)] = &[
     (43, "caps", include_str!("../../migrations/0043_caps.sql")),
     (44, "ledger witness", include_str!("../../migrations/0044_ledger_witness.sql")),
     (45, "retention", include_str!("../../migrations/0045_retention.sql")),
+    (46, "past decisions", include_str!("../../migrations/0046_past_decisions.sql")),
 ];
 
 /// Brings the tables up to date.

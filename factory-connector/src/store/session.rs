@@ -13,6 +13,8 @@ use super::{
     mapping_versions::StoredMappingVersions,
     networks::Networks,
     operator_entries::OperatorEntries,
+    past_decisions::PastDecisions,
+    past_reports::PastReports,
     policy_documents::PolicyDocuments,
     received_messages::ReceivedMessages,
     recipient_policies::RecipientPolicies,
@@ -120,6 +122,16 @@ impl StoreSession {
     /// Returns the repository of the operator journal.
     pub fn operator_entries(&mut self) -> OperatorEntries<'_> {
         OperatorEntries(self.connection())
+    }
+
+    /// Decisions whether recipients see the past.
+    pub fn past_decisions(&mut self) -> PastDecisions<'_> {
+        PastDecisions(self.connection())
+    }
+
+    /// Reports that left for others than a recipient.
+    pub fn past_reports(&mut self) -> PastReports<'_> {
+        PastReports(self.connection())
     }
 
     /// Named policies and standing rules.

@@ -25,6 +25,8 @@ mod load;
 mod log_record;
 mod networks;
 pub mod operator;
+pub mod past;
+mod past_decisions;
 mod policies;
 pub mod queries;
 mod recipient_policy;
@@ -55,6 +57,7 @@ pub use ledger_chains::LedgerChains;
 pub use load::UnreadableState;
 pub use log_record::LogRecord;
 pub use networks::{Network, NetworkRegistry};
+pub use past_decisions::PastDecisionRegistry;
 pub use policies::PolicyRegistry;
 pub use recipient_policy::RecipientPolicy;
 pub use snapshot::{

@@ -8,8 +8,8 @@ use mapping::{Mapping, TransformState};
 
 use crate::{
     ChangeSet, ConnectorState, Field, FieldDecision, FieldRegistry, IdSource, JournalRegistry,
-    LedgerChains, LogRecord, MappingVersions, Network, NetworkRegistry, ShadowMapping, Snapshot,
-    StateConfig, WriterRegistry, dependencies,
+    LedgerChains, LogRecord, MappingVersions, Network, NetworkRegistry, PastDecisionRegistry,
+    ShadowMapping, Snapshot, StateConfig, WriterRegistry, dependencies,
     effects::TwinUpdate,
     fields::StoredField,
     keep_alive_schedule::schedule_keep_alive,
@@ -61,6 +61,7 @@ impl ConnectorState {
                 snapshot.ledger.logs,
                 snapshot.ledger.last_checkpoint,
             ),
+            past: PastDecisionRegistry::new(snapshot.ledger.past_decisions),
             config,
             ids,
             last_row: snapshot.last_row,

@@ -1,6 +1,6 @@
 //! Records for the log: what a transaction did, written once it is committed.
 
-use asi_model::{FieldKey, MessageId, OperationNetworkId, RequestKey};
+use asi_model::{FieldKey, MessageId, OperationNetworkId, OrganisationId, RequestKey};
 use disclosure::DocumentId;
 use ledger::ConflictKind;
 
@@ -26,6 +26,8 @@ pub enum LogRecord {
     /// Every data set writer began a new epoch: the store was restored, moved, copied or
     /// migrated.
     EpochsBegun,
+    /// A recipient that was added later sees reports of the past.
+    PastReleased { request: RequestKey, recipient: OrganisationId, report_count: u64 },
     /// Reports were dropped for newer ones: the spool is full.
     ReportsCoalesced { report_count: usize },
     /// The platform countersigned a checkpoint of a log.

@@ -2,7 +2,9 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use asi_model::{DateTime, OperationNetworkId, OrganisationId, messages::OperationNetworkMessage};
+use asi_model::{
+    DateTime, OperationNetworkId, OrganisationId, RequestKey, messages::OperationNetworkMessage,
+};
 use disclosure::{Alliance, Cap, NamedPolicy, Rule, Versioned};
 use ledger::{Heads, Logs, SequenceRange};
 
@@ -61,7 +63,7 @@ pub struct FormerRetention {
     pub removed: BTreeMap<OrganisationId, u64>,
 }
 
-/// Stored ledger, as far as it is needed to go on.
+/// Stored ledger, as far as it is needed to go on, with decisions about the past.
 #[derive(Debug, Default)]
 pub struct StoredLedger {
     /// Heads of the chains.
@@ -72,6 +74,8 @@ pub struct StoredLedger {
     pub last_checkpoint: Option<(u64, DateTime)>,
     /// Retention of former versions, unless the chains state it already.
     pub former_retention: Option<FormerRetention>,
+    /// Requests and recipients with the number of the newest report that was decided about.
+    pub past_decisions: Vec<(RequestKey, OrganisationId, i64)>,
 }
 
 /// Everything that [`ConnectorState`](crate::ConnectorState) is loaded from.

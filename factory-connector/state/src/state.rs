@@ -11,7 +11,7 @@ use asi_model::{
 
 use crate::{
     BudgetRegistry, ChangeSet, Field, FieldRegistry, IdSource, JournalRegistry, LedgerChains,
-    NetworkRegistry, PolicyRegistry, WriterRegistry,
+    NetworkRegistry, PastDecisionRegistry, PolicyRegistry, WriterRegistry,
     operator::{Journal, OperationKey},
     writes::ControlRow,
 };
@@ -33,6 +33,7 @@ pub struct ConnectorState {
     pub(crate) budgets: BudgetRegistry,
     pub(crate) journals: JournalRegistry,
     pub(crate) ledger: LedgerChains,
+    pub(crate) past: PastDecisionRegistry,
     pub(crate) ids: IdSource,
     /// The greatest number given in the spool.
     pub(crate) last_row: i64,
@@ -79,6 +80,12 @@ impl ConnectorState {
     #[must_use]
     pub const fn ledger(&self) -> &LedgerChains {
         &self.ledger
+    }
+
+    /// Returns the decisions about the past.
+    #[must_use]
+    pub const fn past(&self) -> &PastDecisionRegistry {
+        &self.past
     }
 
     /// Returns the journal of an operation, if anything was entered about it.

@@ -4,6 +4,7 @@ mod caps;
 mod decisions;
 mod entries;
 mod mappings;
+mod past;
 mod policies;
 mod reports;
 mod restart;

@@ -9,6 +9,7 @@ pub mod caps;
 pub mod comments;
 pub mod configuration;
 pub mod decide;
+pub mod decide_past;
 pub mod deliver;
 pub mod enter;
 pub mod import_mappings;

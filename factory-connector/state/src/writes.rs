@@ -5,6 +5,7 @@ mod ledger;
 mod mappings;
 mod merge;
 mod messages;
+mod past;
 mod policies;
 mod reports;
 mod sources;
@@ -13,6 +14,7 @@ pub use fields::{ConsentRow, FieldRow, FieldValueRow, FieldWrites, PreviewRow};
 pub use ledger::{AnchorRow, CheckpointRow, LedgerWrites, RemovedEntries, RevocationRow};
 pub use mappings::{MappingWrites, ShadowRow, TemplateRow, VersionRow};
 pub use messages::{CommentRow, DeadLetterRow, MessageWrites, NetworkRow};
+pub use past::PastDecisionRow;
 pub use policies::{DocumentRow, PolicyWrites, RecipientPolicyRow, RuleDecisionRow};
 pub use reports::{
     CarriedFieldRow, ControlRow, ControlWrites, NewReport, ReportMove, ReportWrites, WaitingRow,

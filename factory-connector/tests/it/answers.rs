@@ -7,6 +7,7 @@ mod decisions;
 mod events;
 mod ledger;
 mod mappings;
+mod past;
 mod people;
 mod policies;
 mod redaction;
@@ -123,6 +124,7 @@ async fn every_operation_answers_as_in_its_snapshot() {
     twin::clients(&mut answers).await;
     twin::authorities(&mut answers).await;
     twin::application_certificate(&mut answers).await;
+    past::decide(&mut answers).await;
     ledger::revoke(&mut answers).await;
     events::check(&mut answers, events).await;
     answers.delete("signOut", "/session").await;

@@ -132,6 +132,10 @@ const ROLES: &[(&str, Least)] = &[
     ("applyRules", Engineer),
     ("listRuleDecisions", Viewer),
     ("undoRuleDecision", Engineer),
+    // The past of requests.
+    ("listPastOffers", Viewer),
+    ("decidePast", Engineer),
+    ("listPastDecisions", Viewer),
 ];
 
 /// An operation of the description.

@@ -96,9 +96,13 @@ impl CheckedLine {
         }
         let event = if header.is_rare() {
             let entry = serde_json::from_str::<LedgerEntry>(&line.entry);
-            entry.ok().map(|entry| match entry.event {
-                Event::Retention(statement) => ReportEvent::Retained(statement),
-                _ => ReportEvent::Other,
+            entry.ok().and_then(|entry| match entry.event {
+                Event::Retention(statement) => Some(ReportEvent::Retained(statement)),
+                // Queued for others: this chain does not know the reports.
+                Event::PastReleased { range, .. } => {
+                    (range.first_sequence <= range.last_sequence).then_some(ReportEvent::Other)
+                }
+                _ => Some(ReportEvent::Other),
             })
         } else {
             header.event().filter(|_| !header.is_queued())

@@ -198,6 +198,8 @@ impl StoredEntry {
             Ok(Event::Revoked { revocation_id, .. }) => checked.revocation = Some(revocation_id),
             Ok(event @ Event::Consent { .. }) => checked.consent = Some((event, self.recorded_at)),
             Ok(Event::Retention(statement)) => checked.event = ReportEvent::Retained(statement),
+            Ok(Event::PastReleased { range, .. })
+                if range.first_sequence <= range.last_sequence => {}
             _ => checked.faults.push("the entry cannot be read"),
         }
     }

@@ -69,6 +69,8 @@ pub enum EventView {
     Revoked(RevokedView),
     /// Values of reports were emptied, or the oldest entries of the chain removed.
     Retention(RetentionStatement),
+    /// Reports that had left for others before are shown to this recipient, too.
+    PastReleased(PastReleasedView),
     /// The stored text is damaged; the verification of the ledger names the entry.
     Unreadable,
 }
@@ -134,6 +136,21 @@ pub struct RevokedView {
     /// The last sequence number that the platform confirmed.
     #[serde(skip_serializing_if = "Option::is_none")]
     last_delivered_sequence: Option<u32>,
+}
+
+/// Reports of the past that are shown to the recipient of the chain.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct PastReleasedView {
+    #[serde(flatten)]
+    range: SequenceRange,
+    /// Root over the roots of the reports' values, hexadecimal.
+    values: String,
+    /// Name of the person who decided.
+    decided_by: String,
+    /// Reason that the person gave.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reason: Option<String>,
 }
 
 impl From<LedgerRow> for EntryView {
@@ -208,6 +225,9 @@ impl From<Event> for EventView {
                 last_delivered_sequence,
             }),
             Event::Retention(statement) => Self::Retention(statement),
+            Event::PastReleased { range, values, decided_by, reason } => {
+                Self::PastReleased(PastReleasedView { range, values, decided_by, reason })
+            }
         }
     }
 }

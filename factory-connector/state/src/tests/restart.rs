@@ -28,6 +28,7 @@ struct Stored {
     heads: BTreeMap<asi_model::OrganisationId, Head>,
     named: BTreeMap<String, DocumentRow>,
     recipients: BTreeMap<asi_model::OrganisationId, RecipientPolicy>,
+    past: Vec<(asi_model::RequestKey, asi_model::OrganisationId, i64)>,
 }
 
 impl Stored {
@@ -58,6 +59,8 @@ impl Stored {
         }
         let named = writes.policies.named.into_iter();
         self.named.extend(named.map(|row| (row.key.id.as_str().to_owned(), row)));
+        let past = writes.ledger.past_decisions.into_iter();
+        self.past.extend(past.map(|row| (row.request, row.recipient, row.through_report)));
         let recipients = writes.policies.recipients.into_iter();
         self.recipients.extend(recipients.map(|row| (row.recipient, row.set)));
     }
@@ -75,6 +78,7 @@ impl Stored {
             writers: self.writers.clone().into_iter().collect(),
             ledger: StoredLedger {
                 heads: Heads::new(self.heads.clone()),
+                past_decisions: self.past.clone(),
                 ..StoredLedger::default()
             },
             policies: StoredPolicies {

@@ -3,6 +3,8 @@
 use asi_model::{DateTime, OrganisationId};
 use ledger::{CheckpointSeal, LinkedEntry, Log, SignedHead};
 
+use super::PastDecisionRow;
+
 /// Rows of the ledger.
 #[derive(Debug, Default, PartialEq)]
 pub struct LedgerWrites {
@@ -23,6 +25,8 @@ pub struct LedgerWrites {
     pub removed: Vec<RemovedEntries>,
     /// Retention of former versions is stated from now on.
     pub is_former_retention_stated: bool,
+    /// Decisions about the past.
+    pub past_decisions: Vec<PastDecisionRow>,
 }
 
 impl LedgerWrites {
@@ -37,6 +41,7 @@ impl LedgerWrites {
             seal,
             removed,
             is_former_retention_stated,
+            past_decisions,
         } = later;
         self.entries.extend(entries);
         self.heads.extend(heads);
@@ -47,6 +52,7 @@ impl LedgerWrites {
         self.seal = seal.or(self.seal.take());
         self.removed.extend(removed);
         self.is_former_retention_stated |= is_former_retention_stated;
+        self.past_decisions.extend(past_decisions);
     }
 }
 
