@@ -14,6 +14,7 @@ export const ENTRY_KINDS = [
   'PURGED',
   'REVOKED',
   'RETENTION',
+  'PAST_RELEASED',
 ] as const satisfies readonly EntryKind[]
 
 export type LedgerSubject = Pick<

@@ -25,7 +25,7 @@ export function subjectOf(entry: LedgerEntry): string[] {
 }
 
 /** Fields of the report of an entry, each with its bare value. */
-export function fieldsOf({ value }: LedgerEntry): [string, unknown][] {
+export function fieldsOf({ value }: Pick<LedgerEntry, 'value'>): [string, unknown][] {
   const payload = value ?? {}
   const isField = (name: string): boolean =>
     !HEADER.includes(name) && !(name.endsWith('Unit') && name.slice(0, -4) in payload)
