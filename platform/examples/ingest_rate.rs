@@ -5,11 +5,13 @@
 
 use std::{io::Write, sync::Arc, time::Instant};
 
+use access_log::AccessLogKey;
 use anyhow::Context;
 use asi_model::DateTime;
 use daemon::telemetry::Metrics;
 use messaging::{Delivery, Envelope, Inbox, LogicalAddress, Settlement};
 use platform::{
+    accesses::AccessRecorder,
     broker_access::BrokerAccess,
     clock::Clock,
     ingest::{Ingest, IngestConfig},
@@ -35,6 +37,7 @@ async fn main() -> anyhow::Result<()> {
     set_up(&store).await?;
     let live = LiveLog::new(1_000, 1);
     let (_board, progress) = ProgressNotifier::new(store.clone(), live.clone());
+    let key = AccessLogKey::from_secret(&[1; 32]);
     let wait = std::time::Duration::from_secs(60);
     let witness = Arc::new(WitnessKey::open(folder.path())?);
     let (ingest, handle) = Ingest::new(
@@ -43,6 +46,7 @@ async fn main() -> anyhow::Result<()> {
         live,
         BrokerAccess::new(Vec::new()),
         progress,
+        AccessRecorder::new(Arc::new(store.clone()), key, Clock::system()),
         Clock::system(),
     )
     .await?;

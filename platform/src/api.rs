@@ -3,6 +3,7 @@
 //! Handlers extract, authorise, call and map; they contain no SQL and no business decisions. Data
 //! outside the viewer's scope is "not found".
 
+mod accesses;
 mod administrator_only;
 mod collaborations;
 mod comments;
@@ -89,6 +90,9 @@ fn guarded() -> OpenApiRouter<Application> {
         .routes(routes!(leases::show))
         .routes(routes!(leases::hand_over))
         .routes(routes!(writers::list))
+        .routes(routes!(accesses::list))
+        .routes(routes!(accesses::checkpoint))
+        .routes(routes!(accesses::export))
         .routes(routes!(tools::list, tools::add))
         .routes(routes!(tools::make_credential, tools::revoke))
         .routes(routes!(collaborations::list, collaborations::add))

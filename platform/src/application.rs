@@ -11,8 +11,9 @@ use messaging::BrokerProfile;
 use tokio_util::sync::CancellationToken;
 
 use crate::{
-    accounts::StoredAccounts, broker_access::BrokerAccess, clock::Clock, config::PlatformConfig,
-    ingest::IngestHandle, live::LiveLog, store::Store, witness::WitnessKey,
+    accesses::AccessRecorder, accounts::StoredAccounts, broker_access::BrokerAccess, clock::Clock,
+    config::PlatformConfig, ingest::IngestHandle, live::LiveLog, store::Store,
+    witness::WitnessKey,
 };
 
 /// Endpoint of the broker for connectors and tools, handed out with their credentials.
@@ -33,6 +34,8 @@ pub struct Application(Arc<ApplicationParts>);
 pub struct ApplicationParts {
     pub config: PlatformConfig,
     pub store: Store,
+    /// Hands values out, once it is on record who gets them.
+    pub accesses: AccessRecorder,
     pub live: LiveLog,
     /// Users, queues and the link.
     pub broker_access: BrokerAccess,

@@ -35,6 +35,12 @@ impl fmt::Debug for Clock {
     }
 }
 
+/// Makes a random id of an access log or of an agent in it: 32 hexadecimal digits.
+#[must_use]
+pub fn new_access_id() -> String {
+    uuid::Uuid::new_v4().simple().to_string()
+}
+
 /// Makes a new message id: a UUIDv7, so that ids sort by time.
 #[expect(clippy::disallowed_methods, reason = "the ids of the platform")]
 #[must_use]

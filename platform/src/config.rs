@@ -230,11 +230,13 @@ pub struct RetentionConfig {
     pub inbox_days: u32,
     /// Lifetime of an enrolment token, in hours.
     pub enrolment_token_hours: u32,
+    /// Retention of the record of who read a factory's values, in days.
+    pub access_days: u32,
 }
 
 impl Default for RetentionConfig {
     fn default() -> Self {
-        Self { inbox_days: 14, enrolment_token_hours: 24 }
+        Self { inbox_days: 14, enrolment_token_hours: 24, access_days: 1_095 }
     }
 }
 
@@ -331,6 +333,12 @@ impl PlatformConfig {
     #[must_use]
     pub fn broker_database_path(&self) -> PathBuf {
         self.data_directory.join("broker.sqlite")
+    }
+
+    /// Returns the path of the key that signs checkpoints of access logs.
+    #[must_use]
+    pub fn access_log_key_path(&self) -> PathBuf {
+        self.data_directory.join("access-log-key.pem")
     }
 
     /// Returns the certificate authority's folder.

@@ -6,6 +6,7 @@
 //!
 //! - Pure: [`leases`] (decides which connector speaks for a factory), [`sequences`] (received
 //!   sequence numbers), [`value_json`] (values in the API), [`tools`] (messages of partners' tools).
+//! - [`accesses`]: values leave only with a record of who got them. [`access_log_key`]: signs that.
 //! - [`store`]: the database, one repository per noun. [`principal`]: rights of the signed-in user.
 //! - [`progress`] (pure): progress of operations. [`live`]: events for pages.
 //! - [`broker_access`], [`certificates`], [`enrolment`]: users, queues and certificates of the
@@ -15,6 +16,8 @@
 //! - Tasks: [`receipts`], [`retention`], [`progress_notifier`].
 //! - [`accounts`], [`administrator`], [`application`], [`api`]: the HTTP API.
 
+pub mod access_log_key;
+pub mod accesses;
 pub mod accounts;
 pub mod administrator;
 pub mod api;

@@ -4,11 +4,12 @@ use asi_model::{
     DateTime, FactoryId, FieldKey, OperationNetworkId, OrganisationId, RequestKey,
     messages::{Fault, MappingState},
 };
-use daemon::web::events::{EventLog, ServerSentEvent};
+use daemon::web::events::EventLog;
 use serde::Serialize;
 use utoipa::ToSchema;
 
 use crate::{
+    accesses::{Contents, Values, Withheld},
     progress::OperationProgress,
     store::{CurrentValue, PartState},
 };
@@ -22,8 +23,8 @@ pub const EVENTS_KEPT_MAX: usize = 20_000;
 /// An event and who may know of it.
 #[derive(Debug, Clone)]
 pub struct Notification {
-    /// An event for pages.
-    pub event: LiveEvent,
+    /// An event for pages, with the values that it brings.
+    event: Withheld<LiveEvent>,
     /// The organisations that may know.
     pub audience: Vec<OrganisationId>,
     /// True if administrators of any organisation may see it: structure yes, values no.
@@ -133,24 +134,49 @@ impl From<&CurrentValue> for FieldUpdate {
 impl LiveEvent {
     /// Addresses the event to an audience.
     #[must_use]
-    pub const fn to(self, audience: Vec<OrganisationId>) -> Notification {
+    pub fn to(self, audience: Vec<OrganisationId>) -> Notification {
         let is_structure =
             matches!(self, Self::Part { .. } | Self::Factory { .. } | Self::Network { .. });
-        Notification { event: self, audience, is_structure }
+        Notification { event: Withheld::new(self), audience, is_structure }
+    }
+}
+
+impl Values for LiveEvent {
+    /// Returns the values of a `value` event. Progress brings the contents of the fields that it was
+    /// derived from; no other event has values.
+    fn contents(&self) -> Vec<Contents> {
+        let Self::Value { request, factory_id, fields } = self else { return Vec::new() };
+        Contents::gather(fields.iter().map(|field| {
+            let at = field.source_timestamp.or(field.report_timestamp);
+            (factory_id, request, field.key.field_name.as_str(), at)
+        }))
     }
 }
 
 impl Notification {
+    /// Addresses the progress of an operation.
+    #[must_use]
+    pub fn progress(
+        operation_network_id: OperationNetworkId,
+        operation: Withheld<OperationProgress>,
+        audience: Vec<OrganisationId>,
+    ) -> Self {
+        let event = operation.map_with(operation_network_id, |operation_network_id, operation| {
+            LiveEvent::Progress { operation_network_id, operation }
+        });
+        Self { event, audience, is_structure: false }
+    }
+
     /// Returns the event if a viewer for `organisation` (or, without one, as administrator) may see
-    /// it.
+    /// it, once that is on record.
     #[must_use]
     pub fn shown_to(
         &self,
         organisation: Option<&OrganisationId>,
         is_administrator: bool,
-    ) -> Option<ServerSentEvent> {
+    ) -> Option<&Withheld<LiveEvent>> {
         let is_concerned = organisation.is_some_and(|id| self.audience.contains(id));
         let is_shown = is_concerned || (is_administrator && self.is_structure);
-        is_shown.then(|| ServerSentEvent::of(&self.event))
+        is_shown.then_some(&self.event)
     }
 }

@@ -1,8 +1,12 @@
 //! The signed-in user of an API call, and the rights that follow from its role.
 
+use access_log::AgentKind;
 use asi_model::OrganisationId;
 
-use crate::store::{Role, Scope, User};
+use crate::{
+    accesses::Reader,
+    store::{Role, Scope, User},
+};
 
 /// The signed-in user of an API call.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,6 +37,17 @@ impl Principal {
     #[must_use]
     pub fn may_plan(&self) -> bool {
         self.user.role != Role::Viewer
+    }
+
+    /// Returns the user as one that reads values for its organisation; `None` without one.
+    #[must_use]
+    pub fn reader(&self) -> Option<Reader> {
+        Some(Reader {
+            organisation_id: self.user.organisation_id.clone()?,
+            kind: AgentKind::User,
+            name: self.user.user_name.clone(),
+            role: Some(self.user.role.as_str()),
+        })
     }
 
     /// Returns the organisation for which the user acts.

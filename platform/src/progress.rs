@@ -48,13 +48,13 @@ pub struct OperationProgress {
 /// Derives the progress of each operation, in the order of the network. `fields` are those that the
 /// viewer may see.
 #[must_use]
-pub fn progress(network: &OperationNetwork, fields: &[FieldRow]) -> Vec<OperationProgress> {
+pub(crate) fn progress(network: &OperationNetwork, fields: &[FieldRow]) -> Vec<OperationProgress> {
     network.operation_list.iter().map(|operation| of_operation(operation, fields)).collect()
 }
 
 /// Derives the progress of one operation.
 #[must_use]
-pub fn of_operation(operation: &Operation, fields: &[FieldRow]) -> OperationProgress {
+pub(crate) fn of_operation(operation: &Operation, fields: &[FieldRow]) -> OperationProgress {
     let newest = Newest { operation, fields };
     let quantity_of = |semantic: &Semantic| newest.quantity(semantic);
     let good_quantity = quantity_of(&Semantic::GoodQuantity);

@@ -13,8 +13,9 @@ use tokio::sync::Notify;
 use tokio_util::sync::CancellationToken;
 
 use crate::{
-    live::{LiveEvent, LiveLog},
-    progress::{OperationProgress, progress},
+    accesses::Withheld,
+    live::{LiveLog, Notification},
+    progress::{OperationProgress, of_operation},
     store::{Scope, Store, StoreError},
 };
 
@@ -29,7 +30,8 @@ pub struct ProgressNotifier {
     store: Store,
     live: LiveLog,
     changed: Arc<Changed>,
-    published: HashMap<(OrganisationId, OperationNetworkId, OperationId), OperationProgress>,
+    published:
+        HashMap<(OrganisationId, OperationNetworkId, OperationId), Withheld<OperationProgress>>,
 }
 
 /// Announces networks that may have changed.
@@ -93,14 +95,16 @@ impl ProgressNotifier {
         }
         for recipient in recipients {
             let fields = work.fields().list(&Scope::Organisation(recipient.clone()), id).await?;
-            for operation in progress(&row.network, &fields) {
-                if operation.last_report_at.is_none() {
-                    continue;
-                }
+            let mut fields = fields.divide(|field| field.key.request.operation_id.clone());
+            for operation in &row.network.operation_list {
+                let own = fields.remove(&operation.operation_id);
+                let Some(own) = own.filter(|own| !own.contents().is_empty()) else { continue };
+                let progress =
+                    own.map_with(operation, |operation, fields| of_operation(operation, &fields));
                 let key = (recipient.clone(), id.clone(), operation.operation_id.clone());
-                if self.published.insert(key, operation.clone()).as_ref() != Some(&operation) {
-                    let event = LiveEvent::Progress { operation_network_id: id.clone(), operation };
-                    self.live.publish([event.to(vec![recipient.clone()])]);
+                if self.published.insert(key, progress.clone()).as_ref() != Some(&progress) {
+                    let audience = vec![recipient.clone()];
+                    self.live.publish([Notification::progress(id.clone(), progress, audience)]);
                 }
             }
         }

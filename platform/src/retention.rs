@@ -1,4 +1,4 @@
-//! Deletion of raw messages after their retention period, in small portions.
+//! Deletion of raw messages and of accesses after their retention periods, in small portions.
 
 use std::time::Duration;
 
@@ -7,6 +7,7 @@ use tokio_util::sync::CancellationToken;
 
 use crate::{
     clock::Clock,
+    config::RetentionConfig,
     store::{Store, StoreError},
 };
 
@@ -15,19 +16,24 @@ use crate::{
 pub struct Retention {
     store: Store,
     clock: Clock,
-    kept: Duration,
+    inbox_kept: Duration,
+    accesses_kept: Duration,
 }
 
 /// Pause between portions, which bounds how much of the writer retention takes.
 const INTERVAL: Duration = Duration::from_secs(60);
+/// Entries of a factory's access log that are kept at most; some hundred bytes each.
+const ACCESSES_KEPT_MAX: u64 = 2_000_000;
 /// Rows forgotten in one transaction, so that nobody waits long for the writer.
 const ROWS_PER_WORK_MAX: u32 = 2_000;
 
 impl Retention {
-    /// Keeps messages as they came for this long.
+    /// Keeps messages and accesses as long as configured.
     #[must_use]
-    pub const fn new(store: Store, clock: Clock, kept: Duration) -> Self {
-        Self { store, clock, kept }
+    pub fn new(store: Store, clock: Clock, config: &RetentionConfig) -> Self {
+        let days = |count: u32| Duration::from_secs(u64::from(count) * 86_400);
+        let (inbox_kept, accesses_kept) = (days(config.inbox_days), days(config.access_days));
+        Self { store, clock, inbox_kept, accesses_kept }
     }
 
     /// Runs until shutdown.
@@ -38,22 +44,30 @@ impl Retention {
         let mut rounds = tokio::time::interval(INTERVAL);
         while shutdown.run_until_cancelled(rounds.tick()).await.is_some() {
             if let Err(error) = self.round().await {
-                tracing::warn!(%error, "Old messages could not be forgotten.");
+                tracing::warn!(%error, "Old messages and accesses could not be forgotten.");
             }
         }
         Ok(())
     }
 
-    /// Forgets one portion; how many messages.
+    /// Forgets one portion of each; how many messages.
     ///
     /// # Errors
     /// [`StoreError`].
     pub async fn round(&self) -> Result<u64, StoreError> {
-        let ticks = i64::try_from(self.kept.as_nanos() / 100).unwrap_or(i64::MAX);
-        let before = DateTime::from_ticks(self.clock.now().ticks().saturating_sub(ticks));
         let mut work = self.store.begin().await?;
-        let count = work.inbox().forget(before, ROWS_PER_WORK_MAX).await?;
+        let count = work.inbox().forget(self.before(self.inbox_kept), ROWS_PER_WORK_MAX).await?;
+        work.commit().await?;
+        let mut work = self.store.begin().await?;
+        let before = self.before(self.accesses_kept);
+        work.accesses().forget(before, ACCESSES_KEPT_MAX, ROWS_PER_WORK_MAX).await?;
         work.commit().await?;
         Ok(count)
+    }
+
+    /// Returns the time before which nothing is kept.
+    fn before(&self, kept: Duration) -> DateTime {
+        let ticks = i64::try_from(kept.as_nanos() / 100).unwrap_or(i64::MAX);
+        DateTime::from_ticks(self.clock.now().ticks().saturating_sub(ticks))
     }
 }

@@ -21,6 +21,8 @@ use tokio::{net::TcpListener, sync::watch};
 use tokio_util::sync::CancellationToken;
 
 use crate::{
+    access_log_key,
+    accesses::AccessRecorder,
     accounts::StoredAccounts,
     administrator, api,
     application::{Application, ApplicationParts},
@@ -83,6 +85,8 @@ impl Platform {
         // The mark of this start: a page that comes with an id from before it loads everything.
         let live =
             LiveLog::new(EVENTS_KEPT_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
+        let key = access_log_key::open(&config.access_log_key_path())?;
+        let accesses = AccessRecorder::new(Arc::new(store.clone()), key, clock.clone());
         let broker_access = BrokerAccess::new(config.broker.users.clone());
         let (progress_notifier, progress) = ProgressNotifier::new(store.clone(), live.clone());
         let resend_after = Duration::from_millis(config.parts.resend_after_ms);
@@ -95,6 +99,7 @@ impl Platform {
             live.clone(),
             broker_access.clone(),
             progress,
+            accesses.clone(),
             clock.clone(),
         )
         .await?;
@@ -128,6 +133,7 @@ impl Platform {
         let application = Application::new(ApplicationParts {
             config,
             store,
+            accesses,
             live,
             broker_access,
             ingest: ingest_handle,
@@ -202,12 +208,13 @@ impl Platform {
             Importance::Essential,
             progress_notifier.run(lifecycle.shutdown()),
         );
-        let kept = Duration::from_secs(u64::from(application.config.retention.inbox_days) * 86_400);
+        let accesses = application.accesses.clone();
+        lifecycle.spawn("accesses", Importance::Essential, accesses.run(lifecycle.shutdown()));
         // Optional: a platform that cannot forget still serves.
         lifecycle.spawn(
             "retention",
             Importance::Optional,
-            Retention::new(store, clock, kept).run(lifecycle.shutdown()),
+            Retention::new(store, clock, &application.config.retention).run(lifecycle.shutdown()),
         );
         let metrics = application.metrics.clone().run(lifecycle.shutdown());
         lifecycle.spawn("metrics", Importance::Optional, async move {

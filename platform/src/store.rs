@@ -11,6 +11,8 @@
 //! one writer, pragmas) and in the folder `migrations/sqlite`; a second database is a second such
 //! module behind the same [`Database`] alias.
 
+mod access_storage;
+mod accesses;
 mod asked_requests;
 mod collaborations;
 mod comments;
@@ -43,6 +45,7 @@ mod visibility;
 mod work;
 mod writers;
 
+pub use accesses::{AccessQuery, Accesses, ListedAccess, StoredAccessLog};
 pub use asked_requests::AskedRequests;
 pub use collaborations::{Collaboration, Collaborations};
 pub use comments::{CommentEntry, Comments, NewComment};

@@ -20,6 +20,7 @@ use asi_model::{
 };
 
 use crate::{
+    access::{self, AccessCommand},
     check::{Check, pubsub_fault},
     explain,
     input::{Input, InputKind},
@@ -70,6 +71,9 @@ pub enum AsiCommand {
     /// Check the account of what a factory disclosed.
     #[command(subcommand)]
     Ledger(LedgerCommand),
+    /// Check the account of who read a factory's values at the platform.
+    #[command(subcommand)]
+    Access(AccessCommand),
     /// Write the JSON Schemas of all messages into a folder.
     Schema {
         /// Folder of the schema files; existing ones are replaced.
@@ -112,6 +116,7 @@ pub fn run(command: AsiCommand, out: &mut dyn Write) -> anyhow::Result<CommandOu
             explain_message(&input, meta_data.as_deref(), out)
         }
         AsiCommand::Ledger(command) => ledger::run(command, out),
+        AsiCommand::Access(command) => access::run(command, out),
         AsiCommand::Schema { folder } => {
             for (name, known) in schema::all() {
                 let path = folder.join(name);

@@ -4,23 +4,20 @@ mod lines;
 mod receipt;
 
 use std::{
-    fs::File,
-    io::{BufReader, Read as _, Write},
+    io::{Read as _, Write},
     path::{Path, PathBuf},
 };
 
 use ::ledger::audit::Auditor;
-use anyhow::Context as _;
 use asi_model::DateTime;
-use lines::{next_line, take_all};
+use lines::take_all;
 use transparency_log::VerifierKey;
 
-use crate::outcome::CommandOutcome;
+use crate::{
+    lines::{checkpoint, next_line, open},
+    outcome::CommandOutcome,
+};
 
-/// Bytes that are read from the file at once.
-const BUFFER_BYTES: usize = 1 << 20;
-/// Longest checkpoint that is read, in bytes.
-const CHECKPOINT_BYTES_MAX: u64 = 64 * 1024;
 /// Longest receipt that is read, in bytes.
 const RECEIPT_BYTES_MAX: u64 = 1024 * 1024;
 
@@ -69,21 +66,16 @@ pub fn run(command: LedgerCommand, out: &mut dyn Write) -> anyhow::Result<Comman
     }
 }
 
-fn open(path: &Path) -> anyhow::Result<File> {
-    File::open(path).with_context(|| format!("cannot read {}", path.display()))
-}
-
 fn verify(
     file: &Path,
-    checkpoint: &Path,
+    note: &Path,
     key: &VerifierKey,
     witness: Option<&VerifierKey>,
     emptied_before: Option<DateTime>,
     out: &mut dyn Write,
 ) -> anyhow::Result<CommandOutcome> {
-    let mut note = String::new();
-    open(checkpoint)?.take(CHECKPOINT_BYTES_MAX).read_to_string(&mut note)?;
-    let mut lines = BufReader::with_capacity(BUFFER_BYTES, open(file)?);
+    let note = checkpoint(note)?;
+    let mut lines = open(file)?;
     let first = next_line(&mut lines)?.unwrap_or_default();
     let begun = Auditor::new(&note, key, &first, emptied_before).and_then(|mut auditor| {
         witness.map_or(Ok(()), |witness| auditor.demand_witness(witness))?;

@@ -3,11 +3,13 @@
 //!
 //! Exit codes: 0 all is well, 1 the input is not valid, 2 the command could not be carried out.
 
+mod access;
 mod check;
 mod commands;
 mod explain;
 mod input;
 mod ledger;
+mod lines;
 mod outcome;
 
 use std::{io::Write as _, process::ExitCode};

@@ -57,6 +57,10 @@ impl<T> std::fmt::Debug for EventLog<T> {
 /// The stream behind an answer.
 type EventStream = BoxStream<'static, Result<Event, Infallible>>;
 
+/// End of a stream whose next event cannot be shown now. The page connects again, and asks for it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StreamEnd;
+
 /// Result of a reader's look into the log.
 enum Next<T> {
     Event(u64, Arc<T>),
@@ -126,15 +130,18 @@ impl<T: Send + Sync + 'static> EventLog<T> {
     }
 
     /// A stream of server-sent events after `last_event_id`, or of what comes from now on. `show`
-    /// yields an event, or `None` where the viewer must not see it; `reset` is sent in the place of
-    /// events that the log no longer has. The stream ends at shutdown.
-    pub fn stream(
+    /// yields an event, `None` where the viewer must not see it, or the end of the stream; `reset` is
+    /// sent in the place of events that the log no longer has. The stream ends at shutdown, too.
+    pub fn stream<Shown>(
         &self,
         last_event_id: Option<&str>,
         reset: ServerSentEvent,
         shutdown: CancellationToken,
-        mut show: impl FnMut(&T) -> Option<ServerSentEvent> + Send + 'static,
-    ) -> Response {
+        mut show: impl FnMut(Arc<T>) -> Shown + Send + 'static,
+    ) -> Response
+    where
+        Shown: Future<Output = Result<Option<ServerSentEvent>, StreamEnd>> + Send + 'static,
+    {
         let (start, must_reset) = match last_event_id {
             None => (*self.newest.borrow(), false),
             Some(id) => match self.number(id) {
@@ -160,8 +167,11 @@ impl<T: Send + Sync + 'static> EventLog<T> {
                         }
                         Next::Event(number, event) => {
                             after = number;
-                            let Some(shown) = show(&event) else { continue };
-                            shown.with_id(log.id(number))
+                            match show(event).await {
+                                Ok(Some(shown)) => shown.with_id(log.id(number)),
+                                Ok(None) => continue,
+                                Err(StreamEnd) => return,
+                            }
                         }
                     };
                     if sink.send(event).await.is_err() {
@@ -224,7 +234,8 @@ mod tests {
     async fn read(log: &EventLog<u32>, last: Option<&str>, count: usize) -> String {
         let reset = sent("reset", &json!({}));
         let response = log.stream(last, reset, CancellationToken::new(), |event| {
-            (*event != 13).then(|| sent("value", &json!(event)))
+            let shown = (*event != 13).then(|| sent("value", &json!(*event)));
+            std::future::ready(Ok(shown))
         });
         let mut body = response.into_body();
         let mut text = String::new();

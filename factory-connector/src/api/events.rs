@@ -98,6 +98,6 @@ impl From<&FieldEvent> for FieldChangeView {
 pub async fn stream_events(_: Viewer, State(api): State<Api>, headers: HeaderMap) -> Response {
     let reset = ServerSentEvent::of(&LiveEvent::Reset {});
     api.events.stream(last_event_id(&headers), reset, api.server.shutdown.clone(), |event| {
-        Some(ServerSentEvent::of(&LiveEvent::from(event)))
+        std::future::ready(Ok(Some(ServerSentEvent::of(&LiveEvent::from(&*event)))))
     })
 }

@@ -1,9 +1,12 @@
 //! Live notifications.
 
+use std::sync::Arc;
+
+use access_log::AccessKind;
 use axum::{extract::State, http::HeaderMap, response::Response};
 use daemon::web::{
     ApiQuery,
-    events::{ServerSentEvent, last_event_id},
+    events::{ServerSentEvent, StreamEnd, last_event_id},
     session::SignedIn,
 };
 use serde::Deserialize;
@@ -33,9 +36,22 @@ pub async fn stream(
     headers: HeaderMap,
 ) -> Response {
     let after = last_event_id(&headers).map(str::to_owned).or(query.last_event_id);
-    let principal = who.principal;
+    let viewer = Arc::new((who.principal.reader(), who.principal));
     let reset = ServerSentEvent::of(&LiveEvent::Reset {});
+    let accesses = app.accesses.clone();
     app.live.stream(after.as_deref(), reset, app.shutdown.clone(), move |notification| {
-        notification.shown_to(principal.organisation(), principal.is_administrator())
+        let (viewer, accesses) = (Arc::clone(&viewer), accesses.clone());
+        async move {
+            let (reader, principal) = &*viewer;
+            let organisation = principal.organisation();
+            let event = notification.shown_to(organisation, principal.is_administrator());
+            let Some(event) = event else { return Ok(None) };
+            // The page reconnects and asks for the same event again.
+            let shown = accesses.show(reader.as_ref(), AccessKind::Streamed, event).await;
+            shown.map(|event| Some(ServerSentEvent::of(event))).map_err(|error| {
+                tracing::warn!(%error, "A live stream ends.");
+                StreamEnd
+            })
+        }
     })
 }

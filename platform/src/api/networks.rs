@@ -1,5 +1,6 @@
 //! Operation networks.
 
+use access_log::AccessKind;
 use asi_model::{CollaborationId, FactoryId, OperationNetworkId, validation::parse_network};
 use axum::{
     Json,
@@ -78,7 +79,10 @@ pub async fn show(
     let last_event_id = app.live.newest_id();
     let mut work = app.store.read().await?;
     let view = networks::view(&mut work, &who.principal.scope(), &id, last_event_id).await?;
+    drop(work);
     let view = view.ok_or_else(|| Problem::not_found(format_args!("operation network {id}")))?;
+    let reader = who.principal.reader();
+    let view = app.accesses.disclose(reader.as_ref(), AccessKind::Looked, view).await?;
     let mut headers = HeaderMap::new();
     if let Ok(tag) = HeaderValue::from_str(&format!("\"{}\"", view.revision)) {
         headers.insert(header::ETAG, tag);

@@ -5,8 +5,8 @@ use daemon::web::{Problem, problem::ProblemFault};
 use utoipa::IntoResponses;
 
 use crate::{
-    administrator::AdministratorError, broker_access::BrokerAccessError, enrolment::EnrolmentError,
-    networks::ChangeError, store::StoreError,
+    accesses::NotRecorded, administrator::AdministratorError, broker_access::BrokerAccessError,
+    enrolment::EnrolmentError, networks::ChangeError, store::StoreError,
 };
 
 /// Problems of operations that read.
@@ -53,6 +53,12 @@ pub enum ChangeProblems {
 
 impl From<StoreError> for Problem {
     fn from(error: StoreError) -> Self {
+        Self::internal(&error)
+    }
+}
+
+impl From<NotRecorded> for Problem {
+    fn from(error: NotRecorded) -> Self {
         Self::internal(&error)
     }
 }

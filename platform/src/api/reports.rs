@@ -1,5 +1,6 @@
 //! The history of reports.
 
+use access_log::AccessKind;
 use asi_model::{DynamicDataRequestId, OperationNetworkId};
 use axum::{Json, extract::State};
 use daemon::web::{ApiQuery, Problem, session::SignedIn};
@@ -34,7 +35,8 @@ pub struct ReportsQuery {
     newest: Option<bool>,
 }
 
-/// Lists the reports that their factories released to the viewer, in the order of their arrival.
+/// Lists the reports that their factories released to the viewer, in the order of their arrival. The
+/// factories can see that: as looked at where `newest` is set, else as exported.
 #[utoipa::path(get, operation_id = "listReports", path = "/reports", tag = "reports", security(("session" = [])), params(ReportsQuery),
     responses((status = 200, body = Page<Report>), ReadProblems))]
 pub async fn list(
@@ -52,6 +54,10 @@ pub async fn list(
         is_newest,
     };
     let reports = app.store.read().await?.reports().list(&who.principal.scope(), &wanted).await?;
+    // Pages show the newest; who reads page after page from the oldest on takes the history along.
+    let kind = if is_newest { AccessKind::Looked } else { AccessKind::Exported };
+    let reader = who.principal.reader();
+    let reports = app.accesses.disclose(reader.as_ref(), kind, reports).await?;
     if is_newest {
         return Ok(Json(Page::whole(reports)));
     }

@@ -19,8 +19,9 @@ use super::{
     unit::Effects,
 };
 use crate::{
+    accesses::AccessRecorder,
     broker_access::BrokerAccess,
-    clock::Clock,
+    clock::{Clock, new_access_id},
     live::{LiveEvent, LiveLog},
     progress_notifier::ProgressNotifierHandle,
     store::{Heard, Store, StoreError},
@@ -56,6 +57,7 @@ pub struct Ingest {
     live: LiveLog,
     broker_access: BrokerAccess,
     progress: ProgressNotifierHandle,
+    accesses: AccessRecorder,
     clock: Clock,
     resend_after: Duration,
     witness: Arc<WitnessKey>,
@@ -91,6 +93,7 @@ impl Ingest {
         live: LiveLog,
         broker_access: BrokerAccess,
         progress: ProgressNotifierHandle,
+        accesses: AccessRecorder,
         clock: Clock,
     ) -> Result<(Self, IngestHandle), StoreError> {
         // Writers send metadata once, and reports that arrive after a restart need it.
@@ -113,6 +116,7 @@ impl Ingest {
                 live,
                 broker_access,
                 progress,
+                accesses,
                 clock,
                 resend_after,
                 witness,
@@ -200,8 +204,12 @@ impl Ingest {
         for (address, messages) in batches {
             applier.batch(address, messages).await?;
         }
-        let effects = applier.finish().await?;
+        let mut effects = applier.finish().await?;
+        // What tools are sent is on record with the messages that bring it.
+        let (entries, counted) = self.accesses.divide(std::mem::take(&mut effects.forwarded));
+        work.accesses().append(&entries, self.clock.now(), new_access_id).await?;
         work.commit().await?;
+        self.accesses.written(&entries, counted);
         // After the commit: pages and tools hear of nothing that may still be rolled back.
         self.tell(effects).await;
         Ok(())

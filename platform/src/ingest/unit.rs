@@ -5,13 +5,20 @@ use std::{
     fmt::Display,
 };
 
-use asi_model::{DateTime, FactoryId, MessageId, OperationNetworkId, pubsub::DataSetMetaData};
+use access_log::{AccessKind, AgentKind};
+use asi_model::{
+    DateTime, FactoryId, MessageId, OperationNetworkId, OrganisationId, ToolId,
+    messages::{LedgerCosignature, PlatformMessage},
+    pubsub::DataSetMetaData,
+};
 use messaging::LogicalAddress;
 
 use super::decode::Incoming;
 use crate::{
+    accesses::{Contents, Reader, Reading},
     live::Notification,
     store::{Heard, NewDeadLetter, NewOutgoing, StoreError, Work, WriterKey, WriterRow},
+    tools::ToolAcknowledgement,
 };
 
 /// Effects of a unit, to be published after its commit.
@@ -31,6 +38,8 @@ pub(super) struct Effects {
     pub(super) reports: u64,
     /// Number of repeats discarded.
     pub(super) duplicates: u64,
+    /// Values that leave for tools by messages of this unit.
+    pub(super) forwarded: Vec<Reading>,
     /// Code of each dead letter.
     pub(super) dead_letters: Vec<&'static str>,
 }
@@ -106,8 +115,49 @@ impl<'w> IngestUnit<'w> {
         Ok(row.and_then(|row| row.operation_network_id.zip(row.dynamic_data_request_id)))
     }
 
-    /// Adds a message to be sent.
-    pub(super) async fn send(
+    /// Adds the answer to a tool's message.
+    pub(super) async fn answer(&mut self, answer: &ToolAcknowledgement) -> Result<(), StoreError> {
+        let body = serde_json::to_vec(answer).expect("an acknowledgement has text keys only");
+        let address = LogicalAddress::ToolReports(answer.tool_id.clone());
+        let (id, correlation) = (answer.message_id.clone(), Some(answer.correlation_id.clone()));
+        self.send(address, id, "acknowledgement", correlation, body).await
+    }
+
+    /// Adds the answer to a checkpoint of a factory's ledger.
+    pub(super) async fn cosign(&mut self, answer: LedgerCosignature) -> Result<(), StoreError> {
+        let address = LogicalAddress::FactoryRequests(answer.factory_id.clone());
+        let (id, correlation) = (answer.message_id.clone(), Some(answer.correlation_id.clone()));
+        let answer = PlatformMessage::LedgerCosignature(answer);
+        let body = serde_json::to_vec(&answer).expect("messages have text keys only");
+        self.send(address, id, answer.message_type(), correlation, body).await
+    }
+
+    /// Adds a message that brings values to a tool of an organisation. Who commits the unit records
+    /// them as forwarded in the same transaction.
+    pub(super) async fn forward(
+        &mut self,
+        tool: ToolId,
+        organisation: OrganisationId,
+        contents: Vec<Contents>,
+        message_id: MessageId,
+        body: Vec<u8>,
+    ) -> Result<(), StoreError> {
+        let reader = Reader {
+            organisation_id: organisation,
+            kind: AgentKind::Tool,
+            name: tool.to_string(),
+            role: None,
+        };
+        self.effects.forwarded.extend(contents.into_iter().map(|contents| Reading {
+            reader: reader.clone(),
+            kind: AccessKind::Forwarded,
+            contents,
+            since: self.now,
+        }));
+        self.send(LogicalAddress::ToolReports(tool), message_id, "ua-data", None, body).await
+    }
+
+    async fn send(
         &mut self,
         address: LogicalAddress,
         message_id: MessageId,

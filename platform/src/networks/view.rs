@@ -9,6 +9,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use crate::{
+    accesses::Withheld,
     progress::{OperationProgress, progress},
     store::{FieldRow, NetworkRow, PartState, Scope, SeenPart, StoreError, Work},
 };
@@ -113,7 +114,7 @@ pub async fn view(
     scope: &Scope,
     id: &OperationNetworkId,
     last_event_id: String,
-) -> Result<Option<NetworkView>, StoreError> {
+) -> Result<Option<Withheld<NetworkView>>, StoreError> {
     let Some(row) = work.networks().lookup(scope, id).await? else { return Ok(None) };
     let fields = work.fields().list(scope, id).await?;
     let parts = work.parts().seen(scope, id).await?;
@@ -126,29 +127,31 @@ pub async fn view(
             part_view(seen, factory)
         })
         .collect();
-    let operations = progress(&row.network, &fields);
-    let NetworkRow {
-        collaboration_id,
-        revision,
-        network,
-        updated_at,
-        updated_by,
-        withdrawn_at,
-        drawn_by,
-    } = row;
-    Ok(Some(NetworkView {
-        collaboration_id,
-        revision,
-        updated_at,
-        updated_by,
-        withdrawn_at,
-        drawn_by,
-        network,
-        parts: part_views,
-        operations,
+    let shown = (row, part_views, last_event_id);
+    Ok(Some(fields.map_with(shown, |(row, parts, last_event_id), fields| {
+        network_view(row, parts, last_event_id, fields)
+    })))
+}
+
+fn network_view(
+    row: NetworkRow,
+    parts: Vec<PartView>,
+    last_event_id: String,
+    fields: Vec<FieldRow>,
+) -> NetworkView {
+    NetworkView {
+        collaboration_id: row.collaboration_id,
+        revision: row.revision,
+        updated_at: row.updated_at,
+        updated_by: row.updated_by,
+        withdrawn_at: row.withdrawn_at,
+        drawn_by: row.drawn_by,
+        operations: progress(&row.network, &fields),
+        network: row.network,
+        parts,
         fields: fields.into_iter().map(field_view).collect(),
         last_event_id,
-    }))
+    }
 }
 
 fn part_view(seen: SeenPart, factory: Option<&crate::store::Factory>) -> PartView {

@@ -10,8 +10,9 @@ use daemon::{
 use messaging::LinkError;
 
 use crate::{
-    administrator::AdministratorError, broker_access::BrokerAccessError,
-    certificates::CertificateError, store::StoreError, witness::WitnessError,
+    access_log_key::AccessLogKeyError, administrator::AdministratorError,
+    broker_access::BrokerAccessError, certificates::CertificateError, store::StoreError,
+    witness::WitnessError,
 };
 
 /// Failure to start the platform.
@@ -35,6 +36,9 @@ pub enum StartError {
     /// The key of the witness cannot be used.
     #[error("the key of the witness cannot be used")]
     Witness(#[from] WitnessError),
+    /// The key that signs checkpoints of access logs cannot be used.
+    #[error("the key of the access logs cannot be used")]
+    AccessLogKey(#[from] AccessLogKeyError),
     /// The link cannot be made.
     #[error("the link to the broker cannot be made")]
     Link(#[from] LinkError),

@@ -10,7 +10,7 @@ use sqlx::{
 
 use super::{error::StoreError, work::Work};
 
-const MIGRATIONS: [(i64, &str, &str); 8] = [
+const MIGRATIONS: [(i64, &str, &str); 9] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
@@ -18,6 +18,7 @@ const MIGRATIONS: [(i64, &str, &str); 8] = [
     (5, "network owners", include_str!("../../migrations/sqlite/0005_network_owners.sql")),
     (6, "ledger witness", include_str!("../../migrations/sqlite/0006_ledger_witness.sql")),
     (7, "past releases", include_str!("../../migrations/sqlite/0007_past_releases.sql")),
+    (8, "accesses", include_str!("../../migrations/sqlite/0008_accesses.sql")),
     (10, "revocations", include_str!("../../migrations/sqlite/0010_revocations.sql")),
 ];
 

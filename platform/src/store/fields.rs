@@ -30,6 +30,7 @@ use super::{
     row::{Columns, DatabaseRow, document},
     scope::Scope,
 };
+use crate::accesses::{Contents, Values, Withheld};
 
 /// A field that a revision asks for.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -79,6 +80,16 @@ pub struct FieldRow {
     pub decided_at: Option<DateTime>,
     /// The newest value with its times; none before the first report.
     pub current: Option<CurrentValue>,
+}
+
+impl Values for Vec<FieldRow> {
+    fn contents(&self) -> Vec<Contents> {
+        Contents::gather(self.iter().filter_map(|field| {
+            let current = field.current.as_ref()?;
+            let at = current.source_timestamp.or(current.report_timestamp);
+            Some((&field.factory_id, &field.key.request, field.key.field_name.as_str(), at))
+        }))
+    }
 }
 
 /// Repository of requested fields.
@@ -255,7 +266,7 @@ impl Fields<'_> {
         &mut self,
         scope: &Scope,
         network: &OperationNetworkId,
-    ) -> Result<Vec<FieldRow>, StoreError> {
+    ) -> Result<Withheld<Vec<FieldRow>>, StoreError> {
         let sql = concat!(
             "SELECT f.*, v.epoch, v.sequence, v.value, v.built_in_type, v.status, v.source_timestamp,
                        v.report_timestamp, v.received_at, v.recipient_set_id
@@ -285,7 +296,8 @@ impl Fields<'_> {
             .fetch_all(&mut *self.0)
             .await
             .map_err(StoreError::during("list fields"))?;
-        rows.iter().map(read).collect()
+        let fields: Result<Vec<FieldRow>, StoreError> = rows.iter().map(read).collect();
+        fields.map(Withheld::new)
     }
 }
 

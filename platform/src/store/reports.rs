@@ -15,7 +15,10 @@ use super::{
     row::{Columns, DatabaseRow, document},
     scope::Scope,
 };
-use crate::value_json::ReportedValue;
+use crate::{
+    accesses::{Contents, Values, Withheld},
+    value_json::ReportedValue,
+};
 
 /// A DataSetMessage to store.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,6 +72,18 @@ pub struct Report {
     /// The fields by their names.
     #[schema(value_type = std::collections::BTreeMap<String, ReportedValue>)]
     pub fields: IndexMap<String, ReportedValue>,
+}
+
+impl Values for Vec<Report> {
+    fn contents(&self) -> Vec<Contents> {
+        Contents::gather(self.iter().flat_map(|report| {
+            let reported_at = report.report_timestamp.or(report.shopfloor_timestamp);
+            report.fields.iter().map(move |(name, value)| {
+                let at = value.source_timestamp.or(reported_at);
+                (&report.factory_id, &report.request, name.as_str(), at)
+            })
+        }))
+    }
 }
 
 /// Filter and page of the history.
@@ -184,7 +199,7 @@ impl Reports<'_> {
         &mut self,
         scope: &Scope,
         query: &ReportQuery,
-    ) -> Result<Vec<Report>, StoreError> {
+    ) -> Result<Withheld<Vec<Report>>, StoreError> {
         let sql =
             concat!("SELECT p.* FROM report p WHERE ", chosen!(), " ORDER BY p.report_id LIMIT $5");
         let newest = concat!(
@@ -204,7 +219,8 @@ impl Reports<'_> {
         if query.is_newest {
             rows.reverse();
         }
-        rows.iter().map(read).collect()
+        let reports: Result<Vec<Report>, StoreError> = rows.iter().map(read).collect();
+        reports.map(Withheld::new)
     }
 }
 

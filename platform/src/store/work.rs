@@ -3,6 +3,7 @@
 use sqlx::Transaction;
 
 use super::{
+    accesses::Accesses,
     asked_requests::AskedRequests,
     collaborations::Collaborations,
     comments::Comments,
@@ -46,6 +47,11 @@ impl Work {
     /// [`StoreError::Statement`]; then the work has no effect.
     pub async fn commit(self) -> Result<(), StoreError> {
         self.0.commit().await.map_err(StoreError::during("commit"))
+    }
+
+    /// Returns the repository of access logs.
+    pub fn accesses(&mut self) -> Accesses<'_> {
+        Accesses(self.connection())
     }
 
     /// Returns the repository of requests with the factories that were asked.

@@ -1,9 +1,13 @@
 //! A whole platform on free ports, in a folder of its own, and clients of its API.
 
-use std::{future::Future, time::Duration};
+use std::{future::Future, sync::Arc, time::Duration};
 
+use access_log::{AccessKind, AccessLogKey, AgentKind};
+use asi_model::DateTime;
+use async_trait::async_trait;
 use daemon::lifecycle::Lifecycle;
 use platform::{
+    accesses::{AccessRecorder, AccessStorage, NotRecorded, Reader, Reading, Withheld},
     clock::Clock,
     config::PlatformConfig,
     service::{Platform, PlatformHandle},
@@ -94,6 +98,32 @@ impl Drop for World {
         if let Some((lifecycle, _)) = &self.running {
             lifecycle.stop();
         }
+    }
+}
+
+/// Opens withheld values without a record, which only tests do.
+pub async fn opened<T>(withheld: Withheld<T>) -> T {
+    let (storage, clock) = (Arc::new(NoStorage), Clock::system());
+    let accesses = AccessRecorder::new(storage, AccessLogKey::from_secret(&[1; 32]), clock);
+    accesses.disclose(Some(&reader("test")), AccessKind::Looked, withheld).await.expect("opened")
+}
+
+/// A person of the organisation `a`.
+pub fn reader(name: &str) -> Reader {
+    let organisation_id = "a".parse().expect("an id");
+    Reader { organisation_id, kind: AgentKind::User, name: name.to_owned(), role: None }
+}
+
+struct NoStorage;
+
+#[async_trait]
+impl AccessStorage for NoStorage {
+    async fn append(&self, _: &[Reading], _: DateTime) -> Result<(), NotRecorded> {
+        Ok(())
+    }
+
+    async fn sign_checkpoints(&self, _: &AccessLogKey) -> Result<(), NotRecorded> {
+        Ok(())
     }
 }
 

@@ -3,6 +3,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "tests run by the machine's clock")]
 
+mod accesses;
 mod answers;
 mod chain;
 mod connector;

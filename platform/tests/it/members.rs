@@ -158,6 +158,13 @@ fn readings(operation: &str, owner: &Member) -> Vec<String> {
             vec![format!("/factories/{}/ledger-logs", owner.factory)]
         }
         "/factories/{factoryId}/writers" => vec![format!("/factories/{}/writers", owner.factory)],
+        "/factories/{factoryId}/accesses" => vec![format!("/factories/{}/accesses", owner.factory)],
+        "/factories/{factoryId}/accesses/checkpoint" => {
+            vec![format!("/factories/{}/accesses/checkpoint", owner.factory)]
+        }
+        "/factories/{factoryId}/accesses/audit" => {
+            vec![format!("/factories/{}/accesses/audit", owner.factory)]
+        }
         "/operation-networks/{operationNetworkId}" => vec![network, network_path()],
         "/operation-networks/{operationNetworkId}/comments" => {
             vec![format!("{network}/comments"), format!("{}/comments", network_path())]
@@ -205,7 +212,7 @@ async fn no_member_reads_what_is_not_for_it() {
                     assert!([200, 403, 404].contains(&answer.status), "{path}: {answer:?}");
                     let told = answer.body.to_string();
                     assert!(!told.contains(&owner.secret()), "{} reads {path}: {told}", reader.id);
-                    let is_own = path.contains(&owner.network());
+                    let is_own = path.contains(&owner.network()) || path.contains("/accesses");
                     assert!(
                         !is_own || answer.status == 404 || path.starts_with("/reports"),
                         "{path}"

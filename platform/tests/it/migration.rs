@@ -2,14 +2,20 @@
 
 use std::{path::Path, str::FromStr};
 
+use access_log::AccessKind;
 use asi_model::{DateTime, FactoryId, OperationNetworkId, RequestKey};
-use platform::store::{NewReport, ReportQuery, Scope, Store, Work};
+use platform::{
+    accesses::{AccessStorage as _, Contents, Reading},
+    store::{AccessQuery, NewReport, ReportQuery, Scope, Store, Work},
+};
 use serde_json::json;
 use sqlx::{
     Connection as _, SqlSafeStr as _, SqliteConnection,
     migrate::{Migration, MigrationType, Migrator},
     sqlite::SqliteConnectOptions,
 };
+
+use crate::harness::{opened, reader};
 
 const BEFORE: [&str; 3] = [
     include_str!("../../migrations/sqlite/0001_house.sql"),
@@ -66,6 +72,7 @@ fn organisation(id: &str) -> Scope {
 async fn sequences(work: &mut Work, scope: &Scope) -> Vec<u32> {
     let query = ReportQuery { limit: 10, ..ReportQuery::default() };
     let reports = work.reports().list(scope, &query).await.expect("read");
+    let reports = opened(reports).await;
     reports.iter().map(|report| report.sequence).collect()
 }
 
@@ -81,6 +88,7 @@ async fn what_was_stored_stays_with_those_who_could_read_it() {
     assert_eq!(sequences(&mut work, &organisation("b")).await, Vec::<u32>::new());
     let net: OperationNetworkId = "net".parse().expect("an id");
     let fields = work.fields().list(&organisation("a"), &net).await.expect("read");
+    let fields = opened(fields).await;
     let values: Vec<_> =
         fields.iter().map(|field| field.current.as_ref().map(|value| &value.value)).collect();
     assert_eq!(values, [Some(&json!(1)), None], "a pending field has no value");
@@ -126,4 +134,74 @@ async fn what_is_for_nobody_later_stays_so() {
     work.reports().add(&[report]).await.expect("stored");
     assert_eq!(sequences(&mut work, &organisation("a")).await, [7]);
     assert_eq!(sequences(&mut work, &Scope::Platform).await, [7, 8, 9]);
+}
+
+fn reading(at: i64) -> Reading {
+    let request = RequestKey {
+        operation_network_id: "net".parse().expect("an id"),
+        operation_id: "op".parse().expect("an id"),
+        dynamic_data_request_id: "req".parse().expect("an id"),
+    };
+    let factory = "F".parse().expect("an id");
+    Reading {
+        reader: reader("u"),
+        kind: AccessKind::Looked,
+        contents: Contents::gather([(&factory, &request, "open", None)]).remove(0),
+        since: DateTime::from_ticks(at),
+    }
+}
+
+/// Of F, which belongs to b, as an organisation sees them: the numbers, newest first.
+async fn accesses(store: &Store, scope: &str) -> Vec<u64> {
+    let mut work = store.read().await.expect("begun");
+    let (factory, query) =
+        ("F".parse().expect("an id"), AccessQuery { limit: 9, ..Default::default() });
+    let listed = work.accesses().list(&organisation(scope), &factory, &query).await.expect("read");
+    listed.iter().map(|listed| listed.entry.number).collect()
+}
+
+#[tokio::test]
+async fn an_old_store_begins_to_record_accesses() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store.sqlite");
+    make_former_store(&path).await;
+    let store = Store::open(&path).await.expect("it opens");
+    assert_eq!(accesses(&store, "b").await, [] as [u64; 0]);
+    store.append(&[reading(1)], DateTime::from_ticks(1)).await.expect("recorded");
+    store.close().await;
+    let store = Store::open(&path).await.expect("it opens again");
+    store.append(&[reading(2)], DateTime::from_ticks(2)).await.expect("recorded");
+    assert_eq!(accesses(&store, "b").await, [2, 1]);
+    assert_eq!(accesses(&store, "a").await, [] as [u64; 0], "the log is the factory's");
+}
+
+#[tokio::test]
+async fn old_accesses_are_forgotten_and_the_rest_still_follows_from_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store.sqlite");
+    make_former_store(&path).await;
+    let store = Store::open(&path).await.expect("it opens");
+    for at in 1..=6 {
+        store.append(&[reading(at)], DateTime::from_ticks(at)).await.expect("recorded");
+    }
+    let factory: FactoryId = "F".parse().expect("an id");
+    let whole = store.read().await.expect("begun").accesses().lookup(&factory).await.expect("read");
+    for (before, kept, limit, left) in [
+        (1, 9, 10, &[6, 5, 4, 3, 2, 1][..]),
+        (3, 9, 10, &[6, 5, 4, 3]),
+        (9, 9, 1, &[6, 5, 4]),
+        (1, 2, 10, &[6, 5]),
+    ] {
+        let mut work = store.begin().await.expect("begun");
+        let before = DateTime::from_ticks(before);
+        work.accesses().forget(before, kept, limit).await.expect("forgotten");
+        work.commit().await.expect("committed");
+        assert_eq!(accesses(&store, "b").await, left);
+        let mut work = store.read().await.expect("begun");
+        let stored = work.accesses().lookup(&factory).await.expect("read").expect("a log");
+        let mut log = stored.removed;
+        let texts = work.accesses().texts(&organisation("b"), &factory, log.last_number(), 9).await;
+        texts.expect("read").iter().for_each(|(_, text)| log.append_text(text));
+        assert_eq!(Some(log), whole.as_ref().map(|whole| whole.log.clone()));
+    }
 }

@@ -12,6 +12,8 @@ use platform::store::{
 };
 use serde_json::json;
 
+use crate::harness::opened;
+
 struct Fresh {
     store: Store,
     _folder: tempfile::TempDir,
@@ -197,6 +199,7 @@ async fn the_current_value_is_that_of_the_highest_epoch_and_sequence() {
     {
         work.fields().put_values(&[value(epoch, sequence, number)]).await.expect("stored");
         let fields = work.fields().list(&Scope::Platform, &id("net")).await.expect("read");
+        let fields = opened(fields).await;
         let current = fields[0].current.as_ref().map(|current| current.value.clone());
         assert_eq!(current, Some(json!(expected)), "epoch {epoch}, sequence {sequence}");
     }
@@ -205,10 +208,8 @@ async fn the_current_value_is_that_of_the_highest_epoch_and_sequence() {
     work.fields().replace(&id("net"), &wanted).await.expect("stored");
     let effect = work.fields().decide(&field("count"), &open).await.expect("stored");
     assert_eq!(effect, DecisionEffect::Opened);
-    assert_eq!(
-        work.fields().list(&Scope::Platform, &id("net")).await.expect("read")[0].current,
-        None
-    );
+    let fields = work.fields().list(&Scope::Platform, &id("net")).await.expect("read");
+    assert_eq!(opened(fields).await[0].current, None);
 }
 
 #[tokio::test]
@@ -233,6 +234,7 @@ async fn a_decision_holds_until_a_later_one_and_survives_a_revision() {
     }
     work.fields().replace(&id("net"), &wanted).await.expect("stored");
     let fields = work.fields().list(&Scope::Platform, &id("net")).await.expect("read");
+    let fields = opened(fields).await;
     assert_eq!(fields[0].mapping_state, MappingState::Mapped);
 }
 

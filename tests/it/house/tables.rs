@@ -52,6 +52,7 @@ pub const PURE: &[&str] = &[
     "spool",
     "shop-floor-model",
     "transparency-log",
+    "access-log",
 ];
 
 const TASKS: &str = "a pure package is run by others and waits for nothing";

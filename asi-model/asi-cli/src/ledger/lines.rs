@@ -1,40 +1,14 @@
 //! Lines of an audit file, checked on all processors and taken in their order.
 
-use std::{
-    io::{BufRead, Read as _},
-    num::NonZero,
-    thread,
-};
+use std::{io::BufRead, num::NonZero, thread};
 
 use ::ledger::audit::{Auditor, CheckedLine};
-use anyhow::bail;
 
-/// Longest line that is read: an entry with its report, in bytes.
-const LINE_BYTES_MAX: u64 = 16 * 1024 * 1024;
+use crate::lines::next_line;
+
 /// Bytes of lines that are read before they are checked together. Bounds memory, and is enough to
 /// keep all processors busy.
 const BLOCK_BYTES: usize = 8 * 1024 * 1024;
-
-/// Reads the next line; `None` at the end. What is no UTF-8 fails in the check of its line.
-///
-/// # Errors
-/// When the file cannot be read, or a line is too long.
-pub(super) fn next_line(lines: &mut impl BufRead) -> anyhow::Result<Option<String>> {
-    let mut line = Vec::new();
-    let length = lines.by_ref().take(LINE_BYTES_MAX).read_until(b'\n', &mut line)?;
-    if length as u64 == LINE_BYTES_MAX {
-        bail!("a line is longer than {LINE_BYTES_MAX} bytes");
-    }
-    if length == 0 {
-        return Ok(None);
-    }
-    if line.last() == Some(&b'\n') {
-        line.pop();
-    }
-    let line = String::from_utf8(line)
-        .unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned());
-    Ok(Some(line))
-}
 
 /// Takes all further lines.
 ///

@@ -1,6 +1,7 @@
 //! The command as partners use it: files, standard input, outputs and exit codes.
 #![allow(clippy::unwrap_used)]
 
+mod access;
 mod ledger;
 
 use std::{

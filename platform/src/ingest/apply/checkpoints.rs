@@ -1,8 +1,6 @@
 //! Checkpoints of factories' ledgers: judged, stored and answered in one transaction.
 
-use asi_model::messages::{
-    LedgerCheckpoint, LedgerCheckpointResult, LedgerCosignature, PlatformMessage,
-};
+use asi_model::messages::{LedgerCheckpoint, LedgerCheckpointResult, LedgerCosignature};
 use messaging::LogicalAddress;
 
 use crate::{
@@ -48,12 +46,7 @@ pub(super) async fn receive(
         checkpoint: held.map(|log| log.checkpoint.to_string()),
         witness_key: witness.verifier().to_string(),
     };
-    let message_id = answer.message_id.clone();
-    let answer = PlatformMessage::LedgerCosignature(answer);
-    let body = serde_json::to_vec(&answer).expect("messages have text keys only");
-    let address = LogicalAddress::FactoryRequests(factory.clone());
-    let correlation_id = Some(message.message_id.clone());
-    unit.send(address, message_id, answer.message_type(), correlation_id, body).await
+    unit.cosign(answer).await
 }
 
 fn count(message: &LedgerCheckpoint, result: LedgerCheckpointResult) {

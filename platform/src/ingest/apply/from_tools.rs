@@ -3,7 +3,6 @@
 use std::time::Duration;
 
 use asi_model::messages::{AcknowledgementResult, Fault};
-use messaging::LogicalAddress;
 
 use crate::{
     clock::new_message_id,
@@ -61,9 +60,6 @@ pub(super) async fn add_request(
         result,
         fault_list,
     };
-    let body = serde_json::to_vec(&answer).expect("an acknowledgement has text keys only");
-    let address = LogicalAddress::ToolReports(message.tool_id.clone());
-    let correlation = Some(message.message_id.clone());
-    unit.send(address, answer.message_id.clone(), "acknowledgement", correlation, body).await?;
+    unit.answer(&answer).await?;
     Ok(is_added)
 }

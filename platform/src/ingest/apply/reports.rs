@@ -18,6 +18,7 @@ use messaging::LogicalAddress;
 
 use super::from_factories::decided_field;
 use crate::{
+    accesses::Contents,
     entitlement::entitled,
     ingest::{
         decode::{Incoming, IncomingReport},
@@ -108,7 +109,7 @@ impl ReportCollector {
         reports: &[IncomingReport],
         message: &NetworkMessage,
     ) -> Result<(), StoreError> {
-        let mut forwarded: HashMap<ToolId, Vec<usize>> = HashMap::new();
+        let mut forwarded: HashMap<(ToolId, OrganisationId), Vec<&IncomingReport>> = HashMap::new();
         let mut foreign = None;
         for report in reports {
             let request = self.request(unit, &report.request).await?;
@@ -123,16 +124,16 @@ impl ReportCollector {
             let from = Sender { factory, incoming, is_newest };
             let entitled = self.store(unit, &request, &from, report).await?;
             let tools = request.tools.iter().filter(|(_, of)| entitled.contains(of));
-            for (tool, _) in tools.filter(|_| request.is_asked(factory, report)) {
-                forwarded.entry(tool.clone()).or_default().push(report.position);
+            for tool in tools.filter(|_| request.is_asked(factory, report)) {
+                forwarded.entry(tool.clone()).or_default().push(report);
             }
         }
         if let Some(request) = foreign {
             let address = LogicalAddress::FactoryIngress(factory.clone());
             unit.reject_foreign(&address, incoming, factory, request).await?;
         }
-        for (tool, positions) in forwarded {
-            forward(unit, tool, &incoming.message_id, message, &positions).await?;
+        for (tool, reports) in forwarded {
+            forward(unit, tool, factory, &incoming.message_id, message, &reports).await?;
         }
         Ok(())
     }
@@ -299,26 +300,34 @@ async fn count(
     Ok(Some(is_newest))
 }
 
-/// Forwards to a tool the data set messages at `positions`.
+/// Forwards to a tool of an organisation the data set messages of these reports.
 async fn forward(
     unit: &mut IngestUnit<'_>,
-    tool: ToolId,
+    (tool, organisation): (ToolId, OrganisationId),
+    factory: &FactoryId,
     id: &MessageId,
     message: &NetworkMessage,
-    positions: &[usize],
+    reports: &[&IncomingReport],
 ) -> Result<(), StoreError> {
-    let address = LogicalAddress::ToolReports(tool);
+    let address = LogicalAddress::ToolReports(tool.clone());
     if unit.work.outgoing().waiting(&address).await? >= TOOL_BACKLOG_MAX {
         metrics::counter!("verbund_tool_reports_dropped_total").increment(1);
         return Ok(());
     }
-    let messages = positions.iter().filter_map(|position| message.messages.get(*position));
+    let contents = Contents::gather(reports.iter().flat_map(|report| {
+        let reported_at = report.report_timestamp.or(report.shopfloor_timestamp);
+        report.fields.iter().map(move |(name, value)| {
+            (factory, &report.request, name.as_str(), value.source_timestamp.or(reported_at))
+        })
+    }));
+    let messages = reports.iter().filter_map(|report| message.messages.get(report.position));
     let part = NetworkMessage {
         message_id: Some(id.clone()),
         messages: messages.cloned().collect(),
         ..message.clone()
     };
-    unit.send(address, id.clone(), "ua-data", None, encode(&part, Encoding::Digicor)).await
+    let body = encode(&part, Encoding::Digicor);
+    unit.forward(tool, organisation, contents, id.clone(), body).await
 }
 
 fn new_report(

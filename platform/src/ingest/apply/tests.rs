@@ -1,5 +1,8 @@
 //! Tests of one unit of ingest: decisions and values that arrive together.
 
+use std::sync::Arc;
+
+use access_log::{AccessKind, AccessLogKey, AgentKind};
 use asi_model::{FieldKey, RequestKey};
 use messaging::{Delivery, Envelope};
 use serde_json::{Value, json};
@@ -7,6 +10,8 @@ use tempfile::TempDir;
 
 use super::*;
 use crate::{
+    accesses::{AccessRecorder, Reader},
+    clock::Clock,
     ingest::decode::decode,
     store::{Collaboration, NetworkRow, NewField, Organisation, Scope, Store},
 };
@@ -104,6 +109,18 @@ impl Platform {
     async fn current(&self) -> Option<Value> {
         let mut work = self.store.read().await.expect("begun");
         let fields = work.fields().list(&Scope::Platform, &id("net")).await.expect("read");
+        drop(work);
+        let storage = Arc::new(self.store.clone());
+        let key = AccessLogKey::from_secret(&[1; 32]);
+        let accesses = AccessRecorder::new(storage, key, Clock::from_fn(|| at(59)));
+        let reader = Reader {
+            organisation_id: id("a"),
+            kind: AgentKind::User,
+            name: "u".to_owned(),
+            role: None,
+        };
+        let fields = accesses.disclose(Some(&reader), AccessKind::Looked, fields).await;
+        let fields = fields.expect("recorded");
         fields[0].current.as_ref().map(|current| current.value.clone())
     }
 }

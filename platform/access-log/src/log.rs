@@ -1,0 +1,130 @@
+//! Log of one factory, as far as it is needed to extend it and to sign its checkpoints.
+
+use asi_model::FactoryId;
+use serde::{Deserialize, Serialize};
+use transparency_log::{Checkpoint, KeyError, KeyKind, LeafRange, VerifierKey, leaf_hash};
+
+use crate::{Access, AccessEntry, AccessLogKey};
+
+/// First leaf of a log: the factory that it is about, and a random number by which two logs of the
+/// same factory are told apart, as after a store was lost.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct AccessLogStart {
+    pub factory_id: FactoryId,
+    /// Random, hexadecimal.
+    pub log_id: String,
+}
+
+impl AccessLogStart {
+    /// Returns the text that is hashed.
+    #[must_use]
+    pub fn canonical(&self) -> String {
+        serde_json::to_string(self).expect("a start has text keys only")
+    }
+
+    /// Returns the name of the log, as its checkpoints carry it.
+    #[must_use]
+    pub fn origin(&self) -> String {
+        origin(&self.factory_id)
+    }
+
+    /// Returns the tree of a log without entries.
+    #[must_use]
+    pub fn leaves(&self) -> LeafRange {
+        let mut leaves = LeafRange::starting_at(0);
+        leaves.append(leaf_hash(self.canonical().as_bytes()));
+        leaves
+    }
+}
+
+fn origin(factory: &FactoryId) -> String {
+    format!("{factory}/accesses")
+}
+
+/// Names the key of a platform as the key of one factory's log.
+///
+/// # Errors
+/// [`KeyError`] where the bytes are no key, or a weak one.
+pub fn access_log_verifier(
+    factory: &FactoryId,
+    public_key: &[u8; 32],
+) -> Result<VerifierKey, KeyError> {
+    VerifierKey::new(&origin(factory), KeyKind::Ed25519, public_key)
+}
+
+/// The log of one factory.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AccessLog {
+    start: AccessLogStart,
+    leaves: LeafRange,
+}
+
+impl AccessLog {
+    /// Begins a log without entries.
+    #[must_use]
+    pub fn new(start: AccessLogStart) -> Self {
+        Self { leaves: start.leaves(), start }
+    }
+
+    /// Creates a log as it was stored: the number of its last entry and the edge of its tree. `None`
+    /// where they do not belong together.
+    #[must_use]
+    pub fn stored(start: AccessLogStart, last_number: u64, edge: &[u8]) -> Option<Self> {
+        let leaves = LeafRange::from_bytes(0, last_number.checked_add(1)?, edge)?;
+        Some(Self { start, leaves })
+    }
+
+    /// Returns the first leaf.
+    #[must_use]
+    pub const fn start(&self) -> &AccessLogStart {
+        &self.start
+    }
+
+    /// Returns the number of the last entry; 0 without entries.
+    #[must_use]
+    pub const fn last_number(&self) -> u64 {
+        self.leaves.end() - 1
+    }
+
+    /// Returns the edge of the tree, from which it is extended.
+    #[must_use]
+    pub fn edge(&self) -> Vec<u8> {
+        self.leaves.to_bytes()
+    }
+
+    /// Returns the hashes of the edge, hexadecimal, as an audit file begins with them.
+    #[must_use]
+    pub fn edge_hashes(&self) -> Vec<String> {
+        self.leaves.hashes().iter().map(hex::encode).collect()
+    }
+
+    /// Appends an access, and returns its entry.
+    pub fn append(&mut self, access: Access, recorded_at: asi_model::DateTime) -> AccessEntry {
+        let entry = AccessEntry {
+            factory_id: self.start.factory_id.clone(),
+            number: self.last_number() + 1,
+            recorded_at,
+            access,
+        };
+        self.append_text(&entry.canonical());
+        entry
+    }
+
+    /// Appends the text of a stored entry.
+    pub fn append_text(&mut self, content: &str) {
+        self.leaves.append(leaf_hash(content.as_bytes()));
+    }
+
+    /// Signs a checkpoint over all entries so far: a C2SP signed note.
+    #[must_use]
+    pub fn sign_checkpoint(&self, key: &AccessLogKey) -> String {
+        let checkpoint = Checkpoint {
+            origin: self.start.origin(),
+            size: self.leaves.end(),
+            root: self.leaves.root(),
+        };
+        let note = checkpoint.sign(&key.note_key(&checkpoint.origin));
+        note.expect("an origin of an id, and a key for texts").to_string()
+    }
+}

@@ -1,0 +1,293 @@
+//! Access logs: who read the values of each factory.
+
+mod listed;
+
+use std::collections::BTreeMap;
+
+use access_log::{Access, AccessLog, AccessLogKey, AccessLogStart, Agent};
+use asi_model::{DateTime, FactoryId};
+pub use listed::{AccessQuery, ListedAccess};
+
+use super::{
+    database::Connection,
+    error::StoreError,
+    row::{Columns, DatabaseRow, signed},
+};
+use crate::accesses::{Reader, Reading};
+
+/// Log of a factory as it is stored.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StoredAccessLog {
+    /// All entries.
+    pub log: AccessLog,
+    /// The entries that retention removed.
+    pub removed: AccessLog,
+    /// The last checkpoint, a signed note, with the number of the last entry that it covers.
+    pub checkpoint: Option<(u64, String)>,
+}
+
+/// Repository of access logs.
+pub struct Accesses<'w>(pub(super) &'w mut Connection);
+
+impl Accesses<'_> {
+    /// Appends readings to the logs of their factories. `new_id` makes random ids.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn append(
+        &mut self,
+        readings: &[Reading],
+        now: DateTime,
+        new_id: fn() -> String,
+    ) -> Result<(), StoreError> {
+        let mut by_factory: BTreeMap<&FactoryId, Vec<&Reading>> = BTreeMap::new();
+        for reading in readings {
+            by_factory.entry(&reading.contents.factory_id).or_default().push(reading);
+        }
+        for (factory, readings) in by_factory {
+            let stored = match self.lookup(factory).await? {
+                Some(stored) => stored,
+                None => self.begin(factory, new_id()).await?,
+            };
+            let mut log = stored.log;
+            for reading in readings {
+                let agent = self.agent(factory, &reading.reader, new_id).await?;
+                self.add(&mut log, reading, agent, now).await?;
+            }
+            self.put_edge(&log).await?;
+        }
+        Ok(())
+    }
+
+    /// Looks a factory's log up; `None` before its first entry.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn lookup(
+        &mut self,
+        factory: &FactoryId,
+    ) -> Result<Option<StoredAccessLog>, StoreError> {
+        let row = sqlx::query("SELECT * FROM access_log WHERE factory_id = $1")
+            .bind(factory.as_str())
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("look an access log up"))?;
+        row.as_ref().map(read).transpose()
+    }
+
+    /// Signs a checkpoint of each log that grew since its last one; at most `limit` logs.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn sign_checkpoints(
+        &mut self,
+        key: &AccessLogKey,
+        limit: u32,
+    ) -> Result<(), StoreError> {
+        let sql = "SELECT * FROM access_log
+                   WHERE checkpoint_number IS NULL OR checkpoint_number < last_number LIMIT $1";
+        let rows = sqlx::query(sql)
+            .bind(i64::from(limit))
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("find access logs that grew"))?;
+        for row in &rows {
+            let log = read(row)?.log;
+            let sql = "UPDATE access_log SET checkpoint = $2, checkpoint_number = $3 WHERE factory_id = $1";
+            sqlx::query(sql)
+                .bind(log.start().factory_id.as_str())
+                .bind(log.sign_checkpoint(key))
+                .bind(signed(log.last_number()))
+                .execute(&mut *self.0)
+                .await
+                .map_err(StoreError::during("store a checkpoint"))?;
+        }
+        Ok(())
+    }
+
+    /// Removes the oldest entries: those recorded before a time, and those beyond the newest `kept`
+    /// of a factory; at most `limit` of each factory at once. Returns how many.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn forget(
+        &mut self,
+        before: DateTime,
+        kept: u64,
+        limit: u32,
+    ) -> Result<u64, StoreError> {
+        let logs = sqlx::query("SELECT * FROM access_log WHERE last_number > removed_number")
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list access logs"))?;
+        let mut count = 0;
+        for row in &logs {
+            count += self.forget_of(read(row)?, before, kept, limit).await?;
+        }
+        Ok(count)
+    }
+
+    async fn forget_of(
+        &mut self,
+        stored: StoredAccessLog,
+        before: DateTime,
+        kept: u64,
+        limit: u32,
+    ) -> Result<u64, StoreError> {
+        let StoredAccessLog { log, mut removed, .. } = stored;
+        let factory = &log.start().factory_id;
+        let rows = sqlx::query(
+            "SELECT number, recorded_at, content FROM access_entry WHERE factory_id = $1 ORDER BY number LIMIT $2",
+        )
+        .bind(factory.as_str())
+        .bind(i64::from(limit))
+        .fetch_all(&mut *self.0)
+        .await
+        .map_err(StoreError::during("find old accesses"))?;
+        let first = removed.last_number();
+        for row in &rows {
+            let is_surplus = row.unsigned::<u64>("number")? + kept <= log.last_number();
+            // From the oldest on and no further, for what stays has to follow what is gone.
+            if !is_surplus && row.time("recorded_at")? >= before {
+                break;
+            }
+            removed.append_text(&row.column::<String>("content")?);
+        }
+        let last = removed.last_number();
+        if last > first {
+            self.remove_through(&removed).await?;
+        }
+        Ok(last - first)
+    }
+
+    async fn remove_through(&mut self, removed: &AccessLog) -> Result<(), StoreError> {
+        let (factory, last) = (removed.start().factory_id.as_str(), signed(removed.last_number()));
+        let failed = StoreError::during("remove old accesses");
+        let sql =
+            "UPDATE access_log SET removed_number = $2, removed_edge = $3 WHERE factory_id = $1";
+        let update = sqlx::query(sql).bind(factory).bind(last).bind(removed.edge());
+        update.execute(&mut *self.0).await.map_err(&failed)?;
+        let sql = "DELETE FROM access_entry WHERE factory_id = $1 AND number <= $2";
+        let delete = sqlx::query(sql).bind(factory).bind(last);
+        delete.execute(&mut *self.0).await.map_err(&failed)?;
+        // A name is kept no longer than what it stands for.
+        let sql = "DELETE FROM access_agent WHERE factory_id = $1 AND NOT EXISTS (
+                       SELECT 1 FROM access_entry e
+                       WHERE e.factory_id = access_agent.factory_id AND e.agent_id = access_agent.agent_id)";
+        sqlx::query(sql).bind(factory).execute(&mut *self.0).await.map_err(&failed)?;
+        Ok(())
+    }
+
+    async fn begin(
+        &mut self,
+        factory: &FactoryId,
+        log_id: String,
+    ) -> Result<StoredAccessLog, StoreError> {
+        let log = AccessLog::new(AccessLogStart { factory_id: factory.clone(), log_id });
+        let sql = "INSERT INTO access_log (factory_id, start, last_number, edge, removed_number, removed_edge)
+                   VALUES ($1, $2, 0, $3, 0, $3)";
+        sqlx::query(sql)
+            .bind(factory.as_str())
+            .bind(log.start().canonical())
+            .bind(log.edge())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("begin an access log"))?;
+        Ok(StoredAccessLog { removed: log.clone(), log, checkpoint: None })
+    }
+
+    /// Returns the pseudonym of a reader at a factory.
+    async fn agent(
+        &mut self,
+        factory: &FactoryId,
+        reader: &Reader,
+        new_id: fn() -> String,
+    ) -> Result<Agent, StoreError> {
+        let sql = "INSERT INTO access_agent (factory_id, organisation_id, kind, name, agent_id)
+                   VALUES ($1, $2, $3, $4, $5)
+                   ON CONFLICT (factory_id, organisation_id, kind, name) DO UPDATE SET name = excluded.name
+                   RETURNING agent_id";
+        let row = sqlx::query(sql)
+            .bind(factory.as_str())
+            .bind(reader.organisation_id.as_str())
+            .bind(reader.kind.as_str())
+            .bind(&reader.name)
+            .bind(new_id())
+            .fetch_one(&mut *self.0)
+            .await
+            .map_err(StoreError::during("name the agent of an access"))?;
+        Ok(Agent {
+            kind: reader.kind,
+            id: row.column("agent_id")?,
+            role: reader.role.map(str::to_owned),
+        })
+    }
+
+    async fn add(
+        &mut self,
+        log: &mut AccessLog,
+        reading: &Reading,
+        agent: Agent,
+        now: DateTime,
+    ) -> Result<(), StoreError> {
+        let contents = &reading.contents;
+        let access = Access {
+            viewer: reading.reader.organisation_id.clone(),
+            agent,
+            kind: reading.kind,
+            request: contents.request.clone(),
+            fields: contents.fields.clone(),
+            values_from: contents.span.map(|(from, _)| from),
+            values_to: contents.span.map(|(_, to)| to),
+            value_count: contents.value_count,
+            since: reading.since,
+        };
+        let entry = log.append(access, now);
+        let sql = "INSERT INTO access_entry (factory_id, number, recorded_at, viewer_id, agent_id,
+                       operation_network_id, dynamic_data_request_id, content)
+                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8)";
+        sqlx::query(sql)
+            .bind(entry.factory_id.as_str())
+            .bind(signed(entry.number))
+            .bind(entry.recorded_at.ticks())
+            .bind(entry.access.viewer.as_str())
+            .bind(&entry.access.agent.id)
+            .bind(entry.access.request.operation_network_id.as_str())
+            .bind(entry.access.request.dynamic_data_request_id.as_str())
+            .bind(entry.canonical())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("store an access"))?;
+        Ok(())
+    }
+
+    async fn put_edge(&mut self, log: &AccessLog) -> Result<(), StoreError> {
+        sqlx::query("UPDATE access_log SET last_number = $2, edge = $3 WHERE factory_id = $1")
+            .bind(log.start().factory_id.as_str())
+            .bind(signed(log.last_number()))
+            .bind(log.edge())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("extend an access log"))?;
+        Ok(())
+    }
+}
+
+fn read(row: &DatabaseRow) -> Result<StoredAccessLog, StoreError> {
+    let start: AccessLogStart = row.json("start")?;
+    let log = |number: &'static str, edge: &'static str| {
+        let hashes: Vec<u8> = row.column(edge)?;
+        let stored = AccessLog::stored(start.clone(), row.unsigned(number)?, &hashes);
+        stored.ok_or_else(|| StoreError::Corrupt {
+            column: edge,
+            reason: "it is not the edge of a tree of this size".to_owned(),
+        })
+    };
+    let checkpoint: Option<String> = row.column("checkpoint")?;
+    let covered = checkpoint.as_ref().map(|_| row.unsigned("checkpoint_number")).transpose()?;
+    Ok(StoredAccessLog {
+        log: log("last_number", "edge")?,
+        removed: log("removed_number", "removed_edge")?,
+        checkpoint: covered.zip(checkpoint),
+    })
+}
