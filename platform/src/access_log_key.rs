@@ -9,6 +9,9 @@ use access_log::AccessLogKey;
 
 use crate::certificates::{CertificateError, write};
 
+/// Name of the key's file in the data directory.
+pub const ACCESS_LOG_KEY_FILE: &str = "access-log-key.pem";
+
 /// Failure to read or write the key.
 #[derive(Debug, thiserror::Error)]
 pub enum AccessLogKeyError {
@@ -45,7 +48,7 @@ mod tests {
     #[test]
     fn a_key_is_made_once_and_read_afterwards() {
         let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("key.pem");
+        let path = folder.path().join(ACCESS_LOG_KEY_FILE);
         let made = open(&path).expect("a new key");
         assert_eq!(open(&path).expect("the key").public(), made.public());
         std::fs::write(&path, "rubbish").expect("written");

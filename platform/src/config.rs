@@ -335,12 +335,6 @@ impl PlatformConfig {
         self.data_directory.join("broker.sqlite")
     }
 
-    /// Returns the path of the key that signs checkpoints of access logs.
-    #[must_use]
-    pub fn access_log_key_path(&self) -> PathBuf {
-        self.data_directory.join("access-log-key.pem")
-    }
-
     /// Returns the certificate authority's folder.
     #[must_use]
     pub fn authority_directory(&self) -> PathBuf {

@@ -21,7 +21,7 @@ use tokio::{net::TcpListener, sync::watch};
 use tokio_util::sync::CancellationToken;
 
 use crate::{
-    access_log_key,
+    access_log_key::{self, ACCESS_LOG_KEY_FILE, AccessLogKeyError},
     accesses::AccessRecorder,
     accounts::StoredAccounts,
     administrator, api,
@@ -85,16 +85,12 @@ impl Platform {
         // The mark of this start: a page that comes with an id from before it loads everything.
         let live =
             LiveLog::new(EVENTS_KEPT_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
-        let key = access_log_key::open(&config.access_log_key_path())?;
-        let accesses = AccessRecorder::new(Arc::new(store.clone()), key, clock.clone());
+        let accesses = open_accesses(&config, &store, &clock)?;
         let broker_access = BrokerAccess::new(config.broker.users.clone());
         let (progress_notifier, progress) = ProgressNotifier::new(store.clone(), live.clone());
-        let resend_after = Duration::from_millis(config.parts.resend_after_ms);
-        let silence = config.lease_silence();
         let witness = Arc::new(WitnessKey::open(&config.data_directory)?);
-        let ingest_config = IngestConfig { resend_after, silence, witness: Arc::clone(&witness) };
         let (ingest, ingest_handle) = Ingest::new(
-            ingest_config,
+            ingest_config(&config, Arc::clone(&witness)),
             store.clone(),
             live.clone(),
             broker_access.clone(),
@@ -227,6 +223,24 @@ impl Platform {
             Importance::Essential,
             server::serve(web_listener, web_tls, router, lifecycle.shutdown()),
         );
+    }
+}
+
+/// Opens the recorder of accesses, with the key in the data directory.
+fn open_accesses(
+    config: &PlatformConfig,
+    store: &Store,
+    clock: &Clock,
+) -> Result<AccessRecorder, AccessLogKeyError> {
+    let key = access_log_key::open(&config.data_directory.join(ACCESS_LOG_KEY_FILE))?;
+    Ok(AccessRecorder::new(Arc::new(store.clone()), key, clock.clone()))
+}
+
+fn ingest_config(config: &PlatformConfig, witness: Arc<WitnessKey>) -> IngestConfig {
+    IngestConfig {
+        resend_after: Duration::from_millis(config.parts.resend_after_ms),
+        silence: config.lease_silence(),
+        witness,
     }
 }
 

@@ -52,7 +52,7 @@ impl FromStr for AccessKind {
     }
 }
 
-/// Kind of an agent.
+/// Nature of an agent: a person or a program.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, ToSchema,
 )]

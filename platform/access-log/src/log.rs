@@ -12,7 +12,7 @@ use crate::{Access, AccessEntry, AccessLogKey};
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct AccessLogStart {
     pub factory_id: FactoryId,
-    /// Random, hexadecimal.
+    /// Random bytes, hexadecimal; the same for the life of the log.
     pub log_id: String,
 }
 

@@ -167,6 +167,8 @@ impl AccessRecorder {
             let mut coalescer = self.0.coalescer.lock();
             readings.filter(|reading| !coalescer.count(reading)).collect()
         };
+        let counted = (contents.len() - due.len()) as u64;
+        metrics::counter!("verbund_accesses_coalesced_total").increment(counted);
         if due.is_empty() {
             return Ok(());
         }

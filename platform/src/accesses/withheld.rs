@@ -27,7 +27,7 @@ impl<T: Values> Withheld<T> {
 
 impl<T> Withheld<T> {
     /// Returns which values these are.
-    pub fn contents(&self) -> &[Contents] {
+    pub(crate) fn contents(&self) -> &[Contents] {
         &self.contents
     }
 

@@ -136,14 +136,15 @@ pub async fn export(
     own_factory::check_member(&mut work, &who.principal, &id).await?;
     let stored = work.accesses().lookup(&id).await?;
     drop(work);
-    let Some(stored) = stored else {
-        return Ok(([(header::CONTENT_TYPE, JSON_LINES)], "").into_response());
-    };
+    let name = format!("attachment; filename=\"accesses-{id}.jsonl\"");
+    let headers =
+        [(header::CONTENT_TYPE, JSON_LINES.to_owned()), (header::CONTENT_DISPOSITION, name)];
+    let Some(stored) = stored else { return Ok((headers, "").into_response()) };
     let begin = AccessAuditStart::after(&stored.removed).line();
     let rest = lines(app.store.clone(), who.principal.scope(), id, &stored);
     let all = stream::once(std::future::ready(Ok(begin)));
     let body = Body::from_stream(futures::StreamExt::chain(all, rest));
-    Ok(([(header::CONTENT_TYPE, JSON_LINES)], body).into_response())
+    Ok((headers, body).into_response())
 }
 
 /// Reads the entries of a log as lines, some at a time. Ends with an error where retention removes

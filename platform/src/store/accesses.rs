@@ -18,7 +18,7 @@ use crate::accesses::{Reader, Reading};
 /// Log of a factory as it is stored.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StoredAccessLog {
-    /// All entries.
+    /// The log with all its entries, those that retention removed included.
     pub log: AccessLog,
     /// The entries that retention removed.
     pub removed: AccessLog,

@@ -69,10 +69,9 @@ async fn each_way_to_read_leaves_an_entry_and_nothing_else_does() {
     assert_eq!(kinds(&maker).await, ["LOOKED", "EXPORTED", "STREAMED"]);
     live.next("progress").await;
     let streamed = &accesses(&maker).await[0];
-    assert_eq!(
-        (&streamed["viewer"], &streamed["role"], &streamed["fields"], &streamed["valueCount"]),
-        (&json!("acme-aero"), &json!("PLANNER"), &json!(["progressStatus"]), &json!(1))
-    );
+    assert_eq!((&streamed["viewer"], &streamed["role"]), (&json!("acme-aero"), &json!("PLANNER")));
+    assert_eq!(streamed["fields"], json!(["progressStatus"]));
+    assert_eq!(streamed["valueCount"], 1);
     assert_eq!(streamed["dynamicDataRequestId"], "ReqResponse1");
     assert_eq!(streamed["valuesTo"], "2019-04-18T18:20:05Z", "{streamed}");
 }
@@ -123,10 +122,8 @@ async fn what_a_tool_is_sent_is_an_entry_of_the_same_transaction() {
     let maker = story::planner(&world, "frames-munich").await;
     let entries = accesses(&maker).await;
     assert!(entries.iter().all(|entry| entry["access"] == "FORWARDED"), "{entries:?}");
-    assert_eq!(
-        (&entries[0]["agentKind"], &entries[0]["agentName"], &entries[0]["viewer"]),
-        (&json!("TOOL"), &Value::Null, &json!("acme-aero"))
-    );
+    assert_eq!((&entries[0]["agentKind"], &entries[0]["agentName"]), (&json!("TOOL"), &Value::Null));
+    assert_eq!(entries[0]["viewer"], "acme-aero");
     let count: u64 = entries.iter().filter_map(|entry| entry["valueCount"].as_u64()).sum();
     let fields = entries[0]["fields"].as_array().map_or(0, Vec::len) as u64;
     assert_eq!(count, 2 * fields, "{entries:?}");

@@ -4,6 +4,8 @@ import type { components } from '@/api/platform.generated'
 
 type Schemas = components['schemas']
 
+/** Entry of the record of who read a factory's values. */
+export type AccessEntry = Schemas['AccessView']
 export type Collaboration = Schemas['Collaboration']
 export type Comment = Schemas['CommentEntry']
 export type DisclosureStatement = Schemas['DisclosureStatement']
