@@ -12,4 +12,4 @@ mod log;
 pub use audit::{AccessAudit, AccessAuditError, AccessAuditor};
 pub use entry::{Access, AccessEntry, AccessKind, Agent, AgentKind};
 pub use key::{AccessLogKey, UnusableKey};
-pub use log::{AccessLog, AccessLogStart, access_log_verifier};
+pub use log::{AccessLog, AccessLogStart, RemovedEntries, access_log_verifier};

@@ -2,7 +2,7 @@
 
 use asi_model::FactoryId;
 use serde::{Deserialize, Serialize};
-use transparency_log::{Checkpoint, KeyError, KeyKind, LeafRange, VerifierKey, leaf_hash};
+use transparency_log::{Checkpoint, Hash, KeyError, KeyKind, LeafRange, VerifierKey, leaf_hash};
 
 use crate::{Access, AccessEntry, AccessLogKey};
 
@@ -53,6 +53,54 @@ pub fn access_log_verifier(
     VerifierKey::new(&origin(factory), KeyKind::Ed25519, public_key)
 }
 
+/// The oldest entries of a log, which retention removed: what proves the others without them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RemovedEntries(LeafRange);
+
+impl RemovedEntries {
+    /// Creates the beginning of a log that has all its entries.
+    #[must_use]
+    pub const fn none() -> Self {
+        // Leaf 0 is the start, which is never removed.
+        Self(LeafRange::starting_at(1))
+    }
+
+    /// Creates them as they were stored: the number of the last one, and their hashes. `None` where
+    /// those do not belong together.
+    #[must_use]
+    pub fn stored(last_number: u64, edge: &[u8]) -> Option<Self> {
+        LeafRange::from_bytes(1, last_number.checked_add(1)?, edge).map(Self)
+    }
+
+    /// Creates them from the hashes of an audit file.
+    pub(crate) fn from_hashes(last_number: u64, hashes: Vec<Hash>) -> Option<Self> {
+        LeafRange::from_hashes(1, last_number.checked_add(1)?, hashes).map(Self)
+    }
+
+    /// Returns the number of the last one; 0 where none was removed.
+    #[must_use]
+    pub const fn last_number(&self) -> u64 {
+        self.0.end() - 1
+    }
+
+    /// Returns the hashes of the largest perfect subtrees over them, 32 bytes each.
+    #[must_use]
+    pub fn edge(&self) -> Vec<u8> {
+        self.0.to_bytes()
+    }
+
+    /// Returns these hashes, hexadecimal, as an audit file begins with them.
+    #[must_use]
+    pub fn edge_hashes(&self) -> Vec<String> {
+        self.0.hashes().iter().map(hex::encode).collect()
+    }
+
+    /// Adds the text of the entry that follows.
+    pub fn append_text(&mut self, content: &str) {
+        self.0.append(leaf_hash(content.as_bytes()));
+    }
+}
+
 /// The log of one factory.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AccessLog {
@@ -65,6 +113,14 @@ impl AccessLog {
     #[must_use]
     pub fn new(start: AccessLogStart) -> Self {
         Self { leaves: start.leaves(), start }
+    }
+
+    /// Continues a log after the entries that were removed from it.
+    #[must_use]
+    pub fn after(start: AccessLogStart, removed: &RemovedEntries) -> Self {
+        let mut log = Self::new(start);
+        let is_joined = log.leaves.join(&removed.0);
+        is_joined.then_some(log).expect("removed entries follow leaf 0")
     }
 
     /// Creates a log as it was stored: the number of its last entry and the edge of its tree. `None`
@@ -93,10 +149,9 @@ impl AccessLog {
         self.leaves.to_bytes()
     }
 
-    /// Returns the hashes of the edge, hexadecimal, as an audit file begins with them.
-    #[must_use]
-    pub fn edge_hashes(&self) -> Vec<String> {
-        self.leaves.hashes().iter().map(hex::encode).collect()
+    /// Returns the tree over the start and all entries.
+    pub(crate) fn into_leaves(self) -> LeafRange {
+        self.leaves
     }
 
     /// Appends an access, and returns its entry.

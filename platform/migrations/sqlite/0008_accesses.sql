@@ -6,7 +6,7 @@ CREATE TABLE access_log (
     -- Number of the last entry, and the edge of the tree up to it, 32 bytes a hash.
     last_number INTEGER NOT NULL,
     edge BLOB NOT NULL,
-    -- Number of the last entry that retention removed, and the edge of the tree up to it.
+    -- Number of the last entry that retention removed, and the hashes over the removed entries; empty without any.
     removed_number INTEGER NOT NULL,
     removed_edge BLOB NOT NULL,
     -- The last checkpoint, a signed note, and the number of the last entry that it covers; null before the first.

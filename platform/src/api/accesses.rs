@@ -140,7 +140,7 @@ pub async fn export(
     let headers =
         [(header::CONTENT_TYPE, JSON_LINES.to_owned()), (header::CONTENT_DISPOSITION, name)];
     let Some(stored) = stored else { return Ok((headers, "").into_response()) };
-    let begin = AccessAuditStart::after(&stored.removed).line();
+    let begin = AccessAuditStart::after(stored.log.start(), &stored.removed).line();
     let rest = lines(app.store.clone(), who.principal.scope(), id, &stored);
     let all = stream::once(std::future::ready(Ok(begin)));
     let body = Body::from_stream(futures::StreamExt::chain(all, rest));

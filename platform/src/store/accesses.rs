@@ -4,7 +4,7 @@ mod listed;
 
 use std::collections::BTreeMap;
 
-use access_log::{Access, AccessLog, AccessLogKey, AccessLogStart, Agent};
+use access_log::{Access, AccessLog, AccessLogKey, AccessLogStart, Agent, RemovedEntries};
 use asi_model::{DateTime, FactoryId};
 pub use listed::{AccessQuery, ListedAccess};
 
@@ -21,7 +21,7 @@ pub struct StoredAccessLog {
     /// The log with all its entries, those that retention removed included.
     pub log: AccessLog,
     /// The entries that retention removed.
-    pub removed: AccessLog,
+    pub removed: RemovedEntries,
     /// The last checkpoint, a signed note, with the number of the last entry that it covers.
     pub checkpoint: Option<(u64, String)>,
 }
@@ -155,13 +155,17 @@ impl Accesses<'_> {
         }
         let last = removed.last_number();
         if last > first {
-            self.remove_through(&removed).await?;
+            self.remove_through(factory, &removed).await?;
         }
         Ok(last - first)
     }
 
-    async fn remove_through(&mut self, removed: &AccessLog) -> Result<(), StoreError> {
-        let (factory, last) = (removed.start().factory_id.as_str(), signed(removed.last_number()));
+    async fn remove_through(
+        &mut self,
+        factory: &FactoryId,
+        removed: &RemovedEntries,
+    ) -> Result<(), StoreError> {
+        let (factory, last) = (factory.as_str(), signed(removed.last_number()));
         let failed = StoreError::during("remove old accesses");
         let sql =
             "UPDATE access_log SET removed_number = $2, removed_edge = $3 WHERE factory_id = $1";
@@ -184,16 +188,18 @@ impl Accesses<'_> {
         log_id: String,
     ) -> Result<StoredAccessLog, StoreError> {
         let log = AccessLog::new(AccessLogStart { factory_id: factory.clone(), log_id });
+        let removed = RemovedEntries::none();
         let sql = "INSERT INTO access_log (factory_id, start, last_number, edge, removed_number, removed_edge)
-                   VALUES ($1, $2, 0, $3, 0, $3)";
+                   VALUES ($1, $2, 0, $3, 0, $4)";
         sqlx::query(sql)
             .bind(factory.as_str())
             .bind(log.start().canonical())
             .bind(log.edge())
+            .bind(removed.edge())
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("begin an access log"))?;
-        Ok(StoredAccessLog { removed: log.clone(), log, checkpoint: None })
+        Ok(StoredAccessLog { log, removed, checkpoint: None })
     }
 
     /// Returns the pseudonym of a reader at a factory.
@@ -274,20 +280,19 @@ impl Accesses<'_> {
 }
 
 fn read(row: &DatabaseRow) -> Result<StoredAccessLog, StoreError> {
-    let start: AccessLogStart = row.json("start")?;
-    let log = |number: &'static str, edge: &'static str| {
-        let hashes: Vec<u8> = row.column(edge)?;
-        let stored = AccessLog::stored(start.clone(), row.unsigned(number)?, &hashes);
-        stored.ok_or_else(|| StoreError::Corrupt {
-            column: edge,
-            reason: "it is not the edge of a tree of this size".to_owned(),
-        })
+    let corrupt = |column: &'static str| StoreError::Corrupt {
+        column,
+        reason: "it is not the edge of a tree of this size".to_owned(),
     };
+    let edge = row.column::<Vec<u8>>("edge")?;
+    let log = AccessLog::stored(row.json("start")?, row.unsigned("last_number")?, &edge);
+    let removed_edge = row.column::<Vec<u8>>("removed_edge")?;
+    let removed = RemovedEntries::stored(row.unsigned("removed_number")?, &removed_edge);
     let checkpoint: Option<String> = row.column("checkpoint")?;
     let covered = checkpoint.as_ref().map(|_| row.unsigned("checkpoint_number")).transpose()?;
     Ok(StoredAccessLog {
-        log: log("last_number", "edge")?,
-        removed: log("removed_number", "removed_edge")?,
+        log: log.ok_or_else(|| corrupt("edge"))?,
+        removed: removed.ok_or_else(|| corrupt("removed_edge"))?,
         checkpoint: covered.zip(checkpoint),
     })
 }

@@ -122,7 +122,10 @@ async fn what_a_tool_is_sent_is_an_entry_of_the_same_transaction() {
     let maker = story::planner(&world, "frames-munich").await;
     let entries = accesses(&maker).await;
     assert!(entries.iter().all(|entry| entry["access"] == "FORWARDED"), "{entries:?}");
-    assert_eq!((&entries[0]["agentKind"], &entries[0]["agentName"]), (&json!("TOOL"), &Value::Null));
+    assert_eq!(
+        (&entries[0]["agentKind"], &entries[0]["agentName"]),
+        (&json!("TOOL"), &Value::Null)
+    );
     assert_eq!(entries[0]["viewer"], "acme-aero");
     let count: u64 = entries.iter().filter_map(|entry| entry["valueCount"].as_u64()).sum();
     let fields = entries[0]["fields"].as_array().map_or(0, Vec::len) as u64;
@@ -268,7 +271,7 @@ async fn tamper(path: &std::path::Path, change: &str) {
     let options = options.expect("a path").foreign_keys(false);
     let mut connection = SqliteConnection::connect_with(&options).await.expect("a file");
     // Any edge of a log of two entries: what is exported follows from the entries.
-    let former = "CREATE TEMP TABLE former AS SELECT removed_edge || randomblob(32) AS edge FROM access_log;";
+    let former = "CREATE TEMP TABLE former AS SELECT randomblob(64) AS edge;";
     let statements = format!("{former}{change}");
     sqlx::raw_sql(sqlx::AssertSqlSafe(statements)).execute(&mut connection).await.expect("changed");
     connection.close().await.expect("closed");

@@ -2,7 +2,7 @@
 
 use std::{path::Path, str::FromStr};
 
-use access_log::AccessKind;
+use access_log::{AccessKind, AccessLog};
 use asi_model::{DateTime, FactoryId, OperationNetworkId, RequestKey};
 use platform::{
     accesses::{AccessStorage as _, Contents, Reading},
@@ -199,7 +199,7 @@ async fn old_accesses_are_forgotten_and_the_rest_still_follows_from_them() {
         assert_eq!(accesses(&store, "b").await, left);
         let mut work = store.read().await.expect("begun");
         let stored = work.accesses().lookup(&factory).await.expect("read").expect("a log");
-        let mut log = stored.removed;
+        let mut log = AccessLog::after(stored.log.start().clone(), &stored.removed);
         let texts = work.accesses().texts(&organisation("b"), &factory, log.last_number(), 9).await;
         texts.expect("read").iter().for_each(|(_, text)| log.append_text(text));
         assert_eq!(Some(log), whole.as_ref().map(|whole| whole.log.clone()));

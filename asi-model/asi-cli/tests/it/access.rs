@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use access_log::{
-    Access, AccessKind, AccessLog, AccessLogKey, AccessLogStart, Agent, AgentKind,
+    Access, AccessKind, AccessLog, AccessLogKey, AccessLogStart, Agent, AgentKind, RemovedEntries,
     access_log_verifier,
     audit::{AccessAuditLine, AccessAuditStart},
 };
@@ -16,7 +16,7 @@ fn write_files(folder: &Path) -> String {
     let key = AccessLogKey::from_secret(&[1; 32]);
     let start = AccessLogStart { factory_id: "F".parse().unwrap(), log_id: "0a".to_owned() };
     let mut log = AccessLog::new(start);
-    let begin = AccessAuditStart::after(&log).line();
+    let begin = AccessAuditStart::after(log.start(), &RemovedEntries::none()).line();
     let at = DateTime::from_unix_micros(1_000_000);
     let access = Access {
         viewer: "acme".parse().unwrap(),

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use transparency_log::LeafRange;
 
-use crate::{AccessLog, AccessLogStart};
+use crate::{AccessLog, AccessLogStart, RemovedEntries};
 
 /// First line of an audit file: where the present entries continue.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -13,7 +13,8 @@ pub struct AccessAuditStart {
     pub log_start: String,
     /// Number of the last entry before those of the file; 0 where it has all.
     pub number: u64,
-    /// Hashes of the largest perfect subtrees over the leaves before, hexadecimal.
+    /// Hashes of the largest perfect subtrees over the entries before, hexadecimal. Leaf 0 is not
+    /// among them, so that its text is proven, too.
     pub leaves: Vec<String>,
 }
 
@@ -26,13 +27,13 @@ pub struct AccessAuditLine {
 }
 
 impl AccessAuditStart {
-    /// Begins the file of a log after those entries that it was given so far.
+    /// Begins the file of a log after the entries that were removed from it.
     #[must_use]
-    pub fn after(log: &AccessLog) -> Self {
+    pub fn after(start: &AccessLogStart, removed: &RemovedEntries) -> Self {
         Self {
-            log_start: log.start().canonical(),
-            number: log.last_number(),
-            leaves: log.edge_hashes(),
+            log_start: start.canonical(),
+            number: removed.last_number(),
+            leaves: removed.edge_hashes(),
         }
     }
 
@@ -50,9 +51,8 @@ impl AccessAuditStart {
         }
         let hash = |text: &String| hex::decode(text).ok()?.try_into().ok();
         let hashes = self.leaves.iter().map(hash).collect::<Option<Vec<_>>>()?;
-        let leaves = LeafRange::from_hashes(0, self.number.checked_add(1)?, hashes)?;
-        let is_other = self.number == 0 && leaves != start.leaves();
-        (!is_other).then_some(leaves)
+        let removed = RemovedEntries::from_hashes(self.number, hashes)?;
+        Some(AccessLog::after(start.clone(), &removed).into_leaves())
     }
 }
 

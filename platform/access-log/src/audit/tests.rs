@@ -1,7 +1,10 @@
 use asi_model::{DateTime, RequestKey};
 
 use super::*;
-use crate::{Access, AccessKind, AccessLog, AccessLogKey, Agent, AgentKind, access_log_verifier};
+use crate::{
+    Access, AccessKind, AccessLog, AccessLogKey, Agent, AgentKind, RemovedEntries,
+    access_log_verifier,
+};
 
 fn id<T: std::str::FromStr<Err: std::fmt::Debug>>(text: &str) -> T {
     text.parse().expect("valid")
@@ -37,17 +40,17 @@ fn vkey(factory: &str, key: &AccessLogKey) -> VerifierKey {
 fn file(count: u64, removed: u64) -> (Vec<String>, String) {
     let start = AccessLogStart { factory_id: id("F"), log_id: "0a".to_owned() };
     let mut log = AccessLog::new(start.clone());
-    let mut kept = AccessLog::new(start);
+    let mut gone = RemovedEntries::none();
     let mut lines = vec![String::new()];
     for number in 1..=count {
         let entry = log.append(access(number), DateTime::from_ticks(2)).canonical();
         if number <= removed {
-            kept.append_text(&entry);
+            gone.append_text(&entry);
         } else {
             lines.push(AccessAuditLine { entry }.line());
         }
     }
-    lines[0] = AccessAuditStart::after(&kept).line();
+    lines[0] = AccessAuditStart::after(&start, &gone).line();
     (lines, log.sign_checkpoint(&key()))
 }
 
