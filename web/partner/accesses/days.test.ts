@@ -30,6 +30,8 @@ describe('days of accesses', () => {
 
   it('are none without entries, and bounded with many', () => {
     expect(days([])).toEqual([])
-    expect(days([entry('2026-11-24T12:00:00', 1), entry('2020-01-01T12:00:00', 1)])).toHaveLength(60)
+    expect(days([entry('2026-11-24T12:00:00', 1), entry('2020-01-01T12:00:00', 1)])).toHaveLength(
+      60,
+    )
   })
 })
