@@ -30,7 +30,6 @@ use crate::{
 
 /// Subcommands, each a call that reads files and ends.
 #[derive(Debug, clap::Subcommand)]
-#[expect(clippy::large_enum_variant, reason = "one per run")]
 pub enum AsiCommand {
     /// Check a message: everything that is wrong with it, each fault with a JSON pointer.
     Validate {
