@@ -12,8 +12,7 @@ use tokio_util::sync::CancellationToken;
 
 use crate::{
     accesses::AccessRecorder, accounts::StoredAccounts, broker_access::BrokerAccess, clock::Clock,
-    config::PlatformConfig, ingest::IngestHandle, live::LiveLog, store::Store,
-    witness::WitnessKey,
+    config::PlatformConfig, ingest::IngestHandle, live::LiveLog, store::Store, witness::WitnessKey,
 };
 
 /// Endpoint of the broker for connectors and tools, handed out with their credentials.

@@ -131,6 +131,14 @@ impl From<&CurrentValue> for FieldUpdate {
     }
 }
 
+impl Notification {
+    /// Addresses values to an audience.
+    #[must_use]
+    pub const fn of_values(event: Withheld<LiveEvent>, audience: Vec<OrganisationId>) -> Self {
+        Self { event, audience, is_structure: false }
+    }
+}
+
 impl LiveEvent {
     /// Addresses the event to an audience.
     #[must_use]

@@ -1177,6 +1177,58 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/past-decisions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Lists the decisions about the past, newest first: who decided what, when and why.
+         * @description Least role: VIEWER.
+         */
+        get: operations["listPastDecisions"];
+        put?: never;
+        /**
+         * Decides whether a recipient that was added later sees what had left before. It is entered in the
+         *     recipient's ledger, and the platform is told. What was shown cannot be made unseen; a revocation
+         *     ends what is current, as for every recipient. Reports that the platform holds no longer do not
+         *     appear there.
+         * @description Least role: ENGINEER.
+         */
+        post: operations["decidePast"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/past-offers": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Lists the recipients that were added to requests later and could be shown what had left for
+         *     others before. Nothing of it is shown unless an engineer decides so.
+         * @description A report can be shown where each of its fields is open to the recipient at present, and left
+         *     under a policy that satisfies the present one; it is shown whole and as it left, or not at all.
+         *     Reports whose values retention has emptied here are not offered.
+         *
+         *     Least role: VIEWER.
+         */
+        get: operations["listPastOffers"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/policies": {
         parameters: {
             query?: never;
@@ -2388,6 +2440,16 @@ export interface components {
              */
             quietMs: number;
         };
+        /** @description A decision about the past that was stored. */
+        DecidedPast: {
+            /** @description True where reports of the past are shown to the recipient. */
+            isReleased: boolean;
+            /**
+             * Format: int64
+             * @description Number of reports that are shown.
+             */
+            reportCount: number;
+        };
         /**
          * @description Named policies, standing rules and caps that a decision is based on, beside the engineer's own
          *     policy.
@@ -2407,6 +2469,11 @@ export interface components {
             /** @default null */
             policyId?: components["schemas"]["DocumentId"] | null;
             /**
+             * @description Salted hash of the preview that the engineer decided on, hexadecimal; in consents only.
+             * @default null
+             */
+            preview?: string | null;
+            /**
              * @description The rules that decided, each in its version at that time.
              * @default []
              */
@@ -2419,6 +2486,8 @@ export interface components {
             /** @description `PENDING`, `MAPPED` or `REFUSED`. */
             mappingState: components["schemas"]["MappingState"];
             policyId?: components["schemas"]["DocumentId"] | null;
+            /** @description The preview of this draft that the engineer saw; the ledger has a salted hash of it. */
+            previewId?: string | null;
             /** @description Reason that the partner reads; needed with `REFUSED`. */
             reason?: string | null;
             valueSource?: components["schemas"]["ValueSource"] | null;
@@ -2748,6 +2817,12 @@ export interface components {
         }) | (components["schemas"]["RevokedView"] & {
             /** @enum {string} */
             kind: "REVOKED";
+        }) | (components["schemas"]["RetentionStatement"] & {
+            /** @enum {string} */
+            kind: "RETENTION";
+        }) | (components["schemas"]["PastReleasedView"] & {
+            /** @enum {string} */
+            kind: "PAST_RELEASED";
         }) | {
             /** @enum {string} */
             kind: "UNREADABLE";
@@ -4033,6 +4108,12 @@ export interface components {
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
+        Page_PastOfferView: {
+            items: components["schemas"]["PastOfferView"][];
+            /** @description Cursor of the next page; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
         Page_PeerCertificate: {
             items: components["schemas"]["PeerCertificate"][];
             /** @description Cursor of the next page; none on the last. */
@@ -4077,6 +4158,12 @@ export interface components {
         /** @description A page of a list. */
         Page_StoredComment: {
             items: components["schemas"]["StoredComment"][];
+            /** @description Cursor of the next page; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_StoredPastDecision: {
+            items: components["schemas"]["StoredPastDecision"][];
             /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
@@ -4160,6 +4247,80 @@ export interface components {
          * @description A password: not printed, not serialised, wiped from memory.
          */
         Password: string;
+        /** @description Decision about the past, with the offer that the person saw. */
+        PastDecisionBody: {
+            /** @description True to show the recipient what is offered; false to leave it hidden. */
+            isReleased: boolean;
+            /** @description Reason, for the record. */
+            reason?: string | null;
+            /** @description The recipient of the offer. */
+            recipientId: components["schemas"]["OrganisationId"];
+            /** @description The request of the offer. */
+            request: components["schemas"]["RequestKey"];
+            /** @description `root` of the offer. */
+            root: string;
+        };
+        /** @description A field of reports of the past. */
+        PastFieldView: (components["schemas"]["Statement"] | null) & {
+            /**
+             * Format: int32
+             * @description Number of the consent under which it left.
+             */
+            consentVersion: number;
+            /** @description True where the field is not open to the recipient at present. */
+            isClosed: boolean;
+            /** @description True where that policy does not satisfy the present one. */
+            isLooser: boolean;
+            name: components["schemas"]["FieldName"];
+        };
+        /** @description Offer to show a recipient what had left for others before it was added. */
+        PastOfferView: {
+            /** @description All reports, grouped by the consents under which they left; the oldest first. */
+            parts: components["schemas"]["PastPartView"][];
+            /** @description The newest reports that can be shown, as they left. */
+            preview: components["schemas"]["PastReportView"][];
+            /** @description The recipient that was added. */
+            recipientId: components["schemas"]["OrganisationId"];
+            /**
+             * Format: int64
+             * @description Number of reports that can be shown.
+             */
+            reportCount: number;
+            request: components["schemas"]["RequestKey"];
+            /** @description Root over their values, hexadecimal: names this offer in the decision. */
+            root: string;
+        };
+        /** @description Reports that left under the same consents. */
+        PastPartView: {
+            fields: components["schemas"]["PastFieldView"][];
+            /** @description Time of the first report. */
+            from: components["schemas"]["DateTime"];
+            /** @description True where they can be shown. */
+            isOffered: boolean;
+            /**
+             * Format: int64
+             * @description Number of reports.
+             */
+            reportCount: number;
+            /** @description Time of the last report. */
+            until: components["schemas"]["DateTime"];
+        };
+        /** @description Reports of the past that are shown to the recipient of the chain. */
+        PastReleasedView: components["schemas"]["SequenceRange"] & {
+            /** @description Name of the person who decided. */
+            decidedBy: string;
+            /** @description Reason that the person gave. */
+            reason?: string | null;
+            /** @description Root over the roots of the reports' values, hexadecimal. */
+            values: string;
+        };
+        /** @description Values of a report as they left. */
+        PastReportView: {
+            /** @description The payload by member. */
+            value: {
+                [key: string]: components["schemas"]["EncodedValue"];
+            };
+        };
         /** @description Certificate that a server has presented. */
         PeerCertificate: {
             /** @description The length of its RSA key in bits. */
@@ -4217,6 +4378,8 @@ export interface components {
              *     times.
              */
             message?: string | null;
+            /** @description Id by which a decision names this preview, for some minutes. */
+            previewId: string;
             /** @description Results of the mapping's functions, in order. */
             steps: components["schemas"]["StepView"][];
         };
@@ -4415,6 +4578,29 @@ export interface components {
             updateIntervalMs?: number | null;
             validFrom?: components["schemas"]["DateTime"] | null;
             validUntil?: components["schemas"]["DateTime"] | null;
+        };
+        /**
+         * @description Rule by which values are emptied or entries removed.
+         * @enum {string}
+         */
+        RetentionRule: "VALUE_DAYS" | "ENTRY_DAYS" | "FORMER_VERSION";
+        /** @description Statement in a chain about what retention took from it. What is missing without one is a fault. */
+        RetentionStatement: {
+            /** @description Only reports and entries from before this time are affected. */
+            before: components["schemas"]["DateTime"];
+            /**
+             * Format: int32
+             * @description Configured number of days; none for what was found.
+             */
+            days?: number | null;
+            /** @description Reports whose values were emptied. */
+            emptied?: components["schemas"]["SequenceRange"][];
+            /**
+             * Format: int64
+             * @description Number of the last entry of the chain that was removed.
+             */
+            removedThrough?: number | null;
+            rule: components["schemas"]["RetentionRule"];
         };
         /** @description Difference between the revision in force and the one before. */
         RevisionDifference: {
@@ -5138,6 +5324,26 @@ export interface components {
             isOwn: boolean;
             text: string;
             writtenAt: components["schemas"]["DateTime"];
+        };
+        /** @description A decision about the past: who decided what, when and why. */
+        StoredPastDecision: {
+            decidedAt: components["schemas"]["DateTime"];
+            decidedBy: string;
+            /** @description Number of the decision, as text. */
+            id: string;
+            /** @description True where reports of the past are shown to it. */
+            isReleased: boolean;
+            reason?: string | null;
+            /** @description The recipient that was added. */
+            recipientId: components["schemas"]["OrganisationId"];
+            /**
+             * Format: int64
+             * @description Number of reports that are shown.
+             */
+            reportCount: number;
+            request: components["schemas"]["RequestKey"];
+            /** @description Root over their values, hexadecimal, as the ledger commits to them; none where none is shown. */
+            root?: string | null;
         };
         /** @description A receipt with its signature, and the arrivals since of reports that were on their way. */
         StoredRevocation: components["schemas"]["RevocationReceipt"] & {
@@ -6986,7 +7192,7 @@ export interface operations {
                  * @description Entries of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or
                  *     `REVOKED`.
                  */
-                kind?: "CONSENT" | "QUEUED" | "SENT" | "RECEIPTED" | "COALESCED" | "EXPIRED" | "PURGED" | "REVOKED";
+                kind?: "CONSENT" | "QUEUED" | "SENT" | "RECEIPTED" | "COALESCED" | "EXPIRED" | "PURGED" | "REVOKED" | "RETENTION" | "PAST_RELEASED";
                 /**
                  * @description Entries about this network: decisions about its fields, reports that carried them, and the
                  *     delivery of those.
@@ -7072,7 +7278,7 @@ export interface operations {
                  * @description Entries of this kind: `CONSENT`, `QUEUED`, `SENT`, `RECEIPTED`, `COALESCED`, `EXPIRED`, `PURGED` or
                  *     `REVOKED`.
                  */
-                kind?: "CONSENT" | "QUEUED" | "SENT" | "RECEIPTED" | "COALESCED" | "EXPIRED" | "PURGED" | "REVOKED";
+                kind?: "CONSENT" | "QUEUED" | "SENT" | "RECEIPTED" | "COALESCED" | "EXPIRED" | "PURGED" | "REVOKED" | "RETENTION" | "PAST_RELEASED";
                 /**
                  * @description Entries about this network: decisions about its fields, reports that carried them, and the
                  *     delivery of those.
@@ -7680,6 +7886,96 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Page_OperatorOperation"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listPastDecisions: {
+        parameters: {
+            query?: {
+                /** @description `nextCursor` of the page before. */
+                cursor?: number;
+                /** @description Decisions per page, at most 50. */
+                limit?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_StoredPastDecision"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    decidePast: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PastDecisionBody"];
+            };
+        };
+        responses: {
+            /** @description A decision about the past that was stored. */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecidedPast"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listPastOffers: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_PastOfferView"];
                 };
             };
             400: components["responses"]["BadRequest"];

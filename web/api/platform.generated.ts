@@ -131,6 +131,66 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/factories/{factoryId}/accesses": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Lists who read values of a factory, newest first: for members of its organisation. Further reads
+         *     of the same values within a minute are one entry.
+         */
+        get: operations["listAccesses"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/factories/{factoryId}/accesses/audit": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Exports a factory's access log as an audit file, a JSON object per line, which `asi access verify`
+         *     checks against a checkpoint that was kept elsewhere: for members of its organisation.
+         */
+        get: operations["exportAccesses"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/factories/{factoryId}/accesses/checkpoint": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Shows the newest checkpoint of a factory's access log, which covers all entries but those of the
+         *     last minute: for members of its organisation.
+         */
+        get: operations["showAccessCheckpoint"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/factories/{factoryId}/credentials": {
         parameters: {
             query?: never;
@@ -368,6 +428,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/operation-networks/{operationNetworkId}/revocations": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Lists the signed receipts of revocations about requests of a network, oldest first: for those who
+         *     received the values, and for the factory. `asi ledger receipt` verifies one.
+         */
+        get: operations["listRevocations"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/organisations": {
         parameters: {
             query?: never;
@@ -393,7 +473,10 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Lists the reports that their factories released to the viewer, in the order of their arrival. */
+        /**
+         * Lists the reports that their factories released to the viewer, in the order of their arrival. The
+         *     factories can see that: as looked at where `newest` is set, else as exported.
+         */
         get: operations["listReports"];
         put?: never;
         post?: never;
@@ -496,6 +579,49 @@ export interface paths {
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
+        /** @description Values of one request that one agent got in one way. */
+        Access: components["schemas"]["Agent"] & components["schemas"]["RequestKey"] & {
+            access: components["schemas"]["AccessKind"];
+            /** @description Names of the fields. */
+            fields: string[];
+            /** @description Time of the first read that the entry counts; the last was at the time of the entry or before. */
+            since: components["schemas"]["DateTime"];
+            /**
+             * Format: int64
+             * @description Number of values; one that was read twice counts twice.
+             */
+            valueCount: number;
+            valuesFrom?: components["schemas"]["DateTime"] | null;
+            valuesTo?: components["schemas"]["DateTime"] | null;
+            /** @description Organisation that got the values. */
+            viewer: components["schemas"]["OrganisationId"];
+        };
+        /** @description A signed statement of the size and the root of a factory's access log. */
+        AccessCheckpointView: {
+            /** @description The checkpoint, a C2SP signed note; absent in the first minute of a log. */
+            checkpoint?: string | null;
+            /**
+             * @description The key that signed it, as `name+id+key`. Note it once, and keep checkpoints where the
+             *     platform cannot change them.
+             */
+            verifierKey: string;
+        };
+        /**
+         * @description Way by which values were handed out.
+         * @enum {string}
+         */
+        AccessKind: "LOOKED" | "STREAMED" | "EXPORTED" | "FORWARDED";
+        /** @description An entry of the record of who read a factory's values. */
+        AccessView: components["schemas"]["Access"] & {
+            /** @description Name of the person or tool; for the own organisation's only. */
+            agentName?: string | null;
+            /**
+             * Format: int64
+             * @description Number in the log, from 1 without gaps.
+             */
+            number: number;
+            recordedAt: components["schemas"]["DateTime"];
+        };
         /** @description A comment to add. */
         AddComment: {
             dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"] | null;
@@ -505,6 +631,19 @@ export interface components {
             /** @description Text, 1 to 10000 characters. */
             text: string;
         };
+        /** @description Person or tool that read for an organisation, under a pseudonym. */
+        Agent: {
+            /** @description Random id, the same in all entries of one factory; another at each factory. */
+            agentId: string;
+            agentKind: components["schemas"]["AgentKind"];
+            /** @description Role of a user at the time; absent for tools. */
+            role?: string | null;
+        };
+        /**
+         * @description Nature of an agent: a person or a program.
+         * @enum {string}
+         */
+        AgentKind: "USER" | "TOOL";
         /** @description Aggregate of the values of a window. */
         AggregateStatement: {
             /**
@@ -888,7 +1027,6 @@ export interface components {
              */
             leaseNumber: number;
         };
-        /** @description Progress of a link towards a connection with a broker. */
         /** @description Log of what a factory discloses to one organisation. */
         LedgerLogView: {
             /** @description The newest checkpoint, a C2SP signed note with the signatures of the log and of the platform. */
@@ -926,7 +1064,7 @@ export interface components {
             /** @description The platform's key as a witness: name, id and key. */
             witnessKey: string;
         };
-        /** @description Phase of a link. */
+        /** @description Progress of a link towards a connection with a broker. */
         LinkPhase: {
             /** @enum {string} */
             state: "connecting";
@@ -1286,6 +1424,12 @@ export interface components {
         /** @description An organisation that takes part in collaborations. */
         OrganisationId: string;
         /** @description A page of a list. */
+        Page_AccessView: {
+            items: components["schemas"]["AccessView"][];
+            /** @description Cursor of the next page; absent on the last one. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
         Page_Collaboration: {
             items: components["schemas"]["Collaboration"][];
             /** @description Cursor of the next page; absent on the last one. */
@@ -1330,6 +1474,12 @@ export interface components {
         /** @description A page of a list. */
         Page_Report: {
             items: components["schemas"]["Report"][];
+            /** @description Cursor of the next page; absent on the last one. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_RevocationEntry: {
+            items: components["schemas"]["RevocationEntry"][];
             /** @description Cursor of the next page; absent on the last one. */
             nextCursor?: string | null;
         };
@@ -1575,6 +1725,31 @@ export interface components {
             operationId: components["schemas"]["OperationId"];
             /** @description The network the request belongs to. */
             operationNetworkId: components["schemas"]["OperationNetworkId"];
+        };
+        /**
+         * @description A receipt as its readers see it: for the organisations that received the values, and for the
+         *     factory's own.
+         */
+        RevocationEntry: {
+            dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
+            factoryId: components["schemas"]["FactoryId"];
+            operationId: components["schemas"]["OperationId"];
+            /**
+             * @description Ed25519 key, hexadecimal, as the factory stated it; to be compared with the key of its
+             *     ledger's checkpoints.
+             */
+            publicKey: string;
+            /** @description Time of arrival at the platform. */
+            receivedAt: components["schemas"]["DateTime"];
+            /**
+             * Format: int64
+             * @description Its number, counting up.
+             */
+            revocationNumber: number;
+            /** @description Ed25519 signature over the UTF-8 text, hexadecimal, as the factory stated it. */
+            signature: string;
+            /** @description The receipt, a JSON document, byte by byte as the factory signed it. */
+            signedText: string;
         };
         /** @description Result of a revocation. */
         Revoked: {
@@ -2029,6 +2204,95 @@ export interface operations {
             422: components["responses"]["UnprocessableEntity"];
         };
     };
+    listAccesses: {
+        parameters: {
+            query?: {
+                /** @description Only those of this organisation. */
+                viewer?: components["schemas"]["OrganisationId"];
+                /** @description Only those to values of this network. */
+                network?: components["schemas"]["OperationNetworkId"];
+                /** @description Only those to values of this request. */
+                request?: components["schemas"]["DynamicDataRequestId"];
+                /** @description `nextCursor` of the page before; absent for the first page. */
+                cursor?: string;
+                /** @description Most entries wanted, 1 to 1000. */
+                limit?: number;
+            };
+            header?: never;
+            path: {
+                factoryId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_AccessView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    exportAccesses: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                factoryId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description OK */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/x-ndjson": string;
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    showAccessCheckpoint: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                factoryId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A signed statement of the size and the root of a factory's access log. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AccessCheckpointView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
     revokeFactoryCredentials: {
         parameters: {
             query?: never;
@@ -2469,6 +2733,37 @@ export interface operations {
             404: components["responses"]["NotFound"];
             409: components["responses"]["Conflict"];
             422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    listRevocations: {
+        parameters: {
+            query?: {
+                /** @description `nextCursor` of the page before; absent for the first page. */
+                cursor?: string;
+                /** @description Most entries wanted, 1 to 1000. */
+                limit?: number;
+            };
+            header?: never;
+            path: {
+                operationNetworkId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_RevocationEntry"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
         };
     };
     listOrganisations: {

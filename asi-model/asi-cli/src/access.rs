@@ -15,25 +15,29 @@ use crate::{
 #[derive(Debug, clap::Subcommand)]
 pub enum AccessCommand {
     /// Check an audit file against a checkpoint that was kept elsewhere.
-    Verify {
-        /// The file that the platform exported.
-        file: PathBuf,
-        /// A checkpoint of the same log, kept where the platform cannot change it.
-        #[arg(long, value_name = "FILE")]
-        checkpoint: PathBuf,
-        /// The key of the log, as noted at the beginning: name+id+key.
-        #[arg(long, value_name = "VKEY")]
-        key: VerifierKey,
-    },
+    Verify(Box<AccessAuditOptions>),
+}
+
+/// Options of the check of an audit file.
+#[derive(Debug, clap::Args)]
+pub struct AccessAuditOptions {
+    /// The file that the platform exported.
+    file: PathBuf,
+    /// A checkpoint of the same log, kept where the platform cannot change it.
+    #[arg(long, value_name = "FILE")]
+    checkpoint: PathBuf,
+    /// The key of the log, as noted at the beginning: name+id+key.
+    #[arg(long, value_name = "VKEY")]
+    key: VerifierKey,
 }
 
 /// Carries out a command.
 pub fn run(command: AccessCommand, out: &mut dyn Write) -> anyhow::Result<CommandOutcome> {
-    let AccessCommand::Verify { file, checkpoint: note, key } = command;
-    let note = checkpoint(&note)?;
-    let mut lines = open(&file)?;
+    let AccessCommand::Verify(options) = command;
+    let note = checkpoint(&options.checkpoint)?;
+    let mut lines = open(&options.file)?;
     let first = next_line(&mut lines)?.unwrap_or_default();
-    let mut auditor = match AccessAuditor::new(&note, &key, &first) {
+    let mut auditor = match AccessAuditor::new(&note, &options.key, &first) {
         Ok(auditor) => auditor,
         Err(error) => {
             writeln!(out, "{:#}", anyhow::Error::new(error))?;

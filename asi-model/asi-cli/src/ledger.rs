@@ -5,7 +5,7 @@ mod receipt;
 
 use std::{
     io::{Read as _, Write},
-    path::{Path, PathBuf},
+    path::PathBuf,
 };
 
 use ::ledger::audit::Auditor;
@@ -25,62 +25,63 @@ const RECEIPT_BYTES_MAX: u64 = 1024 * 1024;
 #[derive(Debug, clap::Subcommand)]
 pub enum LedgerCommand {
     /// Check an audit file against a checkpoint that was kept elsewhere.
-    Verify {
-        /// The file that `factory-connector ledger audit` wrote.
-        file: PathBuf,
-        /// A checkpoint of the same log, kept where the factory cannot change it.
-        #[arg(long, value_name = "FILE")]
-        checkpoint: PathBuf,
-        /// The key of the log, as noted at the beginning: name+id+key.
-        #[arg(long, value_name = "VKEY")]
-        key: VerifierKey,
-        /// The key of a witness that must have countersigned the checkpoint: name+id+key.
-        #[arg(long, value_name = "VKEY")]
-        witness: Option<VerifierKey>,
-        /// Values of reports that were queued before this time (RFC 3339) may be missing without an
-        /// entry about their retention: a time that the factory names in another way.
-        #[arg(long, value_name = "TIME")]
-        emptied_before: Option<DateTime>,
-    },
+    Verify(Box<AuditOptions>),
     /// Check the signed receipt of a revocation, as the platform lists it, and print it.
-    Receipt {
-        /// The receipt with its signature, a JSON object.
-        file: PathBuf,
-        /// The key of the factory's log for this organisation: name+id+key.
-        #[arg(long, value_name = "VKEY")]
-        key: VerifierKey,
-    },
+    Receipt(Box<ReceiptOptions>),
+}
+
+/// Options of the check of an audit file.
+#[derive(Debug, clap::Args)]
+pub struct AuditOptions {
+    /// The file that `factory-connector ledger audit` wrote.
+    file: PathBuf,
+    /// A checkpoint of the same log, kept where the factory cannot change it.
+    #[arg(long, value_name = "FILE")]
+    checkpoint: PathBuf,
+    /// The key of the log, as noted at the beginning: name+id+key.
+    #[arg(long, value_name = "VKEY")]
+    key: VerifierKey,
+    /// The key of a witness that must have countersigned the checkpoint: name+id+key.
+    #[arg(long, value_name = "VKEY")]
+    witness: Option<VerifierKey>,
+    /// Values of reports that were queued before this time (RFC 3339) may be missing without an
+    /// entry about their retention: a time that the factory names in another way.
+    #[arg(long, value_name = "TIME")]
+    emptied_before: Option<DateTime>,
+}
+
+/// Options of the check of a revocation's receipt.
+#[derive(Debug, clap::Args)]
+pub struct ReceiptOptions {
+    /// The receipt with its signature, a JSON object.
+    file: PathBuf,
+    /// The key of the factory's log for this organisation: name+id+key.
+    #[arg(long, value_name = "VKEY")]
+    key: VerifierKey,
 }
 
 /// Carries out a command.
 pub fn run(command: LedgerCommand, out: &mut dyn Write) -> anyhow::Result<CommandOutcome> {
     match command {
-        LedgerCommand::Verify { file, checkpoint, key, witness, emptied_before } => {
-            verify(&file, &checkpoint, &key, witness.as_ref(), emptied_before, out)
-        }
-        LedgerCommand::Receipt { file, key } => {
+        LedgerCommand::Verify(options) => verify(&options, out),
+        LedgerCommand::Receipt(options) => {
             let mut receipt = Vec::new();
-            open(&file)?.take(RECEIPT_BYTES_MAX).read_to_end(&mut receipt)?;
-            receipt::verify(&receipt, &key, out)
+            open(&options.file)?.take(RECEIPT_BYTES_MAX).read_to_end(&mut receipt)?;
+            receipt::verify(&receipt, &options.key, out)
         }
     }
 }
 
-fn verify(
-    file: &Path,
-    note: &Path,
-    key: &VerifierKey,
-    witness: Option<&VerifierKey>,
-    emptied_before: Option<DateTime>,
-    out: &mut dyn Write,
-) -> anyhow::Result<CommandOutcome> {
-    let note = checkpoint(note)?;
-    let mut lines = open(file)?;
+fn verify(options: &AuditOptions, out: &mut dyn Write) -> anyhow::Result<CommandOutcome> {
+    let note = checkpoint(&options.checkpoint)?;
+    let mut lines = open(&options.file)?;
     let first = next_line(&mut lines)?.unwrap_or_default();
-    let begun = Auditor::new(&note, key, &first, emptied_before).and_then(|mut auditor| {
-        witness.map_or(Ok(()), |witness| auditor.demand_witness(witness))?;
-        Ok(auditor)
-    });
+    let begun = Auditor::new(&note, &options.key, &first, options.emptied_before).and_then(
+        |mut auditor| {
+            options.witness.as_ref().map_or(Ok(()), |witness| auditor.demand_witness(witness))?;
+            Ok(auditor)
+        },
+    );
     let mut auditor = match begun {
         Ok(auditor) => auditor,
         Err(error) => {

@@ -26,7 +26,7 @@ pub(super) fn factory_message(
     if !reader.is_object(root, "A message") {
         return None;
     }
-    const TYPES: [&str; 7] = [
+    const TYPES: [&str; 9] = [
         "acknowledgement",
         "decision",
         "gap",

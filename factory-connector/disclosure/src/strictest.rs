@@ -293,7 +293,11 @@ mod tests {
         let check = |policy: &str, other: &str, expected: bool| {
             let parse =
                 |json: &str| serde_json::from_str::<DisclosurePolicy>(json).expect("a policy");
-            assert_eq!(parse(other).allows_all_of(&parse(policy)), expected, "{policy} and {other}");
+            assert_eq!(
+                parse(other).allows_all_of(&parse(policy)),
+                expected,
+                "{policy} and {other}"
+            );
         };
         check("{}", "{}", true);
         check(r#"{"roundingStep":10}"#, "{}", true);

@@ -48,10 +48,7 @@ impl EntryHeader<'_> {
 
     /// Returns whether the entry has more than a header.
     pub(crate) const fn is_rare(&self) -> bool {
-        matches!(
-            self.event,
-            Kind::Consent | Kind::Revoked | Kind::Retention | Kind::PastReleased
-        )
+        matches!(self.event, Kind::Consent | Kind::Revoked | Kind::Retention | Kind::PastReleased)
     }
 
     /// Returns the root over the values of a report, hexadecimal.
@@ -80,11 +77,9 @@ impl EntryHeader<'_> {
             }
             Kind::Receipted => ReportEvent::Receipted(range),
             Kind::Coalesced | Kind::Expired | Kind::Purged => ReportEvent::Ended(range),
-            Kind::Consent
-            | Kind::Queued
-            | Kind::Revoked
-            | Kind::Retention
-            | Kind::PastReleased => ReportEvent::Other,
+            Kind::Consent | Kind::Queued | Kind::Revoked | Kind::Retention | Kind::PastReleased => {
+                ReportEvent::Other
+            }
         })
     }
 }

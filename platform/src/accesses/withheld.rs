@@ -53,6 +53,20 @@ impl<T> Withheld<Vec<T>>
 where
     Vec<T>: Values,
 {
+    /// Keeps what fits an argument, with its own contents. A function, so that it takes nothing along.
+    #[must_use]
+    pub fn retain_with<A>(self, argument: &A, fits: fn(&A, &T) -> bool) -> Self {
+        let mut value = self.value;
+        value.retain(|value| fits(argument, value));
+        Self::new(value)
+    }
+
+    /// Returns true for a list of nothing.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.value.is_empty()
+    }
+
     /// Divides a list by a key, each part with its own contents.
     #[must_use]
     pub fn divide<K: Ord>(self, key: fn(&T) -> K) -> BTreeMap<K, Self> {

@@ -142,11 +142,8 @@ async fn only_the_factory_of_the_reports_releases_them_to_a_recipient() {
     munich.send("past-release", &other_operation);
     let codes = set_aside(&admin, 5).await;
     let of = |wanted: &str| codes.iter().filter(|code| **code == wanted).count();
-    assert_eq!(
-        (of("FOREIGN_REQUEST"), of("NOT_A_RECIPIENT"), of("UNKNOWN_RANGE")),
-        (2, 1, 1),
-        "{codes:?}"
-    );
+    assert_eq!(of("FOREIGN_REQUEST"), 2, "{codes:?}");
+    assert_eq!((of("NOT_A_RECIPIENT"), of("UNKNOWN_RANGE")), (1, 1), "{codes:?}");
     assert_eq!(sequences(&inspector).await, Vec::<u64>::new());
     let stranger = story::planner(&world, "stranger").await;
     assert_eq!(sequences(&stranger).await, Vec::<u64>::new());

@@ -22,8 +22,7 @@ const offer: PastOffer = {
         {
           name: 'count',
           consentVersion: 1,
-          statement: 'Rounded to multiples of 10.',
-          statementParts: [],
+          policy: { statement: 'Rounded to multiples of 10.', statementParts: [] },
           isClosed: false,
           isLooser: false,
         },

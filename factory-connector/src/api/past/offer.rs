@@ -93,8 +93,7 @@ pub struct PastFieldView {
     /// Number of the consent under which it left.
     consent_version: u32,
     /// The policy of that consent in words and as codes; none where it is not known any more.
-    #[serde(flatten)]
-    statement: Option<Statement>,
+    policy: Option<Statement>,
     /// True where the field is not open to the recipient at present.
     is_closed: bool,
     /// True where that policy does not satisfy the present one.
@@ -127,7 +126,7 @@ impl PastOfferView {
 impl PastPartView {
     fn new(past: &Past, part: &PastPart) -> Self {
         let field = |(name, version): (&FieldName, &u32)| PastFieldView {
-            statement: past
+            policy: past
                 .policies
                 .get(&(name.clone(), *version))
                 .map(|policy| Statement::of(policy, None)),

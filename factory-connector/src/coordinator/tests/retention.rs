@@ -17,15 +17,15 @@ use super::{
 };
 
 /// Store and state without a running coordinator.
-struct Plant {
-    store: Store,
+pub(super) struct Plant {
+    pub(super) store: Store,
     state: ConnectorState,
     pending: ChangeSet,
     key: LedgerKey,
 }
 
 impl Plant {
-    async fn open(folder: &Path) -> Self {
+    pub(super) async fn open(folder: &Path) -> Self {
         let factory_id: FactoryId = "F".parse().expect("an id");
         let mut store = Store::open(folder, &factory_id, now()).await.expect("a store");
         let key = crate::ledger_key::open(&folder.join(LEDGER_KEY_FILE)).expect("the key");
@@ -39,7 +39,7 @@ impl Plant {
         Self { store, state, pending, key }
     }
 
-    async fn commit(&mut self) {
+    pub(super) async fn commit(&mut self) {
         let changes = std::mem::take(&mut self.pending);
         let (writes, _) = transaction::refresh(&mut self.state, changes)
             .take_back(&mut self.state, DeliveryState::default(), &self.key, now())
@@ -56,7 +56,7 @@ impl Plant {
         old.len()
     }
 
-    async fn remove_entries(&mut self, before: DateTime) {
+    pub(super) async fn remove_entries(&mut self, before: DateTime) {
         let limit = RetentionLimit { days: 1, before };
         let old = self.store.read().ledger().old_entries(before).await.expect("read");
         self.pending.merge(remove_entries(&mut self.state, old, limit, &self.key, before));

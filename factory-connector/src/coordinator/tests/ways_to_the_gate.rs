@@ -1,7 +1,7 @@
 //! Ways in which a field can be written, through the real coordinator, store and twin: each passes
 //! the gate.
 
-use std::{collections::BTreeMap, path::Path};
+use std::path::Path;
 
 use asi_model::{DataValue, StatusCode, Variant, messages::ValueSource};
 use connector_state::{
@@ -279,106 +279,90 @@ impl Gateway {
 /// gate's nor its own. Whatever leaves is of a type that a gate alone makes (`disclosure::Released`,
 /// whose documentation is tested for what does not compile); so all that remains to be counted is
 /// who has a gate, and what a gate believes: its stored state.
-const PATTERNS: [&str; 10] = [
-    "receive_candidate(",
-    "receive_candidates(",
-    "write_value(",
-    "gate.on(",
-    "Gate::new(",
-    "gate_from_json(",
-    "Released::by_gate",
-    "into_draft(",
-    ".gate =",
-    "through_gate(",
+const PLACES: [(&str, &[&str]); 10] = [
+    // Written values and the beginning of a request's validity come one by one.
+    (
+        "receive_candidate(",
+        &["state/src/use_cases/validity.rs 1", "state/src/use_cases/values.rs 2"],
+    ),
+    // Mappings bring candidates to the coordinator, which reads its channel in a function of
+    // the same name; operators' entries use the same function.
+    (
+        "receive_candidates(",
+        &[
+            "src/coordinator.rs 3",
+            "state/src/use_cases/enter.rs 1",
+            "state/src/use_cases/values.rs 2",
+        ],
+    ),
+    (
+        "write_value(",
+        &[
+            "src/coordinator/commands.rs 1",
+            "src/coordinator/handle.rs 1",
+            "src/twin_adapter.rs 1",
+            "state/src/use_cases/values.rs 1",
+        ],
+    ),
+    // The gate of a preview, and the one way in.
+    ("gate.on(", &["src/api/preview.rs 1", "state/src/use_cases/values.rs 1"]),
+    // Those of the fields, and the drafts of a preview, whose values are not released ones.
+    (
+        "Gate::new(",
+        &[
+            "disclosure/src/draft_gate.rs 1",
+            "state/src/fields/field.rs 2",
+            "state/src/fields/field_mut.rs 1",
+            "state/src/queries/disclosed.rs 1",
+        ],
+    ),
+    // Read from the store.
+    ("gate_from_json(", &["disclosure/src/gate/document.rs 1", "state/src/load.rs 1"]),
+    // Released by a gate, read from the store, and coarsened by another policy.
+    (
+        "Released::by_gate",
+        &[
+            "disclosure/src/gate.rs 3",
+            "disclosure/src/gate/document.rs 1",
+            "disclosure/src/gate/transition.rs 1",
+        ],
+    ),
+    // The message of a preview, which cannot be queued.
+    ("into_draft(", &["disclosure/src/report_frame.rs 1", "src/api/preview.rs 1"]),
+    // Created empty for another type.
+    (".gate =", &["state/src/fields/field_mut.rs 1"]),
+    (
+        "through_gate(",
+        &[
+            "state/src/dependencies.rs 4",
+            "state/src/gates.rs 1",
+            "state/src/use_cases/decide.rs 1",
+            "state/src/use_cases/policies.rs 1",
+            "state/src/use_cases/values.rs 2",
+        ],
+    ),
 ];
 
 /// Nothing but the listed ways brings values to a gate, and nothing but the gate decides what is
 /// disclosed.
 #[test]
 fn there_is_no_way_around_the_gate() {
-    let mut found: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));
-    for source in ["src", "state/src", "disclosure/src"] {
-        for (name, text) in sources(&package.join(source)) {
-            for pattern in PATTERNS {
-                let count = text.matches(pattern).count();
-                if count > 0 {
-                    let name = format!("{source}/{name} {count}");
-                    found.entry(pattern).or_default().push(name);
-                }
-            }
-        }
-    }
-    found.values_mut().for_each(|names| names.sort());
-    let expected = BTreeMap::from([
-        // Written values and the beginning of a request's validity come one by one.
-        (
-            "receive_candidate(",
-            vec!["state/src/use_cases/validity.rs 1", "state/src/use_cases/values.rs 2"],
-        ),
-        // Mappings bring candidates to the coordinator, which reads its channel in a function of
-        // the same name; operators' entries use the same function.
-        (
-            "receive_candidates(",
-            vec![
-                "src/coordinator.rs 3",
-                "state/src/use_cases/enter.rs 1",
-                "state/src/use_cases/values.rs 2",
-            ],
-        ),
-        (
-            "write_value(",
-            vec![
-                "src/coordinator/commands.rs 1",
-                "src/coordinator/handle.rs 1",
-                "src/twin_adapter.rs 1",
-                "state/src/use_cases/values.rs 1",
-            ],
-        ),
-        // The gate of a preview, and the one way in.
-        ("gate.on(", vec!["src/api/preview.rs 1", "state/src/use_cases/values.rs 1"]),
-        // Those of the fields, and the drafts of a preview, whose values are not released ones.
-        (
-            "Gate::new(",
-            vec![
-                "disclosure/src/draft_gate.rs 1",
-                "state/src/fields/field.rs 2",
-                "state/src/fields/field_mut.rs 1",
-                "state/src/queries/disclosed.rs 1",
-            ],
-        ),
-        // Read from the store.
-        ("gate_from_json(", vec!["disclosure/src/gate/document.rs 1", "state/src/load.rs 1"]),
-        // Released by a gate, read from the store, and coarsened by another policy.
-        (
-            "Released::by_gate",
-            vec![
-                "disclosure/src/gate.rs 3",
-                "disclosure/src/gate/document.rs 1",
-                "disclosure/src/gate/transition.rs 1",
-            ],
-        ),
-        // The message of a preview, which cannot be queued.
-        ("into_draft(", vec!["disclosure/src/report_frame.rs 1", "src/api/preview.rs 1"]),
-        // Created empty for another type.
-        (".gate =", vec!["state/src/fields/field_mut.rs 1"]),
-        (
-            "through_gate(",
-            vec![
-                "state/src/dependencies.rs 4",
-                "state/src/gates.rs 1",
-                "state/src/use_cases/decide.rs 1",
-                "state/src/use_cases/policies.rs 1",
-                "state/src/use_cases/values.rs 2",
-            ],
-        ),
-    ]);
-    let expected: BTreeMap<&str, Vec<String>> = expected
-        .into_iter()
-        .map(|(pattern, names)| (pattern, names.into_iter().map(str::to_owned).collect()))
+    let texts: Vec<(String, String)> = ["src", "state/src", "disclosure/src"]
+        .iter()
+        .flat_map(|folder| {
+            let named = move |(name, text)| (format!("{folder}/{name}"), text);
+            sources(&package.join(folder)).into_iter().map(named)
+        })
         .collect();
-    for (pattern, names) in &expected {
-        assert_eq!(found.get(pattern), Some(names), "places that contain `{pattern}`");
+    for (pattern, places) in PLACES {
+        let count = |(name, text): &(String, String)| {
+            let count = text.matches(pattern).count();
+            (count > 0).then(|| format!("{name} {count}"))
+        };
+        let mut found: Vec<String> = texts.iter().filter_map(count).collect();
+        found.sort();
+        assert_eq!(found, places, "places that contain `{pattern}`");
     }
 }
 

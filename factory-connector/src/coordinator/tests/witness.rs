@@ -13,7 +13,7 @@ use transparency_log::{
     AddCheckpoint, KeyKind, NoteKey, Refusal, SignedNote, TreeHead, VerifierKey, witness,
 };
 
-use super::*;
+use super::{retention::Plant, *};
 use crate::store::Ledger;
 
 /// The platform: what it holds of each log, by recipient and epoch.
@@ -310,15 +310,14 @@ async fn retention_leaves_what_the_proof_of_the_next_checkpoint_needs() {
     let size = witnessed(&running).await;
     running.enter_both(5).await;
     let folder = running.close().await;
-    let factory: asi_model::FactoryId = "F".parse().expect("an id");
-    let key = ledger_key::open(&folder.path().join(LEDGER_KEY_FILE)).expect("a key");
     let later = DateTime::from_unix_micros(now().unix_micros() + 1_000_000);
     let mut connection = connect(folder.path()).await;
     let done = sqlx::query("UPDATE report SET state = 'DONE'").execute(&mut connection).await;
     done.expect("no report is in the spool");
-    let mut store = Store::open(folder.path(), &factory, now()).await.expect("a store");
-    while store.prune_ledger(later, &factory, &key, later).await.expect("pruned") > 0 {}
-    store.close().await;
+    let mut plant = Plant::open(folder.path()).await;
+    plant.commit().await;
+    plant.remove_entries(later).await;
+    plant.store.close().await;
     let first = "SELECT min(number) FROM ledger_entry WHERE recipient = 'acme'";
     let first: i64 = sqlx::query_scalar(first).fetch_one(&mut connection).await.expect("read");
     // The first leaf is no entry.

@@ -85,7 +85,7 @@ pub struct NewReport {
     pub created_at: DateTime,
     /// Organisations that may read it.
     pub recipients: Vec<OrganisationId>,
-    /// The DataSetMessage.
+    /// The DataSetMessage as JSON, without its number and times.
     pub body: ReportBody,
     /// Random bytes, so that its hashes reveal nothing.
     pub salt: [u8; SALT_BYTES],

@@ -5,14 +5,14 @@
 //! named reports alone. Those that are still on their way are for the recipient once they arrive.
 
 use asi_model::{
-    OrganisationId, RequestKey,
+    FactoryId, OrganisationId, RequestKey,
     messages::{PastRelease, ReportRange},
 };
 use messaging::LogicalAddress;
 
 use crate::{
     ingest::{decode::Incoming, unit::IngestUnit},
-    live::{FieldUpdate, LiveEvent},
+    live::{FieldUpdate, LiveEvent, Notification},
     store::{FieldRow, Scope, StoreError, WriterKey},
 };
 
@@ -103,26 +103,29 @@ async fn tell_recipient(
     let request = request_of(release);
     let scope = Scope::Organisation(release.recipient_id.clone());
     let rows = unit.work.fields().list(&scope, &release.operation_network_id).await?;
-    let fields: Vec<FieldUpdate> = rows
-        .into_iter()
-        .filter(|row| row.key.request == request && row.factory_id == release.factory_id)
-        .filter_map(|row| update(row, &release.range_list))
-        .collect();
-    if fields.is_empty() {
+    let rows = rows.retain_with(release, is_released);
+    if rows.is_empty() {
         return Ok(());
     }
+    let event = rows.map_with((request, release.factory_id.clone()), event);
     let audience: Vec<OrganisationId> = vec![release.recipient_id.clone()];
-    let event = LiveEvent::Value { request, factory_id: release.factory_id.clone(), fields };
-    unit.effects.notifications.push(event.to(audience));
+    unit.effects.notifications.push(Notification::of_values(event, audience));
     Ok(())
 }
 
-/// Returns the current value of a field where it came in one of the ranges.
-fn update(row: FieldRow, ranges: &[ReportRange]) -> Option<FieldUpdate> {
-    let value = row.current?;
-    let is_released = ranges.iter().any(|range| {
-        range.epoch == value.epoch
-            && (range.first_sequence..=range.last_sequence).contains(&value.sequence)
-    });
-    is_released.then(|| FieldUpdate::from(&value))
+fn event((request, factory_id): (RequestKey, FactoryId), rows: Vec<FieldRow>) -> LiveEvent {
+    let current = rows.iter().filter_map(|row| row.current.as_ref());
+    LiveEvent::Value { request, factory_id, fields: current.map(FieldUpdate::from).collect() }
+}
+
+/// Returns true for a field whose current value came in one of the ranges.
+fn is_released(release: &PastRelease, row: &FieldRow) -> bool {
+    row.key.request == request_of(release)
+        && row.factory_id == release.factory_id
+        && row.current.as_ref().is_some_and(|value| {
+            release.range_list.iter().any(|range| {
+                range.epoch == value.epoch
+                    && (range.first_sequence..=range.last_sequence).contains(&value.sequence)
+            })
+        })
 }

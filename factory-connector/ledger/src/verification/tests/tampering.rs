@@ -102,7 +102,8 @@ fn a_former_version_is_stated_once() {
 
 #[test]
 fn delivery_columns_that_differ_from_the_entries_are_found() {
-    let changes: [(&str, fn(&mut StoredReport)); 5] = [
+    type Change = fn(&mut StoredReport);
+    let changes: [(&str, Change); 5] = [
         ("sent later", |report| report.sent_at = Some(77)),
         ("never sent", |report| report.sent_at = None),
         ("receipted without an entry", |report| report.receipted_at = Some(9)),
