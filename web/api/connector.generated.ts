@@ -4261,7 +4261,7 @@ export interface components {
             root: string;
         };
         /** @description A field of reports of the past. */
-        PastFieldView: (components["schemas"]["Statement"] | null) & {
+        PastFieldView: {
             /**
              * Format: int32
              * @description Number of the consent under which it left.
@@ -4272,6 +4272,7 @@ export interface components {
             /** @description True where that policy does not satisfy the present one. */
             isLooser: boolean;
             name: components["schemas"]["FieldName"];
+            policy?: components["schemas"]["Statement"] | null;
         };
         /** @description Offer to show a recipient what had left for others before it was added. */
         PastOfferView: {
