@@ -1,4 +1,4 @@
-//! A bare AMQP 1.0 client.
+//! A bare AMQP 1.0 client. Its messages are those of the link, with the same properties.
 
 use std::time::{Duration, Instant};
 
@@ -9,8 +9,8 @@ use fe2o3_amqp::{
     link::receiver::CreditMode,
     sasl_profile::SaslProfile,
     types::{
-        messaging::{Body, Data, Header, Message},
-        primitives::Value,
+        messaging::{Body, Data, Header, Message, MessageId, Properties},
+        primitives::{Symbol, Value},
     },
 };
 use futures::{StreamExt as _, stream::FuturesUnordered};
@@ -27,7 +27,7 @@ pub(super) async fn send(broker: &BrokerUnderTest) -> anyhow::Result<Duration> {
     let target = broker.profile.produce(&broker.address).address;
     let mut sender = Sender::attach(&mut session, "bare-out", target).await?;
     let mut outcomes = FuturesUnordered::new();
-    for _ in 0..MESSAGES {
+    for number in 1..=MESSAGES {
         if outcomes.len() >= usize::from(WINDOW) {
             let outcome: fe2o3_amqp::types::messaging::Outcome =
                 outcomes.next().await.context("an outcome")??;
@@ -35,6 +35,12 @@ pub(super) async fn send(broker: &BrokerUnderTest) -> anyhow::Result<Duration> {
         }
         let mut message = Message::from(Data::from(vec![b'x'; BODY_BYTES]));
         message.header = Some(Header { durable: true, ..Header::default() });
+        message.properties = Some(Properties {
+            message_id: Some(MessageId::String(format!("m{number}"))),
+            subject: Some("bench".to_owned()),
+            content_type: Some(Symbol::from("application/json")),
+            ..Properties::default()
+        });
         outcomes.push(sender.send_batchable(message).await?);
     }
     while let Some(outcome) = outcomes.next().await {

@@ -1,4 +1,4 @@
-//! A bare MQTT 5 client. It uses the session of the link's user, whose subscription stores the
+//! A bare MQTT 5 client. Its messages are those of the link, with the same properties. It uses the session of the link's user, whose subscription stores the
 //! messages.
 
 use std::time::{Duration, Instant};
@@ -6,7 +6,10 @@ use std::time::{Duration, Instant};
 use bytes::Bytes;
 use rumqttc::v5::{
     AsyncClient, Event, EventLoop, MqttOptions,
-    mqttbytes::{QoS, v5::Packet},
+    mqttbytes::{
+        QoS,
+        v5::{Packet, PublishProperties},
+    },
 };
 
 use super::broker_under_test::{Account, BODY_BYTES, BrokerUnderTest, MESSAGES, WINDOW};
@@ -20,8 +23,18 @@ pub(super) async fn send(broker: &BrokerUnderTest) -> anyhow::Result<Duration> {
     let topic = broker.profile.produce(&broker.address).address;
     let publishing = tokio::spawn(async move {
         let body = Bytes::from(vec![b'x'; BODY_BYTES]);
-        for _ in 0..MESSAGES {
-            client.publish_bytes(topic.as_str(), QoS::AtLeastOnce, false, body.clone()).await?;
+        for number in 1..=MESSAGES {
+            let properties = PublishProperties {
+                content_type: Some("application/json".to_owned()),
+                user_properties: vec![
+                    ("subject".to_owned(), "bench".to_owned()),
+                    ("message-id".to_owned(), format!("m{number}")),
+                ],
+                ..PublishProperties::default()
+            };
+            let (topic, body) = (topic.as_str(), body.clone());
+            let quality = QoS::AtLeastOnce;
+            client.publish_bytes_with_properties(topic, quality, false, body, properties).await?;
         }
         anyhow::Ok(client)
     });

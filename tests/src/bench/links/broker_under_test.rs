@@ -19,7 +19,7 @@ const FACTORY: &str = "f1";
 const PLATFORM: &str = "platform";
 
 /// Messages of each measurement, and bytes of each.
-pub(super) const MESSAGES: u64 = 30_000;
+pub(super) const MESSAGES: u64 = 60_000;
 pub(super) const BODY_BYTES: usize = 1024;
 /// Messages under way, of link and bare client alike.
 pub(super) const WINDOW: u16 = 500;
