@@ -41,7 +41,7 @@ export class PagedList<T> {
     const before = this.list.value
     try {
       const page = await this.#load(this.#next, undefined)
-      // What was read again meanwhile has this page already.
+      // A list that was read again meanwhile has this page already.
       if (this.list.value === before) {
         this.list.amend((known) => [...known, ...page.items])
         this.#noteNext(page)

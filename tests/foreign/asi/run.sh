@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What asi-model writes, read by other people's stacks: node-opcua-json decodes every value of `digicor`, node-opcua
+# Output of asi-model, read by other people's stacks: node-opcua-json decodes every value of `digicor`, node-opcua
 # and asyncua load the NodeSet2 files, open62541 decodes every value of 1.05. Installs what it needs into ignored
 # folders. With `--with-open62541` the last is included (a C compiler works for some minutes the first time).
 set -euo pipefail

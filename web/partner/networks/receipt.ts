@@ -22,7 +22,7 @@ export function receiptOf(signedText: string): ShownReceipt {
   try {
     text = JSON.parse(signedText) as SignedText
   } catch {
-    // Who saves the receipt has the text; here it says nothing.
+    // The saved receipt has the text; here it says nothing.
   }
   return {
     revokedAt: text.revokedAt,
