@@ -1,7 +1,7 @@
 /* eslint-disable svelte/prefer-svelte-reactivity -- pending fields and registrations are not drawn */
 import { poll, Resource } from '@/transport/resource.svelte'
 import { connector, feed, FIELD } from './api/client'
-import type { Field, InboxRequest, InboxTotals, LiveData, RequestKey } from './api/types'
+import type { FieldView, InboxRequest, InboxTotals, LiveData, RequestKey } from './api/types'
 import { withLink, type LinkedStatus } from './link/link-state'
 import { unreadComments } from './comments/unread-comments.svelte'
 
@@ -69,12 +69,12 @@ class ConnectorStore {
   }
 
   /** Replaces a field that was decided. */
-  put(field: Field): void {
+  put(field: FieldView): void {
     this.#put([field])
     this.refreshSoon()
   }
 
-  #known(field: FieldChange): Field | undefined {
+  #known(field: FieldChange): FieldView | undefined {
     for (const { value } of this.#shown) {
       const request = value?.items.find(({ key }) => sameRequest(key, field.key))
       const known = request?.fields.find(({ key }) => key.fieldName === field.key.fieldName)
@@ -83,8 +83,8 @@ class ConnectorStore {
     return undefined
   }
 
-  #put(fields: readonly (Field | FieldChange)[]): void {
-    const byRequest = new Map<string, (Field | FieldChange)[]>()
+  #put(fields: readonly (FieldView | FieldChange)[]): void {
+    const byRequest = new Map<string, (FieldView | FieldChange)[]>()
     for (const field of fields)
       byRequest.set(nameOf(field.key), [...(byRequest.get(nameOf(field.key)) ?? []), field])
     for (const shown of this.#shown) {

@@ -2,7 +2,7 @@ import { describe, expect, it } from 'vitest'
 import { language } from '@/language/language.svelte'
 import { Resource } from '@/transport/resource.svelte'
 import type { SignedIn } from '@/transport/session.svelte'
-import type { DisclosureStatement, FieldState, LiveData, NetworkView } from './api/types'
+import type { DisclosureStatement, FieldView, LiveData, NetworkView } from './api/types'
 import { ranges } from './factories/ranges'
 import { texts } from './language/texts'
 import { eventText } from './live/event-text'
@@ -20,7 +20,7 @@ const key = {
   dynamicDataRequestId: 'r',
   fieldName: 'made',
 }
-const state = (more: Partial<FieldState> = {}): FieldState => ({
+const state = (more: Partial<FieldView> = {}): FieldView => ({
   key,
   factoryId: 'F',
   mappingState: 'MAPPED',
@@ -50,7 +50,7 @@ const values = (
   ...request,
   fields: [update(more)],
 })
-const view = (fields: FieldState[] = [state()]): NetworkView => ({
+const view = (fields: FieldView[] = [state()]): NetworkView => ({
   collaborationId: 'c',
   revision: 1,
   updatedAt: '2026-11-21T10:00:00Z',

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest'
-import type { BrowsedNode, Field, InboxRequest } from '../api/types'
+import type { BrowsedNode, FieldView, InboxRequest } from '../api/types'
 import { Draft, tidy } from './draft.svelte'
 import { enteredValue } from './entered-value'
 import { fromLines, toLines } from './line-table'
@@ -20,7 +20,7 @@ const key = {
   dynamicDataRequestId: 'r',
   fieldName: 'power',
 }
-const field = (more: Partial<Field> = {}): Field => ({
+const field = (more: Partial<FieldView> = {}): FieldView => ({
   key,
   name: 'power',
   type: 'Double',

@@ -1,10 +1,10 @@
 import type {
   BrowsedNode,
-  Decision,
-  Disclosure,
-  Field,
+  DecisionBody,
+  DisclosurePolicy,
+  FieldView,
   InboxRequest,
-  Mapping,
+  MappingDraft,
   MappingInput,
   ValueSource,
 } from '../api/types'
@@ -15,14 +15,14 @@ export class Draft {
   source = $state<ValueSource>('MAPPING')
   inputs = $state<MappingInput[]>([])
   steps = $state<StepDraft[]>([])
-  disclosure = $state<Disclosure>({})
+  disclosure = $state<DisclosurePolicy>({})
   /** A named policy that holds beside it. */
   policyId = $state('')
 
-  readonly #wanted: Field
+  readonly #wanted: FieldView
   readonly #before: string
 
-  constructor(field: Field, request: InboxRequest) {
+  constructor(field: FieldView, request: InboxRequest) {
     this.#wanted = field
     const offer = field.mappingState === 'PENDING' ? field.offer : undefined
     const mapping = field.mapping ?? offer?.mapping
@@ -31,7 +31,7 @@ export class Draft {
     this.steps = structuredClone(mapping?.steps ?? [])
     this.policyId = field.grounds?.policyId ?? ''
     // The first decision on a field starts with the period that the partner requested.
-    const asked: Disclosure = request.updateIntervalMs
+    const asked: DisclosurePolicy = request.updateIntervalMs
       ? { minimumIntervalMs: request.updateIntervalMs }
       : {}
     this.disclosure = structuredClone(
@@ -42,10 +42,10 @@ export class Draft {
     this.#before = JSON.stringify(this.decision)
   }
 
-  get mapping(): Mapping | undefined {
+  get mapping(): MappingDraft | undefined {
     if (this.source !== 'MAPPING') return undefined
     // The connector checks the parameters and reports faults.
-    return { inputs: this.inputs, steps: this.steps as Mapping['steps'] }
+    return { inputs: this.inputs, steps: this.steps as MappingDraft['steps'] }
   }
 
   /** Returns whether there is a source to consent to. */
@@ -62,7 +62,7 @@ export class Draft {
     return JSON.stringify(this.decision) !== this.#before
   }
 
-  get decision(): Decision {
+  get decision(): DecisionBody {
     return {
       mappingState: 'MAPPED',
       valueSource: this.source,
@@ -105,7 +105,7 @@ export class Draft {
   }
 
   /** Adopts a whole mapping from a suggestion or a template. Returns a function that undoes it. */
-  adopt(mapping: Mapping): () => void {
+  adopt(mapping: MappingDraft): () => void {
     const [inputs, steps, source] = [
       $state.snapshot(this.inputs),
       $state.snapshot(this.steps),
@@ -166,7 +166,7 @@ export class Draft {
 }
 
 /** Returns the policy without empty members. */
-export function tidy(disclosure: Disclosure): Disclosure {
+export function tidy(disclosure: DisclosurePolicy): DisclosurePolicy {
   return Object.fromEntries(
     Object.entries(disclosure).filter(
       ([, value]) =>

@@ -1,6 +1,6 @@
 import { Problem } from '@/transport/problem'
 import { connector, FIELD } from '../api/client'
-import type { Diagnostic, FieldKey, Preview } from '../api/types'
+import type { MappingDiagnostic, FieldKey, Preview } from '../api/types'
 import { tidy, type Draft } from './draft.svelte'
 
 const TYPING_MS = 250
@@ -17,16 +17,16 @@ export class PreviewRun {
   /** Draft that the preview shows. */
   #shown = ''
 
-  get diagnostics(): Diagnostic[] {
+  get diagnostics(): MappingDiagnostic[] {
     return this.value?.diagnostics ?? []
   }
 
-  diagnosticsOf(step: number): Diagnostic[] {
+  diagnosticsOf(step: number): MappingDiagnostic[] {
     return this.diagnostics.filter((diagnostic) => stepOf(diagnostic) === step)
   }
 
   /** Faults that prevent consent. */
-  get errors(): Diagnostic[] {
+  get errors(): MappingDiagnostic[] {
     return this.diagnostics.filter((diagnostic) => diagnostic.severity === 'error')
   }
 
@@ -86,7 +86,7 @@ function bodyOf(draft: Draft) {
 }
 
 /** Index of the function that a diagnostic is about; `undefined` for the mapping as a whole. */
-export function stepOf(diagnostic: Diagnostic): number | undefined {
+export function stepOf(diagnostic: MappingDiagnostic): number | undefined {
   const match = /\/steps\/(\d+)(\/|$)/.exec(diagnostic.pointer)
   return match === null ? undefined : Number(match[1])
 }

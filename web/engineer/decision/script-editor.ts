@@ -17,7 +17,7 @@ import { lintGutter, setDiagnostics } from '@codemirror/lint'
 import { EditorState } from '@codemirror/state'
 import { EditorView, highlightActiveLine, keymap, lineNumbers } from '@codemirror/view'
 import { tags } from '@lezer/highlight'
-import type { Diagnostic } from '../api/types'
+import type { MappingDiagnostic } from '../api/types'
 
 interface Options {
   label: string
@@ -103,7 +103,7 @@ export class ScriptEditor {
   }
 
   /** Underlines the connector's diagnostics. */
-  mark(diagnostics: readonly Diagnostic[]): void {
+  mark(diagnostics: readonly MappingDiagnostic[]): void {
     const { doc } = this.#view.state
     const marks = diagnostics
       .filter((diagnostic) => diagnostic.line != null && diagnostic.line >= 1)

@@ -3,14 +3,14 @@ import userEvent from '@testing-library/user-event'
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { session } from '@/transport/session.svelte'
 import { problem, serve, type Asked } from '../../vitest.server'
-import type { Field, InboxRequest } from '../api/types'
+import type { FieldView, InboxRequest } from '../api/types'
 import { connectorStore } from '../connector-store.svelte'
 import InboxPage from './InboxPage.svelte'
 import { matching } from './matching'
 import { RequestList, requestOf } from './request-list.svelte'
 
 const REQUESTS = 2_000
-const field = (number: number, name: string, more: Partial<Field> = {}): Field => ({
+const field = (number: number, name: string, more: Partial<FieldView> = {}): FieldView => ({
   key: {
     operationNetworkId: 'n',
     operationId: `op${number}`,
@@ -82,7 +82,7 @@ afterEach(() => {
 })
 
 describe('fields that are looked for', () => {
-  const names = (state: Field['mappingState'] | undefined, search: string): string[][] =>
+  const names = (state: FieldView['mappingState'] | undefined, search: string): string[][] =>
     matching([request(7)], state, search).map(({ fields }) => fields.map(({ name }) => name))
   it.each([
     [undefined, '', [['power', 'count']]],

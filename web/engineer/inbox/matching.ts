@@ -1,9 +1,9 @@
-import type { Field, InboxRequest, MappingState } from '../api/types'
+import type { FieldView, InboxRequest, MappingState } from '../api/types'
 
 /** A request with those of its fields that are looked for. */
 export interface Match {
   request: InboxRequest
-  fields: Field[]
+  fields: FieldView[]
 }
 
 /**
@@ -28,7 +28,7 @@ function fieldsIn(
   request: InboxRequest,
   state: MappingState | undefined,
   words: readonly string[],
-): Field[] {
+): FieldView[] {
   const inState = request.fields.filter(
     (field) => state === undefined || field.mappingState === state,
   )

@@ -1,9 +1,9 @@
 import { render, screen } from '@testing-library/svelte'
 import { describe, expect, it } from 'vitest'
-import type { LedgerConflict } from '../api/types'
+import type { LedgerConflictStatus } from '../api/types'
 import ConflictNote from './ConflictNote.svelte'
 
-const conflict: LedgerConflict = {
+const conflict: LedgerConflictStatus = {
   recipientId: 'acme',
   kind: 'ROLLED_BACK',
   epoch: 1,

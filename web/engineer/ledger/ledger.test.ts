@@ -2,7 +2,7 @@ import { fireEvent, render, screen, within } from '@testing-library/svelte'
 import userEvent from '@testing-library/user-event'
 import { afterEach, describe, expect, it, vi } from 'vitest'
 import { problem, serve, type Asked } from '../../vitest.server'
-import type { Checkpoint, FieldKey, LedgerEntry, Verification } from '../api/types'
+import type { CheckpointView, FieldKey, LedgerEntry, VerificationView } from '../api/types'
 import { momentOf, subjectsOf, subjectText, withKind, withSubject, withTime } from './filter'
 import LedgerPage from './LedgerPage.svelte'
 
@@ -22,7 +22,7 @@ const entry = (sequence: number, more: object = {}): LedgerEntry =>
     lastSequence: sequence,
     ...more,
   }) as LedgerEntry
-const verified = (more: Partial<Verification> = {}): Verification => ({
+const verified = (more: Partial<VerificationView> = {}): VerificationView => ({
   valid: true,
   chains: 2,
   entries: 1_000,
@@ -204,7 +204,7 @@ describe('the ledger', () => {
   })
 
   it('lists the signed checkpoints page by page, each with what proves it', async () => {
-    const checkpoint = (number: number): Checkpoint => ({
+    const checkpoint = (number: number): CheckpointView => ({
       number,
       recordedAt: '2026-11-21T06:00:00Z',
       heads: [{ recipient: 'acme', number: 100 * number, hash: 'ab' }],

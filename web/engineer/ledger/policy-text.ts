@@ -1,10 +1,10 @@
 import { span } from '@/format/time'
 import { numberText } from '@/format/value'
-import type { Disclosure } from '../api/types'
+import type { DisclosurePolicy } from '../api/types'
 import { texts } from '../language/texts'
 
 /** Text of a disclosure policy on one line. */
-export function policyText(policy: Disclosure): string {
+export function policyText(policy: DisclosurePolicy): string {
   const parts: string[] = []
   if (policy.roundingStep != null)
     parts.push(`${texts.decision.roundingStep} ${numberText(policy.roundingStep)}`)

@@ -3,7 +3,7 @@ import userEvent from '@testing-library/user-event'
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { toasts } from '@/design/toasts.svelte'
 import { serve, type Asked } from '../../vitest.server'
-import type { Field, MappingStatus } from '../api/types'
+import type { FieldView, MappingStatus } from '../api/types'
 import StatusPanel from './StatusPanel.svelte'
 
 const HOUR_MS = 3_600_000
@@ -13,7 +13,7 @@ const key = {
   dynamicDataRequestId: 'progress',
   fieldName: 'made',
 }
-const field = { key, name: 'made', type: 'UInt64', unit: 'PIECE' } as Field
+const field = { key, name: 'made', type: 'UInt64', unit: 'PIECE' } as FieldView
 const PATH = '/fields/n/turn/progress/made/mapping-status'
 const at = '2026-01-02T03:04:05Z'
 const well: MappingStatus = {

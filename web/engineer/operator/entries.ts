@@ -1,10 +1,10 @@
-import type { Entry, OperationState, OperatorOperation } from '../api/types'
+import type { NewEntry, OperationState, OperatorOperation } from '../api/types'
 
 /**
  * Entry with its author. On a shared tablet each person's entries are sent in that person's name.
  */
 export interface StoredEntry {
-  entry: Entry
+  entry: NewEntry
   userName: string
 }
 
@@ -18,7 +18,7 @@ export interface Expected {
 }
 
 /** Applies the entries that the connector does not have yet to its state, in order of their time. */
-export function expected(operation: OperatorOperation, waiting: readonly Entry[]): Expected {
+export function expected(operation: OperatorOperation, waiting: readonly NewEntry[]): Expected {
   const { standing } = operation
   const own = waiting.filter(
     (entry) =>

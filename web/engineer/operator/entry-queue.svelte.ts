@@ -2,7 +2,7 @@ import { clock } from '@/format/clock.svelte'
 import { Problem } from '@/transport/problem'
 import { session } from '@/transport/session.svelte'
 import { connector } from '../api/client'
-import type { Entry, EntryAction, EntryResult } from '../api/types'
+import type { NewEntry, EntryAction, EntryResult } from '../api/types'
 import { moment, type StoredEntry } from './entries'
 import type { EntryStorage } from './entry-storage'
 
@@ -12,15 +12,15 @@ const PAUSE_MAX_MS = 20_000
 
 /** Entry that the connector did not accept, with its reason. */
 export interface Refused {
-  entry: Entry
+  entry: NewEntry
   message: string
 }
 
 /** Operation that an entry is about. */
-export type OperationKey = Pick<Entry, 'operationNetworkId' | 'operationId'>
+export type OperationKey = Pick<NewEntry, 'operationNetworkId' | 'operationId'>
 
 /** Sends a batch and returns an outcome for each entry that the connector knows now. */
-export type Send = (sentAt: string, entries: Entry[]) => Promise<EntryResult[]>
+export type Send = (sentAt: string, entries: NewEntry[]) => Promise<EntryResult[]>
 
 /**
  * Queue of entries for the connector. An entry gets its id and time when the button is pressed, is
@@ -63,7 +63,7 @@ export class EntryQueue {
   }
 
   /** Entries of the person who is signed in. Only these are delivered and counted. */
-  get own(): Entry[] {
+  get own(): NewEntry[] {
     return this.stored.filter((each) => each.userName === this.#userName).map((each) => each.entry)
   }
 
@@ -107,8 +107,13 @@ export class EntryQueue {
   }
 
   /** Stores an entry with the present time and delivers it soon. */
-  record(operation: OperationKey, action: EntryAction): Entry {
-    const entry: Entry = { ...action, ...operation, entryId: crypto.randomUUID(), madeAt: moment() }
+  record(operation: OperationKey, action: EntryAction): NewEntry {
+    const entry: NewEntry = {
+      ...action,
+      ...operation,
+      entryId: crypto.randomUUID(),
+      madeAt: moment(),
+    }
     const stored: StoredEntry = { entry, userName: this.#userName }
     this.stored = [...this.stored, stored]
     this.unwritten += 1
@@ -154,7 +159,7 @@ export class EntryQueue {
     return session.known?.userName ?? ''
   }
 
-  async #settle(batch: readonly Entry[], outcomes: readonly EntryResult[]): Promise<void> {
+  async #settle(batch: readonly NewEntry[], outcomes: readonly EntryResult[]): Promise<void> {
     for (const outcome of outcomes) {
       const entry = batch.find((each) => each.entryId === outcome.entryId)
       if (entry === undefined) continue

@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { Problem } from '@/transport/problem'
 import { session } from '@/transport/session.svelte'
-import type { Entry, EntryResult, OperatorOperation } from '../api/types'
+import type { NewEntry, EntryResult, OperatorOperation } from '../api/types'
 import { expected, today, type StoredEntry } from './entries'
 import type { EntryStorage } from './entry-storage'
 import { EntryQueue } from './entry-queue.svelte'
@@ -34,8 +34,8 @@ class Disk implements EntryStorage {
 /** A connector that counts each entry once, and can be out of reach. */
 class Connector {
   isReachable = true
-  taken: Entry[] = []
-  send = (_: string, entries: Entry[]): Promise<EntryResult[]> => {
+  taken: NewEntry[] = []
+  send = (_: string, entries: NewEntry[]): Promise<EntryResult[]> => {
     if (!this.isReachable) return Promise.reject(Problem.unreached())
     const outcomes = entries.map((entry): EntryResult => {
       const isKnown = this.taken.some((known) => known.entryId === entry.entryId)
@@ -84,7 +84,7 @@ describe('what a card shows', () => {
         madeAt: '2026-01-01T08:03:00Z',
         action: 'DONE',
       },
-    ] satisfies Entry[]
+    ] satisfies NewEntry[]
     expect(expected(operation(), entries)).toEqual({
       state: 'Interrupted',
       good: 6,

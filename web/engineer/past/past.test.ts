@@ -4,10 +4,10 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { toasts } from '@/design/toasts.svelte'
 import { session } from '@/transport/session.svelte'
 import { serve, type Asked } from '../../vitest.server'
-import type { PastOffer } from '../api/types'
+import type { PastOfferView } from '../api/types'
 import PastOffers from './PastOffers.svelte'
 
-const offer: PastOffer = {
+const offer: PastOfferView = {
   request: { operationNetworkId: 'n', operationId: 'turn', dynamicDataRequestId: 'progress' },
   recipientId: 'hull',
   reportCount: 2,

@@ -1,7 +1,7 @@
 import { SvelteMap, SvelteSet } from 'svelte/reactivity'
 import { Problem } from '@/transport/problem'
 import { connector } from '../api/client'
-import type { BrowsedNode, DataValue } from '../api/types'
+import type { BrowsedNode, ShownValue } from '../api/types'
 
 /** Node as a row of the tree. */
 export interface TreeRow {
@@ -38,7 +38,7 @@ export class AddressSpace {
   readonly #loading = new SvelteSet<string>()
 
   problem = $state.raw<Problem | undefined>()
-  readonly values = new SvelteMap<string, DataValue>()
+  readonly values = new SvelteMap<string, ShownValue>()
   readonly rows = $derived.by(() => {
     const rows: TreeRow[] = []
     this.#collect(ROOT, 0, rows)

@@ -5,11 +5,11 @@ import { toasts } from '@/design/toasts.svelte'
 import { clock } from '@/format/clock.svelte'
 import { session, type SignedIn } from '@/transport/session.svelte'
 import { serve, type Asked } from '../../vitest.server'
-import type { ApplicationCertificate } from '../api/types'
+import type { ApplicationCertificateView } from '../api/types'
 import ApplicationCertificatePanel from './ApplicationCertificatePanel.svelte'
 
 const REQUEST = '-----BEGIN CERTIFICATE REQUEST-----\nMAMCAQE=\n-----END CERTIFICATE REQUEST-----'
-let own: ApplicationCertificate
+let own: ApplicationCertificateView
 
 function twin(): Asked[] {
   return serve({

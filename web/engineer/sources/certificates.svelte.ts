@@ -2,7 +2,7 @@ import { toasts } from '@/design/toasts.svelte'
 import { words } from '@/language/words'
 import type { Resource } from '@/transport/resource.svelte'
 import { connector } from '../api/client'
-import type { Certificate, ClientCertificate, SourceStatus } from '../api/types'
+import type { PeerCertificate, ClientCertificateView, SourceStatus } from '../api/types'
 import { texts } from '../language/texts'
 
 /** Certificate of a server or a client as the list shows it. */
@@ -20,12 +20,12 @@ export interface ShownCertificate {
 }
 
 /** The certificates of servers, as the list shows them. */
-export function ofServers(certificates: readonly Certificate[]): ShownCertificate[] {
+export function ofServers(certificates: readonly PeerCertificate[]): ShownCertificate[] {
   return certificates.map(({ trust, ...others }) => ({ ...others, isTrusted: trust === 'trusted' }))
 }
 
 /** The certificates of clients, as the list shows them. */
-export function ofClients(certificates: readonly ClientCertificate[]): ShownCertificate[] {
+export function ofClients(certificates: readonly ClientCertificateView[]): ShownCertificate[] {
   return certificates.map(
     ({
       thumbprint,

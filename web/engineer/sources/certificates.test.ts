@@ -5,13 +5,17 @@ import { toasts } from '@/design/toasts.svelte'
 import { clock } from '@/format/clock.svelte'
 import { session, type SignedIn } from '@/transport/session.svelte'
 import { problem, serve, type Asked } from '../../vitest.server'
-import type { ClientAuthority, ClientCertificate, ClientRevocationList } from '../api/types'
+import type {
+  ClientAuthorityView,
+  ClientCertificateView,
+  ClientRevocationListView,
+} from '../api/types'
 import ClientCertificates from './ClientCertificates.svelte'
 
 const THUMBPRINT = 'ab12cd34'
-let known: ClientCertificate[]
-let authorities: ClientAuthority[]
-let lists: ClientRevocationList[]
+let known: ClientCertificateView[]
+let authorities: ClientAuthorityView[]
+let lists: ClientRevocationListView[]
 
 /** Trust list of the twin. */
 function twin(): Asked[] {

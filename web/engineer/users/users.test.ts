@@ -4,18 +4,18 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { toasts } from '@/design/toasts.svelte'
 import { session } from '@/transport/session.svelte'
 import { problem, serve, type Asked } from '../../vitest.server'
-import type { User } from '../api/types'
+import type { UserView } from '../api/types'
 import UsersPage from './UsersPage.svelte'
 
 const LAST_ENGINEER = 'This is the last engineer. Make another user one first.'
-let people: User[]
+let people: UserView[]
 
 /** Connector that stores users. */
 function connector(refusing?: Response): Asked[] {
   const put = ({ path, body }: Asked): unknown => {
     if (refusing) return refusing
     const userName = path.slice('/users/'.length)
-    const user = { userName, role: (body as User).role }
+    const user = { userName, role: (body as UserView).role }
     people = [...people.filter((each) => each.userName !== userName), user]
     return user
   }

@@ -1,8 +1,8 @@
 import { describe, expect, it } from 'vitest'
-import type { AccessEntry } from '../api/types'
+import type { AccessView } from '../api/types'
 import { days } from './days'
 
-const entry = (recordedAt: string, valueCount: number): AccessEntry => ({
+const entry = (recordedAt: string, valueCount: number): AccessView => ({
   number: 1,
   recordedAt,
   since: recordedAt,

@@ -1,4 +1,4 @@
-import type { AccessEntry } from '../api/types'
+import type { AccessView } from '../api/types'
 
 const DAY_MS = 24 * 60 * 60 * 1000
 /** Most days that are drawn; the newest. */
@@ -12,7 +12,7 @@ export interface DayOfAccesses {
 }
 
 /** The days from the first entry to the last, those without any in between included. */
-export function days(entries: readonly AccessEntry[]): DayOfAccesses[] {
+export function days(entries: readonly AccessView[]): DayOfAccesses[] {
   const counts = new Map<number, number>()
   for (const entry of entries) {
     const at = new Date(entry.recordedAt).setHours(0, 0, 0, 0)

@@ -1,26 +1,26 @@
-/** Names of the platform's schemas as the pages use them. */
+/** Schemas of the platform for the pages, under another name only where their own says too little here. */
 import type { EventOf } from '@/transport/live.svelte'
 import type { components } from '@/api/platform.generated'
 
 type Schemas = components['schemas']
 
 /** Entry of the record of who read a factory's values. */
-export type AccessEntry = Schemas['AccessView']
+export type AccessView = Schemas['AccessView']
 export type Collaboration = Schemas['Collaboration']
-export type Comment = Schemas['CommentEntry']
+export type CommentEntry = Schemas['CommentEntry']
 export type DisclosureStatement = Schemas['DisclosureStatement']
 export type DynamicDataRequest = Schemas['DynamicDataRequest']
 export type EnrolmentToken = Schemas['TokenView']
 export type Factory = Schemas['Factory']
-export type FactoryLease = Schemas['LeaseView']
 export type FieldKey = Schemas['FieldKey']
 /** Requested field with its decision and its newest value. */
-export type FieldState = Schemas['FieldView']
+export type FieldView = Schemas['FieldView']
 export type LeaseParty = Schemas['Party']
-/** Live event with its name and its data. */
-export type LiveEvent = Schemas['LiveEvent']
+export type LeaseView = Schemas['LeaseView']
 /** Data of the live events with a name. */
 export type LiveData<Name extends LiveEvent['event']> = EventOf<LiveEvent, Name>['data']
+/** Live event with its name and its data. */
+export type LiveEvent = Schemas['LiveEvent']
 export type NetworkView = Schemas['NetworkView']
 export type Operation = Schemas['Operation']
 export type OperationNetwork = Schemas['OperationNetwork']
@@ -28,10 +28,10 @@ export type OperationProgress = Schemas['OperationProgress']
 export type OperationRelation = Schemas['OperationRelation']
 export type Organisation = Schemas['Organisation']
 /** Part of a network that concerns one factory. */
-export type Part = Schemas['PartView']
+export type PartView = Schemas['PartView']
 export type RelationCondition = Schemas['RelationCondition']
 export type ReportField = Schemas['ReportField']
 /** Signed receipt of a revocation. */
 export type RevocationEntry = Schemas['RevocationEntry']
 export type UpdateFrequencyUnit = Schemas['UpdateFrequencyUnit']
-export type Writer = Schemas['WriterView']
+export type WriterView = Schemas['WriterView']

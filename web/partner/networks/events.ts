@@ -1,5 +1,5 @@
 import type { Resource } from '@/transport/resource.svelte'
-import type { FieldKey, FieldState, LiveData, NetworkView } from '../api/types'
+import type { FieldKey, FieldView, LiveData, NetworkView } from '../api/types'
 
 type Values = LiveData<'value'>
 
@@ -27,7 +27,7 @@ export function takeProgress(
   }))
 }
 
-function merge(field: FieldState, changed: Values['fields']): FieldState {
+function merge(field: FieldView, changed: Values['fields']): FieldView {
   const latest = changed.find((each) => sameField(each.key, field.key))
   if (latest === undefined) return field
   // Values that were delayed on their way do not replace newer ones.

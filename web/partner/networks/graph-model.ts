@@ -1,6 +1,6 @@
 import { valueNumber } from '@/format/value'
 import type { GraphOperation, GraphRelation } from '@/network/model'
-import type { FieldState, NetworkView } from '../api/types'
+import type { FieldView, NetworkView } from '../api/types'
 
 /** Operations of a network with their progress. */
 export function graphOperations(view: NetworkView): GraphOperation[] {
@@ -83,7 +83,7 @@ function meaning(view: NetworkView, operationId: string, semantic: string): stri
   return undefined
 }
 
-function newest(fields: readonly FieldState[]): string | undefined {
+function newest(fields: readonly FieldView[]): string | undefined {
   return fields
     .map((field) => field.receivedAt ?? undefined)
     .filter((at) => at !== undefined)
