@@ -72,8 +72,8 @@ impl ConnectorSpool {
             }
             Message::Reports(ReportMessage { id, reports, salts, attempts, .. }) => {
                 // The earliest of the times that the reports tell themselves, on their time steps.
-                let told = reports.iter().map(|(_, report)| timestamp(report.as_bytes()));
-                let creation_time = told.min().flatten();
+                let timestamps = reports.iter().map(|(_, report)| timestamp(report.as_bytes()));
+                let creation_time = timestamps.min().flatten();
                 let message_id = self.message_id(id, &salts);
                 self.in_flight
                     .fetched(message_id.clone(), reports.iter().map(|(report, _)| *report));

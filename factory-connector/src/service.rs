@@ -43,7 +43,7 @@ use crate::{
 
 /// Most events that are retained for pages that catch up. Pages that are further behind load
 /// everything.
-const EVENTS_KEPT_MAX: usize = 4096;
+const EVENTS_MAX: usize = 4096;
 /// Most batches of mappings that wait for the engine.
 const MAPPING_BATCHES_MAX: usize = 1024;
 
@@ -178,8 +178,7 @@ async fn open(
         MappingEngine::new(config.mapping.clone(), floor_handle.clone(), changes);
     let (catalog, catalog_handle) = Catalog::new(floor_handle.clone());
     // The mark of this start: a page that comes with an id from before it loads everything.
-    let events =
-        EventLog::new(EVENTS_KEPT_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
+    let events = EventLog::new(EVENTS_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
     let link_config = link::link_config(enrolled, &config.broker, factory_id)?;
     let OpenedLink {
         link,

@@ -310,23 +310,23 @@ mod tests {
 
     #[test]
     fn answers_name_the_other_connector() {
-        let told = |lease: &FactoryLease,
-                    request: &LeaseRequest,
-                    decision,
-                    seconds|
+        let answered = |lease: &FactoryLease,
+                        request: &LeaseRequest,
+                        decision,
+                        seconds|
          -> serde_json::Value {
             let message = lease.answer(request, decision, SILENCE, at(seconds));
             serde_json::to_value(PlatformMessage::Lease(message)).expect("JSON")
         };
         let (lease, decisions) = request_in_turn(&[("a", "here", false), ("b", "there", false)]);
-        let refusal = told(&lease, &request("b", "there"), decisions[1], 2);
+        let refusal = answered(&lease, &request("b", "there"), decisions[1], 2);
         assert_eq!(
             (&refusal["result"], &refusal["holder"]["host"]),
             (&"REFUSED".into(), &"host of here".into())
         );
         assert_eq!(refusal["askAgainMs"], 5_000, "whether there are two is not known yet");
         let (lease, decision) = FactoryLease::ask(Some(lease), &request("a", "here"), false, at(3));
-        let grant = told(&lease, &request("a", "here"), decision, 3);
+        let grant = answered(&lease, &request("a", "here"), decision, 3);
         assert_eq!(
             (&grant["result"], &grant["contender"]["host"]),
             (&"GRANTED".into(), &"host of there".into())
@@ -335,7 +335,7 @@ mod tests {
             (&grant["holder"], &grant["askAgainMs"]),
             (&serde_json::Value::Null, &10_000.into())
         );
-        let later = told(&lease, &request("a", "here"), decision, 3600);
+        let later = answered(&lease, &request("a", "here"), decision, 3600);
         assert_eq!(later["contender"], serde_json::Value::Null, "it has not asked for long");
     }
 

@@ -18,7 +18,7 @@ use crate::{
 pub type LiveLog = EventLog<Notification>;
 
 /// Most events that are retained for pages that catch up.
-pub const EVENTS_KEPT_MAX: usize = 20_000;
+pub const EVENTS_MAX: usize = 20_000;
 
 /// An event and who may know of it.
 #[derive(Debug, Clone)]

@@ -16,14 +16,14 @@ use crate::{
 pub struct Retention {
     store: Store,
     clock: Clock,
-    inbox_kept: Duration,
-    accesses_kept: Duration,
+    inbox_retention: Duration,
+    access_retention: Duration,
 }
 
 /// Pause between portions, which bounds how much of the writer retention takes.
 const INTERVAL: Duration = Duration::from_secs(60);
 /// Entries of a factory's access log that are kept at most; some hundred bytes each.
-const ACCESSES_KEPT_MAX: u64 = 2_000_000;
+const ACCESSES_RETAINED_MAX: u64 = 2_000_000;
 /// Rows forgotten in one transaction, so that nobody waits long for the writer.
 const ROWS_PER_WORK_MAX: u32 = 2_000;
 
@@ -32,8 +32,9 @@ impl Retention {
     #[must_use]
     pub fn new(store: Store, clock: Clock, config: &RetentionConfig) -> Self {
         let days = |count: u32| Duration::from_secs(u64::from(count) * 86_400);
-        let (inbox_kept, accesses_kept) = (days(config.inbox_days), days(config.access_days));
-        Self { store, clock, inbox_kept, accesses_kept }
+        let (inbox_retention, access_retention) =
+            (days(config.inbox_days), days(config.access_days));
+        Self { store, clock, inbox_retention, access_retention }
     }
 
     /// Runs until shutdown.
@@ -56,18 +57,19 @@ impl Retention {
     /// [`StoreError`].
     pub async fn round(&self) -> Result<u64, StoreError> {
         let mut work = self.store.begin().await?;
-        let count = work.inbox().forget(self.before(self.inbox_kept), ROWS_PER_WORK_MAX).await?;
+        let count =
+            work.inbox().forget(self.before(self.inbox_retention), ROWS_PER_WORK_MAX).await?;
         work.commit().await?;
         let mut work = self.store.begin().await?;
-        let before = self.before(self.accesses_kept);
-        work.accesses().forget(before, ACCESSES_KEPT_MAX, ROWS_PER_WORK_MAX).await?;
+        let before = self.before(self.access_retention);
+        work.accesses().forget(before, ACCESSES_RETAINED_MAX, ROWS_PER_WORK_MAX).await?;
         work.commit().await?;
         Ok(count)
     }
 
     /// Returns the time before which nothing is kept.
-    fn before(&self, kept: Duration) -> DateTime {
-        let ticks = i64::try_from(kept.as_nanos() / 100).unwrap_or(i64::MAX);
+    fn before(&self, period: Duration) -> DateTime {
+        let ticks = i64::try_from(period.as_nanos() / 100).unwrap_or(i64::MAX);
         DateTime::from_ticks(self.clock.now().ticks().saturating_sub(ticks))
     }
 }

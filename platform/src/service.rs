@@ -30,7 +30,7 @@ use crate::{
     clock::Clock,
     config::PlatformConfig,
     ingest::{Ingest, IngestConfig},
-    live::{EVENTS_KEPT_MAX, LiveLog},
+    live::{EVENTS_MAX, LiveLog},
     networks::Resender,
     progress_notifier::ProgressNotifier,
     receipts::Receipter,
@@ -83,8 +83,7 @@ impl Platform {
 
         let started_at = clock.now();
         // The mark of this start: a page that comes with an id from before it loads everything.
-        let live =
-            LiveLog::new(EVENTS_KEPT_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
+        let live = LiveLog::new(EVENTS_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
         let accesses = open_accesses(&config, &store, &clock)?;
         let broker_access = BrokerAccess::new(config.broker.users.clone());
         let (progress_notifier, progress) = ProgressNotifier::new(store.clone(), live.clone());

@@ -123,10 +123,10 @@ fn logs_are_proven(places: &Places, factory_id: &str, export: &str) {
             .args(["--key", command("checkpoint", &["--key"]).trim()])
             .output()
             .unwrap();
-        let told = String::from_utf8_lossy(&output.stdout);
-        assert!(output.status.success(), "{factory_id} to {recipient}: {told}");
-        let told: Value = serde_json::from_str(&told).unwrap();
-        assert!(told["entriesProven"].as_u64() > Some(1), "{told:#}");
+        let audit = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success(), "{factory_id} to {recipient}: {audit}");
+        let audit: Value = serde_json::from_str(&audit).unwrap();
+        assert!(audit["entriesProven"].as_u64() > Some(1), "{audit:#}");
     }
 }
 

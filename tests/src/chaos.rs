@@ -131,9 +131,9 @@ async fn round(
     number: u32,
     strikes: &[Strike],
 ) -> anyhow::Result<()> {
-    let told: Vec<_> = strikes.iter().map(|strike| strike.fault.to_string()).collect();
+    let faults: Vec<_> = strikes.iter().map(|strike| strike.fault.to_string()).collect();
     steps
-        .run(&format!("round {number}: {}", told.join(", ")), async {
+        .run(&format!("round {number}: {}", faults.join(", ")), async {
             for strike in strikes {
                 tokio::time::sleep(strike.pause).await;
                 stage.strike(strike.fault).await?;

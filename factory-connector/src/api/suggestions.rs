@@ -100,16 +100,16 @@ pub async fn list_suggestions(
     let known = api
         .coordinator
         .read(move |state| {
-            Some((queries::wanted_field(state, &field)?, queries::past_decisions(state)))
+            Some((queries::requested_field(state, &field)?, queries::past_decisions(state)))
         })
         .await?;
-    let (wanted, past) = known.ok_or_else(|| Problem::not_found("such field"))?;
+    let (requested, past) = known.ok_or_else(|| Problem::not_found("such field"))?;
     let most = query.limit.unwrap_or(SUGGESTIONS_DEFAULT).clamp(1, SUGGESTIONS_MAX);
     let states = api.shop_floor.states();
     let searches = states.into_iter().map(|status| {
         let is_connected =
             matches!(status.state, SourceState::Connected | SourceState::Subscribing);
-        search(&api, status.source_id, is_connected, &wanted, &past)
+        search(&api, status.source_id, is_connected, &requested, &past)
     });
     let (mut sources, mut variables) = (Vec::new(), Vec::new());
     let mut details = HashMap::new();
@@ -120,7 +120,7 @@ pub async fn list_suggestions(
             variables.push(known);
         }
     }
-    let items = suggest(&wanted, &variables, &past, most)
+    let items = suggest(&requested, &variables, &past, most)
         .into_iter()
         .filter_map(|suggestion| {
             let detail =
@@ -143,7 +143,7 @@ async fn search(
     api: &Api,
     source_id: SourceId,
     is_connected: bool,
-    wanted: &RequestedField,
+    requested: &RequestedField,
     past: &[PastDecision],
 ) -> (SearchedSource, Vec<(KnownVariable, Detail)>) {
     let mut searched = SearchedSource {
@@ -166,7 +166,7 @@ async fn search(
     searched.is_complete = list.is_complete && problem.is_none();
     searched.listed_at = Some(listed_at);
     searched.problem = problem;
-    let (wanted, past) = (wanted.clone(), past.to_vec());
+    let (requested, past) = (requested.clone(), past.to_vec());
     let by_name = {
         let source_id = source_id.clone();
         // Comparing the names of a large server takes a while.
@@ -176,7 +176,7 @@ async fn search(
                 .iter()
                 .map(|variable| KnownVariable::listed(&source_id, variable))
                 .collect();
-            let best = suggest(&wanted, &variables, &past, DESCRIBED_MAX);
+            let best = suggest(&requested, &variables, &past, DESCRIBED_MAX);
             let places: HashMap<&NodeId, usize> = variables
                 .iter()
                 .enumerate()

@@ -114,8 +114,8 @@ impl FieldView {
                 .flatten()
                 .map(|offer| RuleOfferView::new(&offer, field)),
             is_withheld: decision.is_mapped() && field.gate().is_withheld(),
-            disclosure_statement: statement.as_ref().map(|told| told.statement.clone()),
-            disclosure_parts: statement.map(|told| told.statement_parts).unwrap_or_default(),
+            disclosure_statement: statement.as_ref().map(|stated| stated.statement.clone()),
+            disclosure_parts: statement.map(|stated| stated.statement_parts).unwrap_or_default(),
             decision_reason: decision.reason.clone(),
             decided_by: decision.decided_by.clone(),
             decision_time: decision.decided_at,

@@ -135,8 +135,9 @@ async fn record(work: &mut UnitOfWork, receipt: Receipt, now: DateTime) -> Resul
         let mut effect = apply_receipt(&writer, &reports, sent_before);
         let lost: Vec<u32> = effect.lost_sequences().collect();
         if !lost.is_empty() {
-            let kept = work.store.read().reports().receipted(id, writer.epoch, &lost).await?;
-            effect.reopen_kept(&kept.iter().map(|waiting| waiting.row).collect::<Vec<_>>());
+            let receipted = work.store.read().reports().receipted(id, writer.epoch, &lost).await?;
+            effect
+                .reopen_receipted(&receipted.iter().map(|waiting| waiting.row).collect::<Vec<_>>());
         }
         let changes = record_receipt(&mut work.state, &effect, &rows, now);
         work.pending.merge(changes);

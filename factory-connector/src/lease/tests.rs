@@ -168,8 +168,8 @@ fn an_answer_to_another_connector_shows_that_there_are_two() {
         ..predecessors
     };
     assert_eq!(bench.on(answered(elsewhere.clone()), 2), []);
-    let told = bench.lease.status().contender.as_ref().map(|other| &*other.host);
-    assert_eq!((bench.lease.status().state, told), (LeaseState::Held, Some("their machine")));
+    let contender = bench.lease.status().contender.as_ref().map(|other| &*other.host);
+    assert_eq!((bench.lease.status().state, contender), (LeaseState::Held, Some("their machine")));
 
     // Ours may have gone there, however often: it is asked for again and again soon.
     let wake_at = |bench: &Bench| {
@@ -186,6 +186,6 @@ fn an_answer_to_another_connector_shows_that_there_are_two() {
         answer(&Bench::asked(&bench.on(LeaseInput::Tick, second + 2)), LeaseResult::Granted);
     granted.contender = Some(party("their machine, says the platform"));
     bench.on(answered(granted), second + 2);
-    let told = bench.lease.status().contender.as_ref().map(|other| &*other.host);
-    assert_eq!(told, Some("their machine, says the platform"));
+    let contender = bench.lease.status().contender.as_ref().map(|other| &*other.host);
+    assert_eq!(contender, Some("their machine, says the platform"));
 }

@@ -13,13 +13,13 @@ pub enum StoreError {
     InUse { path: PathBuf },
     /// The file belongs to another factory.
     #[error(
-        "the store belongs to the factory {found}, but {wanted} is configured; choose another state_directory"
+        "the store belongs to the factory {found}, but {configured} is configured; choose another state_directory"
     )]
     ForeignFactory {
         /// Factory that the file was made for.
         found: String,
         /// Factory of the configuration.
-        wanted: String,
+        configured: String,
     },
     /// The database refused a statement.
     #[error("cannot {action}")]

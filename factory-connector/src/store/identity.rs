@@ -72,8 +72,8 @@ pub(super) async fn identify(
     let query = query("SELECT * FROM identity");
     let stored = optional(connection, query, "read the store's identity", identity).await?;
     if let Some(foreign) = stored.as_ref().filter(|row| row.factory_id != factory_id.as_str()) {
-        let (found, wanted) = (foreign.factory_id.clone(), factory_id.to_string());
-        return Err(StoreError::ForeignFactory { found, wanted });
+        let (found, configured) = (foreign.factory_id.clone(), factory_id.to_string());
+        return Err(StoreError::ForeignFactory { found, configured });
     }
     let is_restored = stored.as_ref().is_some_and(|stored| stored.is_restored(&start));
     let leased_place = stored.and_then(|stored| stored.leased_place);

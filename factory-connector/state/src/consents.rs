@@ -78,13 +78,13 @@ pub(crate) fn confirm(
     network: &OperationNetwork,
     now: DateTime,
 ) {
-    let told: HashSet<&str> =
+    let stated: HashSet<&str> =
         changes.writes.fields.consents.iter().map(|consent| consent.field.as_str()).collect();
     let in_force = network.fields().filter_map(|(key, ..)| {
         let decision = state.fields.get(&key)?.decision();
         let decided_at = decision.decided_at?;
         let is_decided = decision.mapping_state != MappingState::Pending;
-        (is_decided && !told.contains(key.to_string().as_str())).then_some((key, decided_at))
+        (is_decided && !stated.contains(key.to_string().as_str())).then_some((key, decided_at))
     });
     let in_force: Vec<(FieldKey, DateTime)> = in_force.collect();
     for (key, decided_at) in in_force {

@@ -27,4 +27,4 @@ pub(crate) use policies::{fields_for_recipient, fields_under_policy};
 pub use report_frame::{empty_frame, key_frame};
 pub(crate) use report_frame::{fields_of, time_step};
 pub use rule_offers::{RuleOffer, rule_offer, rule_preview};
-pub use suggestion_context::{all_mappings, past_decisions, wanted_field};
+pub use suggestion_context::{all_mappings, past_decisions, requested_field};

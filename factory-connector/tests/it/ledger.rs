@@ -37,8 +37,8 @@ async fn entries_are_found_by_kind_request_and_field() {
         "everything is about the one request"
     );
 
-    let told = &whole["items"][0]["precisionParts"]["count"];
-    assert_eq!(*told, json!([{ "code": "UNCHANGED" }]), "{whole:#}");
+    let parts = &whole["items"][0]["precisionParts"]["count"];
+    assert_eq!(*parts, json!([{ "code": "UNCHANGED" }]), "{whole:#}");
 
     let consents = plant.get("/ledger?kind=CONSENT").await;
     assert_eq!(kinds(&consents), ["CONSENT"; 2]);

@@ -127,13 +127,13 @@ async fn no_log_contains_a_value_or_a_text_that_a_script_chose() {
     let throwing = format!("(v) => {{ throw new Error('{SECRET}' + v) }}");
     plant.map("label", script(&node, &throwing)).await;
     let path = format!("{}/mapping-status", field("label"));
-    let is_told = |status: &serde_json::Value| status.to_string().contains(SECRET);
-    plant.until("the engineer sees the text", &path, is_told).await;
+    let is_shown = |status: &serde_json::Value| status.to_string().contains(SECRET);
+    plant.until("the engineer sees the text", &path, is_shown).await;
     map_script_that_loads_once(&plant, "late", &node).await;
     let fatal = "(v) => { (new Array(1e9) + ''); return 1 }";
     plant.map("fatal", script(&node, fatal)).await;
-    let is_told = || log.contains("A script does not load again.");
-    testkit::wait::until("the worker is replaced", Duration::from_secs(60), is_told).await;
+    let is_logged = || log.contains("A script does not load again.");
+    testkit::wait::until("the worker is replaced", Duration::from_secs(60), is_logged).await;
     // Values that people enter, taken and refused.
     for name in ["note", "count"] {
         let manual = json!({ "mappingState": "MAPPED", "valueSource": "MANUAL", "disclosure": {} });

@@ -150,31 +150,31 @@ mod tests {
     }
 
     #[test]
-    fn only_what_differs_is_told() {
+    fn only_what_differs_is_listed() {
         let scale = |factor: i32| json!({ "function": "scale", "factor": factor });
         let deadband = json!({ "function": "deadband", "absolute": 1 });
-        let told = |before: Json, after: Json| {
+        let compared = |before: Json, after: Json| {
             let changes = compare(&mapping(before), &mapping(after));
             changes
                 .into_iter()
                 .map(|change| (change.pointer, change.before.is_some(), change.after.is_some()))
                 .collect::<Vec<_>>()
         };
-        assert_eq!(told(json!([scale(2), deadband]), json!([scale(2), deadband])), []);
+        assert_eq!(compared(json!([scale(2), deadband]), json!([scale(2), deadband])), []);
         assert_eq!(
-            told(json!([scale(2), deadband]), json!([scale(3), deadband])),
+            compared(json!([scale(2), deadband]), json!([scale(3), deadband])),
             [("/steps/0/factor".into(), true, true)]
         );
         assert_eq!(
-            told(json!([scale(2), deadband]), json!([deadband])),
+            compared(json!([scale(2), deadband]), json!([deadband])),
             [("/steps/0".into(), true, false)]
         );
         assert_eq!(
-            told(json!([deadband]), json!([scale(2), deadband])),
+            compared(json!([deadband]), json!([scale(2), deadband])),
             [("/steps/0".into(), false, true)]
         );
         assert_eq!(
-            told(json!([scale(2)]), json!([deadband])),
+            compared(json!([scale(2)]), json!([deadband])),
             [("/steps/0".into(), false, true), ("/steps/0".into(), true, false)]
         );
     }

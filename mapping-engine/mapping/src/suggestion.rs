@@ -49,13 +49,13 @@ pub struct Suggestion {
 /// The variables that might be meant, best first, at most so many.
 #[must_use]
 pub fn suggest(
-    wanted: &RequestedField,
+    requested: &RequestedField,
     variables: &[KnownVariable],
     decisions: &[PastDecision],
     most: usize,
 ) -> Vec<Suggestion> {
     let mut suggestions: Vec<Suggestion> =
-        variables.iter().filter_map(|variable| judge(wanted, variable, decisions)).collect();
+        variables.iter().filter_map(|variable| judge(requested, variable, decisions)).collect();
     // Equal scores in a stable order, so that a page does not jump.
     suggestions.sort_by(|a, b| {
         b.score
@@ -67,25 +67,25 @@ pub fn suggest(
 }
 
 fn judge(
-    wanted: &RequestedField,
+    requested: &RequestedField,
     variable: &KnownVariable,
     decisions: &[PastDecision],
 ) -> Option<Suggestion> {
-    let steps = steps_needed(wanted, variable)?;
+    let steps = steps_needed(requested, variable)?;
     let mut evidence = Evidence::default();
-    evidence.names(wanted, variable);
-    evidence.meaning(wanted, variable);
-    evidence.decisions(wanted, variable, decisions);
+    evidence.names(requested, variable);
+    evidence.meaning(requested, variable);
+    evidence.decisions(requested, variable, decisions);
     // Without a word in common the rest proves nothing: half the plant is a Double.
     if evidence.score() <= 0 {
         return None;
     }
-    evidence.place(wanted, variable);
-    evidence.descriptions(wanted, variable);
-    evidence.types(wanted, variable, &steps);
-    evidence.units(wanted, variable);
-    evidence.companion(wanted, variable);
-    evidence.value(wanted, variable);
+    evidence.place(requested, variable);
+    evidence.descriptions(requested, variable);
+    evidence.types(requested, variable, &steps);
+    evidence.units(requested, variable);
+    evidence.companion(requested, variable);
+    evidence.value(requested, variable);
     let score = evidence.score().min(SCORE_MAX);
     if score < SCORE_MIN {
         return None;
@@ -108,16 +108,17 @@ fn judge(
 }
 
 /// The functions between variable and field; `None` where nothing leads from one to the other.
-fn steps_needed(wanted: &RequestedField, variable: &KnownVariable) -> Option<Vec<Step>> {
+fn steps_needed(requested: &RequestedField, variable: &KnownVariable) -> Option<Vec<Step>> {
     let is_scalar = |rank: i32| rank < 0;
     if variable.value_rank.is_some_and(|rank| {
-        rank != -2 && rank != -3 && is_scalar(rank) != is_scalar(wanted.value_rank)
+        rank != -2 && rank != -3 && is_scalar(rank) != is_scalar(requested.value_rank)
     }) {
         return None;
     }
     let mut steps = Vec::new();
     let mut have = variable.value_type;
-    if let (Some(from), Some(to)) = (unit(variable.unit.as_deref()), unit(wanted.unit.as_deref()))
+    if let (Some(from), Some(to)) =
+        (unit(variable.unit.as_deref()), unit(requested.unit.as_deref()))
         && from.code != to.code
     {
         unece::convert(0.0, &from, &to).ok()?;
@@ -129,13 +130,13 @@ fn steps_needed(wanted: &RequestedField, variable: &KnownVariable) -> Option<Vec
     }
     if let Some(have) = have {
         let loses = matches!(have, BuiltInType::Float | BuiltInType::Double)
-            && wanted.value_type.is_integer();
-        if !convert::coerces(have, wanted.value_type) || loses {
-            if !convert::converts(have, wanted.value_type) {
+            && requested.value_type.is_integer();
+        if !convert::coerces(have, requested.value_type) || loses {
+            if !convert::converts(have, requested.value_type) {
                 return None;
             }
             let (rounding, overflow) = (Rounding::default(), Overflow::default());
-            steps.push(Convert { to: TypeName(wanted.value_type), rounding, overflow }.into());
+            steps.push(Convert { to: TypeName(requested.value_type), rounding, overflow }.into());
         }
     }
     Some(steps)

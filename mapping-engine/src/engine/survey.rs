@@ -139,8 +139,8 @@ impl MappingSurvey {
             let by_field = || one.1.mapping.target.cmp(&other.1.mapping.target);
             rank(one).cmp(&rank(other)).then_with(by_field)
         });
-        let told =
+        let surveyed =
             |(health, running)| SurveyedMapping { health, status: MappingStatus::of(running) };
-        Self { counts, items: found.into_iter().map(told).collect() }
+        Self { counts, items: found.into_iter().map(surveyed).collect() }
     }
 }

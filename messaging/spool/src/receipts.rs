@@ -40,15 +40,15 @@ impl ReceiptEffect {
     /// Receipts have no order: one that a restored broker delivers late lists as missing what
     /// arrived since. Sending again is then discarded as a repeat, while a gap would deny what the
     /// partner holds. And a platform restored from a backup gets back what it had receipted.
-    pub fn reopen_kept(&mut self, kept: &[ReportRow]) {
-        let numbers: HashSet<u32> = kept.iter().map(|row| row.sequence).collect();
+    pub fn reopen_receipted(&mut self, receipted: &[ReportRow]) {
+        let numbers: HashSet<u32> = receipted.iter().map(|row| row.sequence).collect();
         let key = |gap: &SequenceGap| (gap.data_set_writer_id, gap.epoch);
         let lost = self.lost.iter().flat_map(|gap| {
             let (writer, epoch) = key(gap);
             (gap.first_sequence..=gap.last_sequence).map(move |number| (writer, epoch, number))
         });
         self.lost = join(lost.filter(|(_, _, number)| !numbers.contains(number)).collect());
-        self.reopen = kept.iter().map(|row| row.id).collect();
+        self.reopen = receipted.iter().map(|row| row.id).collect();
     }
 }
 

@@ -55,7 +55,7 @@ pub struct StoredDeadLetter {
 pub struct DeadLetters<'w>(pub(super) &'w mut Connection);
 
 /// Most dead letters retained; the oldest are removed first.
-const KEPT_MAX: i64 = 10_000;
+const DEAD_LETTERS_MAX: i64 = 10_000;
 
 impl DeadLetters<'_> {
     /// Stores one; beyond the bound the oldest go.
@@ -79,7 +79,7 @@ impl DeadLetters<'_> {
             .map_err(StoreError::during("store a dead letter"))?;
         let id: i64 = row.column("dead_letter_id")?;
         sqlx::query("DELETE FROM dead_letter WHERE dead_letter_id <= $1")
-            .bind(id - KEPT_MAX)
+            .bind(id - DEAD_LETTERS_MAX)
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("forget the oldest dead letters"))?;

@@ -333,7 +333,7 @@ fn read(row: &DatabaseRow) -> Result<FieldRow, StoreError> {
         }),
     };
     let state: String = row.column("mapping_state")?;
-    let is_told = row.unsigned::<u8>("is_owner")? != 0 || row.unsigned::<u8>("is_known")? != 0;
+    let is_shown = row.unsigned::<u8>("is_owner")? != 0 || row.unsigned::<u8>("is_known")? != 0;
     let reason: Option<String> = row.column("reason")?;
     let disclosure: Option<String> = row.column("disclosure")?;
     Ok(FieldRow {
@@ -344,8 +344,8 @@ fn read(row: &DatabaseRow) -> Result<FieldRow, StoreError> {
             "REFUSED" => MappingState::Refused,
             _ => MappingState::Pending,
         },
-        reason: reason.filter(|_| is_told),
-        disclosure: disclosure.filter(|_| is_told).map(|_| row.json("disclosure")).transpose()?,
+        reason: reason.filter(|_| is_shown),
+        disclosure: disclosure.filter(|_| is_shown).map(|_| row.json("disclosure")).transpose()?,
         decided_at: row.time_option("decided_at")?,
         current,
     })

@@ -123,10 +123,10 @@ async fn no_member_changes_what_belongs_to_another() {
                         author.id,
                         owner.id
                     );
-                    let told = answer.body.to_string();
+                    let text = answer.body.to_string();
                     assert!(
-                        !told.contains("secret of") || told.contains(&author.secret()),
-                        "{told}"
+                        !text.contains("secret of") || text.contains(&author.secret()),
+                        "{text}"
                     );
                     count += 1;
                 }
@@ -210,8 +210,8 @@ async fn no_member_reads_what_is_not_for_it() {
                 for path in readings(&path, owner) {
                     let answer = reader.api.get(&path).await;
                     assert!([200, 403, 404].contains(&answer.status), "{path}: {answer:?}");
-                    let told = answer.body.to_string();
-                    assert!(!told.contains(&owner.secret()), "{} reads {path}: {told}", reader.id);
+                    let text = answer.body.to_string();
+                    assert!(!text.contains(&owner.secret()), "{} reads {path}: {text}", reader.id);
                     let is_own = path.contains(&owner.network()) || path.contains("/accesses");
                     assert!(
                         !is_own || answer.status == 404 || path.starts_with("/reports"),
@@ -228,10 +228,10 @@ async fn no_member_reads_what_is_not_for_it() {
         let last = reader.api.post(&comments, last).await.expect_ok()["commentId"].clone();
         loop {
             let (_, name, event) = live.any().await;
-            let told = event.to_string();
+            let text = event.to_string();
             for owner in members.iter().filter(|owner| owner.id != reader.id) {
-                let is_told = told.contains(&owner.network()) || told.contains(&owner.secret());
-                assert!(!is_told, "{} hears {name} {told}", reader.id);
+                let is_heard = text.contains(&owner.network()) || text.contains(&owner.secret());
+                assert!(!is_heard, "{} hears {name} {text}", reader.id);
             }
             if event["commentId"] == last {
                 break;

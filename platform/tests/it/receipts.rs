@@ -82,10 +82,10 @@ async fn recipients_see_the_gaps_of_their_requests() {
     crate::harness::eventually("the gap", || async {
         let writers = buyer.get("/factories/FOR_MUC/writers").await.expect_ok();
         let writer = &writers["items"][0];
-        let told = (&writer["gaps"], &writer["missing"], &writer["dynamicDataRequestId"]);
+        let shown = (&writer["gaps"], &writer["missing"], &writer["dynamicDataRequestId"]);
         let gaps = json!([{ "firstSequence": 1, "lastSequence": 3, "cause": "REVOKED" }]);
         let expected = (&gaps, &json!([4]), &json!("ReqResponse1"));
-        if told == expected { Ok(()) } else { Err(writers.to_string()) }
+        if shown == expected { Ok(()) } else { Err(writers.to_string()) }
     })
     .await;
 }

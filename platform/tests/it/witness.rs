@@ -204,8 +204,8 @@ async fn a_log_is_shown_to_its_recipient_and_its_factory_only() {
         let shown = api.get(path).await.expect_ok();
         let item = &shown["items"][0];
         let expected = json!([RECIPIENT, 1, "FOR_MUC/to/acme-aero", 3, 3]);
-        let told = ["recipientId", "epoch", "origin", "size", "firstSize"];
-        assert_eq!(json!(told.map(|name| item[name].clone())), expected, "{shown}");
+        let members = ["recipientId", "epoch", "origin", "size", "firstSize"];
+        assert_eq!(json!(members.map(|name| item[name].clone())), expected, "{shown}");
         assert_eq!(item["verifierKey"], log.key.verifier().to_string());
         assert_eq!(held(item, &log), 3);
         let refused = item["refusedCheckpoint"].as_str().expect("evidence");

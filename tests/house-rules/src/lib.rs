@@ -31,7 +31,7 @@ pub use texts::check_texts;
 pub use type_names::{PublicTypes, SharedName, check_type_names};
 pub use types::{Exemption, check_type_sizes};
 pub use walls::{Wall, check_walls};
-pub use words::{BANNED_WORDS, BannedWord};
+pub use words::{BANNED_NAMES, BANNED_WORDS, BannedWord};
 
 /// Returns the findings of every rule that needs no table, ordered by file and line.
 #[must_use]

@@ -1,6 +1,6 @@
 //! Vocabulary: words of our own where the field has one, in identifiers, module names, comments and
-//! string literals of Rust: log messages, error texts and SQL. [`crate::texts`] looks for them in
-//! all other sources.
+//! string literals of Rust: log messages, error texts and SQL; and words that are no names, in
+//! identifiers alone. [`crate::texts`] looks for the former in all other sources.
 
 use std::collections::BTreeSet;
 
@@ -73,6 +73,9 @@ pub const BANNED_WORDS: &[BannedWord] = &[
     banned("verdicts", "decisions, findings"),
     banned("whoever", "the caller, any"),
 ];
+/// Words that are right in a sentence, and no names: a value has a noun of the field.
+pub const BANNED_NAMES: &[BannedWord] =
+    &[banned("knocked", "rejected"), banned("told", "what it is: sent, shown, answered, reported")];
 /// A name that others rely on: stored files, or clients of an API, would not find a new one.
 struct FixedName {
     name: &'static str,
@@ -113,18 +116,19 @@ pub(crate) fn check(package: &Package) -> Vec<Finding> {
     }
     let mut findings = Vec::new();
     for file in &package.files {
-        let mut report = |line: usize, text: &str| {
-            findings.extend(banned_in(text).into_iter().map(|word| word.finding(&file.path, line)));
+        let mut report = |line: usize, words: Vec<&BannedWord>| {
+            findings.extend(words.into_iter().map(|word| word.finding(&file.path, line)));
         };
         let stem = file.inner.rsplit('/').next().unwrap_or_default().trim_end_matches(".rs");
         if !(package.name == "verbund-tests" && stem == "house") {
-            report(1, stem);
+            report(1, banned_in(stem));
         }
         for (at, line) in lexer::lines(&file.text).into_iter().enumerate() {
-            for text in [line.code, line.comment] {
-                report(at + 1, &without_names_of_rules(&text));
+            for text in [&line.code, &line.comment] {
+                report(at + 1, banned_in(&without_names_of_rules(text)));
             }
-            report(at + 1, &without_fixed_names(&line.text, &file.path));
+            report(at + 1, banned_in(&without_fixed_names(&line.text, &file.path)));
+            report(at + 1, words_in(BANNED_NAMES, &line.code));
         }
     }
     // A word may stand in the code and in a text of the same line.
@@ -157,12 +161,16 @@ pub(crate) fn without_names_of_rules(text: &str) -> String {
 
 /// Returns the banned words of a line, each once.
 pub(crate) fn banned_in(text: &str) -> Vec<&'static BannedWord> {
+    words_in(BANNED_WORDS, text)
+}
+
+fn words_in(words: &'static [BannedWord], text: &str) -> Vec<&'static BannedWord> {
     let parts = parts(text);
     let mut seen = BTreeSet::new();
     let mut found = Vec::new();
-    for word in BANNED_WORDS {
-        let wanted: Vec<&str> = word.word.split('_').collect();
-        if parts.windows(wanted.len()).any(|window| window == wanted) && seen.insert(word.word) {
+    for word in words {
+        let banned: Vec<&str> = word.word.split('_').collect();
+        if parts.windows(banned.len()).any(|window| window == banned) && seen.insert(word.word) {
             found.push(word);
         }
     }

@@ -96,13 +96,13 @@ async fn beside(
             let platform = stage.world.platform_api().await?;
             eventually("the platform names both", PATIENCE, || async {
                 let path = format!("/api/v1/factories/{MUNICH}/lease");
-                let told: Value = platform.get(&path).await.map_err(|e| format!("{e:#}"))?;
-                let second = &told["contenders"][0];
+                let lease: Value = platform.get(&path).await.map_err(|e| format!("{e:#}"))?;
+                let second = &lease["contenders"][0];
                 let is_named = second["host"].as_str().is_some_and(|host| host.ends_with("-copy"));
-                let is_whole = told["holder"]["host"] == holder
+                let is_whole = lease["holder"]["host"] == holder
                     && second["isSecond"] == true
-                    && told["leaseNumber"] == 1;
-                if is_named && is_whole { Ok(()) } else { Err(told.to_string()) }
+                    && lease["leaseNumber"] == 1;
+                if is_named && is_whole { Ok(()) } else { Err(lease.to_string()) }
             })
             .await?;
             flows(stage).await?;

@@ -47,8 +47,8 @@ fn an_audit_file_is_checked_against_a_checkpoint() {
     };
     let intact = verify(&key);
     assert_eq!(intact.code, 0, "{}{}", intact.out, intact.err);
-    let told: serde_json::Value = serde_json::from_str(&intact.out).unwrap();
-    assert_eq!((&told["entriesProven"], &told["valuesCompared"]), (&json!(1), &json!(1)));
+    let audit: serde_json::Value = serde_json::from_str(&intact.out).unwrap();
+    assert_eq!((&audit["entriesProven"], &audit["valuesCompared"]), (&json!(1), &json!(1)));
     let text = std::fs::read_to_string(&file).unwrap();
     std::fs::write(&file, text.replace("QUEUED", "SENT")).unwrap();
     let changed = verify(&key);
@@ -88,7 +88,7 @@ fn a_witness_can_be_demanded() {
     std::fs::write(&checkpoint, note.to_string()).unwrap();
     let intact = verify(&witness);
     assert_eq!(intact.code, 0, "{}{}", intact.out, intact.err);
-    let told: serde_json::Value = serde_json::from_str(&intact.out).unwrap();
-    assert_eq!(told["witnessedAt"], "2023-11-14T22:13:20Z");
+    let audit: serde_json::Value = serde_json::from_str(&intact.out).unwrap();
+    assert_eq!(audit["witnessedAt"], "2023-11-14T22:13:20Z");
     assert_eq!(verify(&key_of(8)).code, 1, "another witness");
 }

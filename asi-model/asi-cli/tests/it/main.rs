@@ -150,7 +150,7 @@ fn encodings_convert_into_each_other() {
         guessed.out.contains(r#""progressStatus":{"Type":12,"Body":"1"}"#)
             && guessed.err.contains("guess")
     );
-    let told = asi(
+    let converted = asi(
         &[
             "convert",
             "--to",
@@ -161,7 +161,11 @@ fn encodings_convert_into_each_other() {
         ],
         "",
     );
-    assert!(told.out.contains(r#""progressStatus":{"Type":9,"Body":"1"}"#), "{}", told.out);
+    assert!(
+        converted.out.contains(r#""progressStatus":{"Type":9,"Body":"1"}"#),
+        "{}",
+        converted.out
+    );
     let explained =
         asi(&["explain", "--meta-data", &path("ua-metadata.json"), &path("ua-data.json")], "");
     assert!(

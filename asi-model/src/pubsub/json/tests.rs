@@ -165,7 +165,7 @@ fn the_figures_of_the_paper_decode() {
 }
 
 #[test]
-fn every_header_layout_is_told_by_its_shape() {
+fn every_header_layout_is_recognised_by_its_shape() {
     let payload = r#"{"a":{"Type":9,"Body":"1"}}"#;
     let with_header = format!(r#"{{"DataSetWriterId":3,"SequenceNumber":4,"Payload":{payload}}}"#);
     let network = |messages: &str| {

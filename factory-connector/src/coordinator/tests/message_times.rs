@@ -24,8 +24,9 @@ async fn no_time_of_a_message_is_finer_than_the_time_step() {
         let created = row.envelope.creation_time.expect("a time");
         assert_eq!(created.unix_timestamp_nanos() % HOUR, 0, "the envelope");
         let body: Value = serde_json::from_slice(&row.envelope.body).expect("JSON");
-        let told: DateTime = serde_json::from_value(body["Timestamp"].clone()).expect("a time");
-        assert_eq!(told.floor_to(Duration::from_secs(3600)), told, "the metadata");
+        let timestamp: DateTime =
+            serde_json::from_value(body["Timestamp"].clone()).expect("a time");
+        assert_eq!(timestamp.floor_to(Duration::from_secs(3600)), timestamp, "the metadata");
     }
     let mut connection = connect(&running.folder).await;
     let body = json!({ "Timestamp": "2026-11-23T10:00:00Z", "Payload": {} }).to_string();

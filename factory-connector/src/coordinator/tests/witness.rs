@@ -251,7 +251,7 @@ async fn a_store_that_was_set_back_and_outgrew_the_platform_is_found() {
 }
 
 #[tokio::test]
-async fn a_platform_that_lost_its_store_is_told_everything_again() {
+async fn a_platform_that_lost_its_store_gets_everything_again() {
     let (mut platform, running, _older) = countersigned().await;
     platform.held.clear();
     let running = restarted(running).await;

@@ -13,7 +13,7 @@ use crate::{ConnectorState, operator::OperationKey};
 
 /// Returns the meaning of a field in the partner's words and those around it.
 #[must_use]
-pub fn wanted_field(state: &ConnectorState, key: &FieldKey) -> Option<RequestedField> {
+pub fn requested_field(state: &ConnectorState, key: &FieldKey) -> Option<RequestedField> {
     let field = state.field(key)?;
     let (_, request) = state.request(&key.request)?;
     let operation = state.operation(&OperationKey {

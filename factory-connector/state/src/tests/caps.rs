@@ -120,9 +120,12 @@ fn a_cap_below_the_present_use_holds_the_newest_consents_back() {
     let [consent] = &writes.fields.consents[..] else { panic!("{:?}", writes.fields.consents) };
     assert_eq!(consent.basis.as_deref(), Some(r#"{"caps":[{"id":"acme","version":1}]}"#));
     assert_eq!(consent.decided_by.as_deref(), Some("eve"));
-    let told = writes.controls.queued.iter().filter(|control| control.body.contains("PENDING"));
-    let told: Vec<_> = told.collect();
-    assert!(told.len() == 1 && told[0].body.contains("limits how much it discloses"), "{told:?}");
+    let pending = writes.controls.queued.iter().filter(|control| control.body.contains("PENDING"));
+    let pending: Vec<_> = pending.collect();
+    assert!(
+        pending.len() == 1 && pending[0].body.contains("limits how much it discloses"),
+        "{pending:?}"
+    );
     assert_eq!(writes.ledger.revocations.len(), 1, "the partner gets a receipt");
     assert_eq!(writes.policies.caps.len(), 1);
     assert!(effects.engine.len() == 1 && !effects.log.is_empty());

@@ -230,7 +230,7 @@ fn a_keep_alive_tells_its_time_on_the_time_step() {
     let silent = keep_alives(&mut scene.state, at(HOUR + 1_234_567));
     let [keep_alive] = &silent[..] else { panic!("{silent:?}") };
     let body: Value = serde_json::from_slice(&keep_alive.body).expect("JSON");
-    let told: DateTime =
+    let timestamp: DateTime =
         serde_json::from_value(body["Messages"][0]["Timestamp"].clone()).expect("a time");
-    assert_eq!(told, at(HOUR));
+    assert_eq!(timestamp, at(HOUR));
 }

@@ -44,11 +44,11 @@ fn an_old_revision_changes_nothing() {
 
 /// A revision that was rejected may have taken consents back at the platform.
 #[test]
-fn decisions_are_told_again_after_a_revision_that_did_not_arrive() {
+fn decisions_are_sent_again_after_a_revision_that_did_not_arrive() {
     let mut scene = Scene::default();
     scene.map("made", ValueSource::Manual, "{}");
     scene.commit(0);
-    let told = |scene: &mut Scene, revision| {
+    let sent = |scene: &mut Scene, revision| {
         scene.arrive(network(revision, |request| {
             request["description"] = json!(revision.to_string())
         }));
@@ -56,14 +56,14 @@ fn decisions_are_told_again_after_a_revision_that_did_not_arrive() {
         let decisions = writes.controls.queued.iter().filter(|row| row.subject == "decision");
         let decisions: Vec<Value> =
             decisions.map(|row| serde_json::from_str(&row.body).expect("JSON")).collect();
-        let field = |told: &Value| {
-            (told["fieldName"].clone(), told["mappingState"].clone(), told["decidedAt"].clone())
+        let field = |sent: &Value| {
+            (sent["fieldName"].clone(), sent["mappingState"].clone(), sent["decidedAt"].clone())
         };
         decisions.iter().map(field).collect::<Vec<_>>()
     };
-    assert_eq!(told(&mut scene, 2), [], "it follows the first one");
+    assert_eq!(sent(&mut scene, 2), [], "it follows the first one");
     let decided = scene.state.field(&field("made")).and_then(|made| made.decision().decided_at);
     let expected = (json!("made"), json!("MAPPED"), json!(decided));
-    assert_eq!(told(&mut scene, 4), [expected], "the third one did not arrive");
-    assert_eq!(told(&mut scene, 5), []);
+    assert_eq!(sent(&mut scene, 4), [expected], "the third one did not arrive");
+    assert_eq!(sent(&mut scene, 5), []);
 }

@@ -111,18 +111,18 @@ impl Evidence {
     }
 
     /// Compares the names: up to 35 points.
-    pub fn names(&mut self, wanted: &RequestedField, variable: &KnownVariable) {
-        let points = share(likeness(&words(&wanted.name), &words(&variable.name)), 35);
+    pub fn names(&mut self, requested: &RequestedField, variable: &KnownVariable) {
+        let points = share(likeness(&words(&requested.name), &words(&variable.name)), 35);
         self.add(
             ReasonKind::Name,
             points,
-            format!("its name \"{}\" is like \"{}\"", variable.name, wanted.name),
+            format!("its name \"{}\" is like \"{}\"", variable.name, requested.name),
         );
     }
 
     /// Looks for words of the field's meaning in the name: 15 or 25 points, or -20.
-    pub fn meaning(&mut self, wanted: &RequestedField, variable: &KnownVariable) {
-        let Some(semantic) = &wanted.semantic else { return };
+    pub fn meaning(&mut self, requested: &RequestedField, variable: &KnownVariable) {
+        let Some(semantic) = &requested.semantic else { return };
         let (likely, unlikely) = meaning_words(semantic);
         let have = words(&variable.name);
         let count = |text: &str| words(text).intersection(&have).count();
@@ -145,25 +145,26 @@ impl Evidence {
     }
 
     /// Compares asset and names above the variable: up to 23 points.
-    pub fn place(&mut self, wanted: &RequestedField, variable: &KnownVariable) {
-        if let Some(asset) = &wanted.asset
+    pub fn place(&mut self, requested: &RequestedField, variable: &KnownVariable) {
+        if let Some(asset) = &requested.asset
             && (variable.path.iter().any(|name| name.eq_ignore_ascii_case(asset))
                 || variable.source_id.as_str().eq_ignore_ascii_case(asset))
         {
             self.add(ReasonKind::Place, 15, format!("it belongs to the asset \"{asset}\""));
         }
         let above: BTreeSet<String> = variable.path.iter().flat_map(|name| words(name)).collect();
-        let points = share(likeness(&words(&wanted.name), &above), 8);
+        let points = share(likeness(&words(&requested.name), &above), 8);
         self.add(ReasonKind::Place, points, "the names above it are like the field's");
     }
 
     /// Counts common words of the descriptions: up to 12 points.
-    pub fn descriptions(&mut self, wanted: &RequestedField, variable: &KnownVariable) {
-        let of_wanted: BTreeSet<String> =
-            wanted.descriptions.iter().flat_map(|text| words(text)).collect();
+    pub fn descriptions(&mut self, requested: &RequestedField, variable: &KnownVariable) {
+        let of_requested: BTreeSet<String> =
+            requested.descriptions.iter().flat_map(|text| words(text)).collect();
         let mut of_variable = variable.description.as_deref().map(words).unwrap_or_default();
         of_variable.extend(words(&variable.name));
-        let common: Vec<&str> = of_wanted.intersection(&of_variable).map(String::as_str).collect();
+        let common: Vec<&str> =
+            of_requested.intersection(&of_variable).map(String::as_str).collect();
         let points = i8::try_from(common.len() * 4).unwrap_or(12).min(12);
         self.add(
             ReasonKind::Description,
@@ -173,31 +174,31 @@ impl Evidence {
     }
 
     /// Compares the types: -10 to 12 points.
-    pub fn types(&mut self, wanted: &RequestedField, variable: &KnownVariable, steps: &[Step]) {
+    pub fn types(&mut self, requested: &RequestedField, variable: &KnownVariable, steps: &[Step]) {
         let Some(have) = variable.value_type else { return };
         let needs_convert = steps.iter().any(|step| matches!(step, Step::Convert(_)));
-        if have == wanted.value_type {
+        if have == requested.value_type {
             self.add(ReasonKind::Type, 12, format!("both are {have}"));
         } else if !needs_convert {
-            self.add(ReasonKind::Type, 9, format!("a {have} fits a {}", wanted.value_type));
-        } else if have.is_numeric() && wanted.value_type.is_numeric() {
+            self.add(ReasonKind::Type, 9, format!("a {have} fits a {}", requested.value_type));
+        } else if have.is_numeric() && requested.value_type.is_numeric() {
             self.add(
                 ReasonKind::Type,
                 4,
-                format!("a {have} can be rounded to a {}", wanted.value_type),
+                format!("a {have} can be rounded to a {}", requested.value_type),
             );
         } else {
             self.add(
                 ReasonKind::Type,
                 -10,
-                format!("a {have} must be converted to a {}", wanted.value_type),
+                format!("a {have} must be converted to a {}", requested.value_type),
             );
         }
     }
 
     /// Compares the units: -5 to 15 points.
-    pub fn units(&mut self, wanted: &RequestedField, variable: &KnownVariable) {
-        match (unit(variable.unit.as_deref()), unit(wanted.unit.as_deref())) {
+    pub fn units(&mut self, requested: &RequestedField, variable: &KnownVariable) {
+        match (unit(variable.unit.as_deref()), unit(requested.unit.as_deref())) {
             (Some(have), Some(want)) if have.code == want.code => {
                 self.add(ReasonKind::Unit, 15, format!("both are in {}", want.description));
             }
@@ -205,7 +206,7 @@ impl Evidence {
                 let text = format!("{} can be converted to {}", have.description, want.description);
                 self.add(ReasonKind::Unit, 10, text);
             }
-            (Some(have), None) if wanted.value_type.is_numeric() => {
+            (Some(have), None) if requested.value_type.is_numeric() => {
                 self.add(
                     ReasonKind::Unit,
                     -5,
@@ -217,15 +218,15 @@ impl Evidence {
     }
 
     /// Looks for the variable's type in companion specifications: 8 points.
-    pub fn companion(&mut self, wanted: &RequestedField, variable: &KnownVariable) {
-        let mut of_wanted = words(&wanted.name);
-        if let Some(semantic) = &wanted.semantic {
-            of_wanted.extend(words(meaning_words(semantic).0));
+    pub fn companion(&mut self, requested: &RequestedField, variable: &KnownVariable) {
+        let mut of_requested = words(&requested.name);
+        if let Some(semantic) = &requested.semantic {
+            of_requested.extend(words(meaning_words(semantic).0));
         }
         for name in &variable.type_names {
             let known = COMPANION_TYPES.iter().find(|(type_name, _)| type_name == name);
             if let Some((type_name, carried)) = known
-                && words(carried).intersection(&of_wanted).next().is_some()
+                && words(carried).intersection(&of_requested).next().is_some()
             {
                 return self.add(
                     ReasonKind::CompanionType,
@@ -237,8 +238,8 @@ impl Evidence {
     }
 
     /// Compares the current value with the field's meaning: 5 or -25 points.
-    pub fn value(&mut self, wanted: &RequestedField, variable: &KnownVariable) {
-        let (Some(value), Some(semantic)) = (variable.value, &wanted.semantic) else { return };
+    pub fn value(&mut self, requested: &RequestedField, variable: &KnownVariable) {
+        let (Some(value), Some(semantic)) = (variable.value, &requested.semantic) else { return };
         let is_plausible = match semantic {
             Semantic::ProducedQuantity | Semantic::GoodQuantity | Semantic::ScrapQuantity => {
                 value >= 0.0 && value.fract() == 0.0
@@ -261,7 +262,7 @@ impl Evidence {
     /// Looks for earlier decisions on the variable: up to 40 points.
     pub fn decisions(
         &mut self,
-        wanted: &RequestedField,
+        requested: &RequestedField,
         variable: &KnownVariable,
         decisions: &[PastDecision],
     ) {
@@ -270,8 +271,8 @@ impl Evidence {
         });
         let mut best = 0;
         for past in of_variable {
-            let same_meaning = wanted.semantic.is_some() && past.semantic == wanted.semantic;
-            let points = match (same_meaning, past.field_name == wanted.name) {
+            let same_meaning = requested.semantic.is_some() && past.semantic == requested.semantic;
+            let points = match (same_meaning, past.field_name == requested.name) {
                 (true, true) => 40,
                 (true, false) => 30,
                 (false, true) => 25,

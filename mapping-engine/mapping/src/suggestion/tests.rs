@@ -2,7 +2,7 @@ use asi_model::network::Semantic;
 
 use super::*;
 
-fn wanted(
+fn requested(
     name: &str,
     value_type: BuiltInType,
     unit: Option<&str>,
@@ -60,22 +60,22 @@ fn the_right_variable_comes_first() {
     use BuiltInType as T;
     for (field, expected) in [
         (
-            wanted("progressStatus", T::UInt64, Some("PIECE"), Some(Semantic::ProducedQuantity)),
+            requested("progressStatus", T::UInt64, Some("PIECE"), Some(Semantic::ProducedQuantity)),
             "Press2/PartCounter",
         ),
         (
-            wanted("rejects", T::UInt64, Some("PIECE"), Some(Semantic::ScrapQuantity)),
+            requested("rejects", T::UInt64, Some("PIECE"), Some(Semantic::ScrapQuantity)),
             "Press2/ScrapCounter",
         ),
         (
-            wanted("progress", T::Double, Some("P1"), Some(Semantic::PercentComplete)),
+            requested("progress", T::Double, Some("P1"), Some(Semantic::PercentComplete)),
             "Press2/JobProgress",
         ),
         (
-            wanted("operationState", T::Int32, None, Some(Semantic::OperationState)),
+            requested("operationState", T::Int32, None, Some(Semantic::OperationState)),
             "Press2/MachineState",
         ),
-        (wanted("oilTemp", T::Double, Some("FAH"), None), "Press2/OilTemperature"),
+        (requested("oilTemp", T::Double, Some("FAH"), None), "Press2/OilTemperature"),
     ] {
         assert_eq!(best(&field, &[]).first().map(String::as_str), Some(expected), "{}", field.name);
     }
@@ -83,17 +83,17 @@ fn the_right_variable_comes_first() {
 
 #[test]
 fn what_cannot_be_is_not_suggested() {
-    let field = wanted("temperature", BuiltInType::Double, Some("MMT"), None);
+    let field = requested("temperature", BuiltInType::Double, Some("MMT"), None);
     assert!(best(&field, &[]).is_empty(), "degrees are no millimetres");
-    let field = wanted("vibration", BuiltInType::Double, None, None);
+    let field = requested("vibration", BuiltInType::Double, None, None);
     assert!(best(&field, &[]).is_empty(), "nothing is like it");
-    let field = wanted("partCounter", BuiltInType::Guid, None, None);
+    let field = requested("partCounter", BuiltInType::Guid, None, None);
     assert_eq!(best(&field, &[]), ["Press2/PartCounterLabel"], "only a text may be a Guid");
 }
 
 #[test]
 fn earlier_decisions_weigh_and_reasons_are_given() {
-    let field = wanted(
+    let field = requested(
         "progressStatus",
         BuiltInType::UInt64,
         Some("PIECE"),
@@ -108,7 +108,7 @@ fn earlier_decisions_weigh_and_reasons_are_given() {
     };
     assert_eq!(best(&field, &[past]).first().map(String::as_str), Some("Press1/PartCounter"));
     let suggestions =
-        suggest(&wanted("oilTemp", BuiltInType::Int32, Some("FAH"), None), &plant(), &[], 1);
+        suggest(&requested("oilTemp", BuiltInType::Int32, Some("FAH"), None), &plant(), &[], 1);
     let kinds: Vec<ReasonKind> = suggestions[0].reasons.iter().map(|reason| reason.kind).collect();
     assert!(kinds.contains(&ReasonKind::Name) && kinds.contains(&ReasonKind::Unit), "{kinds:?}");
     let functions: Vec<&str> = suggestions[0].steps.iter().map(Step::function).collect();

@@ -116,7 +116,7 @@ fn a_side_input_enters_where_it_is_used() {
 }
 
 #[test]
-fn late_and_repeated_values_are_told_apart() {
+fn late_and_repeated_values_are_distinguished() {
     let mut transform = transform(1, "Int32", &json!([]));
     let mut on = |value: i32, millis| {
         transform.on(at(0), 0, DataValue::good(value, at(millis)), None) != Reaction::Quiet
@@ -161,7 +161,7 @@ fn state_is_restored_through_json() {
 }
 
 #[test]
-fn wrong_mappings_are_told_everything_at_once() {
+fn all_faults_of_a_mapping_are_reported_at_once() {
     let wrong = json!([
         {"function": "scale", "divisor": 0},
         {"function": "window", "aggregate": "mean"},

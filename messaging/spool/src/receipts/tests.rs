@@ -56,7 +56,7 @@ fn missing_sequence_numbers_without_a_row_are_lost() {
 #[test]
 fn missing_rows_that_the_store_still_has_wait_again() {
     let mut effect = apply_receipt(&receipt(9, &[3, 4, 7]), &[], moment());
-    effect.reopen_kept(&[sent(11, 4), sent(12, 7)]);
+    effect.reopen_receipted(&[sent(11, 4), sent(12, 7)]);
     assert_eq!((effect.lost, effect.reopen), (vec![gap(3, 3)], vec![RowId(11), RowId(12)]));
 }
 

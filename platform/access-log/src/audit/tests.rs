@@ -73,7 +73,7 @@ fn a_true_log_is_proven() {
 }
 
 #[test]
-fn later_entries_are_told_apart() {
+fn later_entries_are_counted_apart() {
     let (lines, _) = file(7, 2);
     let (_, earlier) = file(5, 0);
     let audit = audit(&lines, &earlier).expect("it begins");

@@ -86,8 +86,8 @@ async fn proton(is_encrypted: bool) {
         ("forbiddenReceiver", "amqp:unauthorized-access"),
         ("badPassword", "amqp:unauthorized-access"),
     ] {
-        let told = seen[what].as_str().unwrap_or_default();
-        assert!(told.contains(expected), "{what}: {told}");
+        let condition = seen[what].as_str().unwrap_or_default();
+        assert!(condition.contains(expected), "{what}: {condition}");
     }
     let letters = broker.handle.dead_letters(0, 10).await.expect("dead letters");
     assert_eq!(letters.iter().map(|l| l.message_id.as_deref()).collect::<Vec<_>>(), [Some("p1")]);

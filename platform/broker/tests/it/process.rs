@@ -31,16 +31,16 @@ impl BrokerProcess {
             .spawn()
             .expect("a broker process");
         let out = BufReader::new(child.stdout.take().expect("its output"));
-        let (tell, told) = std::sync::mpsc::channel();
+        let (found_port, port) = std::sync::mpsc::channel();
         // To the end, for a full or closed pipe would stop the child.
         std::thread::spawn(move || {
             for line in out.lines().map_while(Result::ok) {
                 if let Some((_, port)) = line.split_once("listens:") {
-                    let _ = tell.send(port.trim().parse().expect("a port"));
+                    let _ = found_port.send(port.trim().parse().expect("a port"));
                 }
             }
         });
-        let port = told.recv().expect("its port");
+        let port = port.recv().expect("its port");
         Self { child, port }
     }
 

@@ -149,7 +149,7 @@ async fn a_wrong_port_is_reported_with_the_remedy() {
 
 /// Sends these bytes to a broker; returns its answer until it closes, and the time. The frame follows
 /// once a WebSocket is open.
-async fn told(port: u16, request: &[u8], frame: &[u8]) -> (Vec<u8>, Duration) {
+async fn exchange(port: u16, request: &[u8], frame: &[u8]) -> (Vec<u8>, Duration) {
     let begun = Instant::now();
     let mut tcp = TcpStream::connect(("127.0.0.1", port)).await.expect("connected");
     let mut answer = Vec::new();
@@ -216,7 +216,7 @@ async fn peers_that_promise_nothing_are_sent_away_and_leave_room_for_others() {
         // word.
         let deadline = Instant::now() + Duration::from_secs(20);
         loop {
-            let (answer, took) = told(port, &request, frame).await;
+            let (answer, took) = exchange(port, &request, frame).await;
             let is_begun = if begins.is_empty() {
                 answer.is_empty()
             } else {

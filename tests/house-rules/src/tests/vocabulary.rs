@@ -42,6 +42,18 @@ fn banned_words_are_found_in_code_comments_and_literals() {
 }
 
 #[test]
+fn words_that_are_no_names_are_found_in_code_alone() {
+    let source = "/// Says what it was told.\nfn a(told: u8) -> bool {\n    is_told(\"told\")\n}\n";
+    assert_eq!(
+        found(Rule::BannedWord, &[("src/lib.rs", source)]),
+        [
+            "src/lib.rs:2 \"told\": say what it is: sent, shown, answered, reported",
+            "src/lib.rs:3 \"told\": say what it is: sent, shown, answered, reported",
+        ]
+    );
+}
+
+#[test]
 fn names_that_others_rely_on_stay_in_literals_of_their_files() {
     let source = "fn f() { \"SELECT outbox_id FROM outbox WHERE o.grounds\"; \"/x/trial\"; }";
     let in_store = ("platform/src/store/a.rs", source);

@@ -50,11 +50,11 @@ pub(super) async fn measure(
         .args(["--key", &kept.key.to_string()])
         .output()?;
     let took = began.elapsed().as_secs_f64();
-    let told = String::from_utf8_lossy(&audited.stdout);
-    anyhow::ensure!(audited.status.success(), "the file is not intact: {told}");
-    let told: Value = serde_json::from_str(&told)?;
-    let millions = told["entriesProven"].as_f64().context("a number")? / 1e6;
-    anyhow::ensure!(millions > 0.0 && told["valuesCompared"].as_u64() > Some(0), "{told}");
+    let outcome = String::from_utf8_lossy(&audited.stdout);
+    anyhow::ensure!(audited.status.success(), "the file is not intact: {outcome}");
+    let outcome: Value = serde_json::from_str(&outcome)?;
+    let millions = outcome["entriesProven"].as_f64().context("a number")? / 1e6;
+    anyhow::ensure!(millions > 0.0 && outcome["valuesCompared"].as_u64() > Some(0), "{outcome}");
     Ok(vec![
         result("chain audited from its file, with all values", millions, "million entries"),
         result("audit of a million entries", took / millions, "s"),

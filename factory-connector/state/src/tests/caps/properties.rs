@@ -194,11 +194,11 @@ proptest! {
             let document = &cap.cap.document;
             if document.variable.is_some() { continue }
             let keys = || released.keys().filter(is_counted);
-            let told: f64 = keys().map(|key| f64::from(released[key]) * bits_each(key).expect("bounded")).sum();
+            let disclosed: f64 = keys().map(|key| f64::from(released[key]) * bits_each(key).expect("bounded")).sum();
             let ends: f64 = keys().map(|key| bits_each(key).expect("bounded")).sum();
             let hours = f64::from(i32::try_from(HOURS).expect("few"));
             let most = document.bits_per_hour_max * hours + ends;
-            prop_assert!(told <= most * (1.0 + 1e-6) + 1e-3, "{told} above {most}");
+            prop_assert!(disclosed <= most * (1.0 + 1e-6) + 1e-3, "{disclosed} above {most}");
         }
     }
 }
