@@ -3,9 +3,9 @@
 
 mod backoff;
 mod consumers;
+mod context;
 mod cursor;
 mod sender;
-mod shared;
 mod state;
 mod supervisor;
 
@@ -23,7 +23,7 @@ use crate::{
     spool::SpoolStore,
     transport,
 };
-use shared::Shared;
+use context::LinkContext;
 use supervisor::Supervisor;
 
 pub use state::{LinkPhase, LinkState};
@@ -36,7 +36,7 @@ pub struct Link {
 /// Handle of a running [`Link`].
 #[derive(Clone)]
 pub struct LinkHandle {
-    shared: Arc<Shared>,
+    context: Arc<LinkContext>,
 }
 
 impl Link {
@@ -51,9 +51,9 @@ impl Link {
     ) -> Result<(Self, LinkHandle), LinkError> {
         let broker = config.brokers.first().ok_or(LinkError::NoBroker)?.to_string();
         let transport = transport::new(&config)?;
-        let shared = Arc::new(Shared::new(broker, config.consumed.clone()));
-        let handle = LinkHandle { shared: Arc::clone(&shared) };
-        Ok((Self { supervisor: Supervisor { config, transport, store, inbox, shared } }, handle))
+        let context = Arc::new(LinkContext::new(broker, config.consumed.clone()));
+        let handle = LinkHandle { context: Arc::clone(&context) };
+        Ok((Self { supervisor: Supervisor { config, transport, store, inbox, context } }, handle))
     }
 
     /// Runs until `shutdown`; then finishes what is in flight within a short time and closes the
@@ -67,40 +67,40 @@ impl LinkHandle {
     /// Returns the state of the link, and every change of it.
     #[must_use]
     pub fn state(&self) -> watch::Receiver<LinkState> {
-        self.shared.state.subscribe()
+        self.context.state.subscribe()
     }
 
     /// Signals that new rows were committed to the spool.
     pub fn wake(&self) {
-        self.shared.wake.notify_one();
+        self.context.wake.notify_one();
     }
 
     /// Signals that rows which were sent, parked or skipped before wait (again).
     pub fn rewind(&self) {
-        self.shared.rewind.notify_one();
+        self.context.rewind.notify_one();
     }
 
     /// Reads the spool from its beginning, as after an outage: the newest rows first. For a store
     /// that returns rows which it hid before.
     pub fn restart_reading(&self) {
-        self.shared.restart.notify_one();
+        self.context.restart.notify_one();
     }
 
     /// Sends a message that is not in the spool, ahead of those that are. It is lost with the
     /// connection, or when the broker rejects it: the sender repeats it until it is answered.
     pub fn send_volatile(&self, address: LogicalAddress, envelope: Envelope) {
-        self.shared.send_volatile(address, envelope);
+        self.context.send_volatile(address, envelope);
     }
 
     /// Ends the connection and stays away for a while, as when another process is to have the
     /// broker for itself.
     pub fn back_off(&self, reason: impl Into<String>, pause: Duration) {
-        self.shared.back_off(reason.into(), pause);
+        self.context.back_off(reason.into(), pause);
     }
 
     /// Replaces the set of addresses to receive from, without disturbing those that stay.
     pub fn set_consumed(&self, addresses: Vec<LogicalAddress>) {
-        self.shared.consumed.send_if_modified(|consumed| {
+        self.context.consumed.send_if_modified(|consumed| {
             let is_new = *consumed != addresses;
             *consumed = addresses;
             is_new
@@ -109,11 +109,11 @@ impl LinkHandle {
 
     /// Notes that a receipt of the platform arrived.
     pub fn receipted(&self, at: OffsetDateTime) {
-        self.shared.state.send_modify(|state| state.last_receipted_at = Some(at));
+        self.context.state.send_modify(|state| state.last_receipted_at = Some(at));
     }
 
     /// Connects now instead of at the end of the pause, as after a person removed the cause.
     pub fn reconnect_now(&self) {
-        self.shared.reconnect.notify_one();
+        self.context.reconnect.notify_one();
     }
 }

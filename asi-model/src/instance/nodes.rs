@@ -25,7 +25,7 @@ pub fn node_set(instance: &Instance<'_>) -> NodeSet {
     let message = instance.message;
     let uri = instance_namespace_uri(&message.factory_id);
     let mut writer =
-        Writer { instance, uri: uri.clone(), nodes: Vec::new(), operations: HashMap::new() };
+        NodeWriter { instance, uri: uri.clone(), nodes: Vec::new(), operations: HashMap::new() };
     writer.interface();
     let types = asi_types::node_set().models;
     let model = Model {
@@ -40,7 +40,7 @@ pub fn node_set(instance: &Instance<'_>) -> NodeSet {
     NodeSet { models: vec![Model { required, ..model }], nodes: writer.nodes }
 }
 
-struct Writer<'a> {
+struct NodeWriter<'a> {
     instance: &'a Instance<'a>,
     uri: String,
     nodes: Vec<Node>,
@@ -56,7 +56,7 @@ fn optional(text: Option<&str>) -> Option<Variant> {
     text.map(Into::into)
 }
 
-impl Writer<'_> {
+impl NodeWriter<'_> {
     fn id(&self, path: &Path) -> NodeId {
         NodeId::string(&self.uri, path.as_str())
     }

@@ -2,7 +2,7 @@
 
 use super::{
     Conflict, ConflictPlace,
-    graph::{Graph, Link, Time, ends, gaps},
+    graph::{Edge, Graph, Time, ends, gaps},
 };
 use crate::{network::ConditionKind, values::DateTime};
 
@@ -46,9 +46,9 @@ impl<'g, 'n> Earliest<'g, 'n> {
         for &at in &graph.order {
             earliest.forward(at, true);
         }
-        for link in &graph.links {
-            earliest.check_conditions(link);
-            earliest.check_maximum_gaps(link);
+        for edge in &graph.edges {
+            earliest.check_conditions(edge);
+            earliest.check_maximum_gaps(edge);
         }
         if earliest.conflicts.is_empty() {
             earliest.note_unsettled(&unsettled);
@@ -58,10 +58,10 @@ impl<'g, 'n> Earliest<'g, 'n> {
     }
 
     /// Passes forward until no maximum gap is broken, with nothing before `base`. Returns the
-    /// links whose maximum gaps never are.
+    /// edges whose maximum gaps never are.
     fn settle(&mut self, base: Time) -> Vec<usize> {
         self.floor = vec![Floor { start: base, finish: base }; self.start.len()];
-        let gaps = self.graph.links.iter().filter(|link| link.maximum_gap.is_some()).count();
+        let gaps = self.graph.edges.iter().filter(|edge| edge.maximum_gap.is_some()).count();
         let mut raised = Vec::new();
         for _ in 0..(gaps + 1).min(PASSES_MAX) {
             for &at in &self.graph.order {
@@ -77,21 +77,21 @@ impl<'g, 'n> Earliest<'g, 'n> {
     }
 
     /// Lets each predecessor be no earlier than the maximum gap to its successor allows. Returns
-    /// the links that did.
+    /// the edges that did.
     fn raise_floors(&mut self) -> Vec<usize> {
         let mut raised = Vec::new();
-        for (index, link) in self.graph.links.iter().enumerate() {
-            let Some((maximum, _)) = link.maximum_gap else { continue };
-            let (by_finish, bounds_start) = ends(self.graph.relation(link).relation_type);
-            let reached = if bounds_start { self.start[link.to] } else { self.finish[link.to] };
+        for (index, edge) in self.graph.edges.iter().enumerate() {
+            let Some((maximum, _)) = edge.maximum_gap else { continue };
+            let (by_finish, bounds_start) = ends(self.graph.relation(edge).relation_type);
+            let reached = if bounds_start { self.start[edge.to] } else { self.finish[edge.to] };
             let Some(least) = reached.map(|reached| reached.saturating_sub(maximum)) else {
                 continue;
             };
-            let predecessor = self.graph.operation(link.from);
+            let predecessor = self.graph.operation(edge.from);
             let (planned, found, floor) = if by_finish {
-                (predecessor.planned_end, self.finish[link.from], &mut self.floor[link.from].finish)
+                (predecessor.planned_end, self.finish[edge.from], &mut self.floor[edge.from].finish)
             } else {
-                (predecessor.planned_start, self.start[link.from], &mut self.floor[link.from].start)
+                (predecessor.planned_start, self.start[edge.from], &mut self.floor[edge.from].start)
             };
             // A plan does not give way; that it breaks the gap is found later.
             if planned.is_none() && found.is_none_or(|found| found < least) {
@@ -103,16 +103,16 @@ impl<'g, 'n> Earliest<'g, 'n> {
     }
 
     /// Maximum gaps that the minimum gaps around them exceed, whatever the times.
-    fn note_unsettled(&mut self, links: &[usize]) {
-        for &index in links {
-            let link = &self.graph.links[index];
-            let relation = self.graph.relation(link);
-            let Some((_, condition)) = link.maximum_gap else { continue };
+    fn note_unsettled(&mut self, edges: &[usize]) {
+        for &index in edges {
+            let edge = &self.graph.edges[index];
+            let relation = self.graph.relation(edge);
+            let Some((_, condition)) = edge.maximum_gap else { continue };
             let message = format!(
                 "The relations between {} and {} need more time than their maximum gap leaves.",
                 relation.predecessor_operation_id, relation.successor_operation_id
             );
-            let place = ConflictPlace::Condition { relation: link.relation, condition };
+            let place = ConflictPlace::Condition { relation: edge.relation, condition };
             self.conflict(place, message);
         }
     }
@@ -166,11 +166,11 @@ impl<'g, 'n> Earliest<'g, 'n> {
     fn bounds(&self, at: usize) -> (Time, Time) {
         let Floor { mut start, mut finish } = self.floor[at];
         for &index in &self.graph.incoming[at] {
-            let link = &self.graph.links[index];
-            let relation = self.graph.relation(link);
+            let edge = &self.graph.edges[index];
+            let relation = self.graph.relation(edge);
             let (by_finish, bounds_start) = ends(relation.relation_type);
-            let from = if by_finish { self.finish[link.from] } else { self.start[link.from] };
-            let bound = from.map(|time| time.saturating_add(link.minimum_gap));
+            let from = if by_finish { self.finish[edge.from] } else { self.start[edge.from] };
+            let bound = from.map(|time| time.saturating_add(edge.minimum_gap));
             let target = if bounds_start { &mut start } else { &mut finish };
             *target = (*target).max(bound);
             for condition in &relation.condition_list {
@@ -192,13 +192,13 @@ impl<'g, 'n> Earliest<'g, 'n> {
     }
 
     /// Notes conditions whose latest time the earliest times already miss.
-    fn check_conditions(&mut self, link: &Link) {
-        let relation = self.graph.relation(link);
+    fn check_conditions(&mut self, edge: &Edge) {
+        let relation = self.graph.relation(edge);
         let successor = &relation.successor_operation_id;
         for (index, condition) in relation.condition_list.iter().enumerate() {
             let (what, earliest) = match condition.condition_kind {
-                ConditionKind::StartNoLaterThan => ("start", self.start[link.to]),
-                ConditionKind::FinishNoLaterThan => ("finish", self.finish[link.to]),
+                ConditionKind::StartNoLaterThan => ("start", self.start[edge.to]),
+                ConditionKind::FinishNoLaterThan => ("finish", self.finish[edge.to]),
                 _ => continue,
             };
             if let (Some(bound), Some(earliest)) = (condition.time, earliest)
@@ -208,7 +208,7 @@ impl<'g, 'n> Earliest<'g, 'n> {
                 let message = format!(
                     "{successor} must {what} by {bound}, but cannot {what} before {earliest}."
                 );
-                let place = ConflictPlace::Condition { relation: link.relation, condition: index };
+                let place = ConflictPlace::Condition { relation: edge.relation, condition: index };
                 self.conflict(place, message);
             }
         }
@@ -216,12 +216,12 @@ impl<'g, 'n> Earliest<'g, 'n> {
 
     /// Notes maximum gaps that the plan of the predecessor breaks. Without a plan the predecessor
     /// may be later than its earliest time.
-    fn check_maximum_gaps(&mut self, link: &Link) {
-        let relation = self.graph.relation(link);
+    fn check_maximum_gaps(&mut self, edge: &Edge) {
+        let relation = self.graph.relation(edge);
         let (by_finish, bounds_start) = ends(relation.relation_type);
-        let predecessor = self.graph.operation(link.from);
+        let predecessor = self.graph.operation(edge.from);
         let fixed = if by_finish { predecessor.planned_end } else { predecessor.planned_start };
-        let reached = if bounds_start { self.start[link.to] } else { self.finish[link.to] };
+        let reached = if bounds_start { self.start[edge.to] } else { self.finish[edge.to] };
         let (Some(fixed), Some(reached)) = (fixed, reached) else { return };
         for (index, maximum) in gaps(relation, ConditionKind::MaximumGap) {
             if reached.saturating_sub(fixed.ticks()) > maximum {
@@ -231,7 +231,7 @@ impl<'g, 'n> Earliest<'g, 'n> {
                     relation.successor_operation_id,
                     DateTime::from_ticks(reached)
                 );
-                let place = ConflictPlace::Condition { relation: link.relation, condition: index };
+                let place = ConflictPlace::Condition { relation: edge.relation, condition: index };
                 self.conflict(place, message);
             }
         }

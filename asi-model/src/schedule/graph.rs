@@ -11,7 +11,7 @@ use crate::{
 pub(super) type Time = Option<i64>;
 
 /// A relation between two known operations, by their positions.
-pub(super) struct Link {
+pub(super) struct Edge {
     pub(super) relation: usize,
     pub(super) from: usize,
     pub(super) to: usize,
@@ -20,11 +20,11 @@ pub(super) struct Link {
     pub(super) maximum_gap: Option<(i64, usize)>,
 }
 
-/// The operations of a network with the links between them.
+/// The operations of a network with the edges between them.
 pub(super) struct Graph<'n> {
     pub(super) network: &'n OperationNetwork,
-    pub(super) links: Vec<Link>,
-    /// The links into and out of each operation.
+    pub(super) edges: Vec<Edge>,
+    /// The edges into and out of each operation.
     pub(super) incoming: Vec<Vec<usize>>,
     pub(super) outgoing: Vec<Vec<usize>>,
     /// Dependency order; operations on a cycle are left out.
@@ -74,7 +74,7 @@ impl<'n> Graph<'n> {
             .collect();
         let mut graph = Self {
             network,
-            links: Vec::new(),
+            edges: Vec::new(),
             incoming: vec![Vec::new(); count],
             outgoing: vec![Vec::new(); count],
             order: Vec::with_capacity(count),
@@ -88,8 +88,8 @@ impl<'n> Graph<'n> {
             if let (Some(&from), Some(&to)) = ends
                 && from != to
             {
-                graph.incoming[to].push(graph.links.len());
-                graph.outgoing[from].push(graph.links.len());
+                graph.incoming[to].push(graph.edges.len());
+                graph.outgoing[from].push(graph.edges.len());
                 let minimum_gap = gaps(relation, ConditionKind::MinimumGap)
                     .map(|(_, gap)| gap)
                     .max()
@@ -97,7 +97,7 @@ impl<'n> Graph<'n> {
                 let maximum_gap = gaps(relation, ConditionKind::MaximumGap)
                     .map(|(condition, gap)| (gap, condition))
                     .min();
-                graph.links.push(Link { relation: index, from, to, minimum_gap, maximum_gap });
+                graph.edges.push(Edge { relation: index, from, to, minimum_gap, maximum_gap });
             }
         }
         for (index, operation) in network.operation_list.iter().enumerate() {
@@ -114,8 +114,8 @@ impl<'n> Graph<'n> {
         let mut ready: Vec<usize> = (0..open.len()).rev().filter(|at| open[*at] == 0).collect();
         while let Some(at) = ready.pop() {
             self.order.push(at);
-            for &link in &self.outgoing[at] {
-                let to = self.links[link].to;
+            for &edge in &self.outgoing[at] {
+                let to = self.edges[edge].to;
                 open[to] -= 1;
                 if open[to] == 0 {
                     ready.push(to);
@@ -128,7 +128,7 @@ impl<'n> Graph<'n> {
         &self.network.operation_list[at]
     }
 
-    pub(super) fn relation(&self, link: &Link) -> &'n OperationRelation {
-        &self.network.operation_relation_list[link.relation]
+    pub(super) fn relation(&self, edge: &Edge) -> &'n OperationRelation {
+        &self.network.operation_relation_list[edge.relation]
     }
 }

@@ -41,16 +41,16 @@ impl Latest {
     fn bounds(&self, graph: &Graph<'_>, at: usize, end: Time) -> (Time, Time) {
         let (mut start, mut finish): (Time, Time) = (None, end);
         for &index in &graph.outgoing[at] {
-            let link = &graph.links[index];
-            let (by_finish, bounds_start) = ends(graph.relation(link).relation_type);
-            let bound = if bounds_start { self.start[link.to] } else { self.finish[link.to] };
+            let edge = &graph.edges[index];
+            let (by_finish, bounds_start) = ends(graph.relation(edge).relation_type);
+            let bound = if bounds_start { self.start[edge.to] } else { self.finish[edge.to] };
             if let Some(bound) = bound {
-                let bound = bound.saturating_sub(link.minimum_gap);
+                let bound = bound.saturating_sub(edge.minimum_gap);
                 lower(if by_finish { &mut finish } else { &mut start }, bound);
             }
         }
         for &index in &graph.incoming[at] {
-            for condition in &graph.relation(&graph.links[index]).condition_list {
+            for condition in &graph.relation(&graph.edges[index]).condition_list {
                 match (condition.condition_kind, condition.time) {
                     (ConditionKind::StartNoLaterThan, Some(time)) => {
                         lower(&mut start, time.ticks());

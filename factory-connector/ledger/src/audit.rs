@@ -13,13 +13,12 @@ mod tests;
 use asi_model::DateTime;
 pub use file::{AuditEntry, AuditStart};
 pub use line::CheckedLine;
-use line::Values;
 use serde::Serialize;
 use transparency_log::{
     Checkpoint, CheckpointError, LeafRange, NoteError, SignedNote, VerifierKey,
 };
 
-use super::{LedgerFault, LogStart, history::ReportHistory};
+use super::{LedgerFault, LogStart, history::ReportHistory, values::CheckedValues};
 
 /// Most faults that are listed; further ones are only counted.
 const FAULTS_MAX: usize = 100;
@@ -177,9 +176,9 @@ impl Auditor {
             self.compare_root();
         }
         match values {
-            Values::None => {}
-            Values::Compared => self.outcome.values_compared += 1,
-            Values::Emptied => self.outcome.values_emptied += 1,
+            CheckedValues::None => {}
+            CheckedValues::Compared => self.outcome.values_compared += 1,
+            CheckedValues::Emptied => self.outcome.values_emptied += 1,
         }
         for fault in faults {
             self.fault(fault);

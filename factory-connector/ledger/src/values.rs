@@ -19,6 +19,17 @@ pub const SALT_BYTES: usize = 16;
 #[error("the report is not a JSON object with members that can be hashed")]
 pub struct ValuesError(#[from] serde_json::Error);
 
+/// Result of the check of an entry's values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum CheckedValues {
+    /// The entry has no values.
+    None,
+    /// The values are stored and were compared with the root.
+    Compared,
+    /// Retention has emptied them.
+    Emptied,
+}
+
 /// Computes the root over the salted hashes of all members of a DataSetMessage (its JSON text), with
 /// each payload member separately.
 ///

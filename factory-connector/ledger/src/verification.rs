@@ -23,13 +23,12 @@ use log::LogCheck;
 pub use log::StoredLog;
 use recipients::AwaitedRecipients;
 pub use result::{LedgerFault, Verification};
-use row::Values;
 pub use row::{CheckedEntry, ReportDigest, StoredEntry, StoredReport};
 pub use stored::{StoredConsent, StoredHead, StoredSeal, StoredStatement, Surroundings};
 
 use disclosure::DecisionBasis;
 
-use super::{Event, Hash, Head, head::is_signed_head, key::is_signed};
+use super::{Event, Hash, Head, head::is_signed_head, key::is_signed, values::CheckedValues};
 
 /// Most faults that are listed; further ones are only counted.
 const FAULTS_MAX: usize = 100;
@@ -123,9 +122,9 @@ impl Verifier {
         let CheckedEntry { number, hash, faults, values, consent, revocation, .. } = entry;
         self.outcome.entries += 1;
         match values {
-            Values::None => {}
-            Values::Compared => self.outcome.values_compared += 1,
-            Values::Emptied => self.outcome.values_emptied += 1,
+            CheckedValues::None => {}
+            CheckedValues::Compared => self.outcome.values_compared += 1,
+            CheckedValues::Emptied => self.outcome.values_emptied += 1,
         }
         for fault in faults {
             self.fault(recipient, number, fault);

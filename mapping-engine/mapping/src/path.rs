@@ -14,12 +14,12 @@ pub(crate) const PATH_BYTES_MAX: usize = 1024;
 
 /// One step of a path.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Part {
+pub(crate) enum PathElement {
     Field(Arc<str>),
     Index(usize),
 }
 
-impl fmt::Display for Part {
+impl fmt::Display for PathElement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Field(name) => f.write_str(name),
@@ -32,7 +32,7 @@ impl fmt::Display for Part {
 ///
 /// # Errors
 /// A sentence saying what is wrong.
-pub(crate) fn parse(text: &str) -> Result<Box<[Part]>, String> {
+pub(crate) fn parse(text: &str) -> Result<Box<[PathElement]>, String> {
     if text.is_empty() || text.len() > PATH_BYTES_MAX {
         return Err(format!("a path has 1 to {PATH_BYTES_MAX} bytes"));
     }
@@ -40,7 +40,7 @@ pub(crate) fn parse(text: &str) -> Result<Box<[Part]>, String> {
     for (index, section) in text.split('.').enumerate() {
         let (name, brackets) = section.split_at(section.find('[').unwrap_or(section.len()));
         if !name.is_empty() {
-            parts.push(Part::Field(name.into()));
+            parts.push(PathElement::Field(name.into()));
         } else if index > 0 || brackets.is_empty() {
             return Err("a field name is empty".to_owned());
         }
@@ -48,7 +48,7 @@ pub(crate) fn parse(text: &str) -> Result<Box<[Part]>, String> {
         while !rest.is_empty() {
             let inside = rest.strip_prefix('[').and_then(|r| r.split_once(']'));
             let (digits, after) = inside.ok_or("an index looks like [2]")?;
-            parts.push(Part::Index(
+            parts.push(PathElement::Index(
                 digits.parse().map_err(|_| "an index is a number from 0, as [2]")?,
             ));
             rest = after;
@@ -61,7 +61,7 @@ pub(crate) fn parse(text: &str) -> Result<Box<[Part]>, String> {
 ///
 /// # Errors
 /// A [`Fault`] naming the part that does not exist.
-pub(crate) fn select(value: &Variant, path: &[Part]) -> Result<Variant, Fault> {
+pub(crate) fn select(value: &Variant, path: &[PathElement]) -> Result<Variant, Fault> {
     let mut current = value.clone();
     for part in path {
         current = part
@@ -71,7 +71,7 @@ pub(crate) fn select(value: &Variant, path: &[Part]) -> Result<Variant, Fault> {
     Ok(current)
 }
 
-impl Part {
+impl PathElement {
     fn of(&self, value: &Variant) -> Option<Variant> {
         match (self, value) {
             (Self::Index(index), Variant::Array(array)) => match array.elements.get(*index)? {

@@ -22,12 +22,12 @@ const SHARED_MEMORIES: u64 = 8;
 pub struct Deno {
     limits: ScriptLimits,
     timer: Timer,
-    scripts: HashMap<ScriptId, LoadedScript<Script>>,
+    scripts: HashMap<ScriptId, LoadedScript<RunningScript>>,
     isolate: v8::OwnedIsolate,
 }
 
 /// A script in its context.
-struct Script {
+struct RunningScript {
     file: String,
     context: v8::Global<v8::Context>,
     function: v8::Global<v8::Function>,
@@ -65,8 +65,8 @@ impl Deno {
         (result, fault)
     }
 
-    fn start(&mut self, load: &Load) -> Result<Script, ScriptFault> {
-        let (started, ended) = self.watched(|isolate| Script::start(isolate, load));
+    fn start(&mut self, load: &Load) -> Result<RunningScript, ScriptFault> {
+        let (started, ended) = self.watched(|isolate| RunningScript::start(isolate, load));
         match ended {
             Some(fault) => Err(fault),
             None => started,
@@ -123,7 +123,7 @@ impl ScriptEngine for Deno {
 }
 
 impl Deno {
-    fn call_loaded(&mut self, loaded: &mut LoadedScript<Script>, call: &Call) -> Called {
+    fn call_loaded(&mut self, loaded: &mut LoadedScript<RunningScript>, call: &Call) -> Called {
         let (script, state) = match loaded.running(|load| self.start(load)) {
             Ok(running) => running,
             Err(fault) => return (Err(fault), None),
@@ -136,7 +136,7 @@ impl Deno {
     }
 }
 
-impl Script {
+impl RunningScript {
     fn start(isolate: &mut v8::OwnedIsolate, load: &Load) -> Result<Self, ScriptFault> {
         let file = file_name(&load.name);
         let context = {

@@ -7,12 +7,12 @@ use script_protocol::{
     worker::{LoadedScript, ScriptEngine, fault},
 };
 
-use crate::script::Script;
+use crate::script::RunningScript;
 
 /// All scripts of a worker, each in a runtime of its own.
 pub struct QuickJs {
     limits: ScriptLimits,
-    scripts: HashMap<ScriptId, LoadedScript<Script>>,
+    scripts: HashMap<ScriptId, LoadedScript<RunningScript>>,
 }
 
 impl QuickJs {
@@ -29,7 +29,7 @@ impl ScriptEngine for QuickJs {
 
     fn load(&mut self, load: Load) -> Result<(), ScriptFault> {
         self.scripts.remove(&load.script);
-        let script = Script::start(&load, &self.limits)?;
+        let script = RunningScript::start(&load, &self.limits)?;
         self.scripts.insert(load.script, LoadedScript::new(load, script));
         Ok(())
     }
@@ -43,7 +43,8 @@ impl ScriptEngine for QuickJs {
             return (Err(fault::not_loaded()), None);
         };
         loaded.set_inputs(&call.inputs);
-        let (outcome, state) = match loaded.running(|load| Script::start(load, &self.limits)) {
+        let (outcome, state) = match loaded.running(|load| RunningScript::start(load, &self.limits))
+        {
             Ok((script, state)) => script.call(&call, state),
             Err(fault) => (Err(fault), None),
         };

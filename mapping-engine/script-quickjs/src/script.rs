@@ -18,7 +18,7 @@ use crate::{fault::Failure, guard::Guard, values};
 ///
 /// Fields are dropped in this order: what belongs to the context before it, the context before the
 /// runtime.
-pub struct Script {
+pub struct RunningScript {
     functions: Functions,
     file: String,
     context: Context,
@@ -39,7 +39,7 @@ struct Functions {
 /// Outcome of a call, and `ctx.state` as JSON where it changed.
 type Called = (Result<Yielded, ScriptFault>, Option<Arc<str>>);
 
-impl Script {
+impl RunningScript {
     /// Compiles a script in a new runtime and takes the function that it evaluates to.
     ///
     /// # Errors

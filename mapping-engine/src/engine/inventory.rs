@@ -18,7 +18,7 @@ pub(super) struct RunningMapping {
     /// Consumer's key of its field.
     pub target: TargetKey,
     pub inputs: SmallVec<[InputKey; 2]>,
-    pub scripts: Box<[Script]>,
+    pub scripts: Box<[ScriptStep]>,
     /// A shadow mapping runs, and nothing of it leaves the engine.
     pub is_shadow: bool,
     /// Time of its next timer, by the local clock.
@@ -34,9 +34,9 @@ pub(super) struct RunningMapping {
     pub state_carried_in: u64,
 }
 
-/// A script of a mapping.
+/// A script as a step of a mapping.
 #[derive(Debug)]
-pub(super) struct Script {
+pub(super) struct ScriptStep {
     pub id: ScriptId,
     pub step: usize,
     /// Index of the worker that runs it.
@@ -51,7 +51,7 @@ impl RunningMapping {
         transform: Transform,
         target: TargetKey,
         inputs: SmallVec<[InputKey; 2]>,
-        scripts: Box<[Script]>,
+        scripts: Box<[ScriptStep]>,
         is_shadow: bool,
     ) -> Self {
         Self {

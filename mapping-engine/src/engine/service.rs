@@ -24,7 +24,7 @@ use crate::{
     inputs::Inputs,
     script::{
         config::ScriptConfig,
-        worker_queue::{Report, WorkerQueue},
+        worker_queue::{Completion, WorkerQueue},
     },
 };
 
@@ -76,7 +76,7 @@ impl MappingEngine {
         let workers_stop = CancellationToken::new();
         let mut tasks = JoinSet::new();
         let script = Arc::new(config.script.clone());
-        let (queues, mut reports) = start_workers(&script, &mut tasks, &workers_stop);
+        let (queues, mut completions) = start_workers(&script, &mut tasks, &workers_stop);
         tasks.spawn(dry_runner::serve(script, dry_runs, workers_stop.clone()));
         let mut core = Core::new(config, inputs, queues);
         let (mut has_changes, mut has_handles) = (true, true);
@@ -94,7 +94,7 @@ impl MappingEngine {
                     Some(batch) => core.changed(batch, now()),
                     None => has_changes = false,
                 },
-                Some(report) = reports.recv() => core.reported(report, now()),
+                Some(completion) = completions.recv() => core.completed(completion, now()),
                 permit = candidates.reserve(), if core.has_candidates() => match permit {
                     Ok(permit) => permit.send(core.candidates()),
                     Err(_) => break,
@@ -123,17 +123,17 @@ fn start_workers(
     config: &Arc<ScriptConfig>,
     tasks: &mut JoinSet<()>,
     stop: &CancellationToken,
-) -> (Vec<WorkerQueue>, mpsc::Receiver<Report>) {
+) -> (Vec<WorkerQueue>, mpsc::Receiver<Completion>) {
     let workers = config.workers.clamp(1, WORKERS_MAX);
-    let (report, reports) = mpsc::channel(workers);
+    let (completion, completions) = mpsc::channel(workers);
     let mut queues = Vec::with_capacity(workers);
     for index in 0..workers {
         let (queue, serving) =
-            WorkerQueue::new(index, Arc::clone(config), report.clone(), stop.clone());
+            WorkerQueue::new(index, Arc::clone(config), completion.clone(), stop.clone());
         queues.push(queue);
         tasks.spawn(serving);
     }
-    (queues, reports)
+    (queues, completions)
 }
 
 async fn join_all(mut tasks: JoinSet<()>) {

@@ -1,6 +1,6 @@
 //! Queue of one worker: fair among scripts, bounded, and sent in one batch at a time.
 //!
-//! The worker gets its next job when it has reported the last one, so the two sides never wait for
+//! The worker gets its next job when it has completed the last one, so the two sides never wait for
 //! each other. Calls collect while a batch is under way: batches grow with the load, and an idle
 //! worker answers at once.
 
@@ -36,9 +36,9 @@ pub(crate) enum Job {
     Batch(Vec<Call>),
 }
 
-/// Report of a worker after a job.
+/// Completion of a job by a worker.
 #[derive(Debug)]
-pub(crate) struct Report {
+pub(crate) struct Completion {
     /// Index of the worker.
     pub worker: usize,
     pub done: Done,
@@ -76,15 +76,15 @@ pub(crate) struct WorkerQueue {
 }
 
 impl WorkerQueue {
-    /// Returns a queue and the future that serves it; `worker` is the index in its reports.
+    /// Returns a queue and the future that serves it; `worker` is the index in its completions.
     pub fn new(
         worker: usize,
         config: Arc<ScriptConfig>,
-        reports: mpsc::Sender<Report>,
+        completions: mpsc::Sender<Completion>,
         shutdown: CancellationToken,
     ) -> (Self, impl Future<Output = ()> + Send) {
         let (jobs, receiver) = mpsc::channel(1);
-        let serving = serve(worker, ScriptWorker::new(config), receiver, reports, shutdown);
+        let serving = serve(worker, ScriptWorker::new(config), receiver, completions, shutdown);
         let queue = Self {
             jobs,
             is_busy: false,
@@ -220,7 +220,7 @@ async fn serve(
     index: usize,
     mut worker: ScriptWorker,
     mut jobs: mpsc::Receiver<Job>,
-    reports: mpsc::Sender<Report>,
+    completions: mpsc::Sender<Completion>,
     shutdown: CancellationToken,
 ) {
     loop {
@@ -246,7 +246,7 @@ async fn serve(
             () = shutdown.cancelled() => break,
             done = working => done,
         };
-        if reports.send(Report { worker: index, done }).await.is_err() {
+        if completions.send(Completion { worker: index, done }).await.is_err() {
             break;
         }
     }
@@ -269,8 +269,9 @@ mod tests {
 
     /// A queue whose worker takes nothing, with so many scripts.
     fn queue(scripts: u32) -> WorkerQueue {
-        let (reports, _) = mpsc::channel(1);
-        let (mut queue, _) = WorkerQueue::new(0, Arc::default(), reports, CancellationToken::new());
+        let (completions, _) = mpsc::channel(1);
+        let (mut queue, _) =
+            WorkerQueue::new(0, Arc::default(), completions, CancellationToken::new());
         queue.is_busy = true;
         queue.scripts = scripts as usize;
         queue

@@ -6,7 +6,7 @@ use tokio::{sync::mpsc, task::JoinSet};
 use tokio_util::sync::CancellationToken;
 use tracing::{debug, warn};
 
-use super::{backoff::Backoff, shared::Shared};
+use super::{backoff::Backoff, context::LinkContext};
 use crate::{
     address::LogicalAddress,
     config::LinkLimits,
@@ -19,7 +19,7 @@ use crate::{
 pub(super) struct Consumers {
     pub connection: Arc<dyn Connection>,
     pub inbox: Arc<dyn Inbox>,
-    pub shared: Arc<Shared>,
+    pub context: Arc<LinkContext>,
     pub profile: BrokerProfile,
     pub limits: LinkLimits,
     /// Reports that the broker does not answer any more; the supervisor drops the connection.
@@ -31,7 +31,7 @@ impl Consumers {
     /// Runs one consumer per configured address until stopped.
     pub(super) async fn run(self) {
         let this = Arc::new(self);
-        let mut consumed = this.shared.consumed.subscribe();
+        let mut consumed = this.context.consumed.subscribe();
         let mut running: HashMap<LogicalAddress, CancellationToken> = HashMap::new();
         let mut tasks = JoinSet::new();
         loop {
@@ -82,7 +82,7 @@ impl Consumers {
             let fault = match opened {
                 Ok(receiver) => {
                     debug!(%address, "Receiving from an address.");
-                    self.shared.clear_obstacle(&activity);
+                    self.context.clear_obstacle(&activity);
                     self.receive(&address, receiver, &stop, &mut backoff).await
                 }
                 Err(fault) => Err(fault),
@@ -96,14 +96,14 @@ impl Consumers {
             let pause = backoff.after_failure(false, rand::random());
             if !stop.is_cancelled() {
                 warn!(%address, reason = %fault, "Messages cannot be received from an address at the moment.");
-                self.shared.report_obstacle(&activity, fault.to_string());
+                self.context.report_obstacle(&activity, fault.to_string());
             }
             tokio::select! {
                 () = stop.cancelled() => {}
                 () = tokio::time::sleep(pause) => {}
             }
         }
-        self.shared.clear_obstacle(&activity);
+        self.context.clear_obstacle(&activity);
     }
 
     /// Receives until stopped (`Ok`) or the receiver fails.
@@ -127,7 +127,7 @@ impl Consumers {
             };
             backoff.reset();
             if let Some((_, last)) = batch.last() {
-                self.shared.received(last.received_at);
+                self.context.received(last.received_at);
             }
             if self.store(address, receiver.as_mut(), batch).await? {
                 // Messages on their way already must not overtake the released ones. Dropping the

@@ -15,7 +15,7 @@ use tokio::{
 use tokio_util::sync::CancellationToken;
 use tracing::{debug, error, warn};
 
-use super::{cursor::Cursor, shared::Shared};
+use super::{context::LinkContext, cursor::Cursor};
 use crate::{
     address::LogicalAddress,
     clock,
@@ -49,7 +49,7 @@ const STOP_GRACE: Duration = Duration::from_secs(2);
 /// The sending side of one connection.
 pub(super) struct Sender {
     store: Arc<dyn SpoolStore>,
-    shared: Arc<Shared>,
+    context: Arc<LinkContext>,
     limits: LinkLimits,
     /// Reports that the broker does not answer any more; the supervisor drops the connection.
     stalls: mpsc::Sender<String>,
@@ -70,16 +70,17 @@ impl Sender {
     pub(super) fn new(
         connection: Arc<dyn Connection>,
         store: Arc<dyn SpoolStore>,
-        shared: Arc<Shared>,
+        context: Arc<LinkContext>,
         profile: BrokerProfile,
         limits: LinkLimits,
         stalls: mpsc::Sender<String>,
     ) -> Self {
         let (addresses, events) = Addresses::new(connection, Arc::clone(&store), profile, &limits);
-        let (recorder, outcomes, recorded) = Recorder::new(Arc::clone(&store), Arc::clone(&shared));
+        let (recorder, outcomes, recorded) =
+            Recorder::new(Arc::clone(&store), Arc::clone(&context));
         Self {
             store,
-            shared,
+            context,
             limits,
             stalls,
             cursor: Cursor::new(RowId(0), limits.replay_share),
@@ -117,13 +118,13 @@ impl Sender {
                     self.is_backlog_stale = true;
                     ids.into_iter().for_each(|id| self.cursor.close(id));
                 }
-                () = self.shared.wake.notified() => {
+                () = self.context.wake.notified() => {
                     self.is_backlog_stale = true;
                     self.cursor.on_wake();
                 }
-                () = self.shared.rewind.notified() => self.cursor.on_rewind(),
-                () = self.shared.has_volatile.notified() => self.send_volatile(),
-                () = self.shared.restart.notified() => {
+                () = self.context.rewind.notified() => self.cursor.on_rewind(),
+                () = self.context.has_volatile.notified() => self.send_volatile(),
+                () = self.context.restart.notified() => {
                     self.is_backlog_stale = true;
                     if !self.begin(&stop).await {
                         break;
@@ -154,9 +155,9 @@ impl Sender {
     /// Sends volatile messages ahead of the spool. Those to an address that backs off wait for the
     /// end of the back-off.
     fn send_volatile(&mut self) {
-        for (address, envelope) in self.shared.take_volatile() {
+        for (address, envelope) in self.context.take_volatile() {
             if self.addresses.is_backing_off(&address) {
-                self.shared.put_back_volatile(address, envelope);
+                self.context.put_back_volatile(address, envelope);
                 continue;
             }
             self.last_volatile.0 -= 1;
@@ -183,7 +184,7 @@ impl Sender {
 
     fn on_store_failed(&mut self, problem: &SpoolError) {
         error!(error = %problem, "The spool cannot be read.");
-        self.shared.report_obstacle("the spool", problem.to_string());
+        self.context.report_obstacle("the spool", problem.to_string());
         let retry = Instant::now() + STORE_RETRY;
         self.paused_until = Some(retry);
         self.retries.push(retry);
@@ -202,7 +203,7 @@ impl Sender {
                 match self.store.fetch(fetch).await {
                     Ok(rows) => {
                         if self.paused_until.take().is_some() {
-                            self.shared.clear_obstacle("the spool");
+                            self.context.clear_obstacle("the spool");
                         }
                         self.cursor.on_fetched(target, rows);
                     }
@@ -253,7 +254,7 @@ impl Sender {
                 count_sent("accepted");
                 let at = clock::now();
                 self.record(id, SendOutcome::Accepted);
-                self.shared.accepted(at);
+                self.context.accepted(at);
                 self.on_address_works(&address);
             }
             BrokerOutcome::Released => {
@@ -311,7 +312,7 @@ impl Sender {
 
     fn on_address_works(&mut self, address: &LogicalAddress) {
         let Some(recovery) = self.addresses.on_accepted(address) else { return };
-        self.shared.clear_obstacle(&format!("sending to {address}"));
+        self.context.clear_obstacle(&format!("sending to {address}"));
         if recovery.needs_rewind {
             self.cursor.on_rewind();
         }
@@ -337,7 +338,7 @@ impl Sender {
         self.retries.push(now + pause);
         let pause_ms = pause.as_millis();
         warn!(%address, reason, pause_ms, "Sending to an address fails and is paused.");
-        self.shared.report_obstacle(&format!("sending to {address}"), reason);
+        self.context.report_obstacle(&format!("sending to {address}"), reason);
     }
 
     /// Ends back-offs and pauses that are over, and reads again what was skipped meanwhile.
@@ -353,7 +354,7 @@ impl Sender {
             return;
         }
         match self.store.backlog().await {
-            Ok(backlog) => self.shared.set_backlog(backlog),
+            Ok(backlog) => self.context.set_backlog(backlog),
             Err(problem) => debug!(error = %problem, "The backlog cannot be counted."),
         }
     }

@@ -6,7 +6,7 @@ use tokio_util::sync::CancellationToken;
 use tracing::{info, warn};
 
 use super::{
-    backoff::Backoff, consumers::Consumers, sender::Sender, shared::Shared, state::LinkPhase,
+    backoff::Backoff, consumers::Consumers, context::LinkContext, sender::Sender, state::LinkPhase,
 };
 use crate::{
     clock,
@@ -25,7 +25,7 @@ pub(super) struct Supervisor {
     pub transport: Box<dyn Transport>,
     pub store: Arc<dyn SpoolStore>,
     pub inbox: Arc<dyn Inbox>,
-    pub shared: Arc<Shared>,
+    pub context: Arc<LinkContext>,
 }
 
 impl Supervisor {
@@ -39,8 +39,8 @@ impl Supervisor {
             attempts += 1;
             let name = broker.to_string();
             // Not within the call: the borrow would lock the state against the change.
-            let reason = self.shared.state.borrow().reason.clone();
-            self.shared.enter(LinkPhase::Connecting, &name, reason);
+            let reason = self.context.state.borrow().reason.clone();
+            self.context.enter(LinkPhase::Connecting, &name, reason);
             let connecting = tokio::select! {
                 () = shutdown.cancelled() => break,
                 connected = self.transport.connect(broker) => connected,
@@ -51,10 +51,10 @@ impl Supervisor {
                     // Before the sender starts: it must not send on what held for the connection
                     // before.
                     self.store.connected();
-                    self.shared.enter(LinkPhase::Up, &name, None);
+                    self.context.enter(LinkPhase::Up, &name, None);
                     let up_since = tokio::time::Instant::now();
                     let fault = self.serve(Arc::from(connection), &shutdown).await;
-                    if self.shared.has_data_flowed() || up_since.elapsed() > limits.backoff_max {
+                    if self.context.has_data_flowed() || up_since.elapsed() > limits.backoff_max {
                         backoff.reset();
                         // The same broker first: it worked.
                         attempts -= 1;
@@ -68,8 +68,8 @@ impl Supervisor {
             }
             self.pause(&name, fault, &mut backoff, &shutdown).await;
         }
-        let broker = self.shared.state.borrow().broker.clone();
-        self.shared.enter(LinkPhase::Stopped, &broker, None);
+        let broker = self.context.state.borrow().broker.clone();
+        self.context.enter(LinkPhase::Stopped, &broker, None);
     }
 
     async fn pause(
@@ -79,7 +79,7 @@ impl Supervisor {
         backoff: &mut Backoff,
         shutdown: &CancellationToken,
     ) {
-        let (fault, pause) = match self.shared.take_backoff() {
+        let (fault, pause) = match self.context.take_backoff() {
             Some((reason, pause)) => (ConnectionFault::permanent(reason), pause),
             None => {
                 let pause = backoff.after_failure(fault.is_permanent, rand::random());
@@ -98,14 +98,14 @@ impl Supervisor {
             .increment(1);
         let phase =
             LinkPhase::Down { retry_at: clock::now() + pause, is_permanent: fault.is_permanent };
-        self.shared.enter(phase, broker, Some(fault.reason));
+        self.context.enter(phase, broker, Some(fault.reason));
         // For pages alone: the link goes on without the number.
         if let Ok(backlog) = self.store.backlog().await {
-            self.shared.set_backlog(backlog);
+            self.context.set_backlog(backlog);
         }
         tokio::select! {
             () = shutdown.cancelled() => {}
-            () = self.shared.reconnect.notified() => {}
+            () = self.context.reconnect.notified() => {}
             () = tokio::time::sleep(pause) => {}
         }
     }
@@ -121,7 +121,7 @@ impl Supervisor {
         let consumers = Consumers {
             connection: Arc::clone(&connection),
             inbox: Arc::clone(&self.inbox),
-            shared: Arc::clone(&self.shared),
+            context: Arc::clone(&self.context),
             profile: self.config.profile.clone(),
             limits: self.config.limits,
             stalls: stalls.clone(),
@@ -130,7 +130,7 @@ impl Supervisor {
         let sender = Sender::new(
             Arc::clone(&connection),
             Arc::clone(&self.store),
-            Arc::clone(&self.shared),
+            Arc::clone(&self.context),
             self.config.profile.clone(),
             self.config.limits,
             stalls,
@@ -141,7 +141,7 @@ impl Supervisor {
             fault = connection.lost() => fault,
             Some(reason) = stalled.recv() => ConnectionFault::transient(reason),
             () = shutdown.cancelled() => ConnectionFault::transient("shut down"),
-            () = self.shared.backoff_requested() => ConnectionFault::transient("a pause was requested"),
+            () = self.context.backoff_requested() => ConnectionFault::transient("a pause was requested"),
             // Both tasks run until they are stopped, so one that ends before has panicked.
             _ = &mut consuming => ConnectionFault::transient("receiving failed unexpectedly"),
             _ = &mut sending => ConnectionFault::transient("sending failed unexpectedly"),

@@ -19,13 +19,13 @@ use crate::{
     listener::{self, BoundListener},
     queue::{Queue, QueueEntry},
     status::{ConnectionStatus, QueueStatus},
-    store::{self, StoreCommand, Writer},
+    store::{self, StoreCommand, StoreWriter},
 };
 
 /// An opened broker, to be driven by [`run`](Self::run).
 pub struct Broker {
     core: Arc<Core>,
-    writer: Writer,
+    writer: StoreWriter,
     listeners: Vec<BoundListener>,
 }
 
@@ -69,7 +69,7 @@ impl Broker {
         let dead_letters = queues.get(&QueueName::dead_letters()).cloned();
         let dead_letters = dead_letters.ok_or_else(|| open(sqlx::Error::RowNotFound))?;
         let (writer, writer_handle) =
-            Writer::new(connection, store::options(&path), Arc::clone(&dead_letters));
+            StoreWriter::new(connection, store::options(&path), Arc::clone(&dead_letters));
         let core = Core::new(
             config,
             credentials,

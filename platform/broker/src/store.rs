@@ -19,7 +19,7 @@ use sqlx::{
 pub(crate) use command::{DeadLettering, NewMessage, StoreCommand, WriteFailed, WriterHandle};
 pub(crate) use dead_letters::{dead_letter_body, dead_letters};
 pub(crate) use reader::{bodies, load};
-pub(crate) use writer::Writer;
+pub(crate) use writer::StoreWriter;
 
 /// Schema version 1. Message ids are given by the broker and grow; they are the order of a queue.
 const SCHEMA: &str = "

@@ -11,6 +11,7 @@ use crate::{
     Event, Hash, LedgerEntry, SequenceRange,
     header::EntryHeader,
     history::{Delivery, ReportEvent},
+    values::CheckedValues,
     values_root,
 };
 
@@ -31,15 +32,6 @@ struct Line<'t> {
     delivered_at: Option<DateTime>,
 }
 
-/// Result for the values of a line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Values {
-    /// The entry has no values.
-    None,
-    Compared,
-    Emptied,
-}
-
 /// A line that was checked for itself, to be taken in its order.
 pub struct CheckedLine {
     /// Hash of the entry in its log; none where the line cannot be read.
@@ -49,7 +41,7 @@ pub struct CheckedLine {
     /// In microseconds since 1970.
     pub(super) recorded_at: i64,
     pub(super) faults: Vec<&'static str>,
-    pub(super) values: Values,
+    pub(super) values: CheckedValues,
     pub(super) event: ReportEvent,
 }
 
@@ -61,7 +53,7 @@ impl CheckedLine {
             number: None,
             recorded_at: 0,
             faults: Vec::new(),
-            values: Values::None,
+            values: CheckedValues::None,
             event: ReportEvent::Other,
         };
         let Ok(line) = serde_json::from_str::<Line<'_>>(text) else {
@@ -116,14 +108,14 @@ impl CheckedLine {
     fn compare_values(&mut self, range: SequenceRange, values: Option<&str>, line: &Line<'_>) {
         match (line.report, &line.salt) {
             (Some(report), Some(salt)) => {
-                self.values = Values::Compared;
+                self.values = CheckedValues::Compared;
                 let root = hex::decode(salt.as_bytes()).ok();
                 let root = root.and_then(|salt| values_root(report.get(), &salt).ok());
                 if root.is_none() || root.map(hex::encode).as_deref() != values {
                     self.faults.push("the values are not those that were reported");
                 }
             }
-            (None, None) => self.values = Values::Emptied,
+            (None, None) => self.values = CheckedValues::Emptied,
             _ => self.faults.push("the values were removed in part"),
         }
         let micros = |at: Option<DateTime>| at.map(DateTime::unix_micros);
@@ -134,7 +126,7 @@ impl CheckedLine {
                 message_id: line.message_id.as_deref().map(Box::from),
                 receipted_at: micros(line.delivered_at),
             },
-            is_emptied: self.values == Values::Emptied,
+            is_emptied: self.values == CheckedValues::Emptied,
         };
     }
 }

@@ -10,6 +10,7 @@ use super::super::{
     Event, Hash, LedgerEntry, chain_hash,
     header::EntryHeader,
     history::{Delivery, ReportEvent},
+    values::CheckedValues,
     values_root,
 };
 
@@ -100,17 +101,6 @@ impl StoredReport {
     }
 }
 
-/// Result for the values of an entry.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Values {
-    /// The entry has no values.
-    None,
-    /// The values are stored and were compared with the root.
-    Compared,
-    /// Retention has emptied them.
-    Emptied,
-}
-
 /// An entry that was checked separately.
 pub struct CheckedEntry {
     pub(super) number: u64,
@@ -119,7 +109,7 @@ pub struct CheckedEntry {
     /// Hash of the entry in its log.
     pub(super) leaf: Hash,
     pub(super) faults: Vec<&'static str>,
-    pub(super) values: Values,
+    pub(super) values: CheckedValues,
     /// A consent with its time of recording.
     pub(super) consent: Option<(Event, i64)>,
     pub(super) revocation: Option<String>,
@@ -151,7 +141,7 @@ impl StoredEntry {
             hash: self.stored_hash(),
             leaf: leaf_hash(&self.content),
             faults: Vec::new(),
-            values: Values::None,
+            values: CheckedValues::None,
             consent: None,
             revocation: None,
             recorded_at: self.recorded_at,
@@ -240,12 +230,12 @@ impl StoredEntry {
         };
         match &report.values {
             Stored::Root(root) => {
-                checked.values = Values::Compared;
+                checked.values = CheckedValues::Compared;
                 if root.is_none() || root.as_deref() != header.values() {
                     checked.faults.push("the values are not those that were reported");
                 }
             }
-            Stored::Emptied => checked.values = Values::Emptied,
+            Stored::Emptied => checked.values = CheckedValues::Emptied,
             Stored::InPart => checked.faults.push("the values were removed in part"),
         }
     }

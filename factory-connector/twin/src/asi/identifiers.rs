@@ -16,7 +16,7 @@ const OPERATION_NETWORK: &str = "OperationNetwork";
 const REPORT_DATA_FORMAT: &str = "ReportDataFormat";
 
 /// A parsed identifier: the network's id, the path below it, and the names after `#`.
-pub(super) struct Identifier<'a> {
+pub(super) struct InstanceIdentifier<'a> {
     pub network: Cow<'a, str>,
     path: Vec<Cow<'a, str>>,
     parts: Vec<&'a str>,
@@ -27,7 +27,7 @@ const PARTS_MAX: usize = 3;
 /// Most segments of a path.
 const SEGMENTS_MAX: usize = 6;
 
-impl<'a> Identifier<'a> {
+impl<'a> InstanceIdentifier<'a> {
     /// Parses an identifier; none when it is too long or an id is not in its canonical encoding.
     pub fn parse(text: &'a str) -> Option<Self> {
         let mut pieces = text.split('#');

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use asi_model::instance::FOLDER_ID;
-use opcua_stack::opcua::types::{Identifier as StackIdentifier, NodeId};
+use opcua_stack::opcua::types::{Identifier, NodeId};
 use parking_lot::RwLock;
 
 use super::{
-    identifiers::Identifier,
+    identifiers::InstanceIdentifier,
     interface::Interface,
     interfaces::Interfaces,
     model::{FOLDER_PARTS, Part},
@@ -37,7 +37,7 @@ pub(super) fn locate(
     interfaces: &RwLock<Interfaces>,
     node_id: &NodeId,
 ) -> Option<Located> {
-    let StackIdentifier::String(identifier) = &node_id.identifier else { return None };
+    let Identifier::String(identifier) = &node_id.identifier else { return None };
     let identifier = identifier.as_ref();
     if node_id.namespace != ids.instances {
         return None;
@@ -50,7 +50,7 @@ pub(super) fn locate(
         };
         return Some(Located::Folder(part));
     }
-    let parsed = Identifier::parse(identifier)?;
+    let parsed = InstanceIdentifier::parse(identifier)?;
     let interface = interfaces.read().get(&parsed.network)?;
     let (address, names) = parsed.locate(&interface)?;
     let (part, below) = match names {

@@ -6,7 +6,9 @@ use super::{
     counting,
     flow::{Applied, Flow},
     operand::{array_of, integer, number},
-    plan::{Band, BitWords, Expression, Function, ScaleBy, Texts, ThresholdRule, UnitFactor},
+    plan::{
+        Band, BitWords, CompiledExpression, Function, ScaleBy, Texts, ThresholdRule, UnitFactor,
+    },
     slots::Slot,
     windows,
 };
@@ -266,7 +268,7 @@ impl BitWords {
     }
 }
 
-impl Expression {
+impl CompiledExpression {
     fn apply(&self, flow: Flow, slots: &[Slot]) -> Applied {
         let mut meta = if self.uses_value { flow.meta } else { Meta::default() };
         for meta_of_input in self.inputs.iter().filter_map(|index| slots.get(*index)?.meta()) {

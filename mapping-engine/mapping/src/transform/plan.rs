@@ -13,7 +13,7 @@ use crate::{
     expression::Expr,
     fault::Fault,
     number::Number,
-    path::Part,
+    path::PathElement,
     state::{StepState, WindowState},
     text::{Pattern, Source, Template},
 };
@@ -47,7 +47,7 @@ pub(crate) struct PlannedInput {
 
 #[derive(Debug)]
 pub(crate) enum Function {
-    Select(Box<[Part]>),
+    Select(Box<[PathElement]>),
     Constant(Box<Variant>),
     Convert(BuiltInType, Rounding, Overflow),
     Scale(Box<ScaleBy>),
@@ -67,7 +67,7 @@ pub(crate) enum Function {
     BitTexts(Box<BitWords>),
     Format(Box<Template>),
     Parse(Box<Pattern>),
-    Expression(Box<Expression>),
+    Expression(Box<CompiledExpression>),
     Merge(Box<MergeOf>),
     Script,
 }
@@ -137,7 +137,7 @@ pub(crate) struct BitWords {
 }
 
 #[derive(Debug)]
-pub(crate) struct Expression {
+pub(crate) struct CompiledExpression {
     pub expression: Expr,
     pub inputs: Box<[usize]>,
     pub uses_value: bool,

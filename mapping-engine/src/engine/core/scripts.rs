@@ -8,14 +8,14 @@ use mapping::{
 use script_protocol::{Call, CallValue, Load, ScriptId};
 
 use super::{
-    super::{error::EngineError, inventory::Script},
+    super::{error::EngineError, inventory::ScriptStep},
     Core,
 };
 use crate::script::{
     ScriptOutcome,
     breaker::Admission,
     values,
-    worker_queue::{Done, Report, Waiting, WorkerQueue},
+    worker_queue::{Completion, Done, Waiting, WorkerQueue},
 };
 
 impl Core {
@@ -25,7 +25,7 @@ impl Core {
         mapping: &Mapping,
         transform: &Transform,
         slot: usize,
-    ) -> Result<Box<[Script]>, EngineError> {
+    ) -> Result<Box<[ScriptStep]>, EngineError> {
         let steps: Vec<usize> = transform.plan().script_steps().collect();
         let Some((worker, _)) =
             self.queues.iter().enumerate().min_by_key(|(_, queue)| queue.scripts)
@@ -54,7 +54,7 @@ impl Core {
                     values: Vec::new(),
                 });
             }
-            scripts.push(Script { id, step, worker, breaker: Default::default() });
+            scripts.push(ScriptStep { id, step, worker, breaker: Default::default() });
         }
         Ok(scripts.into())
     }
@@ -94,9 +94,9 @@ impl Core {
         }
     }
 
-    /// Takes a worker's report, resumes the transforms and gives the worker its next job.
-    pub fn reported(&mut self, report: Report, now: DateTime) {
-        let Report { worker: index, done } = report;
+    /// Takes a worker's completion, resumes the transforms and gives the worker its next job.
+    pub fn completed(&mut self, completion: Completion, now: DateTime) {
+        let Completion { worker: index, done } = completion;
         let Some(queue) = self.queues.get_mut(index) else { return };
         let under_way = queue.done();
         match done {

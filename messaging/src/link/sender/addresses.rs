@@ -9,7 +9,7 @@ use super::address_sender::{AddressSender, SenderContext, SenderEvent};
 use crate::{
     address::LogicalAddress,
     config::LinkLimits,
-    link::shared::VOLATILE_MAX,
+    link::context::VOLATILE_MAX,
     profile::BrokerProfile,
     spool::{RowId, SpoolRow, SpoolStore},
     transport::Connection,

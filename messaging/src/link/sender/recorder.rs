@@ -6,7 +6,7 @@ use tokio::sync::mpsc;
 use tracing::error;
 
 use crate::{
-    link::shared::Shared,
+    link::context::LinkContext,
     spool::{RowId, RowOutcome, SpoolStore},
 };
 
@@ -21,7 +21,7 @@ const RETRY: Duration = Duration::from_millis(500);
 /// window of rows open.
 pub(super) struct Recorder {
     store: Arc<dyn SpoolStore>,
-    shared: Arc<Shared>,
+    context: Arc<LinkContext>,
     outcomes: mpsc::UnboundedReceiver<RowOutcome>,
     recorded: mpsc::UnboundedSender<Vec<RowId>>,
 }
@@ -29,11 +29,11 @@ pub(super) struct Recorder {
 impl Recorder {
     pub(super) fn new(
         store: Arc<dyn SpoolStore>,
-        shared: Arc<Shared>,
+        context: Arc<LinkContext>,
     ) -> (Self, mpsc::UnboundedSender<RowOutcome>, mpsc::UnboundedReceiver<Vec<RowId>>) {
         let (sender, outcomes) = mpsc::unbounded_channel();
         let (recorded, ids) = mpsc::unbounded_channel();
-        (Self { store, shared, outcomes, recorded }, sender, ids)
+        (Self { store, context, outcomes, recorded }, sender, ids)
     }
 
     /// Runs until the sender is dropped and everything is recorded.
@@ -52,13 +52,13 @@ impl Recorder {
             match self.store.record(group.clone()).await {
                 Ok(()) => {
                     if attempt > 1 {
-                        self.shared.clear_obstacle("recording outcomes");
+                        self.context.clear_obstacle("recording outcomes");
                     }
                     return;
                 }
                 Err(problem) => {
                     error!(error = %problem, rows = group.len(), attempt, "Outcomes cannot be recorded.");
-                    self.shared.report_obstacle("recording outcomes", problem.to_string());
+                    self.context.report_obstacle("recording outcomes", problem.to_string());
                 }
             }
             // The link stops: the rows are sent again later, and the receiver recognises them by

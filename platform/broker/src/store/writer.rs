@@ -25,7 +25,7 @@ const GROUP_MAX: usize = 2048;
 const RETRY_AFTER: Duration = Duration::from_secs(1);
 
 /// The writer, to be driven by [`run`](Self::run) on a task of its own.
-pub(crate) struct Writer {
+pub(crate) struct StoreWriter {
     connection: SqliteConnection,
     /// Options to open another connection with.
     options: SqliteConnectOptions,
@@ -35,7 +35,7 @@ pub(crate) struct Writer {
     retained: Vec<StoreCommand>,
 }
 
-impl Writer {
+impl StoreWriter {
     pub(crate) fn new(
         connection: SqliteConnection,
         options: SqliteConnectOptions,

@@ -14,8 +14,8 @@ use crate::{
     text::{Pattern, Template},
     transform::{
         plan::{
-            Band, BitWords, CountRule, CounterRule, Expression, Function, MergeOf, ScaleBy, Span,
-            Texts, ThresholdRule,
+            Band, BitWords, CompiledExpression, CountRule, CounterRule, Function, MergeOf, ScaleBy,
+            Span, Texts, ThresholdRule,
         },
         table::Table,
         windows::SAMPLES_MAX,
@@ -285,7 +285,9 @@ impl Compiler<'_> {
             Ok(expression) => {
                 let names = expression.names();
                 let (inputs, uses_value) = (names.inputs.into(), names.value);
-                Some(Function::Expression(Expression { expression, inputs, uses_value }.into()))
+                Some(Function::Expression(
+                    CompiledExpression { expression, inputs, uses_value }.into(),
+                ))
             }
             Err(error) => {
                 self.syntax(&format!("{pointer}/expression"), error.message, 1, error.column)

@@ -17,7 +17,7 @@ use crate::{address::LogicalAddress, clock, envelope::Envelope, spool::Backlog};
 pub(crate) const VOLATILE_MAX: usize = 4;
 
 /// Signals to the link's tasks, and the state they report.
-pub(crate) struct Shared {
+pub(crate) struct LinkContext {
     pub state: watch::Sender<LinkState>,
     /// Addresses to receive from.
     pub consumed: watch::Sender<Vec<LogicalAddress>>,
@@ -40,7 +40,7 @@ pub(crate) struct Shared {
     has_data_flowed: AtomicBool,
 }
 
-impl Shared {
+impl LinkContext {
     pub(crate) fn new(broker: String, consumed: Vec<LogicalAddress>) -> Self {
         Self {
             state: watch::Sender::new(LinkState::initial(broker, clock::now())),
