@@ -81,6 +81,10 @@ mutants: prerequisites-test web ## breaks one guarantee of delivery after the ot
 mutants-gate: ## breaks one rule of the disclosure gate after the other; its tests have to find each: NAMES="..."
 	tests/mutants/gate.sh $(NAMES)
 
+knowledge: ## 2 000 histories of whole connectors: partners learn nothing below the policies: CASES=2000 SEED=n
+	VERBUND_KNOWLEDGE_CASES=$(or $(CASES),2000) $(if $(SEED),VERBUND_KNOWLEDGE_SEED=$(SEED)) \
+	  $(CARGO) test --locked -p factory-connector --lib coordinator::tests::knowledge -- --nocapture
+
 script-deno: ## the second script engine, into target/script-deno (needs cmake and libsimde-dev; the first time takes minutes)
 	CMAKE_TOOLCHAIN_FILE=$(CURDIR)/mapping-engine/script-deno/simde.cmake $(CARGO) build --locked --quiet \
 	  --manifest-path mapping-engine/script-deno/Cargo.toml --target-dir target/script-deno
@@ -125,4 +129,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: mutants-gate foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test
+.PHONY: knowledge mutants-gate foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test

@@ -26,6 +26,7 @@ tests=(
   "-p connector-state --lib"
   "-p factory-connector --lib coordinator::tests::replacement"
   "-p factory-connector --lib coordinator::tests::message_times"
+  "-p factory-connector --lib coordinator::tests::knowledge"
 )
 survivors=()
 for name in "${names[@]}"; do

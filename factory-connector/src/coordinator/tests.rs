@@ -7,6 +7,7 @@ mod answers;
 mod caps;
 mod crash;
 mod failures;
+mod knowledge;
 mod lease;
 mod ledger;
 mod lookup;

@@ -1,0 +1,100 @@
+//! Knowledge of partners about a plant: random policies, changes of them, other mappings, statuses,
+//! types, recipients, restarts and steps of the clock on one side; on the other side everything that
+//! can be seen from outside: messages with their envelopes, keep-alives, nodes, live events, log,
+//! ledger, receipts and spool.
+//!
+//! Two plants are played at once. They get the same events, but that the values of the second
+//! differ *below* what the policies let through ([`below`]). Both must yield the same bytes
+//! (non-interference). A second model ([`knower`]), which knows candidates and policies only, says
+//! what may be known; each message is compared with it when it leaves.
+//!
+//! `VERBUND_KNOWLEDGE_CASES` sets the number of histories and `VERBUND_KNOWLEDGE_SEED` their seed.
+
+mod acts;
+mod below;
+mod fields;
+mod file;
+mod knower;
+mod link;
+mod plant;
+
+use acts::{Act, acts};
+use knower::Knower;
+use plant::Plant;
+use proptest::{
+    prelude::ProptestConfig,
+    test_runner::{RngAlgorithm, TestRng, TestRunner},
+};
+
+use super::*;
+
+const CASES: u32 = 40;
+const SEED: u64 = 20_261_124;
+
+/// What a run of histories amounted to, so that none proves something about nothing.
+#[derive(Debug, Default)]
+struct Amount {
+    reports: usize,
+    varied: usize,
+    taken_back: usize,
+}
+
+#[test]
+fn partners_learn_what_policies_let_through_and_nothing_below() {
+    let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
+    let seed = number("VERBUND_KNOWLEDGE_SEED").unwrap_or(SEED);
+    let cases = number("VERBUND_KNOWLEDGE_CASES").and_then(|cases| u32::try_from(cases).ok());
+    let mut bytes = [0; 32];
+    bytes[..8].copy_from_slice(&seed.to_be_bytes());
+    let config = ProptestConfig {
+        cases: cases.unwrap_or(CASES),
+        max_shrink_iters: 2_000,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    };
+    let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &bytes);
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    let runtime = runtime.expect("a runtime");
+    let folder = tempfile::tempdir().expect("a folder");
+    let (_twin, handle) = runtime.block_on(async { plant::twin(folder.path()) });
+    let amount = std::cell::RefCell::new(Amount::default());
+    let result = TestRunner::new_with_rng(config, rng).run(&acts(), |acts| {
+        runtime.block_on(play(&handle, &acts, &amount));
+        Ok(())
+    });
+    if let Err(error) = result {
+        panic!("seed {seed}: {error}");
+    }
+    let amount = amount.into_inner();
+    println!("seed {seed}: {amount:?}");
+    assert!(amount.reports > 100 && amount.varied > 500 && amount.taken_back > 5, "{amount:?}");
+}
+
+/// Plays a history at both plants, and compares what can be seen after each act.
+async fn play(twin: &twin::TwinHandle, acts: &[Act], amount: &std::cell::RefCell<Amount>) {
+    let mut plant = Plant::open(twin.clone()).await;
+    let mut other = Plant::open(twin.clone()).await;
+    let (mut knower, mut of_other) = (Knower::default(), Knower::default());
+    for (place, act) in acts.iter().enumerate() {
+        let varied;
+        (plant, varied) = plant.act(act, &mut knower, None).await;
+        (other, _) = other.act(act, &mut of_other, Some(&varied.values)).await;
+        let mut amount = amount.borrow_mut();
+        amount.varied += varied.count;
+        amount.reports += varied.reports;
+        let (seen, told) = (plant.take_seen(), other.take_seen());
+        for (seen, told) in seen.iter().zip(&told) {
+            assert_eq!(seen, told, "act {place}, {act:?}, tells what is below the policy");
+        }
+        assert_eq!(seen.len(), told.len(), "act {place}, {act:?}");
+    }
+    let stored = file::stored(plant.folder.path()).await;
+    let told = file::stored(other.folder.path()).await;
+    amount.borrow_mut().taken_back += stored.iter().filter(|row| row.contains("PURGED")).count();
+    for (stored, told) in stored.iter().zip(&told) {
+        assert_eq!(stored, told, "what is exported tells what is below the policy");
+    }
+    assert_eq!(stored.len(), told.len());
+    plant.close().await;
+    other.close().await;
+}

@@ -1,0 +1,154 @@
+//! Histories of a plant: what people, partners, machines, the link and the clock do.
+
+use asi_model::StatusCode;
+use disclosure::DisclosurePolicy;
+use proptest::prelude::*;
+
+use super::{
+    fields::{FIELDS, PARTNERS, WITHHELD_STATE},
+    *,
+};
+
+/// A value that comes, before it has the type of its field.
+#[derive(Debug, Clone)]
+pub(super) struct Coming {
+    pub(super) field: usize,
+    pub(super) number: u32,
+    pub(super) status: StatusCode,
+    /// Age of the source's time, in milliseconds.
+    pub(super) age_ms: u32,
+    /// It has the type of another field.
+    pub(super) is_of_other_type: bool,
+}
+
+/// Something that happens.
+#[derive(Debug, Clone)]
+pub(super) enum Act {
+    /// Values that come together.
+    Values(Vec<Coming>),
+    /// A field is opened for a source: manual, external, or one of two mappings.
+    Open {
+        field: usize,
+        source: usize,
+        policy: Box<DisclosurePolicy>,
+    },
+    Close(usize),
+    /// A mapping is imported.
+    Import {
+        field: usize,
+        mapping: usize,
+    },
+    Policy {
+        name: usize,
+        policy: Box<DisclosurePolicy>,
+    },
+    Recipient {
+        partner: usize,
+        name: Option<usize>,
+    },
+    /// The partner changes the recipients of the first request.
+    Revise(u8),
+    Wait(u32),
+    SetClockBack(u32),
+    Restart,
+    /// The link is up: everything that waits leaves.
+    Send {
+        is_receipted: bool,
+    },
+}
+
+pub(super) fn acts() -> impl Strategy<Value = Vec<Act>> {
+    // Most fields are open from the beginning, so that there is something to see.
+    let opened = (0..FIELDS.len()).map(|field| {
+        (0..4_usize, policies()).prop_map(move |(source, policy)| Act::Open {
+            field,
+            source,
+            policy: Box::new(policy),
+        })
+    });
+    let opened: Vec<_> = opened.collect();
+    (opened, proptest::collection::vec(act(), 10..45)).prop_map(|(mut acts, further)| {
+        acts.extend(further);
+        acts.push(Act::Wait(200_000));
+        acts.push(Act::Send { is_receipted: true });
+        acts
+    })
+}
+
+fn act() -> impl Strategy<Value = Act> {
+    let field = || 0..FIELDS.len();
+    let name = || 0..2_usize;
+    let policy = || policies().prop_map(Box::new);
+    prop_oneof![
+        14 => proptest::collection::vec(coming(), 1..5).prop_map(Act::Values),
+        4 => (field(), 0..4_usize, policy())
+            .prop_map(|(field, source, policy)| Act::Open { field, source, policy }),
+        1 => field().prop_map(Act::Close),
+        1 => (field(), 0..2_usize).prop_map(|(field, mapping)| Act::Import { field, mapping }),
+        2 => (name(), policy()).prop_map(|(name, policy)| Act::Policy { name, policy }),
+        2 => (0..PARTNERS.len(), proptest::option::weighted(0.7, name()))
+            .prop_map(|(partner, name)| Act::Recipient { partner, name }),
+        1 => (0..8_u8).prop_map(Act::Revise),
+        6 => prop_oneof![1..2_000_u32, 2_000..90_000_u32].prop_map(Act::Wait),
+        1 => (1..100_000_u32).prop_map(Act::SetClockBack),
+        1 => Just(Act::Restart),
+        3 => any::<bool>().prop_map(|is_receipted| Act::Send { is_receipted }),
+    ]
+}
+
+fn coming() -> impl Strategy<Value = Coming> {
+    let status = prop_oneof![
+        8 => Just(StatusCode::GOOD),
+        1 => Just(StatusCode::GOOD_CLAMPED),
+        1 => Just(StatusCode::UNCERTAIN_SUB_NORMAL),
+        1 => Just(StatusCode::UNCERTAIN_NO_COMMUNICATION_LAST_USABLE_VALUE),
+        1 => Just(StatusCode::BAD_NO_DATA),
+        1 => Just(StatusCode::BAD_SENSOR_FAILURE),
+    ];
+    let of_other_type = proptest::bool::weighted(0.05);
+    (0..FIELDS.len(), 1_000..100_000_u32, status, 0..120_000_u32, of_other_type).prop_map(
+        |(field, number, status, age_ms, is_of_other_type)| Coming {
+            field,
+            number,
+            status,
+            age_ms,
+            is_of_other_type,
+        },
+    )
+}
+
+/// Policies of which each part is there or not. Steps divide each other, so that a multiple of one
+/// is seen to be a multiple of a finer one.
+fn policies() -> impl Strategy<Value = DisclosurePolicy> {
+    let part = |chance: f64, values: Value| {
+        let values = values.as_array().cloned().unwrap_or_default();
+        proptest::option::weighted(chance, proptest::sample::select(values))
+    };
+    let condition = |own: Value| json!([{ "states": [WITHHELD_STATE], "field": own }]);
+    let parts = (
+        part(0.5, json!([10, 100, 1000])),
+        part(0.25, json!([5_000, 60_000])),
+        part(0.25, json!([3_000, 30_000])),
+        part(0.25, json!([10_000, 60_000])),
+        part(0.15, json!(["LAST", "MAXIMUM", "MINIMUM"])),
+        part(0.3, json!(["FULL", "SEVERITY"])),
+        part(0.2, json!([condition(json!("state")), condition(Value::Null)])),
+        part(0.15, json!([[{ "values": 2, "periodMs": 60_000 }]])),
+    );
+    parts.prop_map(|(step, delay, interval, time_step, function, status, condition, rates)| {
+        let window = function.map(|function| json!({ "function": function, "windowMs": 60_000 }));
+        let members = [
+            ("roundingStep", step),
+            ("delayMs", delay),
+            ("minimumIntervalMs", interval),
+            ("timeStepMs", time_step),
+            ("aggregate", window),
+            ("statusCodes", status),
+            ("withholdWhile", condition),
+            ("rateLimits", rates),
+        ];
+        let members = members.into_iter().filter_map(|(name, part)| Some((name.to_owned(), part?)));
+        let policy = Value::Object(members.collect());
+        serde_json::from_value(policy).expect("a policy")
+    })
+}

@@ -1,0 +1,92 @@
+//! Fields of the plant: two requests with different recipients, and fields of all kinds of types.
+
+use asi_model::{BuiltInType, FieldKey, RequestKey, Scalar};
+use serde_json::{Value, json};
+
+use super::*;
+
+/// Value of a field in which others, and itself, may be withheld.
+pub(super) const WITHHELD_STATE: i32 = 7;
+
+/// A field: its request, its name and its type.
+pub(super) struct FieldOf {
+    pub(super) request: usize,
+    pub(super) name: &'static str,
+    pub(super) field_type: BuiltInType,
+}
+
+const fn of(request: usize, name: &'static str, field_type: BuiltInType) -> FieldOf {
+    FieldOf { request, name, field_type }
+}
+
+pub(super) const FIELDS: [FieldOf; 8] = [
+    of(0, "made", BuiltInType::UInt64),
+    of(0, "level", BuiltInType::Double),
+    of(0, "note", BuiltInType::String),
+    of(0, "state", BuiltInType::Int32),
+    of(1, "count", BuiltInType::Int64),
+    of(1, "speed", BuiltInType::Float),
+    of(1, "on", BuiltInType::Boolean),
+    of(1, "since", BuiltInType::DateTime),
+];
+
+/// The field at whose state others look.
+pub(super) const STATE: usize = 3;
+
+/// Organisations that may be recipients of a request.
+pub(super) const PARTNERS: [&str; 3] = ["acme", "hull", "keel"];
+
+impl FieldOf {
+    pub(super) fn key(&self) -> FieldKey {
+        let request = RequestKey {
+            operation_network_id: "n".parse().expect("an id"),
+            operation_id: "op".parse().expect("an id"),
+            dynamic_data_request_id: format!("R{}", self.request).parse().expect("an id"),
+        };
+        request.field(self.name.parse().expect("a name"))
+    }
+
+    /// Makes a value of the field's type of a number from 1000 on. Different numbers make different
+    /// values, but for those of a truth value.
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn scalar(&self, number: u32) -> Scalar {
+        let whole = i32::try_from(number).expect("small");
+        match self.field_type {
+            BuiltInType::UInt64 => Scalar::UInt64(number.into()),
+            BuiltInType::Double => Scalar::Double(number.into()),
+            BuiltInType::String => Scalar::from(format!("text {number}").as_str()),
+            BuiltInType::Int32 if number.is_multiple_of(3) => Scalar::Int32(WITHHELD_STATE),
+            BuiltInType::Int32 => Scalar::Int32(whole),
+            BuiltInType::Int64 => Scalar::Int64(-i64::from(whole)),
+            BuiltInType::Float => Scalar::Float(number as f32),
+            BuiltInType::Boolean => Scalar::Boolean(number.is_multiple_of(2)),
+            _ => Scalar::DateTime(plant::start().after(Duration::from_millis(number.into()))),
+        }
+    }
+}
+
+/// Recipients of the first request, by a number of which each bit stands for a partner; the second
+/// request is always for the second partner.
+pub(super) fn recipients(request: usize, bits: u8) -> Vec<&'static str> {
+    let bits = if request == 0 { bits | 1 } else { 2 };
+    let chosen = PARTNERS.iter().enumerate().filter(|(place, _)| bits & (1 << place) > 0);
+    chosen.map(|(_, partner)| *partner).collect()
+}
+
+/// Returns the network in a revision, as the platform sends it.
+pub(super) fn network(revision: u64, bits: u8) -> Value {
+    let request = |number: usize| {
+        let fields = FIELDS.iter().filter(|field| field.request == number);
+        let fields: Vec<Value> = fields
+            .map(|field| json!({ "name": field.name, "type": field.field_type.id() }))
+            .collect();
+        json!({ "dynamicDataRequestId": format!("R{number}"), "requesterId": "acme",
+            "recipientList": recipients(number, bits), "purpose": "Plan", "updateFrequency": 1,
+            "updateFrequencyUnit": "MINUTE",
+            "reportDataFormat": { "reportName": "Progress", "reportFieldList": fields } })
+    };
+    json!({ "messageId": format!("m{revision}"), "factoryId": "F", "collaborationId": "c",
+        "revision": revision, "operationNetwork": { "operationNetworkId": "n",
+        "operationList": [ { "operationId": "op", "operationType": "PRODUCTION",
+            "dynamicDataRequestList": [request(0), request(1)] } ] } })
+}

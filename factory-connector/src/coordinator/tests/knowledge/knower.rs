@@ -1,0 +1,247 @@
+//! Second model: what partners may know. It knows candidates, decisions and policies, and neither
+//! gate nor spool; each report is compared with it when it leaves.
+
+use asi_model::Scalar;
+use disclosure::{DisclosurePolicy, WithholdCondition};
+
+use super::{
+    fields::{FIELDS, PARTNERS, STATE, WITHHELD_STATE, recipients},
+    *,
+};
+
+/// A candidate of which something may be told.
+#[derive(Debug, Clone)]
+struct Possible {
+    value: DataValue,
+    arrived_at: DateTime,
+    /// The longest rounding step since it came.
+    step: f64,
+}
+
+/// What is known about a field.
+#[derive(Debug, Default)]
+struct Known {
+    /// The policy of the decision; none while it is not mapped.
+    own: Option<DisclosurePolicy>,
+    source: usize,
+    possible: Vec<Possible>,
+}
+
+#[derive(Debug, Default)]
+pub(super) struct Knower {
+    fields: [Known; FIELDS.len()],
+    named: [Option<DisclosurePolicy>; 2],
+    of_partner: [Option<usize>; PARTNERS.len()],
+    bits: Option<u8>,
+    /// The last value of the field at whose state others look is the one that withholds.
+    is_in_state: bool,
+}
+
+impl Knower {
+    /// Notes candidates that come together.
+    pub(super) fn offer<'v>(
+        &mut self,
+        batch: impl Iterator<Item = (usize, &'v DataValue)>,
+        now: DateTime,
+    ) {
+        let batch: Vec<_> = batch.filter(|(field, _)| self.fields[*field].own.is_some()).collect();
+        let is_state = |value: &DataValue| value.value.as_f64() == Some(WITHHELD_STATE.into());
+        let states =
+            || batch.iter().filter(|(field, value)| *field == STATE && !value.status.is_bad());
+        let is_any_in_state = self.is_in_state || states().any(|(_, value)| is_state(value));
+        for (field, value) in &batch {
+            let is_withheld = self.conditions(*field).iter().any(|condition| {
+                if condition.field.is_some() { is_any_in_state } else { is_state(value) }
+            });
+            let is_usable = !value.status.is_bad()
+                && value.value.built_in_type() == Some(FIELDS[*field].field_type);
+            let possible =
+                Possible { value: (*value).clone(), arrived_at: now, step: self.step(*field) };
+            self.fields[*field]
+                .possible
+                .extend(Some(possible).filter(|_| is_usable && !is_withheld));
+        }
+        if let Some((_, value)) = states().last() {
+            self.is_in_state = is_state(value);
+        }
+    }
+
+    pub(super) fn open(&mut self, field: usize, source: usize, policy: DisclosurePolicy) {
+        let (was_mapped, former) = (self.fields[field].own.is_some(), self.fields[field].source);
+        if !was_mapped || former != source {
+            self.begin(field, source);
+        }
+        self.change(|knower| knower.fields[field].own = Some(policy));
+    }
+
+    pub(super) fn close(&mut self, field: usize) {
+        self.fields[field].own = None;
+        self.begin(field, 0);
+    }
+
+    pub(super) fn import(&mut self, field: usize, source: usize) {
+        let known = &self.fields[field];
+        if known.own.is_some() && known.source >= 2 && known.source != source {
+            self.begin(field, source);
+        }
+    }
+
+    pub(super) fn name_policy(&mut self, name: usize, policy: &DisclosurePolicy) {
+        self.change(|knower| knower.named[name] = Some(policy.clone()));
+    }
+
+    pub(super) fn set_recipient(&mut self, partner: usize, name: Option<usize>) {
+        self.change(|knower| knower.of_partner[partner] = name);
+    }
+
+    /// Notes other recipients of the first request, with the fields that are still mapped.
+    pub(super) fn revise(&mut self, bits: u8, is_mapped: [bool; FIELDS.len()]) {
+        self.change(|knower| knower.bits = Some(bits));
+        for (field, is_mapped) in is_mapped.into_iter().enumerate() {
+            if !is_mapped && self.fields[field].own.is_some() {
+                self.close(field);
+            }
+        }
+    }
+
+    /// The state that a machine told is not known after a restart.
+    pub(super) const fn restart(&mut self) {
+        self.is_in_state = false;
+    }
+
+    pub(super) fn set_clock_back(&mut self, now: DateTime) {
+        for possible in self.fields.iter_mut().flat_map(|known| &mut known.possible) {
+            possible.arrived_at = possible.arrived_at.min(now);
+        }
+    }
+
+    /// Checks a report at the moment in which it leaves.
+    pub(super) fn check(&self, report: &Value, now: DateTime) {
+        let payload = &report["Payload"];
+        let request = payload["dynamicDataRequestId"]["Body"].as_str().expect("a request");
+        let request = usize::from(request == "R1");
+        let told: Vec<&str> = payload["recipientList"]["Body"]
+            .as_array()
+            .expect("recipients")
+            .iter()
+            .filter_map(Value::as_str)
+            .collect();
+        assert_eq!(told, self.recipients(request), "who may read {report}");
+        for (field, of) in FIELDS.iter().enumerate().filter(|(_, of)| of.request == request) {
+            let member = &payload[of.name];
+            if member.is_null() {
+                continue;
+            }
+            assert!(self.fields[field].own.is_some(), "{} is not disclosed: {report}", of.name);
+            let times = [&report["Timestamp"], &payload["shopfloorTimestamp"]["Body"]];
+            for time in times {
+                let time: DateTime = serde_json::from_value(time.clone()).expect("a time");
+                let step = self.longest(field, DisclosurePolicy::time_step);
+                assert_eq!(time.floor_to(step), time, "{} has a step: {report}", of.name);
+            }
+            // A value with a status or without a value has another form.
+            if let Some(body) =
+                [&member["Body"], &member["Value"]["Body"]].into_iter().find(|body| !body.is_null())
+            {
+                self.check_value(field, body, now);
+            }
+        }
+    }
+
+    fn check_value(&self, field: usize, body: &Value, now: DateTime) {
+        let of = &FIELDS[field];
+        let number = body.as_f64().or_else(|| body.as_str().and_then(|text| text.parse().ok()));
+        let number = number.filter(|_| of.field_type.is_numeric());
+        if let Some(number) = number {
+            let coarse = number % self.step(field);
+            assert!(coarse == 0.0, "{} is finer than its step: {body}", of.name);
+        }
+        let delay = self.longest(field, DisclosurePolicy::delay);
+        let window = self.longest(field, |policy| {
+            policy.aggregate.map(|aggregate| aggregate.window()).unwrap_or_default()
+        });
+        let is_due = |possible: &&Possible| {
+            let window_end = possible.arrived_at.floor_to(window).after(window);
+            let from = if window.is_zero() { possible.arrived_at } else { window_end };
+            from.after(delay) <= now
+        };
+        let explains = |possible: &Possible| match (possible.value.value.as_scalar(), number) {
+            (Some(Scalar::String(text)), _) => text.as_deref() == body.as_str(),
+            (_, Some(number)) => {
+                let raw = possible.value.value.as_f64().expect("a number");
+                // Rounded again under each policy since it came: a half, a twentieth, ...
+                (raw - number).abs() <= 0.556 * possible.step
+            }
+            _ => true,
+        };
+        let known = &self.fields[field];
+        assert!(
+            known.possible.iter().filter(is_due).any(explains),
+            "{} tells {body} at {now}, by {:?} of {:?}",
+            of.name,
+            self.policies(field).collect::<Vec<_>>(),
+            known.possible,
+        );
+    }
+
+    /// Begins another source or consent: nothing of before may be told.
+    fn begin(&mut self, field: usize, source: usize) {
+        self.fields[field].possible.clear();
+        self.fields[field].source = source;
+        if field == STATE {
+            self.is_in_state = false;
+        }
+    }
+
+    /// Changes policies. What came before a condition, or as a single value before a window, may
+    /// not be told any more.
+    fn change(&mut self, change: impl FnOnce(&mut Self)) {
+        let windows = |knower: &Self, field: usize| {
+            let aggregates = knower.policies(field).filter_map(|policy| policy.aggregate);
+            aggregates.max_by_key(|aggregate| (aggregate.window_ms, aggregate.function))
+        };
+        let before: Vec<_> =
+            (0..FIELDS.len()).map(|field| (self.conditions(field), windows(self, field))).collect();
+        change(self);
+        for (field, (conditions, window)) in before.into_iter().enumerate() {
+            let (now, other) = (self.conditions(field), windows(self, field));
+            let is_added = now.iter().any(|condition| !conditions.contains(condition));
+            if is_added || (other.is_some() && other != window) {
+                self.fields[field].possible.clear();
+            }
+            let step = self.step(field);
+            for possible in &mut self.fields[field].possible {
+                possible.step = possible.step.max(step);
+            }
+        }
+    }
+
+    fn recipients(&self, request: usize) -> Vec<&'static str> {
+        recipients(request, self.bits.unwrap_or(0b11))
+    }
+
+    /// Returns all policies in force for a mapped field.
+    fn policies(&self, field: usize) -> impl Iterator<Item = DisclosurePolicy> {
+        let of = &FIELDS[field];
+        let own = self.fields[field].own.iter().cloned();
+        let readers = self.recipients(of.request);
+        let partners = PARTNERS.iter().zip(&self.of_partner);
+        let partners = partners.filter(move |(partner, _)| readers.contains(*partner));
+        let named = partners.filter_map(|(_, name)| self.named[(*name)?].as_ref());
+        own.chain(named.map(|policy| policy.fitted_to(of.field_type, false)))
+    }
+
+    fn conditions(&self, field: usize) -> Vec<WithholdCondition> {
+        self.policies(field).flat_map(|policy| policy.withhold_while).collect()
+    }
+
+    fn step(&self, field: usize) -> f64 {
+        let steps = self.policies(field).filter_map(|policy| policy.rounding_step);
+        let steps = steps.filter_map(|step| step.to_string().parse::<f64>().ok());
+        steps.fold(1.0, f64::max)
+    }
+
+    fn longest(&self, field: usize, part: impl Fn(&DisclosurePolicy) -> Duration) -> Duration {
+        self.policies(field).map(|policy| part(&policy)).max().unwrap_or_default()
+    }
+}
