@@ -102,7 +102,7 @@ fn document(state: &ConnectorState, id: &OperationNetworkId) -> Option<AsiDocume
 }
 
 /// Returns a field as the twin shows it.
-fn field_record(field: &Field) -> FieldRecord {
+pub(super) fn field_record(field: &Field) -> FieldRecord {
     let decision = field.decision();
     FieldRecord {
         mapping_state: decision.mapping_state,

@@ -12,7 +12,7 @@ use super::{
 /// Bits of a status code that tell nothing in the small set: a limit and an overflow.
 const INFO_BITS: u32 = 0x0000_0483;
 /// Codes of the small set of status codes, beside which there is none.
-const COMMON: [u32; 9] = [
+pub(super) const COMMON: [u32; 9] = [
     0,
     0x4000_0000,
     0x4090_0000,

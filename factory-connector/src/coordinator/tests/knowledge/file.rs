@@ -7,6 +7,13 @@ use super::*;
 /// Tables of which nothing leaves: states of gates, and what identifies the file itself.
 const PRIVATE_TABLES: [&str; 3] = ["identity", "field_value", "user"];
 
+/// Makes a folder in the machine's memory where there is one: a history writes hundreds of times.
+pub(super) fn folder() -> TempDir {
+    let memory = Path::new("/dev/shm");
+    let folder = if memory.is_dir() { tempfile::tempdir_in(memory) } else { tempfile::tempdir() };
+    folder.expect("a folder")
+}
+
 /// Opens or makes the file in a folder. `starts` numbers the starts of the plant: the same ids
 /// follow from the same number.
 pub(super) async fn open(
@@ -43,7 +50,9 @@ pub(super) async fn open(
         spool: SpoolLimits::default(),
         retention: RetentionLimits::default(),
     };
-    let (mappings, _) = mpsc::channel(1);
+    let (mappings, work) = mpsc::channel(1);
+    // There is no mapping engine: nothing may wait for it.
+    drop(work);
     let events = EventLog::new(1, 1);
     let outputs = Outputs { twin, mappings, link: None, keep_alives, in_flight, events };
     (UnitOfWork { config, store, state, pending, outputs, key }, spool)

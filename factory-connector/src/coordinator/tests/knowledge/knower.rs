@@ -1,10 +1,11 @@
 //! Second model: what partners may know. It knows candidates, decisions and policies, and neither
 //! gate nor spool; each report is compared with it when it leaves.
 
-use asi_model::Scalar;
-use disclosure::{DisclosurePolicy, WithholdCondition};
+use asi_model::{BuiltInType, Scalar};
+use disclosure::{DisclosurePolicy, StatusCodes, WithholdCondition};
 
 use super::{
+    below,
     fields::{FIELDS, PARTNERS, STATE, WITHHELD_STATE, recipients},
     *,
 };
@@ -16,6 +17,25 @@ struct Possible {
     arrived_at: DateTime,
     /// The longest rounding step since it came.
     step: f64,
+    /// Its window ended before the clock was set back.
+    is_window_over: bool,
+    /// It might be told before the clock was set back, and still may.
+    was_due: bool,
+}
+
+impl Possible {
+    /// Returns the time from which the delay counts.
+    fn counts_from(&self, window: Duration) -> DateTime {
+        if window.is_zero() || self.is_window_over {
+            self.arrived_at
+        } else {
+            self.arrived_at.floor_to(window).after(window)
+        }
+    }
+
+    fn is_due(&self, window: Duration, delay: Duration, now: DateTime) -> bool {
+        self.was_due || self.counts_from(window).after(delay) <= now
+    }
 }
 
 /// What is known about a field.
@@ -48,21 +68,28 @@ impl Knower {
         let is_state = |value: &DataValue| value.value.as_f64() == Some(WITHHELD_STATE.into());
         let states =
             || batch.iter().filter(|(field, value)| *field == STATE && !value.status.is_bad());
-        let is_any_in_state = self.is_in_state || states().any(|(_, value)| is_state(value));
+        let is_any_in_state = states().any(|(_, value)| is_state(value));
         for (field, value) in &batch {
+            // In the order in which they came: the state may have ended just before.
+            if *field == STATE && !value.status.is_bad() {
+                self.is_in_state = is_state(value);
+            }
+            let is_in_state = is_any_in_state || self.is_in_state;
             let is_withheld = self.conditions(*field).iter().any(|condition| {
-                if condition.field.is_some() { is_any_in_state } else { is_state(value) }
+                if condition.field.is_some() { is_in_state } else { is_state(value) }
             });
             let is_usable = !value.status.is_bad()
                 && value.value.built_in_type() == Some(FIELDS[*field].field_type);
-            let possible =
-                Possible { value: (*value).clone(), arrived_at: now, step: self.step(*field) };
+            let possible = Possible {
+                value: (*value).clone(),
+                arrived_at: now,
+                step: self.step(*field),
+                is_window_over: false,
+                was_due: false,
+            };
             self.fields[*field]
                 .possible
                 .extend(Some(possible).filter(|_| is_usable && !is_withheld));
-        }
-        if let Some((_, value)) = states().last() {
-            self.is_in_state = is_state(value);
         }
     }
 
@@ -109,9 +136,16 @@ impl Knower {
         self.is_in_state = false;
     }
 
-    pub(super) fn set_clock_back(&mut self, now: DateTime) {
-        for possible in self.fields.iter_mut().flat_map(|known| &mut known.possible) {
-            possible.arrived_at = possible.arrived_at.min(now);
+    pub(super) fn set_clock_back(&mut self, former: DateTime, now: DateTime) {
+        for field in 0..FIELDS.len() {
+            let (window, delay) = (self.window(field), self.delay(field));
+            for possible in &mut self.fields[field].possible {
+                let from = possible.counts_from(window);
+                possible.was_due = possible.is_due(window, delay, former);
+                possible.is_window_over |= from <= former;
+                let at = if possible.is_window_over { from } else { possible.arrived_at };
+                possible.arrived_at = at.min(now);
+            }
         }
     }
 
@@ -139,12 +173,34 @@ impl Knower {
                 let step = self.longest(field, DisclosurePolicy::time_step);
                 assert_eq!(time.floor_to(step), time, "{} has a step: {report}", of.name);
             }
-            // A value with a status or without a value has another form.
-            if let Some(body) =
-                [&member["Body"], &member["Value"]["Body"]].into_iter().find(|body| !body.is_null())
-            {
-                self.check_value(field, body, now);
+            // A value with a status has another form, and so has a status without a value.
+            let is_of = |kind: BuiltInType| member["Type"] == json!(kind.id());
+            let (status, value) = if is_of(BuiltInType::StatusCode) {
+                (&member["Body"], &Value::Null)
+            } else if is_of(BuiltInType::DataValue) {
+                (&member["Body"]["Status"], &member["Body"]["Value"]["Body"])
+            } else {
+                (&Value::Null, &member["Body"])
+            };
+            self.check_status(field, status);
+            if !value.is_null() {
+                self.check_value(field, value, now);
             }
+        }
+    }
+
+    fn check_status(&self, field: usize, status: &Value) {
+        let code = status.as_u64().unwrap_or_default();
+        let is_severity = [0, 0x4000_0000, 0x8000_0000].contains(&code);
+        let is_common = below::COMMON.iter().any(|common| u64::from(*common) == code);
+        for policy in self.policies(field) {
+            let is_coarse = match policy.status_codes {
+                StatusCodes::Full => true,
+                StatusCodes::Common => is_common,
+                // The gate says that a value has another type than the field.
+                StatusCodes::Severity => is_severity || code == 0x8074_0000,
+            };
+            assert!(is_coarse, "{} tells the status {code:#x}, by {policy:?}", FIELDS[field].name);
         }
     }
 
@@ -156,15 +212,8 @@ impl Knower {
             let coarse = number % self.step(field);
             assert!(coarse == 0.0, "{} is finer than its step: {body}", of.name);
         }
-        let delay = self.longest(field, DisclosurePolicy::delay);
-        let window = self.longest(field, |policy| {
-            policy.aggregate.map(|aggregate| aggregate.window()).unwrap_or_default()
-        });
-        let is_due = |possible: &&Possible| {
-            let window_end = possible.arrived_at.floor_to(window).after(window);
-            let from = if window.is_zero() { possible.arrived_at } else { window_end };
-            from.after(delay) <= now
-        };
+        let (window, delay) = (self.window(field), self.delay(field));
+        let is_due = |possible: &&Possible| possible.is_due(window, delay, now);
         let explains = |possible: &Possible| match (possible.value.value.as_scalar(), number) {
             (Some(Scalar::String(text)), _) => text.as_deref() == body.as_str(),
             (_, Some(number)) => {
@@ -200,18 +249,20 @@ impl Knower {
             let aggregates = knower.policies(field).filter_map(|policy| policy.aggregate);
             aggregates.max_by_key(|aggregate| (aggregate.window_ms, aggregate.function))
         };
-        let before: Vec<_> =
-            (0..FIELDS.len()).map(|field| (self.conditions(field), windows(self, field))).collect();
+        let before: Vec<_> = (0..FIELDS.len())
+            .map(|field| (self.conditions(field), windows(self, field), self.delay(field)))
+            .collect();
         change(self);
-        for (field, (conditions, window)) in before.into_iter().enumerate() {
+        for (field, (conditions, window, delay)) in before.into_iter().enumerate() {
             let (now, other) = (self.conditions(field), windows(self, field));
             let is_added = now.iter().any(|condition| !conditions.contains(condition));
             if is_added || (other.is_some() && other != window) {
                 self.fields[field].possible.clear();
             }
-            let step = self.step(field);
+            let (step, is_later) = (self.step(field), self.delay(field) > delay);
             for possible in &mut self.fields[field].possible {
                 possible.step = possible.step.max(step);
+                possible.was_due &= !is_later;
             }
         }
     }
@@ -239,6 +290,15 @@ impl Knower {
         let steps = self.policies(field).filter_map(|policy| policy.rounding_step);
         let steps = steps.filter_map(|step| step.to_string().parse::<f64>().ok());
         steps.fold(1.0, f64::max)
+    }
+
+    fn delay(&self, field: usize) -> Duration {
+        self.longest(field, DisclosurePolicy::delay)
+    }
+
+    fn window(&self, field: usize) -> Duration {
+        let window = |policy: &DisclosurePolicy| policy.aggregate.map(|aggregate| aggregate.window());
+        self.longest(field, |policy| window(policy).unwrap_or_default())
     }
 
     fn longest(&self, field: usize, part: impl Fn(&DisclosurePolicy) -> Duration) -> Duration {

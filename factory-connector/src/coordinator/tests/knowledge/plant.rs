@@ -69,7 +69,7 @@ pub(super) struct Plant {
 
 impl Plant {
     pub(super) async fn open(twin: twin::TwinHandle) -> Self {
-        let folder = tempfile::tempdir().expect("a folder");
+        let folder = file::folder();
         let (work, spool) = file::open(folder.path(), twin, start(), 0).await;
         let mut plant = Self {
             folder,
@@ -114,8 +114,9 @@ impl Plant {
             }
             Act::Wait(ms) => self.wait(*ms).await,
             Act::SetClockBack(ms) => {
-                self.now = earlier(self.now, *ms);
-                knower.set_clock_back(self.now);
+                let former = self.now;
+                self.now = earlier(former, *ms);
+                knower.set_clock_back(former, self.now);
                 values::set_clock_back(&mut self.work.state, self.now);
             }
             decision => self.decide(decision, knower),
@@ -315,25 +316,21 @@ impl Plant {
         }
         work.outputs.in_flight.confirm_recalls();
         self.seen.extend(effects.values.iter().map(|value| format!("node {value:?}")));
-        self.seen.extend(effects.log.iter().map(|record| format!("log {record:?}")));
         self.seen.push(format!("{:?} {}", effects.decisions, effects.resent_report_count));
-        self.seen.extend(effects.take_events().iter().map(|event| format!("event {event:?}")));
+        self.seen.push(format!("twin {:?} {:?}", effects.twin, effects.link));
+        let events = effects.take_events();
+        self.seen.extend(events.iter().map(|event| format!("event {event:?}")));
+        // Log and metrics of it are noted, too. Events have been taken: nobody listens.
+        publish_effects::publish_effects(&work.outputs, &work.state, effects).await;
     }
 
     /// Looks at all fields, as nodes and pages show them.
     fn look(&mut self) {
         for field in FIELDS.iter().map(fields::FieldOf::key) {
             let field = self.work.state.field(&field).expect("a field");
-            let (decision, gate) = (field.decision(), field.gate());
-            self.seen.push(format!(
-                "{} {:?} {} {:?} {:?} {:?}",
-                field.key(),
-                decision.mapping_state,
-                decision.version,
-                field.statement(),
-                gate.is_withheld(),
-                gate.disclosed(),
-            ));
+            // All that any role of the twin reads in the field's nodes.
+            let nodes = publish_effects::field_record(field);
+            self.seen.push(format!("{} {nodes:?} {}", field.key(), field.gate().is_withheld()));
         }
     }
 }

@@ -1,0 +1,188 @@
+//! Pages and exports as a person of the least role sees them, through the whole API.
+
+use axum::{
+    Router,
+    body::{Body, to_bytes},
+    extract::ConnectInfo,
+    http::{Request, header, response::Parts},
+};
+use daemon::{
+    telemetry::Metrics,
+    web::{
+        health::Readiness,
+        session::{PasswordHash, PasswordPolicy},
+    },
+};
+use mapping_engine::{MappingEngine, MappingEngineConfig};
+use tokio::sync::watch;
+use tower::ServiceExt as _;
+
+use super::{
+    fields::{FIELDS, FieldOf, PARTNERS},
+    plant::{self, Plant},
+    *,
+};
+use crate::{
+    api::{self, Api, ApiParts, RunningConnector, ServerParts},
+    catalog::Catalog,
+    coordinator::commands::handle_command,
+    lease::{LeaseState, LeaseStatus},
+    store::{Role, User},
+};
+
+const PASSWORD: &str = "the viewer's own password";
+/// Addresses of what never ends, and of a session's random token.
+const LEFT_OUT: [&str; 2] = ["/api/v1/events", "/api/v1/session"];
+
+/// What is read at the end of each history.
+pub(super) struct Pages {
+    addresses: Vec<String>,
+    password_hash: String,
+}
+
+impl Pages {
+    /// Takes all that can be read from the API's description.
+    pub(super) fn of_description() -> Self {
+        let description = serde_json::to_value(api::openapi()).expect("JSON");
+        let paths = description["paths"].as_object().expect("paths");
+        let read = paths.iter().filter(|(path, item)| {
+            item.get("get").is_some() && !LEFT_OUT.contains(&path.as_str())
+        });
+        let password = PASSWORD.to_owned().into();
+        let hash = PasswordHash::of(&password, PasswordPolicy::default()).expect("long enough");
+        Self {
+            addresses: read.flat_map(|(path, _)| filled(path)).collect(),
+            password_hash: hash.as_str().to_owned(),
+        }
+    }
+}
+
+/// Returns the addresses of a path with parameters.
+fn filled(path: &str) -> Vec<String> {
+    if path.ends_with("/ledger/export") {
+        let of = |partner: &str| {
+            ["jsonl", "csv", "html"].map(|form| format!("{path}?recipient={partner}&format={form}"))
+        };
+        return PARTNERS.iter().flat_map(|partner| of(partner)).collect();
+    }
+    let of = |field: &FieldOf| {
+        let path = path.replace("{operationNetworkId}", "n").replace("{operationId}", "op");
+        let request = format!("R{}", field.request);
+        let path = path.replace("{dynamicDataRequestId}", &request);
+        let mut path = path.replace("{fieldName}", field.name);
+        while let Some((before, after)) = path.split_once('{') {
+            let after = after.split_once('}').map_or("", |(_, after)| after);
+            path = format!("{before}policy-0{after}");
+        }
+        path
+    };
+    let mut addresses: Vec<String> = FIELDS.iter().map(of).collect();
+    addresses.dedup();
+    addresses
+}
+
+impl Plant {
+    /// Reads all pages as a viewer. Returns how many of them there are for one.
+    pub(super) async fn read(&mut self, pages: &Pages) -> usize {
+        let (handle, mut asked) = channel();
+        let router = self.router(handle);
+        let user = User {
+            user_name: "vera".to_owned(),
+            role: Role::Viewer,
+            password_hash: pages.password_hash.clone(),
+        };
+        let mut session = Store::connect(self.folder.path()).await.expect("a connection");
+        session.users().put(&user, self.now).await.expect("stored");
+        drop(session);
+        let credentials = json!({ "userName": "vera", "password": PASSWORD }).to_string();
+        let sign_in = Request::post("/api/v1/session")
+            .header(header::CONTENT_TYPE, "application/json")
+            .body(Body::from(credentials))
+            .expect("a request");
+        let (head, body) = answer(&mut self.work, &mut asked, &router, sign_in).await;
+        assert!(head.status.is_success(), "{body}");
+        let cookie = head.headers[header::SET_COOKIE].to_str().expect("text");
+        let cookie = cookie.split(';').next().expect("a cookie").to_owned();
+        let mut count = 0;
+        for address in &pages.addresses {
+            let request = Request::get(address).header(header::COOKIE, &cookie);
+            let request = request.body(Body::empty()).expect("a request");
+            let (head, body) = answer(&mut self.work, &mut asked, &router, request).await;
+            count += usize::from(head.status.is_success());
+            self.seen.push(format!("page {address}: {} {body}", head.status));
+        }
+        count
+    }
+
+    fn router(&self, coordinator: CoordinatorHandle) -> Router {
+        let folder = self.folder.path().to_owned();
+        let floor_config = shop_floor::Config::new(folder.join("source-pki"), "plant", "urn:plant");
+        let (_, shop_floor, changes) = shop_floor::ShopFloor::new(floor_config);
+        let (_, engine, _) =
+            MappingEngine::new(MappingEngineConfig::default(), shop_floor.clone(), changes);
+        let (_, catalog) = Catalog::new(shop_floor.clone());
+        let lease = LeaseStatus {
+            state: LeaseState::Asking,
+            since: plant::start(),
+            host: String::new(),
+            lease_number: None,
+            holder: None,
+            contender: None,
+        };
+        let outputs = &self.work.outputs;
+        let parts = ApiParts {
+            coordinator,
+            readers: self.work.store.readers(),
+            shop_floor,
+            engine,
+            catalog,
+            twin: outputs.twin.clone(),
+            link: None,
+            lease: watch::channel(lease).1,
+            events: outputs.events.clone(),
+            users_changed: Arc::default(),
+            instance: RunningConnector {
+                factory_id: self.work.config.state.factory_id.clone(),
+                started_at: plant::start(),
+                // Not where it is: folders have random names.
+                data_directory: PathBuf::from("plant"),
+                encoding: Encoding::Digicor,
+                settings: Vec::new(),
+            },
+            server: ServerParts {
+                readiness: Readiness::new(),
+                metrics: Metrics::install().expect("a recorder"),
+                shutdown: CancellationToken::new(),
+                has_tls: false,
+            },
+        };
+        api::router(Api::new(parts), false)
+    }
+}
+
+/// Sends a request, and takes the coordinator's part until the answer is there.
+async fn answer(
+    work: &mut UnitOfWork,
+    asked: &mut mpsc::Receiver<CoordinatorCommand>,
+    router: &Router,
+    mut request: Request<Body>,
+) -> (Parts, String) {
+    let client: std::net::SocketAddr = "127.0.0.1:1".parse().expect("an address");
+    request.extensions_mut().insert(ConnectInfo(client));
+    let answer = async {
+        let (head, body) = router.clone().oneshot(request).await.expect("an answer").into_parts();
+        let body = to_bytes(body, usize::MAX).await.expect("a body");
+        (head, String::from_utf8_lossy(&body).into_owned())
+    };
+    tokio::pin!(answer);
+    loop {
+        tokio::select! {
+            answer = &mut answer => return answer,
+            Some(command) = asked.recv() => {
+                if let Some(reply) = handle_command(work, command).await.expect("the store is read") {
+                    reply(true);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! Log and metrics of a plant while it does something.
+
+use std::{fmt, sync::Arc};
+
+use metrics::{
+    Counter, CounterFn, Gauge, GaugeFn, Histogram, HistogramFn, Key, KeyName, Metadata, Recorder,
+    SharedString, Unit,
+};
+use parking_lot::Mutex;
+use tracing::{
+    Event, Subscriber,
+    field::{Field, Visit},
+    span,
+};
+
+/// Lines of log and metrics; clones share them.
+#[derive(Clone, Default)]
+pub(super) struct Told(Arc<Mutex<Vec<String>>>);
+
+impl Told {
+    /// Takes the lines since the last call.
+    pub(super) fn take(&self) -> Vec<String> {
+        std::mem::take(&mut self.0.lock())
+    }
+
+    fn metric(&self, key: &Key) -> Arc<Metric> {
+        Arc::new(Metric { key: key.clone(), told: self.clone() })
+    }
+}
+
+impl Subscriber for Told {
+    fn enabled(&self, metadata: &tracing::Metadata<'_>) -> bool {
+        // Other crates tell how long statements take.
+        let own = ["factory_connector", "connector_state", "disclosure", "ledger", "messaging", "twin"];
+        own.contains(&metadata.target().split("::").next().unwrap_or_default())
+    }
+
+    fn new_span(&self, _: &span::Attributes<'_>) -> span::Id {
+        span::Id::from_u64(1)
+    }
+
+    fn record(&self, _: &span::Id, _: &span::Record<'_>) {}
+
+    fn record_follows_from(&self, _: &span::Id, _: &span::Id) {}
+
+    fn event(&self, event: &Event<'_>) {
+        let mut line = Line(format!("log {}", event.metadata().level()));
+        event.record(&mut line);
+        self.0.lock().push(line.0);
+    }
+
+    fn enter(&self, _: &span::Id) {}
+
+    fn exit(&self, _: &span::Id) {}
+}
+
+/// A line of the log.
+struct Line(String);
+
+impl Visit for Line {
+    fn record_debug(&mut self, field: &Field, value: &dyn fmt::Debug) {
+        self.0 += &format!(" {field}={value:?}");
+    }
+}
+
+impl Recorder for Told {
+    fn describe_counter(&self, _: KeyName, _: Option<Unit>, _: SharedString) {}
+
+    fn describe_gauge(&self, _: KeyName, _: Option<Unit>, _: SharedString) {}
+
+    fn describe_histogram(&self, _: KeyName, _: Option<Unit>, _: SharedString) {}
+
+    fn register_counter(&self, key: &Key, _: &Metadata<'_>) -> Counter {
+        Counter::from_arc(self.metric(key))
+    }
+
+    fn register_gauge(&self, key: &Key, _: &Metadata<'_>) -> Gauge {
+        Gauge::from_arc(self.metric(key))
+    }
+
+    fn register_histogram(&self, key: &Key, _: &Metadata<'_>) -> Histogram {
+        Histogram::from_arc(self.metric(key))
+    }
+}
+
+/// A metric that tells each of its changes.
+struct Metric {
+    key: Key,
+    told: Told,
+}
+
+impl Metric {
+    fn tell(&self, change: impl fmt::Display) {
+        self.told.0.lock().push(format!("metric {} {change}", self.key));
+    }
+}
+
+impl CounterFn for Metric {
+    fn increment(&self, value: u64) {
+        self.tell(format_args!("+{value}"));
+    }
+
+    fn absolute(&self, value: u64) {
+        self.tell(value);
+    }
+}
+
+impl GaugeFn for Metric {
+    fn increment(&self, value: f64) {
+        self.tell(format_args!("+{value}"));
+    }
+
+    fn decrement(&self, value: f64) {
+        self.tell(format_args!("-{value}"));
+    }
+
+    fn set(&self, value: f64) {
+        self.tell(value);
+    }
+}
+
+impl HistogramFn for Metric {
+    fn record(&self, _: f64) {
+        // Durations differ from run to run.
+        self.tell("a duration");
+    }
+}
