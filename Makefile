@@ -81,8 +81,8 @@ mutants: prerequisites-test web ## breaks one guarantee of delivery after the ot
 mutants-gate: ## breaks one rule of the disclosure gate after the other; its tests have to find each: NAMES="..."
 	tests/mutants/gate.sh $(NAMES)
 
-knowledge: ## 2 000 histories of whole connectors: partners learn nothing below the policies: CASES=2000 SEED=n
-	VERBUND_KNOWLEDGE_CASES=$(or $(CASES),2000) $(if $(SEED),VERBUND_KNOWLEDGE_SEED=$(SEED)) \
+knowledge: ## 1 000 histories of whole connectors: partners learn nothing below the policies: CASES=1000 SEED=n
+	VERBUND_KNOWLEDGE_CASES=$(or $(CASES),1000) $(if $(SEED),VERBUND_KNOWLEDGE_SEED=$(SEED)) \
 	  $(CARGO) test --locked -p factory-connector --lib coordinator::tests::knowledge -- --nocapture
 
 script-deno: ## the second script engine, into target/script-deno (needs cmake and libsimde-dev; the first time takes minutes)

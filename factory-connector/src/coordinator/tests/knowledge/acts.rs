@@ -17,7 +17,7 @@ pub(super) struct Coming {
     pub(super) status: StatusCode,
     /// Age of the source's time, in milliseconds.
     pub(super) age_ms: u32,
-    /// It has the type of another field.
+    /// True for a value of another field's type.
     pub(super) is_of_other_type: bool,
 }
 

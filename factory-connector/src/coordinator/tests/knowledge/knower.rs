@@ -17,9 +17,9 @@ struct Possible {
     arrived_at: DateTime,
     /// The longest rounding step since it came.
     step: f64,
-    /// Its window ended before the clock was set back.
+    /// True where its window ended before the clock was set back.
     is_window_over: bool,
-    /// It might be told before the clock was set back, and still may.
+    /// True where it might be told before the clock was set back; it still may.
     was_due: bool,
 }
 
@@ -38,7 +38,7 @@ impl Possible {
     }
 }
 
-/// What is known about a field.
+/// Knowledge about a field.
 #[derive(Debug, Default)]
 struct Known {
     /// The policy of the decision; none while it is not mapped.
@@ -297,7 +297,8 @@ impl Knower {
     }
 
     fn window(&self, field: usize) -> Duration {
-        let window = |policy: &DisclosurePolicy| policy.aggregate.map(|aggregate| aggregate.window());
+        let window =
+            |policy: &DisclosurePolicy| policy.aggregate.map(|aggregate| aggregate.window());
         self.longest(field, |policy| window(policy).unwrap_or_default())
     }
 

@@ -43,7 +43,7 @@ pub(super) fn twin(folder: &Path) -> (twin::Twin, twin::TwinHandle) {
     twin::Twin::new(factory_id, config, Arc::new(Nobody), Arc::new(Nobody)).expect("a twin")
 }
 
-/// What an act amounted to.
+/// Amount of what an act did.
 #[derive(Debug, Default)]
 pub(super) struct Varied {
     /// Values for the other plant, which differ below the policy.

@@ -31,7 +31,8 @@ impl Told {
 impl Subscriber for Told {
     fn enabled(&self, metadata: &tracing::Metadata<'_>) -> bool {
         // Other crates tell how long statements take.
-        let own = ["factory_connector", "connector_state", "disclosure", "ledger", "messaging", "twin"];
+        let own =
+            ["factory_connector", "connector_state", "disclosure", "ledger", "messaging", "twin"];
         own.contains(&metadata.target().split("::").next().unwrap_or_default())
     }
 
