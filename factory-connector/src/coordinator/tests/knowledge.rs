@@ -76,7 +76,7 @@ fn partners_learn_what_policies_let_through_and_nothing_below() {
     let amount = amount.into_inner();
     println!("seed {seed}: {amount:?}");
     let cases = usize::try_from(cases.unwrap_or(CASES)).expect("small");
-    assert!(amount.reports > 4 * cases && amount.varied > 8 * cases, "{amount:?}");
+    assert!(amount.reports > 3 * cases && amount.varied > 4 * cases, "{amount:?}");
     assert!(amount.taken_back > cases / 4 && amount.pages > 0, "{amount:?}");
 }
 
@@ -100,7 +100,8 @@ async fn play(
         let (seen, told) = (plant.take_seen(), other.take_seen());
         compare(&seen, &told, &format!("act {place}, {act:?},"));
     }
-    if acts.len().is_multiple_of(HISTORIES_PER_LOOK) {
+    let is_first = amount.borrow().pages == 0;
+    if is_first || acts.len().is_multiple_of(HISTORIES_PER_LOOK) {
         let count = plant.read(pages).await;
         other.read(pages).await;
         assert!(count > 30, "only {count} pages");
