@@ -85,6 +85,15 @@ knowledge: ## 1 000 histories of whole connectors: partners learn nothing below 
 	VERBUND_KNOWLEDGE_CASES=$(or $(CASES),1000) $(if $(SEED),VERBUND_KNOWLEDGE_SEED=$(SEED)) \
 	  $(CARGO) test --locked -p factory-connector --lib coordinator::tests::knowledge -- --nocapture
 
+test-slow: ## what takes too long for each change: histories, foreign peers, scale, every page, chaos, mutants of the gate
+	$(MAKE) knowledge
+	$(MAKE) asi-foreign
+	$(MAKE) foreign-kills
+	$(MAKE) scale
+	$(MAKE) screenshots
+	$(MAKE) chaos MINUTES=$(or $(MINUTES),30)
+	$(MAKE) mutants-gate
+
 script-deno: ## the second script engine, into target/script-deno (needs cmake and libsimde-dev; the first time takes minutes)
 	CMAKE_TOOLCHAIN_FILE=$(CURDIR)/mapping-engine/script-deno/simde.cmake $(CARGO) build --locked --quiet \
 	  --manifest-path mapping-engine/script-deno/Cargo.toml --target-dir target/script-deno
@@ -129,4 +138,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: knowledge mutants-gate foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test
+.PHONY: test-slow knowledge mutants-gate foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test

@@ -18,7 +18,7 @@ mod knower;
 mod link;
 mod pages;
 mod plant;
-mod told;
+mod telemetry;
 
 use acts::{Act, acts};
 use knower::Knower;
@@ -28,7 +28,7 @@ use proptest::{
     prelude::ProptestConfig,
     test_runner::{RngAlgorithm, TestRng, TestRunner},
 };
-use told::Told;
+use telemetry::RecordedTelemetry;
 
 use super::*;
 
@@ -97,8 +97,8 @@ async fn play(
         let mut amount = amount.borrow_mut();
         amount.varied += varied.count;
         amount.reports += varied.reports;
-        let (seen, told) = (plant.take_seen(), other.take_seen());
-        compare(&seen, &told, &format!("act {place}, {act:?},"));
+        let (seen, others) = (plant.take_seen(), other.take_seen());
+        compare(&seen, &others, &format!("act {place}, {act:?},"));
     }
     let is_first = amount.borrow().pages == 0;
     if is_first || acts.len().is_multiple_of(HISTORIES_PER_LOOK) {
@@ -109,9 +109,9 @@ async fn play(
         compare(&plant.take_seen(), &other.take_seen(), "a page");
     }
     let stored = file::stored(plant.folder.path()).await;
-    let told = file::stored(other.folder.path()).await;
+    let others = file::stored(other.folder.path()).await;
     amount.borrow_mut().taken_back += stored.iter().filter(|row| row.contains("PURGED")).count();
-    compare(&stored, &told, "what is stored");
+    compare(&stored, &others, "what is stored");
     plant.close().await;
     other.close().await;
 }
@@ -123,17 +123,17 @@ async fn watched(
     knower: &mut Knower,
     values: Option<&[DataValue]>,
 ) -> (Plant, Varied) {
-    let told = Told::default();
-    let _log = tracing::subscriber::set_default(told.clone());
-    let _metrics = metrics::set_default_local_recorder(&told);
+    let telemetry = RecordedTelemetry::default();
+    let _log = tracing::subscriber::set_default(telemetry.clone());
+    let _metrics = metrics::set_default_local_recorder(&telemetry);
     let (mut plant, varied) = plant.act(act, knower, values).await;
-    plant.seen.extend(told.take());
+    plant.seen.extend(telemetry.take());
     (plant, varied)
 }
 
-fn compare(seen: &[String], told: &[String], what: &str) {
-    for (seen, told) in seen.iter().zip(told) {
-        assert_eq!(seen, told, "{what} tells what is below the policy");
+fn compare(seen: &[String], others: &[String], what: &str) {
+    for (seen, others) in seen.iter().zip(others) {
+        assert_eq!(seen, others, "{what} tells what is below the policy");
     }
-    assert_eq!(seen.len(), told.len(), "{what} tells what is below the policy");
+    assert_eq!(seen.len(), others.len(), "{what} tells what is below the policy");
 }

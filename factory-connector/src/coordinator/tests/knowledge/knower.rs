@@ -154,13 +154,13 @@ impl Knower {
         let payload = &report["Payload"];
         let request = payload["dynamicDataRequestId"]["Body"].as_str().expect("a request");
         let request = usize::from(request == "R1");
-        let told: Vec<&str> = payload["recipientList"]["Body"]
+        let stated: Vec<&str> = payload["recipientList"]["Body"]
             .as_array()
             .expect("recipients")
             .iter()
             .filter_map(Value::as_str)
             .collect();
-        assert_eq!(told, self.recipients(request), "who may read {report}");
+        assert_eq!(stated, self.recipients(request), "who may read {report}");
         for (field, of) in FIELDS.iter().enumerate().filter(|(_, of)| of.request == request) {
             let member = &payload[of.name];
             if member.is_null() {

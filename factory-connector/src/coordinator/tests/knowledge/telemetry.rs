@@ -15,20 +15,20 @@ use tracing::{
 
 /// Lines of log and metrics; clones share them.
 #[derive(Clone, Default)]
-pub(super) struct Told(Arc<Mutex<Vec<String>>>);
+pub(super) struct RecordedTelemetry(Arc<Mutex<Vec<String>>>);
 
-impl Told {
+impl RecordedTelemetry {
     /// Takes the lines since the last call.
     pub(super) fn take(&self) -> Vec<String> {
         std::mem::take(&mut self.0.lock())
     }
 
     fn metric(&self, key: &Key) -> Arc<Metric> {
-        Arc::new(Metric { key: key.clone(), told: self.clone() })
+        Arc::new(Metric { key: key.clone(), telemetry: self.clone() })
     }
 }
 
-impl Subscriber for Told {
+impl Subscriber for RecordedTelemetry {
     fn enabled(&self, metadata: &tracing::Metadata<'_>) -> bool {
         // Other crates tell how long statements take.
         let own =
@@ -64,7 +64,7 @@ impl Visit for Line {
     }
 }
 
-impl Recorder for Told {
+impl Recorder for RecordedTelemetry {
     fn describe_counter(&self, _: KeyName, _: Option<Unit>, _: SharedString) {}
 
     fn describe_gauge(&self, _: KeyName, _: Option<Unit>, _: SharedString) {}
@@ -87,12 +87,12 @@ impl Recorder for Told {
 /// A metric that tells each of its changes.
 struct Metric {
     key: Key,
-    told: Told,
+    telemetry: RecordedTelemetry,
 }
 
 impl Metric {
     fn tell(&self, change: impl fmt::Display) {
-        self.told.0.lock().push(format!("metric {} {change}", self.key));
+        self.telemetry.0.lock().push(format!("metric {} {change}", self.key));
     }
 }
 
