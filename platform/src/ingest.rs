@@ -11,6 +11,7 @@ mod decode;
 mod heartbeats;
 mod lease_arbiter;
 mod service;
+mod signs_of_life;
 mod unit;
 
 pub use decode::{Incoming, IncomingReport, decode};

@@ -66,10 +66,12 @@ pub enum LiveEvent {
         /// Faults for which it was rejected.
         fault_list: Vec<Fault>,
     },
-    /// Sign of life of a factory; at most once a second each.
+    /// Sign of life of a factory: for its own organisation at most once a second, for others at most
+    /// once a minute, unless its publisher's state changes.
     #[serde(rename_all = "camelCase")]
     Factory {
         factory_id: FactoryId,
+        /// As `GET /factories` shows it to the same viewer.
         last_seen_at: DateTime,
         /// State that its publisher reported last.
         publisher_state: Option<String>,
@@ -81,7 +83,7 @@ pub enum LiveEvent {
         #[serde(flatten)]
         operation: OperationProgress,
     },
-    /// New revision of a network, or its withdrawal.
+    /// New revision of a network that changed what the viewer sees of it, or its withdrawal.
     #[serde(rename_all = "camelCase")]
     Network { operation_network_id: OperationNetworkId, revision: u64 },
     /// Comment that was added to a network.

@@ -21,7 +21,9 @@ pub struct Status {
     started_at: DateTime,
     /// Its own clock, to tell ages by.
     now: DateTime,
-    /// State of the link to the broker.
+    /// State of the link to the broker; for administrators, since its times are those of the messages
+    /// of all factories.
+    #[serde(skip_serializing_if = "Option::is_none")]
     link: Option<LinkState>,
     /// The queues of the embedded broker; for administrators.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -35,12 +37,14 @@ pub struct Status {
 #[utoipa::path(get, operation_id = "showStatus", path = "/status", tag = "status", security(("session" = [])),
     responses((status = 200, body = Status), ReadProblems))]
 pub async fn show(State(app): State<Application>, who: SignedIn<Principal>) -> Json<Status> {
-    let broker = app.broker_access.broker().filter(|_| who.principal.is_administrator());
+    let is_administrator = who.principal.is_administrator();
+    let broker = app.broker_access.broker().filter(|_| is_administrator);
+    let link = app.broker_access.link().filter(|_| is_administrator);
     Json(Status {
         version: env!("CARGO_PKG_VERSION"),
         started_at: app.started_at,
         now: app.clock.now(),
-        link: app.broker_access.link().map(|link| link.state().borrow().clone()),
+        link: link.map(|link| link.state().borrow().clone()),
         queues: broker.as_ref().map(|broker| broker.queues()),
         connections: broker.map(|broker| broker.connections()),
     })

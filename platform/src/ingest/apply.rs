@@ -137,6 +137,7 @@ impl<'w> Applier<'w> {
             }
             (Content::Status(state), Some(factory)) => {
                 unit.heard(factory).publisher_state = Some(state.name());
+                unit.record_sign(factory, incoming.received_at);
                 Ok(())
             }
             (Content::Factory(message), Some(_)) => {

@@ -75,7 +75,7 @@ impl<'w> LeaseArbiter<'w> {
         // of a silent one alive.
         if !is_refused {
             self.heartbeats.record(factory);
-            unit.record_arrival(factory, received_at);
+            unit.record_sign(factory, received_at);
         }
         if decision == LeaseDecision::Passed && lease.number > 1 {
             // The new holder may lack what the former one had received.

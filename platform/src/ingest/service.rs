@@ -8,7 +8,7 @@ use asi_model::{
 };
 use async_trait::async_trait;
 use messaging::{Delivery, LogicalAddress, Settlement};
-use parking_lot::{Mutex, RwLock};
+use parking_lot::RwLock;
 use tokio::sync::{mpsc, oneshot};
 use tokio_util::sync::CancellationToken;
 
@@ -16,15 +16,16 @@ use super::{
     apply::Applier,
     decode::{Content, Incoming, dead_letter, decode as understand},
     heartbeats::Heartbeats,
+    signs_of_life::SignsOfLife,
     unit::Effects,
 };
 use crate::{
     accesses::AccessRecorder,
     broker_access::BrokerAccess,
     clock::{Clock, new_access_id},
-    live::{LiveEvent, LiveLog},
+    live::LiveLog,
     progress_notifier::ProgressNotifierHandle,
-    store::{Heard, Store, StoreError},
+    store::{Store, StoreError},
     witness::WitnessKey,
 };
 
@@ -32,8 +33,6 @@ use crate::{
 const DECODED_INLINE_BYTES_MAX: usize = 64 * 1024;
 /// Batches that wait for the writer.
 const BATCHES_WAITING_MAX: usize = 64;
-/// Time between two events that a factory was heard.
-const HEARD_INTERVAL: Duration = Duration::from_secs(1);
 /// Batches written in one transaction.
 const BATCHES_PER_WORK_MAX: usize = 32;
 
@@ -64,8 +63,7 @@ pub struct Ingest {
     heartbeats: Heartbeats,
     meta_data: Arc<RwLock<Arc<MetaDataTable>>>,
     batches: mpsc::Receiver<Batch>,
-    /// Time of the last `factory` event, per factory.
-    heard_published: Mutex<HashMap<FactoryId, std::time::Instant>>,
+    signs: SignsOfLife,
 }
 
 /// Brings messages to a running [`Ingest`].
@@ -109,7 +107,7 @@ impl Ingest {
         let (sender, batches) = mpsc::channel(BATCHES_WAITING_MAX);
         let handle = IngestHandle { meta_data: Arc::clone(&meta_data), batches: sender };
         let IngestConfig { resend_after, silence, witness } = config;
-        let (heard_published, heartbeats) = (Mutex::default(), Heartbeats::new(silence));
+        let (signs, heartbeats) = (SignsOfLife::default(), Heartbeats::new(silence));
         Ok((
             Self {
                 store,
@@ -123,7 +121,7 @@ impl Ingest {
                 heartbeats,
                 meta_data,
                 batches,
-                heard_published,
+                signs,
             },
             handle,
         ))
@@ -229,8 +227,11 @@ impl Ingest {
         self.live.publish(effects.notifications);
         self.progress.changed(effects.networks);
         for (factory, heard) in effects.heard {
-            if let Err(error) = self.tell_heard(factory, heard).await {
-                tracing::warn!(%error, "Pages could not be notified that a factory was heard.");
+            match self.signs.events(&self.store, factory, heard).await {
+                Ok(events) => self.live.publish(events),
+                Err(error) => {
+                    tracing::warn!(%error, "Pages could not be notified that a factory was heard.");
+                }
             }
         }
         metrics::counter!("verbund_reports_stored_total").increment(effects.reports);
@@ -238,32 +239,6 @@ impl Ingest {
         for code in effects.dead_letters {
             metrics::counter!("verbund_dead_letters_total", "code" => code).increment(1);
         }
-    }
-}
-
-impl Ingest {
-    /// Tells pages that a factory lives, at most once per interval each.
-    async fn tell_heard(&self, factory_id: FactoryId, heard: Heard) -> Result<(), StoreError> {
-        let Some(last_seen_at) = heard.at else { return Ok(()) };
-        let now = std::time::Instant::now();
-        let is_due = {
-            let mut published = self.heard_published.lock();
-            let is_due = published
-                .get(&factory_id)
-                .is_none_or(|at| now.duration_since(*at) >= HEARD_INTERVAL);
-            if is_due {
-                published.insert(factory_id.clone(), now);
-            }
-            is_due
-        };
-        if is_due || heard.publisher_state.is_some() {
-            let audience = self.store.read().await?.factories().concerned(&factory_id).await?;
-            let publisher_state = heard.publisher_state.map(str::to_owned);
-            self.live.publish([
-                LiveEvent::Factory { factory_id, last_seen_at, publisher_state }.to(audience)
-            ]);
-        }
-        Ok(())
     }
 }
 

@@ -3,6 +3,7 @@
 use std::{
     collections::{HashMap, HashSet},
     fmt::Display,
+    time::Duration,
 };
 
 use access_log::{AccessKind, AgentKind};
@@ -20,6 +21,9 @@ use crate::{
     store::{Heard, NewDeadLetter, NewOutgoing, StoreError, Work, WriterKey, WriterRow},
     tools::ToolAcknowledgement,
 };
+
+/// Step of the times at which other members learn that a factory lives.
+const SIGN_STEP: Duration = Duration::from_secs(60);
 
 /// Effects of a unit, to be published after its commit.
 #[derive(Debug, Default)]
@@ -85,6 +89,14 @@ impl<'w> IngestUnit<'w> {
     pub(super) fn record_arrival(&mut self, factory: &FactoryId, received_at: DateTime) {
         let heard = self.heard(factory);
         heard.at = heard.at.max(Some(received_at));
+    }
+
+    /// Records a sign of the factory's life that does not follow values, so that it may be known to
+    /// members that receive none.
+    pub(super) fn record_sign(&mut self, factory: &FactoryId, received_at: DateTime) {
+        self.record_arrival(factory, received_at);
+        let heard = self.heard(factory);
+        heard.sign_at = heard.sign_at.max(Some(received_at.floor_to(SIGN_STEP)));
     }
 
     /// Returns the row of a data set writer, to be updated.

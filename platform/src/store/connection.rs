@@ -10,7 +10,7 @@ use sqlx::{
 
 use super::{error::StoreError, work::Work};
 
-const MIGRATIONS: [(i64, &str, &str); 9] = [
+const MIGRATIONS: [(i64, &str, &str); 10] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
@@ -20,6 +20,7 @@ const MIGRATIONS: [(i64, &str, &str); 9] = [
     (7, "past releases", include_str!("../../migrations/sqlite/0007_past_releases.sql")),
     (8, "accesses", include_str!("../../migrations/sqlite/0008_accesses.sql")),
     (10, "revocations", include_str!("../../migrations/sqlite/0010_revocations.sql")),
+    (11, "sight", include_str!("../../migrations/sqlite/0011_sight.sql")),
 ];
 
 /// Reads of pages at once; more would only share the same disk.

@@ -24,9 +24,10 @@ pub struct Factory {
     pub created_at: DateTime,
     /// Last enrolment of its connector; absent before the first.
     pub enrolled_at: Option<DateTime>,
-    /// Last arrival from it, keep-alives included.
+    /// Last arrival from it, keep-alives included, for its own organisation. For others the minute
+    /// of the last sign that does not follow values: a renewal of its lease, or a status.
     pub last_seen_at: Option<DateTime>,
-    /// Arrival of its last report.
+    /// Arrival of its last report, for its own organisation.
     pub last_report_at: Option<DateTime>,
     /// State that its publisher reported last (`ua-status`), for example `Operational`.
     pub publisher_state: Option<String>,
@@ -39,6 +40,8 @@ pub struct Heard {
     pub at: Option<DateTime>,
     /// Arrival of the last report.
     pub report_at: Option<DateTime>,
+    /// Minute of the last sign that does not follow values.
+    pub sign_at: Option<DateTime>,
     /// State that the publisher reported.
     pub publisher_state: Option<&'static str>,
 }
@@ -46,8 +49,13 @@ pub struct Heard {
 /// Repository of factories.
 pub struct Factories<'w>(pub(super) &'w mut Connection);
 
-/// Factories visible to the organisation `$1`, or the one with the id `$2` where that is given.
-const SELECT: &str = "SELECT f.* FROM factory f
+/// Factories visible to the organisation `$1`, or the one with the id `$2` where that is given. The
+/// organisation `$3` sees when its own were heard.
+const SELECT: &str = "SELECT f.factory_id, f.organisation_id, f.name, f.created_at, f.enrolled_at, f.publisher_state,
+        CASE WHEN CAST($3 AS TEXT) IS NULL OR f.organisation_id = $3 THEN f.last_heard_at
+            ELSE f.last_sign_at END AS last_heard_at,
+        CASE WHEN CAST($3 AS TEXT) IS NULL OR f.organisation_id = $3 THEN f.last_report_at END AS last_report_at
+    FROM factory f
     WHERE (CAST($2 AS TEXT) IS NULL OR f.factory_id = $2)
       AND (CAST($1 AS TEXT) IS NULL OR f.organisation_id = $1 OR EXISTS (
         SELECT 1 FROM collaboration_factory cf
@@ -88,6 +96,7 @@ impl Factories<'_> {
         let rows = sqlx::query(SELECT)
             .bind(scope.member())
             .bind(None::<&str>)
+            .bind(scope.recipient())
             .fetch_all(&mut *self.0)
             .await
             .map_err(StoreError::during("list factories"))?;
@@ -106,28 +115,39 @@ impl Factories<'_> {
         let row = sqlx::query(SELECT)
             .bind(scope.member())
             .bind(id.as_str())
+            .bind(scope.recipient())
             .fetch_optional(&mut *self.0)
             .await
             .map_err(StoreError::during("look a factory up"))?;
         row.as_ref().map(read).transpose()
     }
 
-    /// Lists the organisations that may know of a factory: its owner and the members of its
-    /// collaborations.
+    /// Lists the organisations that may know of a factory: its own, and the other members of its
+    /// collaborations by id.
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn concerned(&mut self, id: &FactoryId) -> Result<Vec<OrganisationId>, StoreError> {
-        let sql = "SELECT organisation_id FROM factory WHERE factory_id = $1
-                   UNION SELECT m.organisation_id FROM collaboration_factory cf
-                   JOIN collaboration_member m ON m.collaboration_id = cf.collaboration_id WHERE cf.factory_id = $1
+    pub async fn concerned(
+        &mut self,
+        id: &FactoryId,
+    ) -> Result<(Vec<OrganisationId>, Vec<OrganisationId>), StoreError> {
+        let sql = "SELECT organisation_id, 1 AS is_own FROM factory WHERE factory_id = $1
+                   UNION SELECT m.organisation_id, 0 FROM collaboration_factory cf
+                   JOIN collaboration_member m ON m.collaboration_id = cf.collaboration_id
+                   JOIN factory f ON f.factory_id = cf.factory_id
+                   WHERE cf.factory_id = $1 AND m.organisation_id <> f.organisation_id
                    ORDER BY 1";
         let rows = sqlx::query(sql)
             .bind(id.as_str())
             .fetch_all(&mut *self.0)
             .await
             .map_err(StoreError::during("list who may know of a factory"))?;
-        rows.iter().map(|row| row.parsed("organisation_id")).collect()
+        let (mut own, mut others) = (Vec::new(), Vec::new());
+        for row in &rows {
+            let is_own = row.unsigned::<u8>("is_own")? != 0;
+            if is_own { &mut own } else { &mut others }.push(row.parsed("organisation_id")?);
+        }
+        Ok((own, others))
     }
 
     /// Notes that the connector enrolled.
@@ -151,13 +171,15 @@ impl Factories<'_> {
     pub async fn heard(&mut self, id: &FactoryId, heard: &Heard) -> Result<(), StoreError> {
         let sql = "UPDATE factory SET last_heard_at = COALESCE($2, last_heard_at),
                        last_report_at = COALESCE($3, last_report_at),
-                       publisher_state = COALESCE($4, publisher_state)
+                       publisher_state = COALESCE($4, publisher_state),
+                       last_sign_at = COALESCE($5, last_sign_at)
                    WHERE factory_id = $1";
         sqlx::query(sql)
             .bind(id.as_str())
             .bind(heard.at.map(DateTime::ticks))
             .bind(heard.report_at.map(DateTime::ticks))
             .bind(heard.publisher_state)
+            .bind(heard.sign_at.map(DateTime::ticks))
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("note that a factory was heard"))?;

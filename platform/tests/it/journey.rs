@@ -5,6 +5,7 @@ use serde_json::json;
 use crate::{
     connector::Peer,
     harness::{World, eventually},
+    leases,
     story::{self, NETWORK, network_path},
 };
 
@@ -241,7 +242,9 @@ async fn comments_go_both_ways() {
 #[tokio::test(flavor = "multi_thread")]
 async fn pages_receive_heartbeats_and_catch_up_from_the_beginning() {
     let world = World::start().await;
-    let (_, buyer, _munich, _hamburg) = story::accepted(&world).await;
+    let (_, buyer, munich, _hamburg) = story::accepted(&world).await;
+    leases::with_leases(&munich);
+    leases::ask(&munich, "a1", "here").await;
     let newest = buyer.get(&network_path()).await.expect_ok()["lastEventId"]
         .as_str()
         .expect("an id")

@@ -5,7 +5,9 @@ use serde_json::{Value, json};
 
 use crate::{
     chain::{self, CARRIER, CARRIER_FACTORY, ids, requests_path, seen},
-    harness::{World, eventually},
+    connector::Peer,
+    harness::{Api, World, eventually},
+    leases,
     story::{self, NETWORK, network_path, planner},
 };
 
@@ -78,7 +80,7 @@ fn requests(network: &Value) -> Vec<String> {
 async fn faults_of_a_factory_are_for_itself_and_the_drawer() {
     let world = World::start().await;
     let admin = chain::drawn(&world).await;
-    let munich = crate::connector::Peer::enrolled(&world, &admin, "FOR_MUC").await;
+    let munich = Peer::enrolled(&world, &admin, "FOR_MUC").await;
     let part = munich.receive("operation-network", |part| part["revision"] == 2).await;
     let fault = json!({ "pointer": "/operationNetwork", "code": "SECRET_FAULT", "message": "No." });
     let inspector = planner(&world, "inspect-hamburg").await;
@@ -213,4 +215,53 @@ async fn who_drew_an_operation_or_asks_about_one_sees_it_in_full() {
     hidden.expect_problem(404, "NOT_FOUND");
     let parts = carrier.get(&network_path()).await.expect_ok()["parts"].clone();
     assert_eq!(ids(&parts, "factoryId"), ["FOR_MUC", CARRIER_FACTORY, "INS_HAM"]);
+}
+
+/// Everything that a member reads of a factory and of the network, but for the id at which the live
+/// stream goes on.
+async fn read_by(api: &Api) -> String {
+    let mut view = api.get(&network_path()).await.expect_ok();
+    view.as_object_mut().expect("an object").remove("lastEventId");
+    let mut status = api.get("/status").await.expect_ok();
+    status.as_object_mut().expect("an object").remove("now");
+    let mut read = format!("{view}{status}");
+    for path in ["/factories", "/operation-networks", "/factories/FOR_MUC/writers", "/reports"] {
+        read.push_str(&api.get(path).await.expect_ok().to_string());
+    }
+    read
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_a_factory_sends_to_others_shows_nowhere() {
+    let world = World::start().await;
+    let (_, buyer, munich, _hamburg) = story::accepted(&world).await;
+    let inspector = planner(&world, "inspect-hamburg").await;
+    let maker = planner(&world, "frames-munich").await;
+    let mut live = inspector.live(None).await;
+    leases::with_leases(&munich);
+    leases::ask(&munich, "a1", "here").await;
+    // A sign of life that does not follow values, by the minute.
+    let heard = loop {
+        let (_, event) = live.next("factory").await;
+        if event["factoryId"] == "FOR_MUC" {
+            break event["lastSeenAt"].as_str().expect("a time").to_owned();
+        }
+    };
+    assert!(heard.ends_with(":00Z"), "{heard}");
+    let before = read_by(&inspector).await;
+    assert_eq!(before.matches(&format!("\"lastSeenAt\":\"{heard}\"")).count(), 2, "{before}");
+
+    for sequence in 0..3 {
+        let id = format!("m{sequence}");
+        munich.send("ua-data", &story::report(&id, sequence, sequence.into()));
+    }
+    story::value_is(&buyer, "2").await;
+    let own = maker.get("/factories").await.expect_ok()["items"][0].clone();
+    assert!(own["lastReportAt"].is_string() && own["lastSeenAt"] != heard, "{own}");
+    assert_eq!(read_by(&inspector).await, before);
+    // The next event that it hears is about something else.
+    let mut network = story::network();
+    network["name"] = json!("Another name");
+    story::put_network(&buyer, network).await;
+    assert_eq!(live.any().await.1, "network");
 }
