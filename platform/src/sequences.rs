@@ -39,6 +39,20 @@ impl SequenceSet {
         self.through
     }
 
+    /// Returns the part of the set between two numbers that are in it; no number below is missing.
+    #[must_use]
+    pub fn between(&self, first: u32, through: u32) -> Self {
+        let missing = self.missing.iter().copied();
+        let inside = missing.filter(|(from, _)| (first..through).contains(from));
+        Self { through: Some(through), missing: inside.collect() }
+    }
+
+    /// Returns the part of the set up to a number, without a word about what is missing.
+    #[must_use]
+    pub const fn complete(through: u32) -> Self {
+        Self { through: Some(through), missing: VecDeque::new() }
+    }
+
     /// Returns first and last of each missing range, ascending.
     #[must_use]
     pub const fn missing(&self) -> &VecDeque<(u32, u32)> {
@@ -146,6 +160,15 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+
+    #[test]
+    fn a_part_has_no_word_about_what_is_outside() {
+        let set = of(&[2, 3, 6, 9]);
+        let part = set.between(3, 6);
+        assert_eq!((part.through(), part.missing_numbers().collect()), (Some(6), vec![4, 5]));
+        assert_eq!(set.between(0, 2).missing_numbers().collect::<Vec<_>>(), [0, 1]);
+        assert_eq!(SequenceSet::complete(6).missing_count(), 0);
+    }
 
     fn of(numbers: &[u32]) -> SequenceSet {
         let mut set = SequenceSet::new();

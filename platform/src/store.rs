@@ -77,4 +77,4 @@ pub use tools::{Tool, Tools};
 pub use users::{Role, User, Users};
 pub use visibility::{NetworkOwners, Sight, Visibility};
 pub use work::Work;
-pub use writers::{StoredGap, WriterKey, WriterRow, Writers};
+pub use writers::{SeenWriter, StoredGap, WriterKey, WriterRow, Writers};

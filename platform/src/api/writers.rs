@@ -7,7 +7,11 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{page::Page, problems::ReadProblems};
-use crate::{application::Application, principal::Principal, store::StoredGap};
+use crate::{
+    application::Application,
+    principal::Principal,
+    store::{SeenWriter, StoredGap},
+};
 
 /// Missing numbers shown per writer.
 const MISSING_SHOWN_MAX: usize = 1000;
@@ -32,11 +36,11 @@ pub struct WriterView {
     gaps: Vec<GapView>,
     /// Reports that arrived, repeats not counted.
     received: u64,
-    /// Repeats that were discarded.
-    duplicates: u64,
+    /// Repeats that were discarded; for the factory's own organisation and administrators.
+    duplicates: Option<u64>,
     /// Arrival of the last report.
     last_report_at: Option<DateTime>,
-    /// Arrival of the last keep-alive.
+    /// Arrival of the last keep-alive, as long as the viewer receives all reports of the writer.
     last_keep_alive_at: Option<DateTime>,
 }
 
@@ -59,7 +63,8 @@ impl From<StoredGap> for GapView {
 
 /// Lists a factory's data set writers with received sequence numbers: all for its own organisation
 /// and administrators; for recipients those whose reports they get, so that they can tell silence
-/// from reports that are missing or were given up.
+/// from reports that are missing or were given up. Numbers, times and gaps are those of the reports
+/// that were released to the viewer; what others are sent changes nothing in them.
 #[utoipa::path(get, operation_id = "listWriters", path = "/factories/{factoryId}/writers", tag = "factories", security(("session" = [])),
     params(("factoryId" = String, Path)), responses((status = 200, body = Page<WriterView>), ReadProblems))]
 pub async fn list(
@@ -72,24 +77,20 @@ pub async fn list(
     if work.factories().lookup(&scope, &id).await?.is_none() {
         return Err(Problem::not_found(format_args!("factory {id}")));
     }
-    let mut gaps = work.writers().gaps(&id).await?;
-    let rows = work.writers().of_factory(&scope, &id).await?;
-    let views = rows.into_iter().map(|row| {
-        let gaps = gaps.remove(&row.key).unwrap_or_default();
-        WriterView {
-            data_set_writer_id: row.key.data_set_writer_id,
-            epoch: row.key.epoch,
-            operation_network_id: row.operation_network_id,
-            dynamic_data_request_id: row.dynamic_data_request_id,
-            through_sequence: row.sequences.through(),
-            missing: row.sequences.missing_numbers().take(MISSING_SHOWN_MAX).collect(),
-            missing_count: row.sequences.missing_count(),
-            gaps: gaps.into_iter().map(GapView::from).collect(),
-            received: row.received,
-            duplicates: row.duplicates,
-            last_report_at: row.last_report_at,
-            last_keep_alive_at: row.last_keep_alive_at,
-        }
+    let seen = work.writers().of_factory(&scope, &id).await?;
+    let views = seen.into_iter().map(|SeenWriter { writer: row, gaps, is_whole }| WriterView {
+        data_set_writer_id: row.key.data_set_writer_id,
+        epoch: row.key.epoch,
+        operation_network_id: row.operation_network_id,
+        dynamic_data_request_id: row.dynamic_data_request_id,
+        through_sequence: row.sequences.through(),
+        missing: row.sequences.missing_numbers().take(MISSING_SHOWN_MAX).collect(),
+        missing_count: row.sequences.missing_count(),
+        gaps: gaps.into_iter().map(GapView::from).collect(),
+        received: row.received,
+        duplicates: is_whole.then_some(row.duplicates),
+        last_report_at: row.last_report_at,
+        last_keep_alive_at: row.last_keep_alive_at,
     });
     Ok(Json(Page::whole(views.collect())))
 }

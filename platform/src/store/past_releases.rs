@@ -10,8 +10,8 @@ use asi_model::{
 use super::{
     database::{Connection, Database},
     error::StoreError,
-    recipient_sets::{RecipientSetId, RecipientSets},
-    row::Columns,
+    recipient_sets::{RecipientSetId, RecipientSets, add_released},
+    row::{Columns, signed},
 };
 
 /// A range of reports that a factory released to a recipient afterwards.
@@ -243,6 +243,25 @@ impl PastReleases<'_> {
         set: Option<RecipientSetId>,
         wider: RecipientSetId,
     ) -> Result<(), StoreError> {
+        // So that the recipient sees the numbers of these reports, as of what was released at once.
+        let sql = concat!(
+            "INSERT INTO writer_recipient_set (factory_id, data_set_writer_id, epoch, recipient_set_id,
+                 first_sequence, through_sequence, received, last_report_at, operation_network_id,
+                 dynamic_data_request_id)
+             SELECT $1, $2, $3, $10, MIN(p.sequence), MAX(p.sequence), COUNT(*), MAX(p.received_at), $6, $8
+             FROM report p WHERE ",
+            in_range!(),
+            " AND COALESCE(",
+            present_set!(),
+            ", 0) = COALESCE(CAST($9 AS BIGINT), 0)",
+            add_released!()
+        );
+        of_range(sql, release, range)
+            .bind(set.map(|set| set.0))
+            .bind(wider.0)
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("note the recipients of writers"))?;
         let sql = concat!(
             "UPDATE report AS p SET recipient_set_id = $10 WHERE ",
             in_range!(),
@@ -250,21 +269,21 @@ impl PastReleases<'_> {
             present_set!(),
             ", 0) = COALESCE(CAST($9 AS BIGINT), 0)"
         );
-        of_range(sql, release, range)
+        let moved = of_range(sql, release, range)
             .bind(set.map(|set| set.0))
             .bind(wider.0)
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("show reports to one more recipient"))?;
-        // So that the recipient sees the writer's gaps, as for what was released to it at once.
-        let sql = "INSERT INTO writer_recipient_set
-                       (factory_id, data_set_writer_id, epoch, recipient_set_id)
-                   VALUES ($1, $2, $3, $4) ON CONFLICT DO NOTHING";
+        // Each report counts for one set.
+        let sql = "UPDATE writer_recipient_set SET received = received - $5
+                   WHERE factory_id = $1 AND data_set_writer_id = $2 AND epoch = $3 AND recipient_set_id = $4";
         sqlx::query(sql)
             .bind(release.factory_id.as_str())
             .bind(i64::from(range.data_set_writer_id))
             .bind(i64::from(range.epoch))
-            .bind(wider.0)
+            .bind(set.map(|set| set.0))
+            .bind(signed(moved.rows_affected()))
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("note the recipients of writers"))?;

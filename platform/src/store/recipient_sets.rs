@@ -10,8 +10,25 @@ use super::{
     row::{Columns, document},
 };
 
+/// Adds the numbers of newly released reports to those of the same writer and set.
+macro_rules! add_released {
+    () => {
+        " ON CONFLICT (factory_id, data_set_writer_id, epoch, recipient_set_id) DO UPDATE SET
+              first_sequence = CASE WHEN writer_recipient_set.first_sequence < excluded.first_sequence
+                  THEN writer_recipient_set.first_sequence ELSE excluded.first_sequence END,
+              through_sequence = CASE WHEN writer_recipient_set.through_sequence > excluded.through_sequence
+                  THEN writer_recipient_set.through_sequence ELSE excluded.through_sequence END,
+              received = writer_recipient_set.received + excluded.received,
+              last_report_at = CASE WHEN writer_recipient_set.last_report_at > excluded.last_report_at
+                  THEN writer_recipient_set.last_report_at ELSE excluded.last_report_at END,
+              operation_network_id = excluded.operation_network_id,
+              dynamic_data_request_id = excluded.dynamic_data_request_id"
+    };
+}
+pub(super) use add_released;
+
 /// Number of a stored set.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct RecipientSetId(pub(super) i64);
 
 /// Repository of sets of recipients.

@@ -1,6 +1,6 @@
 //! Reports: the history of values that factories disclosed.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 use asi_model::{DateTime, DynamicDataRequestId, FactoryId, OperationNetworkId, RequestKey};
 use indexmap::IndexMap;
@@ -11,7 +11,7 @@ use utoipa::ToSchema;
 use super::{
     database::{Connection, Database},
     error::StoreError,
-    recipient_sets::RecipientSetId,
+    recipient_sets::{RecipientSetId, add_released},
     row::{Columns, DatabaseRow, document},
     scope::Scope,
 };
@@ -118,6 +118,48 @@ macro_rules! chosen {
     };
 }
 
+/// Reports of a writer that were released to the same recipients.
+#[derive(PartialEq, Eq, Hash, PartialOrd, Ord)]
+struct ReleasingWriter<'r> {
+    factory: &'r str,
+    id: u16,
+    epoch: u32,
+    recipient_set: RecipientSetId,
+}
+
+/// Numbers and arrival of released reports.
+struct Released<'r> {
+    first: u32,
+    through: u32,
+    received: i64,
+    /// Arrival of the last one.
+    last_at: DateTime,
+    /// The request that the last one answers.
+    request: &'r RequestKey,
+}
+
+fn released(reports: &[NewReport]) -> BTreeMap<ReleasingWriter<'_>, Released<'_>> {
+    let mut writers: BTreeMap<ReleasingWriter<'_>, Released<'_>> = BTreeMap::new();
+    for report in reports {
+        let Some(recipient_set) = report.recipient_set else { continue };
+        let (factory, id) = (report.factory_id.as_str(), report.data_set_writer_id);
+        let writer = ReleasingWriter { factory, id, epoch: report.epoch, recipient_set };
+        let released = writers.entry(writer).or_insert(Released {
+            first: report.sequence,
+            through: report.sequence,
+            received: 0,
+            last_at: report.received_at,
+            request: &report.request,
+        });
+        released.first = released.first.min(report.sequence);
+        released.through = released.through.max(report.sequence);
+        released.received += 1;
+        released.last_at = released.last_at.max(report.received_at);
+        released.request = &report.request;
+    }
+    writers
+}
+
 /// Repository of reports.
 pub struct Reports<'w>(pub(super) &'w mut Connection);
 
@@ -160,30 +202,27 @@ impl Reports<'_> {
         self.note_recipients(reports).await
     }
 
-    /// Notes to whom the writers of these reports released any, so that no reader of a writer's
+    /// Notes what the writers of these reports released to whom, so that no reader of a writer's
     /// numbers needs its history.
     async fn note_recipients(&mut self, reports: &[NewReport]) -> Result<(), StoreError> {
-        let writers: BTreeSet<_> = reports
-            .iter()
-            .filter_map(|report| {
-                let writer = (report.data_set_writer_id, report.epoch);
-                Some((report.factory_id.as_str(), writer, report.recipient_set?.0))
-            })
-            .collect();
-        let writers: Vec<_> = writers.into_iter().collect();
-        for chunk in writers.chunks(ROWS_PER_STATEMENT) {
-            let mut query = QueryBuilder::<Database>::new(
-                "INSERT INTO writer_recipient_set (factory_id, data_set_writer_id, epoch, recipient_set_id) ",
+        for (writer, released) in released(reports) {
+            let sql = concat!(
+                "INSERT INTO writer_recipient_set (factory_id, data_set_writer_id, epoch, recipient_set_id,
+                     first_sequence, through_sequence, received, last_report_at, operation_network_id,
+                     dynamic_data_request_id) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10)",
+                add_released!()
             );
-            query.push_values(chunk, |mut row, (factory, (writer, epoch), set)| {
-                row.push_bind(*factory)
-                    .push_bind(i64::from(*writer))
-                    .push_bind(i64::from(*epoch))
-                    .push_bind(*set);
-            });
-            query.push(" ON CONFLICT DO NOTHING");
-            query
-                .build()
+            sqlx::query(sql)
+                .bind(writer.factory)
+                .bind(i64::from(writer.id))
+                .bind(i64::from(writer.epoch))
+                .bind(writer.recipient_set.0)
+                .bind(i64::from(released.first))
+                .bind(i64::from(released.through))
+                .bind(released.received)
+                .bind(released.last_at.ticks())
+                .bind(released.request.operation_network_id.as_str())
+                .bind(released.request.dynamic_data_request_id.as_str())
                 .execute(&mut *self.0)
                 .await
                 .map_err(StoreError::during("note the recipients of writers"))?;

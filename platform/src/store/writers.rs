@@ -1,17 +1,18 @@
 //! Data set writers: which of their reports are held, and which are missing.
 
-use std::collections::HashMap;
+mod seen;
 
 use asi_model::{
     DateTime, FactoryId,
     messages::{Gap, GapCause},
 };
 
+pub use seen::SeenWriter;
+
 use super::{
     database::Connection,
     error::StoreError,
     row::{Columns, DatabaseRow, document, signed},
-    scope::Scope,
 };
 use crate::sequences::SequenceSet;
 
@@ -140,34 +141,6 @@ impl Writers<'_> {
         Ok(())
     }
 
-    /// Lists the writers of a factory, by writer and epoch: all to the factory's own organisation and
-    /// to administrators, to others those of whose reports at least one was released to them.
-    ///
-    /// # Errors
-    /// [`StoreError`].
-    pub async fn of_factory(
-        &mut self,
-        scope: &Scope,
-        factory: &FactoryId,
-    ) -> Result<Vec<WriterRow>, StoreError> {
-        let sql = "SELECT w.* FROM data_set_writer w
-                   WHERE w.factory_id = $2 AND (CAST($1 AS TEXT) IS NULL
-                       OR EXISTS (SELECT 1 FROM factory f
-                           WHERE f.factory_id = w.factory_id AND f.organisation_id = $1)
-                       OR EXISTS (SELECT 1 FROM writer_recipient_set s
-                           JOIN recipient_set_member m ON m.recipient_set_id = s.recipient_set_id
-                           WHERE s.factory_id = w.factory_id AND s.data_set_writer_id = w.data_set_writer_id
-                             AND s.epoch = w.epoch AND m.organisation_id = $1))
-                   ORDER BY w.data_set_writer_id, w.epoch";
-        let rows = sqlx::query(sql)
-            .bind(scope.member())
-            .bind(factory.as_str())
-            .fetch_all(&mut *self.0)
-            .await
-            .map_err(StoreError::during("list writers"))?;
-        rows.iter().map(read).collect()
-    }
-
     /// Lists writers with changes that were not receipted, by factory.
     ///
     /// # Errors
@@ -219,31 +192,6 @@ impl Writers<'_> {
             .await
             .map_err(StoreError::during("store a gap"))?;
         Ok(())
-    }
-
-    /// Reads the gaps that a factory announced, by writer and epoch, in the order of their arrival.
-    ///
-    /// # Errors
-    /// [`StoreError`].
-    pub async fn gaps(
-        &mut self,
-        factory: &FactoryId,
-    ) -> Result<HashMap<WriterKey, Vec<StoredGap>>, StoreError> {
-        let sql = "SELECT * FROM sequence_gap WHERE factory_id = $1 ORDER BY sequence_gap_id";
-        let rows = sqlx::query(sql)
-            .bind(factory.as_str())
-            .fetch_all(&mut *self.0)
-            .await
-            .map_err(StoreError::during("list gaps"))?;
-        let mut gaps: HashMap<WriterKey, Vec<StoredGap>> = HashMap::new();
-        for row in &rows {
-            gaps.entry(read_key(row)?).or_default().push(StoredGap {
-                first_sequence: row.unsigned("first_sequence")?,
-                last_sequence: row.unsigned("last_sequence")?,
-                cause: row.json("cause")?,
-            });
-        }
-        Ok(gaps)
     }
 }
 

@@ -6,7 +6,7 @@ use access_log::{AccessKind, AccessLog};
 use asi_model::{DateTime, FactoryId, OperationNetworkId, RequestKey};
 use platform::{
     accesses::{AccessStorage as _, Contents, Reading},
-    store::{AccessQuery, NewReport, ReportQuery, Scope, Store, Work},
+    store::{AccessQuery, NewReport, ReportQuery, Scope, SeenWriter, Store, Work},
 };
 use serde_json::json;
 use sqlx::{
@@ -102,6 +102,10 @@ async fn what_was_stored_stays_with_those_who_could_read_it() {
         assert_eq!(found, is_asked, "{factory}");
         let writers = work.writers().of_factory(&organisation("a"), &factory).await.expect("read");
         assert_eq!(writers.len(), usize::from(is_asked), "{factory}");
+        for SeenWriter { writer, is_whole, .. } in writers {
+            let told = (writer.sequences.through(), writer.received, is_whole);
+            assert_eq!(told, (Some(7), 1, false));
+        }
     }
 }
 

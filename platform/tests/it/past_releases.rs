@@ -69,12 +69,15 @@ async fn the_past_is_shown_to_the_named_recipient_alone() {
     assert_eq!(sequences(&maker).await, Vec::<u64>::new(), "another recipient learns nothing");
     let writers = inspector.get("/factories/FOR_MUC/writers").await.expect_ok();
     assert_eq!(writers["items"][0]["dataSetWriterId"], 1, "gaps are seen as of any writer");
+    let told = (&writers["items"][0]["throughSequence"], &writers["items"][0]["received"]);
+    assert_eq!(told, (&json!(1), &json!(2)), "of what was released");
 
     // The same again, and a part of it: nothing changes.
     munich.send("past-release", &release(INSPECTOR, 0, 1));
     munich.send("past-release", &release(INSPECTOR, 1, 1));
     munich.send("ua-data", &story::report_to(&[BUYER], "m3", 3, 4));
     held(&admin, 4).await;
+    assert_eq!(inspector.get("/factories/FOR_MUC/writers").await.expect_ok(), writers);
     assert_eq!(sequences(&inspector).await, [0, 1]);
     assert_eq!(sequences(&maker).await, Vec::<u64>::new());
     assert_eq!(sequences(&buyer).await, [0, 1, 2, 3]);

@@ -2,7 +2,11 @@
 
 use serde_json::{Value, json};
 
-use crate::{harness::World, story};
+use crate::{
+    entitlement::{BUYER, INSPECTOR, network_to},
+    harness::{Api, World, eventually},
+    story,
+};
 
 fn entry(receipt: &Value) -> &Value {
     &receipt["receiptList"][0]
@@ -38,7 +42,7 @@ async fn receipts_name_missing_reports_until_they_come_or_are_announced() {
     // A repeat is receipted again: the receipt may have been lost on its way.
     let before = munich.count("receipt");
     munich.send("ua-data", &story::report("m4-again", 4, 5));
-    crate::harness::eventually("another receipt", || async {
+    eventually("another receipt", || async {
         let count = munich.count("receipt");
         if count > before { Ok(()) } else { Err(count.to_string()) }
     })
@@ -79,7 +83,7 @@ async fn recipients_see_the_gaps_of_their_requests() {
         &json!({ "messageType": "gap", "messageId": "g1", "factoryId": "FOR_MUC", "dataSetWriterId": 1,
         "epoch": 608_926_829, "firstSequence": 1, "lastSequence": 3, "cause": "REVOKED" }),
     );
-    crate::harness::eventually("the gap", || async {
+    eventually("the gap", || async {
         let writers = buyer.get("/factories/FOR_MUC/writers").await.expect_ok();
         let writer = &writers["items"][0];
         let shown = (&writer["gaps"], &writer["missing"], &writer["dynamicDataRequestId"]);
@@ -88,4 +92,59 @@ async fn recipients_see_the_gaps_of_their_requests() {
         if shown == expected { Ok(()) } else { Err(writers.to_string()) }
     })
     .await;
+}
+
+/// Waits until the writer that a viewer is shown has these numbers.
+async fn shown_through(api: &Api, through: u64, received: u64) -> Value {
+    eventually("the numbers", || async {
+        let writers = api.get("/factories/FOR_MUC/writers").await.expect_ok();
+        let writer = &writers["items"][0];
+        let told = (&writer["throughSequence"], &writer["received"]);
+        if told == (&json!(through), &json!(received)) {
+            Ok(writers)
+        } else {
+            Err(writers.to_string())
+        }
+    })
+    .await
+}
+
+fn gap(first: u32, last: u32) -> Value {
+    json!({ "messageType": "gap", "messageId": format!("g{first}"), "factoryId": "FOR_MUC",
+        "dataSetWriterId": 1, "epoch": 608_926_829, "firstSequence": first, "lastSequence": last,
+        "cause": "REVOKED" })
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_removed_recipient_learns_nothing_from_numbers_and_times_of_later_reports() {
+    let world = World::start().await;
+    let (_, buyer, munich, _hamburg) =
+        story::accepted_network(&world, network_to(&[BUYER, INSPECTOR])).await;
+    let inspector = story::planner(&world, INSPECTOR).await;
+    let to_both = |id: &str, sequence: u32| story::report_to(&[BUYER, INSPECTOR], id, sequence, 3);
+    munich.send("ua-data", &to_both("m0", 0));
+    munich.send("ua-data", &to_both("m2", 2));
+    munich.send("gap", &gap(1, 1));
+    munich.send("gap", &gap(3, 3));
+    let writers = eventually("the gaps", || async {
+        let writers = inspector.get("/factories/FOR_MUC/writers").await.expect_ok();
+        let count = writers["items"][0]["gaps"].as_array().map(Vec::len);
+        if count == Some(2) { Ok(writers) } else { Err(writers.to_string()) }
+    })
+    .await;
+    let writer = &writers["items"][0];
+    assert_eq!((&writer["throughSequence"], &writer["received"]), (&json!(2), &json!(2)));
+    assert_eq!(writer["duplicates"], Value::Null, "repeats follow what others are sent");
+
+    story::put_network(&buyer, network_to(&[BUYER])).await;
+    let before = inspector.get("/factories/FOR_MUC/writers").await.expect_ok();
+    assert_eq!(before["items"][0]["gaps"].as_array().map(Vec::len), Some(1), "of its own reports");
+    // The factory has not taken the revision yet.
+    for sequence in [4, 6, 9] {
+        munich.send("ua-data", &to_both(&format!("m{sequence}"), sequence));
+    }
+    munich.send("gap", &gap(5, 5));
+    let told = shown_through(&buyer, 9, 5).await;
+    assert_eq!(told["items"][0]["missing"], json!([7, 8]));
+    assert_eq!(inspector.get("/factories/FOR_MUC/writers").await.expect_ok(), before);
 }
