@@ -54,6 +54,15 @@ impl Recipients<'_> {
                 .execute(&mut *self.0)
                 .await
                 .map_err(StoreError::during("store a recipient"))?;
+            let sql = "INSERT INTO named_recipient (operation_network_id, dynamic_data_request_id, organisation_id)
+                       VALUES ($1, $2, $3) ON CONFLICT DO NOTHING";
+            sqlx::query(sql)
+                .bind(network.as_str())
+                .bind(id.as_str())
+                .bind(recipient.as_str())
+                .execute(&mut *self.0)
+                .await
+                .map_err(StoreError::during("note that a recipient was named"))?;
         }
         Ok(())
     }

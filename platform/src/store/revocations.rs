@@ -39,7 +39,8 @@ pub struct RevocationEntry {
 pub struct Revocations<'w>(pub(super) &'w mut Connection);
 
 impl Revocations<'_> {
-    /// Stores a receipt with its readers.
+    /// Stores a receipt with its readers: of the recipients that the factory names those that a
+    /// revision named as recipients of the request, and the factory's organisation.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
@@ -72,12 +73,16 @@ impl Revocations<'_> {
             receipt.recipient_list.iter().map(asi_model::OrganisationId::as_str).collect();
         let readers = serde_json::to_string(&readers).expect("texts serialise");
         let sql = "INSERT INTO revocation_reader (revocation_number, organisation_id)
-                   SELECT $1, value FROM json_each($2)
+                   SELECT $1, n.organisation_id FROM named_recipient n
+                   JOIN json_each($2) r ON r.value = n.organisation_id
+                   WHERE n.operation_network_id = $4 AND n.dynamic_data_request_id = $5
                    UNION SELECT $1, organisation_id FROM factory WHERE factory_id = $3";
         sqlx::query(sql)
             .bind(signed(number))
             .bind(readers)
             .bind(receipt.factory_id.as_str())
+            .bind(receipt.operation_network_id.as_str())
+            .bind(receipt.dynamic_data_request_id.as_str())
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("store the readers of a receipt"))?;

@@ -3,10 +3,11 @@
 //! tells what the reader may not know. A new operation without a row fails the test.
 
 mod attempts;
+mod refusals;
 
 use serde_json::{Value, json};
 
-use self::attempts::attempts;
+use self::{attempts::attempts, refusals::Refusals};
 use crate::{
     chain::{self, CARRIER_FACTORY, MEMBERS, body, seen},
     connector::Peer,
@@ -101,7 +102,7 @@ async fn no_member_changes_what_belongs_to_another() {
     let members = members(&world, &admin).await;
     let before = state(&admin, &members).await;
     let chain = seen(&admin).await;
-    let mut count = 0;
+    let (mut count, mut compared) = (0, 0);
     for author in &members {
         let shown = seen(&author.api).await;
         for owner in members.iter().filter(|owner| owner.id != author.id) {
@@ -124,10 +125,13 @@ async fn no_member_changes_what_belongs_to_another() {
                         owner.id
                     );
                     let text = answer.body.to_string();
-                    assert!(
-                        !text.contains("secret of") || text.contains(&author.secret()),
-                        "{text}"
-                    );
+                    let others = members.iter().filter(|other| other.id != author.id);
+                    for other in others {
+                        assert!(!text.contains(&other.secret()), "{text}");
+                    }
+                    let hidden = Refusals::new(author, owner, &chain, &shown);
+                    let attempt = (&*path, body.as_ref());
+                    compared += hidden.assert_as_never_existed(&key, attempt, &answer).await;
                     count += 1;
                 }
             }
@@ -135,6 +139,7 @@ async fn no_member_changes_what_belongs_to_another() {
     }
     assert_eq!(state(&admin, &members).await, before);
     assert!(count > 300, "only {count} attempts");
+    assert!(compared > 50, "only {compared} attempts on what is hidden");
 }
 
 /// Paths that `reader` reads of what is `owner`'s.

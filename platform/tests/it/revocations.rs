@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use crate::{
     connector::Peer,
+    entitlement::{BUYER, INSPECTOR, network_to},
     harness::{Api, World, eventually},
     story::{self, NETWORK, network_path, planner},
 };
@@ -59,4 +60,24 @@ async fn the_receipt_of_a_revocation_reaches_its_recipients_as_it_was_signed() {
     munich.send("ua-data", &story::report("m0", 0, 3));
     story::value_is(&buyer, "3").await;
     assert_eq!(receipts(&buyer).await.len(), 1);
+}
+
+/// A factory could place documents before any organisation otherwise.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_receipt_is_read_by_recipients_of_the_request_alone() {
+    let world = World::start().await;
+    let (_, buyer, munich, _hamburg): (Api, Api, Peer, Peer) = story::accepted(&world).await;
+    let everybody = ["acme-aero", "inspect-hamburg", "stranger"];
+    munich.send("revocation", &receipt("FOR_MUC", &everybody));
+    arrived(&buyer).await;
+    let inspector = planner(&world, "inspect-hamburg").await;
+    assert!(receipts(&inspector).await.is_empty());
+    // Who was a recipient once reads what is revoked of that.
+    story::put_network(&buyer, network_to(&[BUYER, INSPECTOR])).await;
+    story::put_network(&buyer, network_to(&[BUYER])).await;
+    let mut second = receipt("FOR_MUC", &everybody);
+    second["messageId"] = "second".into();
+    munich.send("revocation", &second);
+    arrived(&inspector).await;
+    assert_eq!((receipts(&inspector).await.len(), receipts(&buyer).await.len()), (1, 2));
 }

@@ -85,8 +85,9 @@ async fn comment(
     Ok(())
 }
 
-/// Stores the signed receipt of a revocation for those who received the values. It is not checked
-/// here: its readers do, with the factory's key.
+/// Stores the signed receipt of a revocation for those who received the values. Its text is not
+/// checked here: its readers do, with the factory's key. Nobody reads it who was no recipient of the
+/// request, or a factory could place documents before any organisation.
 async fn revocation(
     unit: &mut IngestUnit<'_>,
     address: &LogicalAddress,
