@@ -16,6 +16,7 @@ mod merge;
 mod notifications;
 mod outcome;
 mod parts;
+mod readers;
 mod requests;
 mod resend;
 mod rights;

@@ -75,6 +75,6 @@ pub use revocations::{RevocationEntry, Revocations};
 pub use scope::Scope;
 pub use tools::{Tool, Tools};
 pub use users::{Role, User, Users};
-pub use visibility::{NetworkOwners, Sight, Visibility};
+pub use visibility::{NetworkOwners, Sight, Visibility, viewers};
 pub use work::Work;
 pub use writers::{SeenWriter, StoredGap, WriterKey, WriterRow, Writers};

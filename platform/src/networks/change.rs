@@ -53,7 +53,8 @@ pub async fn put(
     if before.as_ref().is_some_and(|before| before.collaboration_id != change.collaboration_id) {
         return Err(ChangeError::OtherCollaboration);
     }
-    let revision = before.as_ref().map_or(0, |before| before.revision);
+    // What the author does not see may have changed since; that is merged.
+    let revision = shown.as_ref().map_or(0, |shown| shown.revision);
     if change.expected_revision.is_some_and(|expected| expected != revision) {
         return Err(ChangeError::RevisionConflict { revision });
     }
@@ -62,7 +63,7 @@ pub async fn put(
             if shown.network == change.network {
                 return Ok(ChangeOutcome::unchanged(revision));
             }
-            revise(work, before, &shown.network, change.network, &collaboration, &terms).await
+            revise(work, before, &shown, change.network, &collaboration, &terms).await
         }
         (before, _) => draw(work, change.network, before, &collaboration, &terms).await,
     }
@@ -88,6 +89,7 @@ async fn draw(
         network: document,
         updated_at: author.now,
         updated_by: author.name.clone(),
+        author_organisation: author.organisation_id.clone(),
         withdrawn_at: None,
         drawn_by,
     };
@@ -102,14 +104,14 @@ async fn draw(
 async fn revise(
     work: &mut Work,
     before: NetworkRow,
-    shown: &OperationNetwork,
+    shown: &NetworkRow,
     document: OperationNetwork,
     collaboration: &Collaboration,
     terms: &Terms<'_>,
 ) -> Result<ChangeOutcome, ChangeError> {
     let author = terms.author;
     let mut owners = work.networks().owners(&before).await?;
-    let revision = Revision { whole: &before.network, shown };
+    let revision = Revision { whole: &before.network, shown: &shown.network };
     check(work, &document, Some(&revision), &owners, collaboration, author).await?;
     let visibility = Visibility::new(&before.network, &owners, &author.scope);
     let organisation = author.organisation_id.as_ref();
@@ -119,9 +121,9 @@ async fn revise(
     };
     let merged = merge(&before.network, &visibility, performs, &document);
     if merged == before.network {
-        return Ok(ChangeOutcome::unchanged(before.revision));
+        return Ok(ChangeOutcome::unchanged(shown.revision));
     }
-    if *shown != before.network
+    if shown.network != before.network
         && let Some(fault) = conflict(&merged)
     {
         return Err(ChangeError::Faulty(vec![fault]));
@@ -132,6 +134,7 @@ async fn revise(
         network: merged,
         updated_at: author.now,
         updated_by: author.name.clone(),
+        author_organisation: author.organisation_id.clone(),
         ..before
     };
     take_effect(work, row, &owners, terms).await
@@ -178,19 +181,20 @@ pub async fn withdraw(
     resend_after: Duration,
 ) -> Result<ChangeOutcome, ChangeError> {
     let not_found = || ChangeError::NotFound(format!("operation network {id}"));
-    work.networks().lookup(&author.scope, id).await?.ok_or_else(not_found)?;
+    let shown = work.networks().lookup(&author.scope, id).await?.ok_or_else(not_found)?;
     let before = work.networks().lookup(&Scope::Platform, id).await?.ok_or_else(not_found)?;
     if !author.may_plan || !author.owns(&before) {
         return Err(ChangeError::NotAllowed);
     }
     if before.withdrawn_at.is_some() {
-        return Ok(ChangeOutcome::unchanged(before.revision));
+        return Ok(ChangeOutcome::unchanged(shown.revision));
     }
     let owners = work.networks().owners(&before).await?;
     let row = NetworkRow {
         revision: before.revision + 1,
         updated_at: author.now,
         updated_by: author.name.clone(),
+        author_organisation: author.organisation_id.clone(),
         withdrawn_at: Some(author.now),
         ..before
     };

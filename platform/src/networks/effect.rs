@@ -10,6 +10,7 @@ use super::{
     notifications::{network_changed, part_changed},
     outcome::{ChangeError, ChangeOutcome},
     parts::{self, PlannedPart},
+    readers,
 };
 use crate::{
     entitlement,
@@ -37,7 +38,9 @@ pub(super) async fn take_effect(
     if !oversize.is_empty() {
         return Err(ChangeError::Faulty(oversize));
     }
+    let readers = readers::of_change(work, &row, owners).await?;
     store(work, &row, owners).await?;
+    work.networks().note_seen(&row, &readers).await?;
     let mut notifications = Vec::new();
     let mut sent_to = Vec::with_capacity(plan.len());
     for planned in plan {
@@ -46,7 +49,7 @@ pub(super) async fn take_effect(
         notifications.extend(part_changed(work, &planned.part).await?);
         sent_to.push(planned.part.factory_id);
     }
-    notifications.insert(0, network_changed(work, &id, row.revision).await?);
+    notifications.insert(0, network_changed(work, &id, row.revision, &readers).await?);
     tracing::info!(
         operation_network.id = %id, revision = row.revision, author = terms.author.name,
         parts = sent_to.len(), "A network has a new revision."

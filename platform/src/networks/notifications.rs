@@ -1,13 +1,16 @@
 //! Live events about networks, each to those who may read the same by a query.
 
-use asi_model::{OperationNetworkId, messages::Fault};
+use std::collections::BTreeSet;
+
+use asi_model::{OperationNetworkId, OrganisationId, messages::Fault};
 
 use crate::{
     live::{LiveEvent, Notification},
     store::{NetworkPart, StoreError, Work},
 };
 
-/// Makes the event of a new revision or a withdrawal, for all who see anything of the network.
+/// Makes the event of a new revision or a withdrawal, for those of the network's readers who see a
+/// difference.
 ///
 /// # Errors
 /// [`StoreError`].
@@ -15,8 +18,10 @@ pub(super) async fn network_changed(
     work: &mut Work,
     id: &OperationNetworkId,
     revision: u64,
+    concerned: &BTreeSet<OrganisationId>,
 ) -> Result<Notification, StoreError> {
-    let readers = work.ownership().readers(id).await?;
+    let mut readers = work.ownership().readers(id).await?;
+    readers.retain(|reader| concerned.contains(reader));
     let event = LiveEvent::Network { operation_network_id: id.clone(), revision };
     Ok(event.to(readers))
 }

@@ -20,12 +20,13 @@ use crate::{
 pub struct NetworkView {
     /// The collaboration it belongs to.
     pub collaboration_id: asi_model::CollaborationId,
-    /// Its newest revision.
+    /// The last revision that changed what the viewer sees.
     pub revision: u64,
-    /// Time of the revision.
+    /// Time of that revision.
     pub updated_at: DateTime,
-    /// User or tool that made it.
-    pub updated_by: String,
+    /// The user or tool that made it, for its own organisation and administrators. Others are shown
+    /// the organisation; absent where that is none.
+    pub updated_by: Option<String>,
     /// Time of the withdrawal; absent while in effect.
     pub withdrawn_at: Option<DateTime>,
     /// The organisation that drew the network; absent where only administrators own it.
@@ -68,7 +69,8 @@ pub struct PartView {
     pub sent_count: Option<u32>,
     /// Time of the acknowledgement.
     pub answered_at: Option<DateTime>,
-    /// Last arrival from the factory.
+    /// Last arrival from the factory; for others than its own organisation the minute of the last
+    /// sign that does not follow values.
     pub last_seen_at: Option<DateTime>,
 }
 
@@ -116,6 +118,7 @@ pub async fn view(
     last_event_id: String,
 ) -> Result<Option<Withheld<NetworkView>>, StoreError> {
     let Some(row) = work.networks().lookup(scope, id).await? else { return Ok(None) };
+    let updated_by = author_shown(scope, &row);
     let fields = work.fields().list(scope, id).await?;
     let parts = work.parts().seen(scope, id).await?;
     let factories = work.factories().list(scope).await?;
@@ -127,14 +130,15 @@ pub async fn view(
             part_view(seen, factory)
         })
         .collect();
-    let shown = (row, part_views, last_event_id);
-    Ok(Some(fields.map_with(shown, |(row, parts, last_event_id), fields| {
-        network_view(row, parts, last_event_id, fields)
+    let shown = (row, updated_by, part_views, last_event_id);
+    Ok(Some(fields.map_with(shown, |(row, updated_by, parts, last_event_id), fields| {
+        network_view(row, updated_by, parts, last_event_id, fields)
     })))
 }
 
 fn network_view(
     row: NetworkRow,
+    updated_by: Option<String>,
     parts: Vec<PartView>,
     last_event_id: String,
     fields: Vec<FieldRow>,
@@ -143,7 +147,7 @@ fn network_view(
         collaboration_id: row.collaboration_id,
         revision: row.revision,
         updated_at: row.updated_at,
-        updated_by: row.updated_by,
+        updated_by,
         withdrawn_at: row.withdrawn_at,
         drawn_by: row.drawn_by,
         operations: progress(&row.network, &fields),
@@ -151,6 +155,17 @@ fn network_view(
         parts,
         fields: fields.into_iter().map(field_view).collect(),
         last_event_id,
+    }
+}
+
+/// Returns the author of a revision as a viewer may know it: users and tools are known in their own
+/// organisation.
+fn author_shown(scope: &Scope, row: &NetworkRow) -> Option<String> {
+    match (scope, &row.author_organisation) {
+        (Scope::Organisation(viewer), author) if author.as_ref() != Some(viewer) => {
+            author.as_ref().map(OrganisationId::to_string)
+        }
+        _ => Some(row.updated_by.clone()),
     }
 }
 

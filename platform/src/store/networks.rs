@@ -1,5 +1,7 @@
 //! Operation networks and their revisions.
 
+use std::collections::BTreeSet;
+
 use asi_model::{
     CollaborationId, DateTime, OperationNetworkId, OrganisationId, network::OperationNetwork,
 };
@@ -32,12 +34,28 @@ macro_rules! part_readable {
     };
 }
 
+/// Join with the last revision `s` of a network `n` that changed what the organisation `$1` sees.
+macro_rules! seen_revision {
+    () => {
+        "LEFT JOIN seen_revision s ON s.operation_network_id = n.operation_network_id
+             AND s.organisation_id = $1"
+    };
+}
+
+/// A column of the last revision that the viewer saw change, else of the newest one.
+macro_rules! seen {
+    ($column:literal) => {
+        concat!("COALESCE(s.", $column, ", n.", $column, ") AS ", $column, ", ")
+    };
+}
+
 /// The newest revision of a network.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NetworkRow {
     /// The collaboration it belongs to.
     pub collaboration_id: CollaborationId,
-    /// Counts up with every change, withdrawal included.
+    /// Counts up with every change, withdrawal included. An organisation is shown the last one that
+    /// changed what it sees, with time and author.
     pub revision: u64,
     /// The network as the scope of the query shows it, each operation with its owner.
     pub network: OperationNetwork,
@@ -45,6 +63,8 @@ pub struct NetworkRow {
     pub updated_at: DateTime,
     /// The user or tool that made it.
     pub updated_by: String,
+    /// The organisation of that user or tool; none for an administrator without one.
+    pub author_organisation: Option<OrganisationId>,
     /// Time of the withdrawal; absent while in effect.
     pub withdrawn_at: Option<DateTime>,
     /// The organisation that drew it; none where only administrators own it.
@@ -60,9 +80,9 @@ pub struct NetworkSummary {
     pub collaboration_id: CollaborationId,
     /// Name for people.
     pub name: Option<String>,
-    /// Its newest revision.
+    /// The last revision that changed what the viewer sees of it.
     pub revision: u64,
-    /// Time of the revision.
+    /// Time of that revision.
     pub updated_at: DateTime,
     /// Time of the withdrawal; absent while in effect.
     pub withdrawn_at: Option<DateTime>,
@@ -84,11 +104,12 @@ impl Networks<'_> {
     /// [`StoreError::Statement`].
     pub async fn put(&mut self, row: &NetworkRow) -> Result<(), StoreError> {
         let sql = "INSERT INTO operation_network (operation_network_id, collaboration_id, name, revision, document,
-                       updated_at, updated_by, withdrawn_at, drawn_by)
-                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9)
+                       updated_at, updated_by, withdrawn_at, drawn_by, author_organisation)
+                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10)
                    ON CONFLICT (operation_network_id) DO UPDATE SET name = excluded.name,
                        revision = excluded.revision, document = excluded.document, updated_at = excluded.updated_at,
-                       updated_by = excluded.updated_by, withdrawn_at = excluded.withdrawn_at";
+                       updated_by = excluded.updated_by, withdrawn_at = excluded.withdrawn_at,
+                       author_organisation = excluded.author_organisation";
         let text = document(&row.network);
         sqlx::query(sql)
             .bind(row.network.operation_network_id.as_str())
@@ -100,6 +121,7 @@ impl Networks<'_> {
             .bind(&row.updated_by)
             .bind(row.withdrawn_at.map(DateTime::ticks))
             .bind(row.drawn_by.as_ref().map(OrganisationId::as_str))
+            .bind(row.author_organisation.as_ref().map(OrganisationId::as_str))
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("store a network"))?;
@@ -117,6 +139,35 @@ impl Networks<'_> {
         Ok(())
     }
 
+    /// Notes a revision as the last one that changed what these organisations see of the network.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn note_seen(
+        &mut self,
+        row: &NetworkRow,
+        organisations: &BTreeSet<OrganisationId>,
+    ) -> Result<(), StoreError> {
+        for organisation in organisations {
+            let sql = "INSERT INTO seen_revision (operation_network_id, organisation_id, revision, updated_at,
+                           updated_by, author_organisation) VALUES ($1, $2, $3, $4, $5, $6)
+                       ON CONFLICT (operation_network_id, organisation_id) DO UPDATE SET
+                           revision = excluded.revision, updated_at = excluded.updated_at,
+                           updated_by = excluded.updated_by, author_organisation = excluded.author_organisation";
+            sqlx::query(sql)
+                .bind(row.network.operation_network_id.as_str())
+                .bind(organisation.as_str())
+                .bind(signed(row.revision))
+                .bind(row.updated_at.ticks())
+                .bind(&row.updated_by)
+                .bind(row.author_organisation.as_ref().map(OrganisationId::as_str))
+                .execute(&mut *self.0)
+                .await
+                .map_err(StoreError::during("note who sees a revision"))?;
+        }
+        Ok(())
+    }
+
     /// Looks one up of which the viewer sees anything, and shows the part that the viewer sees.
     ///
     /// # Errors
@@ -127,7 +178,14 @@ impl Networks<'_> {
         id: &OperationNetworkId,
     ) -> Result<Option<NetworkRow>, StoreError> {
         let sql = concat!(
-            "SELECT n.* FROM operation_network n WHERE n.operation_network_id = $2 AND ",
+            "SELECT n.operation_network_id, n.collaboration_id, n.document, n.withdrawn_at, n.drawn_by, ",
+            seen!("revision"),
+            seen!("updated_at"),
+            seen!("updated_by"),
+            "CASE WHEN s.revision IS NULL THEN n.author_organisation ELSE s.author_organisation END
+                 AS author_organisation FROM operation_network n ",
+            seen_revision!(),
+            " WHERE n.operation_network_id = $2 AND ",
             readable!()
         );
         let row = sqlx::query(sql)
@@ -164,8 +222,10 @@ impl Networks<'_> {
         limit: u32,
     ) -> Result<Vec<NetworkSummary>, StoreError> {
         let sql = concat!(
-            "SELECT n.operation_network_id, n.collaboration_id, n.name, n.revision, n.updated_at, n.withdrawn_at,
-                       (SELECT MAX(v.received_at) FROM field_value v
+            "SELECT n.operation_network_id, n.collaboration_id, n.name, n.withdrawn_at, ",
+            seen!("revision"),
+            seen!("updated_at"),
+            "(SELECT MAX(v.received_at) FROM field_value v
                         JOIN request_field f ON f.operation_network_id = v.operation_network_id
                           AND f.dynamic_data_request_id = v.dynamic_data_request_id AND f.field_name = v.field_name
                         WHERE v.operation_network_id = n.operation_network_id AND f.mapping_state = 'MAPPED'
@@ -182,9 +242,9 @@ impl Networks<'_> {
                        (SELECT COUNT(*) FROM network_part p WHERE p.operation_network_id = n.operation_network_id
                           AND p.state = 'REJECTED' AND ",
             part_readable!(),
-            ") AS parts_rejected
-                   FROM operation_network n
-                   WHERE n.operation_network_id > $3 AND ",
+            ") AS parts_rejected FROM operation_network n ",
+            seen_revision!(),
+            " WHERE n.operation_network_id > $3 AND ",
             readable!(),
             " ORDER BY n.operation_network_id LIMIT $4"
         );
@@ -221,6 +281,7 @@ fn read(row: &DatabaseRow) -> Result<NetworkRow, StoreError> {
         network: row.json("document")?,
         updated_at: row.time("updated_at")?,
         updated_by: row.column("updated_by")?,
+        author_organisation: row.parsed_option("author_organisation")?,
         withdrawn_at: row.time_option("withdrawn_at")?,
         drawn_by: row.parsed_option("drawn_by")?,
     })

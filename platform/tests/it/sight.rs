@@ -265,3 +265,46 @@ async fn what_a_factory_sends_to_others_shows_nowhere() {
     story::put_network(&buyer, network).await;
     assert_eq!(live.any().await.1, "network");
 }
+
+/// Revision and author of the network as a member sees them.
+async fn author_shown(api: &Api) -> (Value, Value) {
+    let view = api.get(&network_path()).await.expect_ok();
+    (view["revision"].clone(), view["updatedBy"].clone())
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_change_that_is_hidden_shows_nowhere() {
+    let world = World::start().await;
+    let admin = chain::drawn(&world).await;
+    let carrier = planner(&world, CARRIER).await;
+    // The inspector asked the maker in revision 2: the drawer and the carrier see nothing of it.
+    let inspector = planner(&world, "inspect-hamburg").await;
+    for (api, revision, author) in [
+        (&admin, 2, "inspect-hamburg-planner"),
+        (&inspector, 2, "inspect-hamburg-planner"),
+        (&planner(&world, "frames-munich").await, 2, "inspect-hamburg"),
+        (&planner(&world, "acme-aero").await, 1, "acme-aero-planner"),
+        (&carrier, 1, "acme-aero"),
+    ] {
+        assert_eq!(author_shown(api).await, (json!(revision), json!(author)));
+    }
+    // Parts that nobody answers are sent again and again.
+    let mut peers = Vec::new();
+    for factory in ["INS_HAM", CARRIER_FACTORY] {
+        let peer = Peer::enrolled(&world, &admin, factory).await;
+        peer.accept(&peer.receive("operation-network", |_| true).await);
+        story::part_is(&carrier, factory, "ACCEPTED").await;
+        peers.push(peer);
+    }
+    let mut live = carrier.live(None).await;
+    let before = read_by(&carrier).await;
+    let path = requests_path("MakeFrame1");
+    inspector.post(&path, story::request("Again", "inspect-hamburg")).await.expect_ok();
+    assert_eq!(author_shown(&admin).await.0, 3);
+    assert_eq!(read_by(&carrier).await, before);
+    // What is hidden is no conflict with what the carrier changes.
+    let path = requests_path("InspectFrame1");
+    carrier.post(&path, story::request("AskedByCarrier", CARRIER)).await.expect_ok();
+    assert_eq!(live.next("network").await.1["revision"], 4);
+    assert_eq!(author_shown(&carrier).await, (json!(4), json!(format!("{CARRIER}-planner"))));
+}

@@ -61,6 +61,7 @@ async fn seed(work: &mut Work) {
         network,
         updated_at: at(1),
         updated_by: "u".into(),
+        author_organisation: None,
         withdrawn_at: None,
         drawn_by: Some(id("a")),
     };

@@ -71,6 +71,7 @@ impl Platform {
             network,
             updated_at: at(1),
             updated_by: "u".into(),
+            author_organisation: None,
             withdrawn_at: None,
             drawn_by: Some(id("a")),
         };
