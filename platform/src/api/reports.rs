@@ -35,8 +35,12 @@ pub struct ReportsQuery {
     newest: Option<bool>,
 }
 
+/// Most newest entries that count as looked at; a chart shows no more.
+const LOOKED_MAX: u32 = 300;
+
 /// Lists the reports that their factories released to the viewer, in the order of their arrival. The
-/// factories can see that: as looked at where `newest` is set, else as exported.
+/// factories can see that: as looked at where `newest` is set and at most 300 are wanted, else as
+/// exported.
 #[utoipa::path(get, operation_id = "listReports", path = "/reports", tag = "reports", security(("session" = [])), params(ReportsQuery),
     responses((status = 200, body = Page<Report>), ReadProblems))]
 pub async fn list(
@@ -54,8 +58,10 @@ pub async fn list(
         is_newest,
     };
     let reports = app.store.read().await?.reports().list(&who.principal.scope(), &wanted).await?;
-    // Pages show the newest; who reads page after page from the oldest on takes the history along.
-    let kind = if is_newest { AccessKind::Looked } else { AccessKind::Exported };
+    // Pages show the newest; who reads page after page from the oldest on, or more at once than
+    // anybody looks at, takes the history along.
+    let is_look = is_newest && limit <= LOOKED_MAX;
+    let kind = if is_look { AccessKind::Looked } else { AccessKind::Exported };
     let reader = who.principal.reader();
     let reports = app.accesses.disclose(reader.as_ref(), kind, reports).await?;
     if is_newest {

@@ -310,3 +310,13 @@ fn values_are_read_in_no_other_module() {
     }
     assert!(count >= 4, "only {count} modules read values");
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn more_than_anybody_looks_at_is_exported() {
+    let world = World::start().await;
+    let (buyer, maker, _munich) = unread(&world).await;
+    buyer.get("/reports?newest=true&limit=300").await.expect_ok();
+    assert_eq!(kinds(&maker).await, ["LOOKED"]);
+    buyer.get("/reports?newest=true&limit=1000").await.expect_ok();
+    assert_eq!(kinds(&maker).await, ["LOOKED", "EXPORTED"]);
+}

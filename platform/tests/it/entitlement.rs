@@ -300,3 +300,22 @@ async fn a_consent_that_crosses_a_revision_counts_with_its_answer() {
     held(&admin, 2).await;
     assert_eq!(sequences(&buyer).await, [1]);
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_withdrawn_network_shows_no_value() {
+    let world = World::start().await;
+    let (admin, buyer, munich, _hamburg) = story::accepted(&world).await;
+    munich.send("ua-data", &story::report("m0", 0, 3));
+    story::value_is(&buyer, "3").await;
+    buyer.delete(&network_path()).await.expect_ok();
+    assert_eq!(shown(&buyer).await, nothing());
+    // A report that was under way is history, and no current value.
+    munich.send("ua-data", &story::report("m1", 1, 4));
+    held(&admin, 2).await;
+    assert_eq!(shown(&buyer).await, nothing());
+    // Neither is it one once the network is in force again: nobody has consented since.
+    story::put_network(&buyer, story::network()).await;
+    story::state_is(&buyer, "PENDING").await;
+    assert_eq!(shown(&buyer).await, nothing());
+    assert_eq!(sequences(&buyer).await, [0, 1]);
+}
