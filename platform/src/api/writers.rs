@@ -40,7 +40,7 @@ pub struct WriterView {
     duplicates: Option<u64>,
     /// Arrival of the last report.
     last_report_at: Option<DateTime>,
-    /// Arrival of the last keep-alive, as long as the viewer receives all reports of the writer.
+    /// Arrival of the last keep-alive; for others as long as they are recipients in effect.
     last_keep_alive_at: Option<DateTime>,
 }
 

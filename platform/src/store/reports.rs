@@ -205,24 +205,28 @@ impl Reports<'_> {
     /// Notes what the writers of these reports released to whom, so that no reader of a writer's
     /// numbers needs its history.
     async fn note_recipients(&mut self, reports: &[NewReport]) -> Result<(), StoreError> {
-        for (writer, released) in released(reports) {
-            let sql = concat!(
+        let writers: Vec<_> = released(reports).into_iter().collect();
+        for chunk in writers.chunks(ROWS_PER_STATEMENT) {
+            let mut query = QueryBuilder::<Database>::new(
                 "INSERT INTO writer_recipient_set (factory_id, data_set_writer_id, epoch, recipient_set_id,
                      first_sequence, through_sequence, received, last_report_at, operation_network_id,
-                     dynamic_data_request_id) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10)",
-                add_released!()
+                     dynamic_data_request_id) ",
             );
-            sqlx::query(sql)
-                .bind(writer.factory)
-                .bind(i64::from(writer.id))
-                .bind(i64::from(writer.epoch))
-                .bind(writer.recipient_set.0)
-                .bind(i64::from(released.first))
-                .bind(i64::from(released.through))
-                .bind(released.received)
-                .bind(released.last_at.ticks())
-                .bind(released.request.operation_network_id.as_str())
-                .bind(released.request.dynamic_data_request_id.as_str())
+            query.push_values(chunk, |mut row, (writer, released)| {
+                row.push_bind(writer.factory)
+                    .push_bind(i64::from(writer.id))
+                    .push_bind(i64::from(writer.epoch))
+                    .push_bind(writer.recipient_set.0)
+                    .push_bind(i64::from(released.first))
+                    .push_bind(i64::from(released.through))
+                    .push_bind(released.received)
+                    .push_bind(released.last_at.ticks())
+                    .push_bind(released.request.operation_network_id.as_str())
+                    .push_bind(released.request.dynamic_data_request_id.as_str());
+            });
+            query.push(add_released!());
+            query
+                .build()
                 .execute(&mut *self.0)
                 .await
                 .map_err(StoreError::during("note the recipients of writers"))?;
