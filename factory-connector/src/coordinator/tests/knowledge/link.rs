@@ -14,13 +14,13 @@ impl Plant {
             let rows: Vec<_> = rows.iter().filter(|row| self.spool.may_leave(row)).collect();
             for row in rows.iter().filter(|row| row.envelope.subject == "ua-data") {
                 let message: Value = serde_json::from_slice(&row.envelope.body).expect("JSON");
-                let reports = message["Messages"].as_array().expect("reports");
+                let messages = message["Messages"].as_array().expect("reports");
                 let created_at = json!(row.envelope.creation_time.map(DateTime::from));
                 assert!(
-                    reports.iter().any(|report| report["Timestamp"] == created_at),
+                    messages.iter().any(|report| report["Timestamp"] == created_at),
                     "{message}"
                 );
-                for report in reports {
+                for report in messages {
                     knower.check(report, self.now);
                     count += 1;
                 }
