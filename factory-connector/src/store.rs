@@ -15,6 +15,7 @@ mod dead_letters;
 mod enrolments;
 mod error;
 mod fields;
+mod former_disclosures;
 mod handle;
 mod identity;
 mod ledger;
@@ -51,10 +52,10 @@ use connector_state::{
     Snapshot, StoredBudgets, StoredLedger, StoredMappings, StoredNetwork, StoredPolicies, Writes,
     writes::{
         AnchorRow, CarriedFieldRow, CheckpointRow, CommentRow, ConsentRow, ControlRow,
-        DeadLetterRow, DocumentRow, FieldRow, FieldValueRow, NetworkRow, NewReport,
-        PastDecisionRow, PolicyWrites, PreviewRow, RecipientPolicyRow, RemovedEntries, ReportMove,
-        RevocationRow, RuleDecisionRow, ShadowRow, SourceRow, TemplateRow, VersionRow, WaitingRow,
-        WriterRow,
+        DeadLetterRow, DocumentRow, FieldRow, FieldValueRow, FormerDisclosureRow, NetworkRow,
+        NewReport, PastDecisionRow, PolicyWrites, PreviewRow, RecipientPolicyRow, RemovedEntries,
+        ReportMove, RevocationRow, RuleDecisionRow, ShadowRow, SourceRow, TemplateRow, VersionRow,
+        WaitingRow, WriterRow,
     },
 };
 pub use control_messages::ControlMessage;
@@ -62,6 +63,7 @@ pub use dead_letters::{DeadLetter, DeadLetters};
 pub use enrolments::{Enrolment, Enrolments};
 pub use error::StoreError;
 pub use fields::Fields;
+pub use former_disclosures::FormerDisclosures;
 pub use handle::Store;
 pub use identity::StoreIdentity;
 pub use ledger::{

@@ -77,6 +77,9 @@ pub struct Aggregation {
     pub held: Option<DataValue>,
     /// The window whose end will release a value.
     pub open: Option<Box<OpenWindow>>,
+    /// Time from which on values are aggregated: a window that began before it has no aggregate,
+    /// for it would be one of a part of the window. None where every window counts.
+    pub covered_from: Option<DateTime>,
 }
 
 /// A window that has not ended.
@@ -110,6 +113,12 @@ pub enum Sum {
 }
 
 impl Aggregation {
+    /// Begins without values: of the windows from then on those count that are covered whole.
+    #[must_use]
+    pub fn begin(now: DateTime) -> Self {
+        Self { covered_from: Some(now), ..Self::default() }
+    }
+
     /// Returns the end of the open window.
     pub fn ends_at(&self, aggregate: WindowAggregate) -> Option<DateTime> {
         self.open.as_ref().map(|open| open.from.after(aggregate.window()))
@@ -143,6 +152,7 @@ impl Aggregation {
 
     /// Corrects the state after the clock was set back: the open window counts as the present one.
     pub fn set_clock_back(&mut self, now: DateTime) {
+        self.covered_from = self.covered_from.map(|from| from.min(now));
         if let Some(open) = self.open.as_mut().filter(|open| open.from > now) {
             open.from = now;
             open.weighed_until = now;
@@ -150,28 +160,44 @@ impl Aggregation {
     }
 
     /// Closes the open window if it is over. Returns its end and its aggregate. Opens the next window
-    /// if its aggregate will differ though no candidate arrives.
+    /// if its aggregate will differ though no candidate arrives. Passes over windows without an
+    /// aggregate.
     pub fn close(
         &mut self,
         aggregate: WindowAggregate,
         now: DateTime,
         field_type: BuiltInType,
     ) -> Option<(DateTime, DataValue)> {
-        let end = self.ends_at(aggregate).filter(|end| *end <= now)?;
+        loop {
+            let end = self.ends_at(aggregate).filter(|end| *end <= now)?;
+            if let Some(value) = self.close_window(aggregate, end, field_type) {
+                return Some((end, value));
+            }
+        }
+    }
+
+    fn close_window(
+        &mut self,
+        aggregate: WindowAggregate,
+        end: DateTime,
+        field_type: BuiltInType,
+    ) -> Option<DataValue> {
         let mut open = self.open.take()?;
         open.weigh(self.held.as_ref(), end);
-        let result = open.result(aggregate.function, self.held.as_ref(), field_type);
+        let is_whole = self.covered_from.is_none_or(|from| from <= open.from);
+        let result =
+            open.result(aggregate.function, self.held.as_ref(), field_type).filter(|_| is_whole);
         let mut idle = OpenWindow::new(end, self.held.as_ref(), field_type);
         // What the next window yields if no candidate comes: where that differs, it has to end by
         // itself.
         let mut silent = idle.clone();
         silent.weigh(self.held.as_ref(), end.after(aggregate.window()));
         let next = silent.result(aggregate.function, self.held.as_ref(), field_type);
-        if result.is_some() && next.is_some_and(|next| !is_same(&next, result.as_ref())) {
+        if next.is_some_and(|next| !is_same(&next, result.as_ref())) {
             idle.weighed_until = end;
             self.open = Some(Box::new(idle));
         }
-        result.map(|value| (end, value))
+        result
     }
 }
 
@@ -310,82 +336,4 @@ fn is_less(left: &Scalar, right: &Scalar) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn at(ms: i64) -> DateTime {
-        DateTime::from_unix_micros(1_800_000_000_000_000 + ms * 1_000)
-    }
-
-    /// Aggregates values at milliseconds over windows of a second. Returns the releases until 3.5 s,
-    /// with their seconds.
-    fn run(function: AggregateFunction, values: &[(i64, f64)]) -> Vec<(i64, f64)> {
-        let aggregate = WindowAggregate { function, window_ms: 1000 };
-        let mut aggregation = Aggregation::default();
-        let mut left = Vec::new();
-        let mut close = |aggregation: &mut Aggregation, now| {
-            while let Some((end, value)) = aggregation.close(aggregate, now, BuiltInType::Double) {
-                left.push((
-                    (end.unix_millis() - at(0).unix_millis()) / 1000,
-                    value.value.as_f64().expect("a number"),
-                ));
-            }
-        };
-        for (ms, value) in values {
-            close(&mut aggregation, at(*ms));
-            aggregation.take(
-                aggregate,
-                at(*ms),
-                DataValue::good(*value, at(*ms)),
-                BuiltInType::Double,
-            );
-        }
-        close(&mut aggregation, at(3500));
-        left
-    }
-
-    #[test]
-    fn each_window_has_one_value() {
-        use AggregateFunction as F;
-        for (function, values, expected) in [
-            (F::Last, &[(0, 1.0), (400, 5.0), (900, 2.0)][..], &[(1, 2.0)][..]),
-            (F::Maximum, &[(0, 1.0), (400, 5.0), (900, 2.0)], &[(1, 5.0), (2, 2.0)]),
-            (F::Minimum, &[(0, 3.0), (400, 1.0), (900, 2.0)], &[(1, 1.0), (2, 2.0)]),
-            // 2 in the first quarter of the window, then 6: the mean is weighted with their times.
-            (F::Mean, &[(0, 2.0), (750, 6.0)], &[(1, 3.0), (2, 6.0)]),
-            // A window without a candidate has the sum zero, released once.
-            (F::Sum, &[(0, 2.0), (500, 3.0), (600, 5.0)], &[(1, 10.0), (2, 0.0)]),
-            // The value that is current when the window begins belongs to it.
-            (F::Maximum, &[(0, 9.0), (2500, 1.0)], &[(1, 9.0), (3, 9.0)]),
-            (F::Mean, &[(0, 4.0), (2500, 8.0)], &[(1, 4.0), (3, 6.0)]),
-        ] {
-            assert_eq!(run(function, values), expected, "{function:?} of {values:?}");
-        }
-    }
-
-    #[test]
-    fn a_sum_that_overflows_has_no_value() {
-        let aggregate = WindowAggregate { function: AggregateFunction::Sum, window_ms: 1000 };
-        let mut aggregation = Aggregation::default();
-        for ms in [0, 1] {
-            aggregation.take(aggregate, at(ms), DataValue::good(200_u8, at(ms)), BuiltInType::Byte);
-        }
-        let (_, value) = aggregation.close(aggregate, at(1000), BuiltInType::Byte).expect("closed");
-        assert_eq!(value.status, StatusCode::BAD_OUT_OF_RANGE);
-    }
-
-    #[test]
-    fn bad_values_do_not_count_but_their_status_shows() {
-        let aggregate = WindowAggregate { function: AggregateFunction::Mean, window_ms: 1000 };
-        let mut aggregation = Aggregation::default();
-        let lost = DataValue::status_only(StatusCode::BAD_NO_DATA, Some(at(500)));
-        aggregation.take(aggregate, at(0), DataValue::good(7_i32, at(0)), BuiltInType::Int32);
-        aggregation.take(aggregate, at(500), lost, BuiltInType::Int32);
-        let (_, value) =
-            aggregation.close(aggregate, at(1000), BuiltInType::Int32).expect("closed");
-        assert_eq!((value.value, value.status), (7_i32.into(), StatusCode::UNCERTAIN_SUB_NORMAL));
-        let (_, value) =
-            aggregation.close(aggregate, at(2000), BuiltInType::Int32).expect("closed");
-        assert_eq!(value.status, StatusCode::BAD_NO_DATA);
-    }
-}
+mod tests;

@@ -19,7 +19,7 @@ use asi_model::FieldKey;
 pub use bits::bits_per_hour;
 use bits::bits_per_value;
 pub use cap::{BITS_PER_HOUR_MAX, Cap, CapExcess, CapSubject};
-pub use cap_usage::{BitSum, CapInForce, CapUsage, Exchange, FieldUse};
+pub use cap_usage::{BitSum, CapInForce, CapUsage, Exchange, FieldUse, FormerUse};
 pub use conclusions::{Conclusion, LeakWarning, leak_warnings};
 pub use open_field::{Measured, OpenField};
 use serde::Serialize;

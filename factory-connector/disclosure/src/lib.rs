@@ -43,9 +43,9 @@ pub use gate::{Gate, GateOutcome, GateState, gate_from_json, gate_to_json};
 pub use language::Language;
 pub use leak::{
     ALLIANCE_MEMBERS_MAX, Alliance, BITS_PER_HOUR_MAX, BitSum, Cap, CapExcess, CapInForce,
-    CapSubject, CapUsage, Conclusion, Exchange, FieldLeak, FieldUse, LeakBudget, LeakSummary,
-    LeakWarning, Measured, OpenField, VariableKey, VariableLeak, bits_per_hour, leak_budget,
-    leak_summary, leak_warnings, readers, variable_leaks,
+    CapSubject, CapUsage, Conclusion, Exchange, FieldLeak, FieldUse, FormerUse, LeakBudget,
+    LeakSummary, LeakWarning, Measured, OpenField, VariableKey, VariableLeak, bits_per_hour,
+    leak_budget, leak_summary, leak_warnings, readers, variable_leaks,
 };
 pub use policy::DisclosurePolicy;
 pub use rate::RateLimit;

@@ -97,6 +97,16 @@ impl DisclosurePolicy {
         Duration::from_millis(self.time_step_ms.unwrap_or(0))
     }
 
+    /// Returns the longest of the periods within which the policy lets only so many values out:
+    /// interval, rates, time step and window; zero without any.
+    #[must_use]
+    pub fn longest_period(&self) -> Duration {
+        let rates = self.rate_limits.iter().map(|limit| Duration::from_millis(limit.period_ms));
+        let window = self.aggregate.map_or(Duration::ZERO, WindowAggregate::window);
+        let others = [self.minimum_interval(), self.time_step(), window];
+        rates.chain(others).max().unwrap_or_default()
+    }
+
     /// Returns the delay, zero without one.
     #[must_use]
     pub fn delay(&self) -> Duration {

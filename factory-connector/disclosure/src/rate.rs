@@ -31,10 +31,11 @@ impl RateLimit {
     }
 }
 
-/// Records a release for as long as one of the limits needs it.
+/// Records a release for as long as one of the limits needs it. Without limits those of a former
+/// policy are kept, for when it applies again.
 pub(super) fn remember(released: &mut VecDeque<DateTime>, limits: &[RateLimit], now: DateTime) {
     let Some(count) = limits.iter().map(|limit| limit.values.clamp(1, VALUES_MAX)).max() else {
-        return released.clear();
+        return;
     };
     released.push_back(now);
     while released.len() > usize::try_from(count).unwrap_or(0) {

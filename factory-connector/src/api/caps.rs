@@ -38,8 +38,9 @@ pub struct CapView {
     responses((status = 200, body = Page<CapView>), Problems)
 )]
 pub async fn list_caps(_: Viewer, State(api): State<Api>) -> Result<Json<Page<CapView>>, Problem> {
-    let read = api.coordinator.read(|state| {
-        let usage = queries::cap_usage(state);
+    let now = now();
+    let read = api.coordinator.read(move |state| {
+        let usage = queries::cap_usage(state, now);
         let mut held_back = queries::fields_held_back(state);
         let caps = state.budgets().caps().cloned();
         let view = |cap: Versioned<Cap>| CapView {

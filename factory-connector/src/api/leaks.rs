@@ -156,7 +156,7 @@ pub async fn show_consent_offer(
                 minimum_interval_ms: requested_interval_ms,
                 ..DisclosurePolicy::default()
             };
-            let ruled = queries::rule_offer(state, &key);
+            let ruled = queries::rule_offer(state, &key, now);
             let disclosure = ruled
                 .as_ref()
                 .map_or_else(|| asked.clone(), |ruled| ruled.disclosure.strictest(&asked));

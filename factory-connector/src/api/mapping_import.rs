@@ -19,6 +19,7 @@ use super::{
     context::Api,
     problems::{engine, over_cap_fault},
 };
+use crate::clock::now;
 
 /// Most faults in one answer.
 const FAULTS_MAX: usize = 1000;
@@ -117,7 +118,7 @@ pub(super) async fn import(
     }
     let excesses = if options.is_dry_run || changes.is_empty() {
         let read = api.coordinator.read(move |state| {
-            queries::import_excesses(state, changes.iter().map(|change| &change.mapping))
+            queries::import_excesses(state, changes.iter().map(|change| &change.mapping), now())
         });
         read.await?
     } else {

@@ -250,7 +250,7 @@ async fn leaks(
                     warnings.push(warning);
                 }
             }
-            let cap_excesses = queries::opening_excesses(state, &key, policy, variables);
+            let cap_excesses = queries::opening_excesses(state, &key, policy, variables, now);
             Leaks { warnings, cap_excesses }
         })
         .await?;

@@ -15,7 +15,10 @@ use super::{
     roles::{Engineer, Viewer},
     view::{Page, RuleOfferView},
 };
-use crate::store::{DocumentKind, RuleDecision};
+use crate::{
+    clock::now,
+    store::{DocumentKind, RuleDecision},
+};
 
 /// Most fields listed in the preview of a rule.
 const MATCHES_MAX: usize = 500;
@@ -122,7 +125,7 @@ pub async fn preview_rule(
     let preview = api
         .coordinator
         .read(move |state| {
-            let mut items: Vec<RuleMatch> = queries::rule_preview(state, &rule)
+            let mut items: Vec<RuleMatch> = queries::rule_preview(state, &rule, now())
                 .into_iter()
                 .filter_map(|(key, offer)| {
                     let field = state.field(&key)?;

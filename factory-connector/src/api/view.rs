@@ -14,7 +14,7 @@ use disclosure::{
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use crate::values::ShownValue;
+use crate::{clock::now, values::ShownValue};
 
 /// A page of a list.
 #[derive(Serialize, ToSchema)]
@@ -110,7 +110,7 @@ impl FieldView {
             effective_disclosure: (**field.gate().policy()).clone(),
             basis: decision.basis.clone(),
             offer: (decision.mapping_state == asi_model::messages::MappingState::Pending)
-                .then(|| queries::rule_offer(state, &key))
+                .then(|| queries::rule_offer(state, &key, now()))
                 .flatten()
                 .map(|offer| RuleOfferView::new(&offer, field)),
             is_withheld: decision.is_mapped() && field.gate().is_withheld(),

@@ -4,9 +4,10 @@ use rusqlite::Connection;
 
 use super::{
     DocumentKind, PolicyWrites, Writes, carried_fields, comments, consents, control_messages,
-    dead_letters, fields, identity, ledger, mapping_templates, mapping_versions, networks,
-    operator_entries, past_decisions, policy_documents, previews, received_messages,
-    recipient_policies, reports, revocations, rule_decisions, shadow_mappings, sources, writers,
+    dead_letters, fields, former_disclosures, identity, ledger, mapping_templates,
+    mapping_versions, networks, operator_entries, past_decisions, policy_documents, previews,
+    received_messages, recipient_policies, reports, revocations, rule_decisions, shadow_mappings,
+    sources, writers,
 };
 
 /// Writes the rows of every noun.
@@ -20,6 +21,8 @@ pub(super) fn write(connection: &Connection, writes: &Writes) -> rusqlite::Resul
     fields::write_values(connection, &writes.fields.values)?;
     consents::write(connection, &writes.fields.consents)?;
     previews::write(connection, &writes.fields.previews)?;
+    let (former, forgotten) = (&writes.fields.former, &writes.fields.forgotten);
+    former_disclosures::write(connection, former, forgotten)?;
     mapping_versions::write(connection, &writes.mappings.versions)?;
     shadow_mappings::write(connection, &writes.mappings.shadows)?;
     let (templates, removed) = (&writes.mappings.templates, &writes.mappings.removed_templates);

@@ -36,5 +36,6 @@ pub(super) async fn load(session: &mut StoreSession) -> Result<Snapshot, StoreEr
             alliances: session.policy_documents().newest_alliances().await?,
             caps: session.policy_documents().newest_caps().await?,
         },
+        former_disclosures: session.former_disclosures().all().await?,
     })
 }

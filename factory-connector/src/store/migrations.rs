@@ -23,6 +23,7 @@ const MIGRATIONS: &[(i64, &str, &str)] = &[
     (44, "ledger witness", include_str!("../../migrations/0044_ledger_witness.sql")),
     (45, "retention", include_str!("../../migrations/0045_retention.sql")),
     (46, "past decisions", include_str!("../../migrations/0046_past_decisions.sql")),
+    (47, "former disclosures", include_str!("../../migrations/0047_former_disclosures.sql")),
 ];
 
 /// Brings the tables up to date.

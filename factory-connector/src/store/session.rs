@@ -8,6 +8,7 @@ use super::{
     enrolments::Enrolments,
     error::StoreError,
     fields::Fields,
+    former_disclosures::FormerDisclosures,
     ledger::{Checkpoints, Ledger},
     mapping_templates::MappingTemplates,
     mapping_versions::StoredMappingVersions,
@@ -122,6 +123,11 @@ impl StoreSession {
     /// Returns the repository of the operator journal.
     pub fn operator_entries(&mut self) -> OperatorEntries<'_> {
         OperatorEntries(self.connection())
+    }
+
+    /// Disclosures whose consents ended a short while ago.
+    pub fn former_disclosures(&mut self) -> FormerDisclosures<'_> {
+        FormerDisclosures(self.connection())
     }
 
     /// Decisions whether recipients see the past.

@@ -184,7 +184,7 @@ pub(crate) fn close(
     if field.decision().is_open_for(ValueSource::Mapping) {
         changes.effects.engine.push(EngineCommand::Remove(field.mapping_id()));
     }
-    field.close();
+    field.close(now);
     field.change_decision(|decision| decision.reopen(reason, now));
     dependencies::notify(state, key, now);
     record(state, changes, key, now);

@@ -12,6 +12,7 @@ mod interner;
 mod mapping_versions;
 mod policy_index;
 mod validity;
+mod variable_index;
 
 use std::{
     collections::HashMap,
@@ -22,7 +23,7 @@ use std::{
 use asi_model::{DateTime, FieldKey, FieldName};
 use dependents::Dependents;
 pub(crate) use dependents::{is_withheld_by, is_withheld_in};
-use disclosure::{DisclosurePolicy, DocumentId, Gate};
+use disclosure::{DisclosurePolicy, DocumentId, Gate, VariableKey};
 pub use disclosure_rate::DisclosureRate;
 use entry::FieldEntry;
 pub use field::{Field, FieldDecision};
@@ -168,6 +169,11 @@ impl FieldRegistry {
     /// Returns the mapped fields whose decisions name this policy.
     pub(crate) fn under_policy(&self, id: &DocumentId) -> impl Iterator<Item = &Field> {
         self.index.policies.of(id).filter_map(move |id| self.by_id(id))
+    }
+
+    /// Returns the mapped fields whose mappings read this variable.
+    pub(crate) fn reading(&self, variable: &VariableKey) -> impl Iterator<Item = &Field> {
+        self.index.variables.of(variable).filter_map(move |id| self.by_id(id))
     }
 
     /// Hands out every field whose gate or transform changed since the last call, and whether its

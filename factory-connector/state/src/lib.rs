@@ -14,7 +14,9 @@ mod consents;
 mod dependencies;
 mod documents;
 mod effects;
+mod endings;
 mod fields;
+mod former_disclosures;
 mod gates;
 mod ids;
 mod into_changes;
@@ -50,6 +52,7 @@ pub use effects::{
 pub use fields::{
     DisclosureRate, Field, FieldDecision, FieldRegistry, MappingVersions, ShadowMapping, Validity,
 };
+pub use former_disclosures::{FormerDisclosure, FormerDisclosureRegistry};
 pub use ids::IdSource;
 pub use into_changes::IntoChanges;
 pub use journals::JournalRegistry;

@@ -7,9 +7,9 @@ use disclosure::{DecisionBasis, DisclosurePolicy, GateState, gate_from_json};
 use mapping::{Mapping, TransformState};
 
 use crate::{
-    ChangeSet, ConnectorState, Field, FieldDecision, FieldRegistry, IdSource, JournalRegistry,
-    LedgerChains, LogRecord, MappingVersions, Network, NetworkRegistry, PastDecisionRegistry,
-    ShadowMapping, Snapshot, StateConfig, WriterRegistry, dependencies,
+    ChangeSet, ConnectorState, Field, FieldDecision, FieldRegistry, FormerDisclosureRegistry,
+    IdSource, JournalRegistry, LedgerChains, LogRecord, MappingVersions, Network, NetworkRegistry,
+    PastDecisionRegistry, ShadowMapping, Snapshot, StateConfig, WriterRegistry, dependencies,
     effects::TwinUpdate,
     fields::StoredField,
     keep_alive_schedule::schedule_keep_alive,
@@ -48,9 +48,11 @@ impl ConnectorState {
         is_restored: bool,
         now: DateTime,
     ) -> Result<(Self, ChangeSet), UnreadableState> {
+        let former = FormerDisclosureRegistry::load(&snapshot.former_disclosures, now)
+            .map_err(UnreadableState::because("former disclosure"))?;
         let mut state = Self {
             networks: NetworkRegistry::default(),
-            fields: FieldRegistry::after(snapshot.last_field),
+            fields: FieldRegistry::after(snapshot.last_field.max(former.last_field())),
             writers: WriterRegistry::default(),
             policies: snapshot.policies.into(),
             budgets: snapshot.budgets.into(),
@@ -62,6 +64,7 @@ impl ConnectorState {
                 snapshot.ledger.last_checkpoint,
             ),
             past: PastDecisionRegistry::new(snapshot.ledger.past_decisions),
+            former,
             config,
             ids,
             last_row: snapshot.last_row,
@@ -91,16 +94,20 @@ impl ConnectorState {
             changes.merge(state_former(&mut state, former, now));
         }
         if is_restored {
-            changes.effects.log.push(LogRecord::EpochsBegun);
-            changes.writes.writers.are_epochs_begun = true;
-            for id in state.writers.active().collect::<Vec<_>>() {
-                begin_epoch(&mut state, &mut changes, id, now);
-            }
+            begin_epochs(&mut state, &mut changes, now);
         }
         publish_everything(&state, &mut changes);
         // Another version of the program may count more than the former one.
         hold_back(&mut state, &mut changes, now);
         Ok((state, changes))
+    }
+}
+
+fn begin_epochs(state: &mut ConnectorState, changes: &mut ChangeSet, now: DateTime) {
+    changes.effects.log.push(LogRecord::EpochsBegun);
+    changes.writes.writers.are_epochs_begun = true;
+    for id in state.writers.active().collect::<Vec<_>>() {
+        begin_epoch(state, changes, id, now);
     }
 }
 

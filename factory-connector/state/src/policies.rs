@@ -1,6 +1,9 @@
 //! Named policies, the policies set for recipients, and standing rules, each in its newest version.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    time::Duration,
+};
 
 use asi_model::{DateTime, OrganisationId};
 use disclosure::{DisclosurePolicy, DocumentId, DocumentVersion, NamedPolicy, Rule, Versioned};
@@ -53,6 +56,15 @@ impl PolicyRegistry {
     /// Returns the standing rules that are enabled.
     pub fn enabled_rules(&self) -> impl Iterator<Item = &Versioned<Rule>> {
         self.rules.values().filter(|rule| rule.document.is_enabled)
+    }
+
+    /// Returns the longest period of all rules and named policies, also of those that do not apply
+    /// at present.
+    #[must_use]
+    pub fn longest_period(&self) -> Duration {
+        let named = self.named.values().map(|policy| &policy.document.disclosure);
+        let ruled = self.rules.values().filter_map(|rule| rule.document.disclosure.as_ref());
+        named.chain(ruled).map(DisclosurePolicy::longest_period).max().unwrap_or_default()
     }
 
     /// Returns the policies that are set for recipients.

@@ -1,5 +1,6 @@
 //! Queries that concern more than one registry of the state. None changes it.
 
+mod alike;
 mod caps;
 mod disclosed;
 mod mapping_import;
@@ -15,7 +16,7 @@ pub use caps::{
     HeldBack, cap_preview, cap_usage, fields_held_back, import_excesses, opening_excesses,
     variables_of,
 };
-pub(crate) use caps::{Supposed, exchanges, held_back, opening};
+pub(crate) use caps::{Supposed, exchanges, held_back, opening, use_of};
 pub(crate) use disclosed::fields_named_by;
 pub use disclosed::{draft_gate, withholding_faults, write_refusal};
 pub use mapping_import::{FieldMismatch, ImportEffect, import_effect, validate_for_field};

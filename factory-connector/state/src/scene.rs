@@ -120,8 +120,16 @@ impl Scene {
     /// # Panics
     /// Never: networks serialise.
     pub fn arrive(&mut self, message: OperationNetworkMessage) {
+        self.arrive_at(message, 0);
+    }
+
+    /// Receives a network at a time.
+    ///
+    /// # Panics
+    /// Never: networks serialise.
+    pub fn arrive_at(&mut self, message: OperationNetworkMessage, ms: i64) {
         let json = serde_json::to_string(&message).expect("serialises");
-        self.run(|state| revise::receive_network(state, message, json, at(0)));
+        self.run(|state| revise::receive_network(state, message, json, at(ms)));
     }
 
     /// Decides about a field.

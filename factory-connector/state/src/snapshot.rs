@@ -11,7 +11,7 @@ use ledger::{Heads, Logs, SequenceRange};
 use crate::{
     operator::OperatorEntry,
     recipient_policy::RecipientPolicy,
-    writes::{FieldRow, FieldValueRow, ShadowRow, WriterRow},
+    writes::{FieldRow, FieldValueRow, FormerDisclosureRow, ShadowRow, WriterRow},
 };
 
 /// Newest revision of a network, as read at the start.
@@ -96,4 +96,6 @@ pub struct Snapshot {
     pub mappings: StoredMappings,
     pub policies: StoredPolicies,
     pub budgets: StoredBudgets,
+    /// Disclosures whose consents ended a short while ago.
+    pub former_disclosures: Vec<FormerDisclosureRow>,
 }

@@ -10,8 +10,9 @@ use asi_model::{
 };
 
 use crate::{
-    BudgetRegistry, ChangeSet, Field, FieldRegistry, IdSource, JournalRegistry, LedgerChains,
-    NetworkRegistry, PastDecisionRegistry, PolicyRegistry, WriterRegistry,
+    BudgetRegistry, ChangeSet, Field, FieldRegistry, FormerDisclosureRegistry, IdSource,
+    JournalRegistry, LedgerChains, NetworkRegistry, PastDecisionRegistry, PolicyRegistry,
+    WriterRegistry,
     operator::{Journal, OperationKey},
     writes::ControlRow,
 };
@@ -34,6 +35,7 @@ pub struct ConnectorState {
     pub(crate) journals: JournalRegistry,
     pub(crate) ledger: LedgerChains,
     pub(crate) past: PastDecisionRegistry,
+    pub(crate) former: FormerDisclosureRegistry,
     pub(crate) ids: IdSource,
     /// The greatest number given in the spool.
     pub(crate) last_row: i64,

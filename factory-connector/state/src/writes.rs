@@ -10,7 +10,9 @@ mod policies;
 mod reports;
 mod sources;
 
-pub use fields::{ConsentRow, FieldRow, FieldValueRow, FieldWrites, PreviewRow};
+pub use fields::{
+    ConsentRow, FieldRow, FieldValueRow, FieldWrites, FormerDisclosureRow, PreviewRow,
+};
 pub use ledger::{AnchorRow, CheckpointRow, LedgerWrites, RemovedEntries, RevocationRow};
 pub use mappings::{MappingWrites, ShadowRow, TemplateRow, VersionRow};
 pub use messages::{CommentRow, DeadLetterRow, MessageWrites, NetworkRow};

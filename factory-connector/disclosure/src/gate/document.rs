@@ -28,6 +28,9 @@ struct StoredGate {
     held: Option<Box<RawValue>>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     window: Option<StoredWindow>,
+    /// Absent in documents of former versions, and where every window counts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    covered_from: Option<DateTime>,
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     is_in_withheld_state: bool,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -117,6 +120,7 @@ pub fn gate_to_json(state: &GateState) -> String {
         released: state.released.iter().copied().collect(),
         held: state.aggregation.held.as_ref().map(raw),
         window: state.aggregation.open.as_deref().map(StoredWindow::new),
+        covered_from: state.aggregation.covered_from,
         is_in_withheld_state: state.is_in_withheld_state,
         withheld_by: state.withheld_by.clone(),
     };
@@ -143,6 +147,7 @@ pub fn gate_from_json(text: &str) -> Result<GateState, String> {
         aggregation: Aggregation {
             held: stored.held.as_deref().map(value).transpose()?,
             open: stored.window.as_ref().map(StoredWindow::read).transpose()?.map(Box::new),
+            covered_from: stored.covered_from,
         },
         is_in_withheld_state: stored.is_in_withheld_state,
         withheld_by: stored.withheld_by,
@@ -220,13 +225,18 @@ mod tests {
             aggregation: Aggregation {
                 held: Some(DataValue::good(7_u64, at)),
                 open: Some(Box::new(window)),
+                covered_from: Some(at),
             },
             is_in_withheld_state: true,
             withheld_by: [("state".parse().expect("a name"), false)].into(),
             ..GateState::default()
         };
         let json = gate_to_json(&state);
-        insta::assert_snapshot!(json, @r#"{"released":["2027-01-15T08:00:00Z"],"held":{"UaType":9,"Value":"7","SourceTimestamp":"2027-01-15T08:00:00Z"},"window":{"from":"2027-01-15T08:00:00Z","weighedUntil":"2027-01-15T08:00:00Z","weighted":"0.30000000000000004","weight":"3","exactSum":"55340232221128654845","minimum":{"UaType":9,"Value":"18446744073709551615"},"maximum":{"UaType":11,"Value":0.1},"hasDoubtful":true},"isInWithheldState":true,"withheldBy":{"state":false}}"#);
-        assert_eq!(gate_from_json(&json), Ok(state));
+        insta::assert_snapshot!(json, @r#"{"released":["2027-01-15T08:00:00Z"],"held":{"UaType":9,"Value":"7","SourceTimestamp":"2027-01-15T08:00:00Z"},"window":{"from":"2027-01-15T08:00:00Z","weighedUntil":"2027-01-15T08:00:00Z","weighted":"0.30000000000000004","weight":"3","exactSum":"55340232221128654845","minimum":{"UaType":9,"Value":"18446744073709551615"},"maximum":{"UaType":11,"Value":0.1},"hasDoubtful":true},"coveredFrom":"2027-01-15T08:00:00Z","isInWithheldState":true,"withheldBy":{"state":false}}"#);
+        assert_eq!(gate_from_json(&json), Ok(state.clone()));
+        // As a former version stored it.
+        let former = json.replace(r#""coveredFrom":"2027-01-15T08:00:00Z","#, "");
+        let aggregation = Aggregation { covered_from: None, ..state.aggregation };
+        assert_eq!(gate_from_json(&former), Ok(GateState { aggregation, ..state }));
     }
 }

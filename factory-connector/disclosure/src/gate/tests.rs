@@ -106,7 +106,7 @@ fn a_closed_gate_drops_waiting_values() {
     let mut gate = gate(r#"{"minimumIntervalMs":1000}"#);
     gate.on(at(0), candidate(0, 1));
     gate.on(at(10), candidate(10, 2));
-    gate.close();
+    gate.close(at(100));
     assert_eq!((gate.due(), gate.disclosed()), (None, None));
     assert_eq!(gate.on(at(500), candidate(500, 3)), GateOutcome::Withheld { until: at(1000) });
 }

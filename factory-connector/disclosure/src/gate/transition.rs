@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asi_model::{DataValue, DateTime};
+use asi_model::{BuiltInType, DataValue, DateTime};
 
 use super::Gate;
 use crate::{Aggregation, DisclosurePolicy, Released, WithholdCondition, coarsening::coarsen};
@@ -18,14 +18,14 @@ impl Gate {
         let has_other_windows = former.aggregate != self.policy.aggregate;
         if has_other_windows {
             // Values that were part of an aggregate are never released individually.
-            self.state.aggregation = Aggregation::default();
+            self.state.aggregation = self.aggregation_from(now);
         }
         // Single values and those of other windows are finer than a window's, and the states that
         // came with former values are not known any more.
         if (has_other_windows && self.policy.aggregate.is_some())
             || adds_condition(&former, &self.policy)
         {
-            self.drop_waiting();
+            self.drop_waiting(now);
             self.state.disclosed = None;
         }
         if former.withhold_while != self.policy.withhold_while {
@@ -46,13 +46,19 @@ impl Gate {
         self.on_time(now);
     }
 
-    /// Closes the gate because the consent or the source ended: waiting values are dropped, and none
-    /// is shown.
-    pub fn close(&mut self) {
-        self.drop_waiting();
+    /// Closes the gate because a consent or a source ended or begins: waiting values are dropped,
+    /// and none is shown. A window that began before has no aggregate; intervals and rates continue.
+    pub fn close(&mut self, now: DateTime) {
+        self.drop_waiting(now);
         self.forget_own_state();
         self.state.disclosed = None;
         self.has_released = false;
+    }
+
+    /// Closes the gate for values of another type. Intervals and rates continue, too.
+    pub fn change_type(&mut self, field_type: BuiltInType, now: DateTime) {
+        self.close(now);
+        self.field_type = field_type;
     }
 
     /// Lets the value released last wait again: the report with it may not have left, and the next
@@ -69,11 +75,16 @@ impl Gate {
         waiting.push_front((released_at.min(next_at), disclosed.into_value()));
     }
 
-    fn drop_waiting(&mut self) {
+    fn drop_waiting(&mut self, now: DateTime) {
         self.releasable = None;
         self.not_before = None;
         self.state.waiting.clear();
-        self.state.aggregation = Aggregation::default();
+        self.state.aggregation = self.aggregation_from(now);
+    }
+
+    /// Returns an aggregation without values. Of a window that has begun it never knows all.
+    fn aggregation_from(&self, now: DateTime) -> Aggregation {
+        self.policy.aggregate.map(|_| Aggregation::begin(now)).unwrap_or_default()
     }
 
     /// Forgets the state of the field's own value. An unknown state counts as a withheld one.

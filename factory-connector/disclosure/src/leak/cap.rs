@@ -77,7 +77,8 @@ impl fmt::Display for CapExcess {
         write!(
             f,
             "The cap {} allows {:.1} bits per hour; the sum is {} now and would be {}. Coarsen more \
-             (a minimum interval, a time step, bands), end another consent, or raise the cap.",
+             (a minimum interval, a time step, bands), end another consent (it counts for an hour \
+             longer), or raise the cap.",
             self.name,
             self.bits_per_hour_max,
             figure(self.bits_per_hour_now),

@@ -5,14 +5,14 @@ use std::{
     sync::Arc,
 };
 
-use asi_model::OrganisationId;
+use asi_model::{DateTime, OrganisationId};
 
 use super::{
     alliance::{Alliance, readers},
     cap::{Cap, CapExcess},
     variable::VariableKey,
 };
-use crate::{DocumentId, Versioned};
+use crate::{DisclosurePolicy, DocumentId, Versioned};
 
 /// Exactness of sums beside their size, in bits per hour.
 const TOLERANCE: f64 = 1e-6;
@@ -44,6 +44,26 @@ impl CapInForce {
             && self.cap.document.variable.as_ref().is_none_or(|own| used.variables.contains(own))
     }
 
+    /// Returns what the cap counts of one field, of its use and its former ones: those that no other
+    /// one implies. A cap counts from the time on at which it was set.
+    fn sum_of_field(&self, used: Option<&FieldUse>, former: &[FormerUse]) -> BitSum {
+        let former = former.iter().filter(|former| former.ended_at > self.cap.changed_at);
+        let all = former.map(|former| &former.used).chain(used);
+        let covered: Vec<&FieldUse> = all.filter(|used| self.covers(used)).collect();
+        let mut sum = BitSum::default();
+        for (index, used) in covered.iter().enumerate() {
+            let is_implied = covered.iter().enumerate().any(|(other_index, other)| {
+                other_index != index
+                    && other.implies(used)
+                    && (other_index < index || !used.implies(other))
+            });
+            if !is_implied {
+                sum.add(used.bits_per_hour);
+            }
+        }
+        sum
+    }
+
     fn is_exceeded_by(&self, sum: BitSum) -> bool {
         let most = self.cap.document.bits_per_hour_max;
         sum.bits().is_none_or(|bits| bits > most + TOLERANCE + most * TOLERANCE_SHARE)
@@ -53,12 +73,37 @@ impl CapInForce {
 /// Information of one field, as caps count it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldUse {
+    /// Number of the field. A field that is requested again has another one, and another gate.
+    pub field: i64,
+    /// The policy in force.
+    pub policy: Arc<DisclosurePolicy>,
     /// Most bits per hour; none without a bound.
     pub bits_per_hour: Option<f64>,
     /// The organisations that get the field's values.
     pub readers: Vec<OrganisationId>,
     /// The variables that the field rests on.
     pub variables: BTreeSet<VariableKey>,
+}
+
+impl FieldUse {
+    /// Returns true where everything that another use of the same gate lets out satisfies this
+    /// one, too: both together tell no more than this one, for intervals and rates of a gate go on
+    /// from consent to consent.
+    fn implies(&self, other: &Self) -> bool {
+        let has_bits = match (self.bits_per_hour, other.bits_per_hour) {
+            (None, _) => true,
+            (Some(_), None) => false,
+            (Some(bits), Some(others)) => bits >= others,
+        };
+        has_bits && self.policy.allows_all_of(&other.policy)
+    }
+}
+
+/// Information of one field until its consent ended.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FormerUse {
+    pub used: FieldUse,
+    pub ended_at: DateTime,
 }
 
 /// The information of one field before and after a change; none while it is not disclosed.
@@ -89,11 +134,14 @@ impl BitSum {
         }
     }
 
-    const fn subtract(&mut self, bits: Option<f64>) {
-        match bits {
-            Some(bits) => self.bounded = (self.bounded - bits).max(0.0),
-            None => self.unbounded = self.unbounded.saturating_sub(1),
-        }
+    const fn add_sum(&mut self, other: Self) {
+        self.bounded += other.bounded;
+        self.unbounded += other.unbounded;
+    }
+
+    const fn subtract_sum(&mut self, other: Self) {
+        self.bounded = (self.bounded - other.bounded).max(0.0);
+        self.unbounded = self.unbounded.saturating_sub(other.unbounded);
     }
 
     fn is_above(self, other: Self) -> bool {
@@ -102,41 +150,72 @@ impl BitSum {
     }
 }
 
-/// All caps in force, each with the sum of the fields that it covers.
+/// Sums under a cap.
+#[derive(Debug, Clone)]
+struct CapSums {
+    cap: Arc<CapInForce>,
+    /// Sum over the fields that are disclosed.
+    open: BitSum,
+    /// The same with the fields whose consents ended within the hour.
+    hour: BitSum,
+}
+
+/// All caps in force, each with the sum of the fields that it covers: of those that are disclosed,
+/// and of those that were within the hour.
 #[derive(Debug, Clone, Default)]
-pub struct CapUsage(BTreeMap<DocumentId, (Arc<CapInForce>, BitSum)>);
+pub struct CapUsage {
+    sums: BTreeMap<DocumentId, CapSums>,
+    /// Former uses by the number of the field.
+    former: Arc<BTreeMap<i64, Vec<FormerUse>>>,
+}
 
 impl CapUsage {
     /// Begins with sums of nothing.
     #[must_use]
     pub fn new(caps: impl Iterator<Item = CapInForce>) -> Self {
-        let entry = |cap: CapInForce| (cap.cap.key.id.clone(), (Arc::new(cap), BitSum::default()));
-        Self(caps.map(entry).collect())
+        let entry = |cap: CapInForce| {
+            let id = cap.cap.key.id.clone();
+            let (open, hour) = (BitSum::default(), BitSum::default());
+            (id, CapSums { cap: Arc::new(cap), open, hour })
+        };
+        Self { sums: caps.map(entry).collect(), former: Arc::default() }
+    }
+
+    /// Begins with consents that ended within the hour. They count beside what is disclosed, but
+    /// where the same field is disclosed again and tells no more than before.
+    #[must_use]
+    pub fn after(mut self, former: impl Iterator<Item = FormerUse>) -> Self {
+        let mut by_field: BTreeMap<i64, Vec<FormerUse>> = BTreeMap::new();
+        former.for_each(|former| by_field.entry(former.used.field).or_default().push(former));
+        for sums in self.sums.values_mut() {
+            for former in by_field.values() {
+                sums.hour.add_sum(sums.cap.sum_of_field(None, former));
+            }
+        }
+        Self { former: Arc::new(by_field), ..self }
     }
 
     /// Returns true where no cap is in force.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.sums.is_empty()
     }
 
     /// Returns the organisations of all caps.
     #[must_use]
     pub fn readers(&self) -> BTreeSet<&OrganisationId> {
-        self.0.values().flat_map(|(cap, _)| &cap.readers).collect()
+        self.sums.values().flat_map(|sums| &sums.cap.readers).collect()
     }
 
-    /// Returns the sum under a cap; `None` where it is not in force.
+    /// Returns the sum of what is disclosed under a cap; `None` where it is not in force.
     #[must_use]
     pub fn sum(&self, cap: &DocumentId) -> Option<BitSum> {
-        self.0.get(cap).map(|(_, sum)| *sum)
+        self.sums.get(cap).map(|sums| sums.open)
     }
 
     /// Adds a field that is disclosed already.
     pub fn add(&mut self, used: &FieldUse) {
-        for (_, sum) in self.0.values_mut().filter(|(cap, _)| cap.covers(used)) {
-            sum.add(used.bits_per_hour);
-        }
+        self.make(&Exchange { before: None, after: Some(used.clone()) });
     }
 
     /// Makes changes together, where they raise no sum above its cap. A change that lowers a sum is
@@ -146,16 +225,7 @@ impl CapUsage {
     /// All caps that the changes would exceed; then nothing is changed.
     pub fn exchange(&mut self, changes: &[Exchange]) -> Result<(), Vec<CapExcess>> {
         let mut after = self.clone();
-        for Exchange { before, after: now } in changes {
-            for (cap, sum) in after.0.values_mut() {
-                if let Some(used) = before.as_ref().filter(|used| cap.covers(used)) {
-                    sum.subtract(used.bits_per_hour);
-                }
-                if let Some(used) = now.as_ref().filter(|used| cap.covers(used)) {
-                    sum.add(used.bits_per_hour);
-                }
-            }
-        }
+        changes.iter().for_each(|change| after.make(change));
         let excesses = after.excesses_over(self);
         if excesses.is_empty() {
             *self = after;
@@ -165,22 +235,39 @@ impl CapUsage {
         }
     }
 
+    fn make(&mut self, change: &Exchange) {
+        let Exchange { before, after } = change;
+        let field = before.as_ref().or(after.as_ref()).map(|used| used.field);
+        let former = field.and_then(|field| self.former.get(&field));
+        let former = former.map(Vec::as_slice).unwrap_or_default();
+        for CapSums { cap, open, hour } in self.sums.values_mut() {
+            hour.subtract_sum(cap.sum_of_field(before.as_ref(), former));
+            hour.add_sum(cap.sum_of_field(after.as_ref(), former));
+            open.subtract_sum(cap.sum_of_field(before.as_ref(), &[]));
+            open.add_sum(cap.sum_of_field(after.as_ref(), &[]));
+        }
+    }
+
     /// Returns the caps that are exceeded here, and by more than in `before`.
     #[must_use]
     pub fn excesses_over(&self, before: &Self) -> Vec<CapExcess> {
-        let excess = |(id, (cap, sum)): (&DocumentId, &(Arc<CapInForce>, BitSum))| {
-            let former = before.sum(id).unwrap_or_default();
-            let is_excess = cap.is_exceeded_by(*sum) && sum.is_above(former);
-            is_excess.then(|| CapExcess {
+        let excess = |(id, CapSums { cap, open, hour }): (&DocumentId, &CapSums)| {
+            let former = before.sums.get(id);
+            let (open_before, hour_before) =
+                former.map(|sums| (sums.open, sums.hour)).unwrap_or_default();
+            let mut sums = [(open_before, *open), (hour_before, *hour)].into_iter();
+            let (now, then) =
+                sums.find(|(now, then)| cap.is_exceeded_by(*then) && then.is_above(*now))?;
+            Some(CapExcess {
                 cap: cap.cap.key.clone(),
                 name: cap.cap.document.name.clone(),
                 variable: cap.cap.document.variable.clone(),
                 bits_per_hour_max: cap.cap.document.bits_per_hour_max,
-                bits_per_hour_now: former.bits(),
-                bits_per_hour_then: sum.bits(),
+                bits_per_hour_now: now.bits(),
+                bits_per_hour_then: then.bits(),
             })
         };
-        self.0.iter().filter_map(excess).collect()
+        self.sums.iter().filter_map(excess).collect()
     }
 }
 

@@ -47,3 +47,29 @@ async fn caps_and_what_they_hold_back_survive_a_restart() {
     assert_eq!(consents.iter().filter(held).count(), 2, "{consents:?}");
     running.close().await;
 }
+
+#[tokio::test]
+async fn what_ended_is_kept_over_a_restart_for_caps_and_rules() {
+    let running = Running::with_two_open_fields().await;
+    let made = field("made");
+    decide_field(&running.coordinator, made.clone(), DecisionCommand::LeavePending).await;
+    let ended = running.session().await.former_disclosures().all().await.expect("read");
+    let [former] = &ended[..] else { panic!("{ended:?}") };
+    assert!(former.document.contains(r#""fieldName":"made""#), "{former:?}");
+
+    let folder = running.close().await;
+    let path = folder.path().to_owned();
+    let running = Running::open_in(path, Some(folder)).await;
+    let command = DecisionCommand::Map {
+        value_source: ValueSource::Manual,
+        mapping: None,
+        policy: disclosure::DisclosurePolicy::default(),
+    };
+    decide_field(&running.coordinator, made.clone(), command).await;
+    decide_field(&running.coordinator, made, DecisionCommand::LeavePending).await;
+    let again = running.session().await.former_disclosures().all().await.expect("read");
+    assert_eq!(again.len(), 1, "the same once more: {again:?}");
+    assert_eq!((again[0].id, &again[0].document), (former.id, &former.document));
+    assert!(again[0].ended_at > former.ended_at);
+    running.close().await;
+}

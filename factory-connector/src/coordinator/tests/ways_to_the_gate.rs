@@ -279,7 +279,7 @@ impl Gateway {
 /// gate's nor its own. Whatever leaves is of a type that a gate alone makes (`disclosure::Released`,
 /// whose documentation is tested for what does not compile); so all that remains to be counted is
 /// who has a gate, and what a gate believes: its stored state.
-const PLACES: [(&str, &[&str]); 10] = [
+const PLACES: [(&str, &[&str]); 11] = [
     // Written values and the beginning of a request's validity come one by one.
     (
         "receive_candidate(",
@@ -312,7 +312,6 @@ const PLACES: [(&str, &[&str]); 10] = [
         &[
             "disclosure/src/draft_gate.rs 1",
             "state/src/fields/field.rs 2",
-            "state/src/fields/field_mut.rs 1",
             "state/src/queries/disclosed.rs 1",
         ],
     ),
@@ -329,8 +328,9 @@ const PLACES: [(&str, &[&str]); 10] = [
     ),
     // The message of a preview, which cannot be queued.
     ("into_draft(", &["disclosure/src/report_frame.rs 1", "src/api/preview.rs 1"]),
-    // Created empty for another type.
-    (".gate =", &["state/src/fields/field_mut.rs 1"]),
+    // Never replaced: intervals and rates go on, also for another type.
+    (".gate =", &[]),
+    (".change_type(", &["state/src/fields/field_mut.rs 1"]),
     (
         "through_gate(",
         &[

@@ -4,7 +4,6 @@
 use std::{ops::Deref, sync::Arc};
 
 use asi_model::{DataValue, DateTime, network::ReportField};
-use disclosure::{Gate, GateState};
 use mapping::{Mapping, TransformState};
 
 use super::{
@@ -25,26 +24,26 @@ impl FieldMut<'_> {
     }
 
     pub(crate) fn change_decision<T>(&mut self, change: impl FnOnce(&mut FieldDecision) -> T) -> T {
-        self.index.policies.forget(&self.entry.field);
+        self.index.forget_decision(&self.entry.field);
         let result = change(&mut self.entry.field.decision);
-        self.index.policies.note(&self.entry.field);
+        self.index.note_decision(&self.entry.field);
         self.index.note_deadlines(self.entry);
         result
     }
 
     /// Closes the gate, and forgets the newest candidate: the consent ended.
-    pub(crate) fn close(&mut self) {
+    pub(crate) fn close(&mut self, now: DateTime) {
         self.entry.field.newest = None;
-        self.close_gate();
+        self.close_gate(now);
     }
 
     /// Begins a consent: nothing is left of values from before, and counting starts again.
     pub(crate) fn begin_consent(&mut self, now: DateTime) {
         self.entry.field.rate = DisclosureRate::new(now);
-        self.close_gate();
+        self.close_gate(now);
     }
 
-    /// Follows the field's request as it is now. Another type gets a new gate.
+    /// Follows the field's request as it is now. For another type the gate closes.
     pub(crate) fn change_definition(
         &mut self,
         definition: ReportField,
@@ -54,8 +53,7 @@ impl FieldMut<'_> {
         let field = &mut self.entry.field;
         let field_type = definition.field_type.0;
         if field.definition.field_type.0 != field_type {
-            let policy = Arc::clone(field.gate.policy());
-            field.gate = Gate::new(policy, field_type, GateState::default(), now);
+            field.gate.change_type(field_type, now);
             self.index.mark_dirty(self.entry);
         }
         let field = &mut self.entry.field;
@@ -93,9 +91,9 @@ impl FieldMut<'_> {
 
     /// Begins another source of values: its functions start in this state, and nothing of the former
     /// source leaves, neither what waited nor what was disclosed.
-    pub(crate) fn begin_source(&mut self, transform: Option<TransformState>) {
+    pub(crate) fn begin_source(&mut self, transform: Option<TransformState>, now: DateTime) {
         self.entry.field.newest = None;
-        self.close_gate();
+        self.close_gate(now);
         self.set_transform(transform);
     }
 
@@ -125,8 +123,8 @@ impl FieldMut<'_> {
         self.entry.field.versions.shadow = shadow;
     }
 
-    fn close_gate(&mut self) {
-        self.entry.field.gate.close();
+    fn close_gate(&mut self, now: DateTime) {
+        self.entry.field.gate.close(now);
         self.index.mark_dirty(self.entry);
         self.index.note_deadlines(self.entry);
     }

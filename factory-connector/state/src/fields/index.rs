@@ -1,12 +1,16 @@
 //! Index of all fields as a whole: the few of many that are looked for are found without a scan.
 
-use super::{deadlines::Deadlines, entry::FieldEntry, policy_index::PolicyIndex};
+use super::{
+    Field, deadlines::Deadlines, entry::FieldEntry, policy_index::PolicyIndex,
+    variable_index::VariableIndex,
+};
 
-/// Deadlines and named policies of all fields, and those that the next transaction writes.
+/// Deadlines, named policies and variables of all fields, and those that the next transaction writes.
 #[derive(Debug, Default)]
 pub(super) struct Index {
     pub(super) deadlines: Deadlines,
     pub(super) policies: PolicyIndex,
+    pub(super) variables: VariableIndex,
     /// Numbers of fields whose gate or transform state the next transaction writes.
     pub(super) dirty: Vec<i64>,
 }
@@ -20,14 +24,26 @@ impl Index {
     }
 
     pub(super) fn add(&mut self, entry: &mut FieldEntry) {
-        self.policies.note(&entry.field);
+        self.note_decision(&entry.field);
         self.note_deadlines(entry);
     }
 
     /// Forgets a field that is removed.
     pub(super) fn forget(&mut self, entry: &mut FieldEntry) {
-        self.policies.forget(&entry.field);
+        self.forget_decision(&entry.field);
         self.deadlines.forget(entry.field.id(), &mut entry.deadlines);
+    }
+
+    /// Notes what is found by the field's decision.
+    pub(super) fn note_decision(&mut self, field: &Field) {
+        self.policies.note(field);
+        self.variables.note(field);
+    }
+
+    /// Forgets what is found by the field's decision, before it changes.
+    pub(super) fn forget_decision(&mut self, field: &Field) {
+        self.policies.forget(field);
+        self.variables.forget(field);
     }
 
     /// Brings the deadlines up to date after the gate, the decision or the validity changed.

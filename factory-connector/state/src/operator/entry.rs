@@ -23,6 +23,17 @@ pub struct OperationKey {
     pub operation_id: OperationId,
 }
 
+impl OperationKey {
+    /// Returns the operation of a field.
+    #[must_use]
+    pub fn of(field: &FieldKey) -> Self {
+        Self {
+            operation_network_id: field.request.operation_network_id.clone(),
+            operation_id: field.request.operation_id.clone(),
+        }
+    }
+}
+
 /// An entry's id, made where it was entered: 1 to 64 letters, digits, `-` or `_`.
 #[derive(
     Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, utoipa::ToSchema,

@@ -80,19 +80,30 @@ fn field_use(
     let in_force = || field.decision().is_mapped().then(|| field.gate().policy());
     let policy = supposed.or_else(in_force)?;
     Some(FieldUse {
+        field: field.id(),
+        policy: Arc::clone(policy),
         bits_per_hour: bits_per_hour(field.definition(), policy),
         readers: state.networks.recipients(&field.key().request).to_vec(),
         variables: variables_under(state, field, policy, suppositions),
     })
 }
 
-/// Returns the sums under all caps in force. The cost follows the fields of the partners that have
-/// caps.
+/// Returns the information of a field at present; `None` while it is not disclosed.
+pub(crate) fn use_of(state: &ConnectorState, field: &Field) -> Option<FieldUse> {
+    field_use(state, field, &Suppositions::new())
+}
+
+/// Returns the sums under all caps in force, with what ended within the hour. The cost follows the
+/// fields of the partners that have caps.
 #[must_use]
-pub fn cap_usage(state: &ConnectorState) -> CapUsage {
+pub fn cap_usage(state: &ConnectorState, now: DateTime) -> CapUsage {
     let mut usage = CapUsage::new(state.budgets.caps_in_force());
+    if usage.is_empty() {
+        return usage;
+    }
+    usage = usage.after(state.former.uses_of_last_hour(now));
     for field in covered(state, &usage) {
-        if let Some(used) = field_use(state, field, &Suppositions::new()) {
+        if let Some(used) = use_of(state, field) {
             usage.add(&used);
         }
     }
@@ -113,11 +124,10 @@ fn covered<'s>(state: &'s ConnectorState, usage: &CapUsage) -> Vec<&'s Field> {
 pub(crate) fn exchanges(state: &ConnectorState, suppositions: &Suppositions) -> Vec<Exchange> {
     let mut concerned: BTreeSet<FieldKey> = suppositions.keys().cloned().collect();
     concerned.extend(suppositions.keys().flat_map(|key| state.fields.dependents_of(key)));
-    let nothing = Suppositions::new();
     let exchange = |key: &FieldKey| {
         let field = state.field(key)?;
         Some(Exchange {
-            before: field_use(state, field, &nothing),
+            before: use_of(state, field),
             after: field_use(state, field, suppositions),
         })
     };
@@ -142,8 +152,12 @@ pub fn opening_excesses(
     key: &FieldKey,
     policy: Arc<DisclosurePolicy>,
     variables: BTreeSet<VariableKey>,
+    now: DateTime,
 ) -> Vec<CapExcess> {
-    cap_usage(state).exchange(&opening(state, key, policy, variables)).err().unwrap_or_default()
+    cap_usage(state, now)
+        .exchange(&opening(state, key, policy, variables))
+        .err()
+        .unwrap_or_default()
 }
 
 /// Returns the caps that imported mappings would exceed: they read other variables.
@@ -151,8 +165,9 @@ pub fn opening_excesses(
 pub fn import_excesses<'m>(
     state: &ConnectorState,
     mappings: impl Iterator<Item = &'m Mapping>,
+    now: DateTime,
 ) -> Vec<CapExcess> {
-    let mut usage = cap_usage(state);
+    let mut usage = cap_usage(state, now);
     if usage.is_empty() {
         return Vec::new();
     }
@@ -179,7 +194,7 @@ fn held_back_by(state: &ConnectorState, budgets: &BudgetRegistry) -> Vec<HeldBac
     let mut fields = covered(state, &usage);
     fields.sort_by_key(|field| (field.decision().decided_at, field.id()));
     let hold_back = |field: &Field| {
-        let after = field_use(state, field, &Suppositions::new());
+        let after = use_of(state, field);
         let excesses = usage.exchange(&[Exchange { before: None, after }]).err()?;
         Some((field.key().clone(), excesses))
     };

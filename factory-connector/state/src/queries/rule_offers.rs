@@ -2,19 +2,20 @@
 
 use std::sync::Arc;
 
-use asi_model::{FieldKey, messages::ValueSource};
+use asi_model::{DateTime, FieldKey, messages::ValueSource};
 use disclosure::{
     DisclosurePolicy, DocumentId, DocumentVersion, Rule, RuleAction, RuleOutcome, outcome,
 };
 use mapping::Mapping;
 
-use super::withholding_faults;
+use super::{alike::Acceptance, effective_policy, variables_of, withholding_faults};
 use crate::{ConnectorState, Field, operator::OperationKey};
 
 /// The decision that standing rules offer for a field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RuleOffer {
-    /// The action; `ACCEPT` without a known source of values becomes `PREFILL`.
+    /// The action; `ACCEPT` becomes `PREFILL` without a known source of values, and beside a field
+    /// alike.
     pub action: RuleAction,
     /// The rules with their names; the first one gives reason and source.
     pub rules: Vec<(DocumentVersion, String)>,
@@ -28,6 +29,9 @@ pub struct RuleOffer {
     pub mapping: Option<Mapping>,
     /// Reason of a refusal, for the partner.
     pub reason: Option<String>,
+    /// True where `ACCEPT` became `PREFILL` since a field alike is or was open: the recipients would
+    /// get more values than the policy allows.
+    pub is_second_gate: bool,
 }
 
 impl RuleOffer {
@@ -40,17 +44,21 @@ impl RuleOffer {
 
 /// Returns the offer of the enabled rules for a field, whatever was decided about it.
 #[must_use]
-pub fn rule_offer(state: &ConnectorState, key: &FieldKey) -> Option<RuleOffer> {
+pub fn rule_offer(state: &ConnectorState, key: &FieldKey, now: DateTime) -> Option<RuleOffer> {
     let rules = state.policies.enabled_rules().map(|rule| (&rule.key, &rule.document));
-    offer_of(state, state.field(key)?, rules)
+    offer_of(state, state.field(key)?, rules, now)
 }
 
 /// Returns the offers of one rule, enabled or not, sorted by field.
 #[must_use]
-pub fn rule_preview(state: &ConnectorState, rule: &Rule) -> Vec<(FieldKey, RuleOffer)> {
+pub fn rule_preview(
+    state: &ConnectorState,
+    rule: &Rule,
+    now: DateTime,
+) -> Vec<(FieldKey, RuleOffer)> {
     let draft = DocumentVersion { id: "draft".parse().expect("an id"), version: 0 };
     let offer = |field: &Field| {
-        let offer = offer_of(state, field, std::iter::once((&draft, rule)))?;
+        let offer = offer_of(state, field, std::iter::once((&draft, rule)), now)?;
         Some((field.key().clone(), offer))
     };
     let mut offers: Vec<(FieldKey, RuleOffer)> = state.fields.iter().filter_map(offer).collect();
@@ -62,6 +70,7 @@ fn offer_of<'r>(
     state: &ConnectorState,
     field: &Field,
     rules: impl Iterator<Item = (&'r DocumentVersion, &'r Rule)>,
+    now: DateTime,
 ) -> Option<RuleOffer> {
     let (_, request) = state.request(&field.key().request)?;
     let named = |id: &DocumentId| {
@@ -74,16 +83,23 @@ fn offer_of<'r>(
     let mapping =
         (value_source == Some(ValueSource::Mapping)).then(|| known_mapping(state, field)).flatten();
     let is_sourceless = value_source == Some(ValueSource::Mapping) && mapping.is_none();
+    let mut named = found.rules.iter().filter_map(|(_, rule)| rule.policy_id.as_ref());
+    let policy_id = named
+        .next()
+        .filter(|first| found.action != RuleAction::Refuse && named.all(|next| next == *first));
+    let (policy, _) = effective_policy(state, field, &found.disclosure, policy_id);
+    let variables = mapping.as_ref().map(|mapping| variables_of(&mapping.inputs));
+    let variables = variables.unwrap_or_default();
+    let acceptance = Acceptance { state, field, policy: &policy, variables, now };
+    let is_second_gate = found.action == RuleAction::Accept && acceptance.is_second_gate();
     let action = match found.action {
-        RuleAction::Accept if is_sourceless || !can_hold(state, field, &found.disclosure) => {
+        RuleAction::Accept
+            if is_sourceless || is_second_gate || !can_hold(state, field, &found.disclosure) =>
+        {
             RuleAction::Prefill
         }
         action => action,
     };
-    let mut named = found.rules.iter().filter_map(|(_, rule)| rule.policy_id.as_ref());
-    let policy_id = named
-        .next()
-        .filter(|first| action != RuleAction::Refuse && named.all(|next| next == *first));
     let rules = found.rules.iter().map(|(key, rule)| ((*key).clone(), rule.name.clone()));
     Some(RuleOffer {
         action,
@@ -93,6 +109,7 @@ fn offer_of<'r>(
         mapping,
         reason: first.reason.clone().filter(|_| action == RuleAction::Refuse),
         disclosure: found.disclosure,
+        is_second_gate,
     })
 }
 
@@ -112,10 +129,7 @@ fn known_mapping(state: &ConnectorState, field: &Field) -> Option<Mapping> {
     };
     let own = field.decision().mapping.as_deref().filter(|mapping| is_alike(mapping));
     let equal = || {
-        let operation = state.operation(&OperationKey {
-            operation_network_id: field.key().request.operation_network_id.clone(),
-            operation_id: field.key().request.operation_id.clone(),
-        })?;
+        let operation = state.operation(&OperationKey::of(field.key()))?;
         operation.dynamic_data_request_list.iter().find_map(|request| {
             let mut other = field.key().clone();
             other.request.dynamic_data_request_id = request.dynamic_data_request_id.clone();

@@ -1,7 +1,10 @@
 //! Caps and alliances: what they refuse, what they hold back, and that nothing gets past them.
 
+mod hours;
 mod plant;
 mod properties;
+mod requests;
+mod second_gates;
 
 use asi_model::messages::MappingState;
 use serde_json::json;

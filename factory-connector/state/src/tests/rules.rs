@@ -80,7 +80,7 @@ fn a_rule_without_a_source_of_values_only_offers() {
     let mut scene = Scene::default();
     put(&mut scene, "r", "ACCEPT", "MAPPING");
     assert_eq!(apply(&mut scene, 1), 0);
-    let offer = rule_offer(&scene.state, &field("made"));
+    let offer = rule_offer(&scene.state, &field("made"), at(1));
     assert_eq!(offer.map(|offer| offer.action), Some(RuleAction::Prefill));
     // The mapping that a field had is used again.
     let mapping = json!({ "mappingId": "m", "target": field("made"), "targetType": "UInt64",

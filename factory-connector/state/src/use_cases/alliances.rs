@@ -19,9 +19,9 @@ pub fn put_alliance(
     by: &str,
     now: DateTime,
 ) -> Result<(DocumentVersion, ChangeSet), DocumentError> {
-    let (before, usage) = (state.budgets.clone(), cap_usage(state));
+    let (before, usage) = (state.budgets.clone(), cap_usage(state, now));
     let row = state.budgets.put_alliance(id, alliance, expected, (by, now))?;
-    let excesses = cap_usage(state).excesses_over(&usage);
+    let excesses = cap_usage(state, now).excesses_over(&usage);
     if !excesses.is_empty() {
         state.budgets = before;
         return Err(DocumentError::OverCap(excesses));

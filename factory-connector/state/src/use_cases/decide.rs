@@ -14,6 +14,7 @@ use crate::{
     change_set::Ending,
     consents, dependencies,
     effects::EngineCommand,
+    endings,
     gates::through_gate,
     queries::{cap_usage, effective_policy, opening, variables_of, withholding_faults},
 };
@@ -94,8 +95,8 @@ pub(super) struct Course {
 
 impl Course {
     /// Begins with the fields that are disclosed at present.
-    pub(super) fn new(state: &ConnectorState) -> Self {
-        Self { is_joint: false, usage: cap_usage(state) }
+    pub(super) fn new(state: &ConnectorState, now: DateTime) -> Self {
+        Self { is_joint: false, usage: cap_usage(state, now) }
     }
 
     /// Begins decisions that end consents and open none.
@@ -115,13 +116,28 @@ pub fn decide(
     now: DateTime,
 ) -> Result<ChangeSet, DecisionError> {
     let mut changes = ChangeSet::default();
-    let mut course = Course::new(state);
+    let mut course = Course::new(state, now);
     decide_in(state, &mut changes, key, request, &mut course, now)?;
     Ok(changes)
 }
 
 /// Decides within a larger use case.
 pub(super) fn decide_in(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    key: &FieldKey,
+    request: DecisionRequest,
+    course: &mut Course,
+    now: DateTime,
+) -> Result<(), DecisionError> {
+    let may_end = !matches!(request.command, DecisionCommand::Map { .. });
+    let before = endings::disclosed(state, may_end.then_some(key).into_iter(), now);
+    take(state, changes, key, request, course, now)?;
+    endings::note(state, changes, before, now);
+    Ok(())
+}
+
+fn take(
     state: &mut ConnectorState,
     changes: &mut ChangeSet,
     key: &FieldKey,
@@ -142,8 +158,8 @@ pub(super) fn decide_in(
             let opening = Opening { value_source, mapping, policy, policy_id };
             open(state, changes, key, opening, now);
         }
-        DecisionCommand::LeavePending => close(state, changes, key, MappingState::Pending),
-        DecisionCommand::Refuse => close(state, changes, key, MappingState::Refused),
+        DecisionCommand::LeavePending => close(state, changes, key, MappingState::Pending, now),
+        DecisionCommand::Refuse => close(state, changes, key, MappingState::Refused, now),
     }
     let Some(mut field) = state.fields.get_mut(key) else { return Ok(()) };
     let (is_mapped, has_mapping) = field.change_decision(|decision| {
@@ -262,7 +278,7 @@ fn open(
     }
     if is_other_source {
         let transform = transform_after(&field, mapping.as_deref());
-        field.begin_source(transform);
+        field.begin_source(transform, now);
     }
     let is_recorded = field.versions().is_recorded
         && (mapping.is_none() || field.decision().mapping.as_deref() == mapping.as_deref());
@@ -298,6 +314,7 @@ fn close(
     changes: &mut ChangeSet,
     key: &FieldKey,
     mapping_state: MappingState,
+    now: DateTime,
 ) {
     let Some(mut field) = state.fields.get_mut(key) else { return };
     if field.decision().is_open_for(ValueSource::Mapping) {
@@ -307,5 +324,5 @@ fn close(
         decision.mapping_state = mapping_state;
         decision.value_source = None;
     });
-    field.close();
+    field.close(now);
 }

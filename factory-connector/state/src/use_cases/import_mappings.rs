@@ -39,7 +39,7 @@ pub fn import_mappings(
     imports: Vec<MappingImport>,
     now: DateTime,
 ) -> Result<ChangeSet, Vec<CapExcess>> {
-    let excesses = import_excesses(state, imports.iter().map(|import| &import.mapping));
+    let excesses = import_excesses(state, imports.iter().map(|import| &import.mapping), now);
     if !excesses.is_empty() {
         return Err(excesses);
     }
@@ -67,7 +67,7 @@ fn import_one(
     let transform = field.state_for(&mapping).filter(|_| is_published);
     if is_published {
         changes.purge_replaced(field.writer());
-        field.begin_source(transform);
+        field.begin_source(transform, now);
     } else {
         field.set_transform(transform);
     }

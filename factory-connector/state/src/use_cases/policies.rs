@@ -42,7 +42,7 @@ pub fn put_policy(
     let before = state.policies.clone();
     let row = state.policies.put_named(id, policy, expected, (by, now))?;
     let fields = revised(state, fields_under_policy(state, id));
-    admit(state, &fields, before)?;
+    admit(state, &fields, before, now)?;
     let mut changes = ChangeSet::default();
     let version = row.key.clone();
     changes.writes.policies.named.push(row);
@@ -66,7 +66,7 @@ pub fn set_recipient_policy(
     let before = state.policies.clone();
     let set = state.policies.set_recipient(recipient, policy_id, expected, (by, now))?;
     let fields = revised(state, fields_for_recipient(state, recipient));
-    admit(state, &fields, before)?;
+    admit(state, &fields, before, now)?;
     let mut changes = ChangeSet::default();
     let version = set.version;
     let row = RecipientPolicyRow { recipient: recipient.clone(), set };
@@ -98,8 +98,9 @@ fn admit(
     state: &mut ConnectorState,
     fields: &[Revised],
     former: PolicyRegistry,
+    now: DateTime,
 ) -> Result<(), DocumentError> {
-    let mut usage = cap_usage(state);
+    let mut usage = cap_usage(state, now);
     if usage.is_empty() {
         return Ok(());
     }

@@ -6,8 +6,8 @@ mod fields;
 use std::{collections::BTreeSet, sync::Arc};
 
 use asi_model::{
-    DateTime, OperationNetworkId, RequestKey,
-    difference::{FieldChange, difference},
+    DateTime, FieldKey, OperationNetworkId, RequestKey,
+    difference::{FieldChange, FieldDifference, difference},
     messages::{AcknowledgementResult, GapCause, OperationNetworkMessage, Withdraw},
     network::OperationNetwork,
 };
@@ -20,6 +20,7 @@ use super::{
 use crate::{
     ChangeSet, ConnectorState, LogRecord, Network, Writer, consents,
     effects::{ConnectorEvent, TwinUpdate},
+    endings,
     keep_alive_schedule::schedule_keep_alive,
     writes::NetworkRow,
 };
@@ -118,6 +119,8 @@ fn withdraw(
     now: DateTime,
 ) {
     let id = &network.operation_network_id;
+    let keys: Vec<FieldKey> = network.fields().map(|(key, ..)| key).collect();
+    let before = endings::disclosed(state, keys.iter(), now);
     for (key, ..) in network.fields() {
         end_withdrawn_consent(state, changes, &key, now);
     }
@@ -129,6 +132,7 @@ fn withdraw(
         retire_writer(state, changes, &request, now);
     }
     changes.effects.twin.push(TwinUpdate::Remove(id.clone()));
+    endings::note(state, changes, before, now);
 }
 
 /// Brings fields and writers from the former revision to the new one.
@@ -148,6 +152,7 @@ fn apply(
         operation_relation_list: Vec::new(),
     };
     let difference = difference(former.unwrap_or(&empty), new);
+    let before = endings::disclosed(state, difference.fields.iter().map(|field| &field.key), now);
     let is_removed = |change: FieldChange| change == FieldChange::Removed;
     for field in difference.fields.iter().filter(|field| is_removed(field.change)) {
         end_withdrawn_consent(state, changes, &field.key, now);
@@ -160,8 +165,23 @@ fn apply(
     for (request, ..) in new.requests() {
         assign_writer(state, changes, &request, now);
     }
+    apply_fields(state, changes, difference.fields, now);
+    endings::note(state, changes, before, now);
+    for (request, ..) in new.requests() {
+        if let Some(writer) = state.writers.id_of(&request) {
+            schedule_keep_alive(state, writer);
+        }
+    }
+}
+
+fn apply_fields(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    fields: Vec<FieldDifference>,
+    now: DateTime,
+) {
     let mut to_refresh: BTreeSet<RequestKey> = BTreeSet::new();
-    for field in difference.fields {
+    for field in fields {
         let is_data_set_changed = match field.change {
             FieldChange::Added => {
                 add_field(state, changes, &field.key, now);
@@ -184,11 +204,6 @@ fn apply(
     }
     let writers = to_refresh.iter().filter_map(|request| state.writers.id_of(request));
     changes.to_refresh.extend(writers.map(|writer| (writer, now)));
-    for (request, ..) in new.requests() {
-        if let Some(writer) = state.writers.id_of(&request) {
-            schedule_keep_alive(state, writer);
-        }
-    }
 }
 
 fn assign_writer(

@@ -11,6 +11,8 @@ use crate::{
 
 /// Name under which rules decide.
 const DECIDED_BY: &str = "standing rule";
+/// Reason for the log where a rule leaves a field to the engineer.
+const SECOND_GATE: &str = "a field alike is open to its recipients, or was a short while ago";
 /// Reason that a partner reads when a decision of a rule was undone.
 const UNDONE: &str = "A decision of a standing rule was taken back.";
 
@@ -78,7 +80,7 @@ pub(super) fn apply_rules_in(
         }
     };
     keys.sort();
-    let mut course = Course::new(state);
+    let mut course = Course::new(state, now);
     keys.into_iter().filter(|key| apply_offer(state, changes, key, &mut course, now)).count()
 }
 
@@ -89,7 +91,12 @@ fn apply_offer(
     course: &mut Course,
     now: DateTime,
 ) -> bool {
-    let Some(offer) = rule_offer(state, key) else { return false };
+    let Some(offer) = rule_offer(state, key, now) else { return false };
+    if offer.is_second_gate {
+        let (field, reason) = (key.clone(), SECOND_GATE.to_owned());
+        changes.effects.log.push(LogRecord::RuleNotApplied { field, reason });
+        return false;
+    }
     let rules: Vec<DocumentVersion> = offer.rules.into_iter().map(|(rule, _)| rule).collect();
     let command = match (offer.action, offer.value_source) {
         (RuleAction::Refuse, _) => DecisionCommand::Refuse,

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use asi_model::DateTime;
 
 use super::values::receive_candidate;
-use crate::{ChangeSet, ConnectorState, Field, LogRecord, consents};
+use crate::{ChangeSet, ConnectorState, Field, LogRecord, consents, endings};
 
 /// Reason that a partner reads when its request has ended.
 const ENDED: &str = "The request's validity has ended.";
@@ -26,7 +26,9 @@ pub fn end_requests(state: &mut ConnectorState, now: DateTime) -> ChangeSet {
     let mut changes = ChangeSet::default();
     let mut writers = BTreeSet::new();
     for key in state.fields.ended(now) {
+        let before = endings::disclosed(state, std::iter::once(&key), now);
         consents::close(state, &mut changes, &key, ENDED, now);
+        endings::note(state, &mut changes, before, now);
         writers.extend(state.field(&key).map(Field::writer));
         changes.effects.log.push(LogRecord::RequestEnded { field: key });
     }

@@ -141,4 +141,5 @@ pub fn release_due(state: &mut ConnectorState, now: DateTime) {
 pub fn set_clock_back(state: &mut ConnectorState, now: DateTime) {
     state.writers.set_clock_back(now);
     state.fields.set_clock_back(now);
+    state.former.set_clock_back(now);
 }

@@ -21,15 +21,21 @@ pub struct FieldWrites {
     pub consents: Vec<ConsentRow>,
     /// Previews that decisions were made on.
     pub previews: Vec<PreviewRow>,
+    /// Disclosures until a consent ended.
+    pub former: Vec<FormerDisclosureRow>,
+    /// Numbers of former disclosures on which nothing depends any more.
+    pub forgotten: Vec<i64>,
 }
 
 impl FieldWrites {
     pub(super) fn merge(&mut self, later: Self) {
-        let Self { decided, removed, values, consents, previews } = later;
+        let Self { decided, removed, values, consents, previews, former, forgotten } = later;
         super::merge::extend(&mut self.decided, decided);
         super::merge::extend(&mut self.values, values);
         self.consents.extend(consents);
         self.previews.extend(previews);
+        self.former.extend(former);
+        self.forgotten.extend(forgotten);
         for id in removed {
             self.remove(id);
         }
@@ -92,6 +98,16 @@ pub struct ConsentRow {
     pub reason: Option<String>,
     pub decided_by: Option<String>,
     pub decided_at: DateTime,
+}
+
+/// Disclosure of a field until its consent ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FormerDisclosureRow {
+    /// Number of the row.
+    pub id: i64,
+    pub ended_at: DateTime,
+    /// Field, policy, recipients and variables, as JSON.
+    pub document: String,
 }
 
 /// A preview that a decision was made on.

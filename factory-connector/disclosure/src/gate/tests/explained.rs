@@ -166,8 +166,8 @@ impl Stage {
                 self.releases.clear();
             }
             Event::Source => {
-                self.model.source();
-                self.gate.close();
+                self.model.source(now);
+                self.gate.close(at(now));
                 prop_assert_eq!(self.gate.disclosed(), None, "a value of the former source");
             }
         }

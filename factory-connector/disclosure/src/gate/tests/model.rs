@@ -44,6 +44,8 @@ pub(super) struct Model {
     usable: Option<Variant>,
     is_state_forgotten: bool,
     foreign: Option<bool>,
+    /// Time since which values count for windows; always without it.
+    covered_from: Option<u64>,
 }
 
 impl Model {
@@ -55,6 +57,7 @@ impl Model {
             usable: None,
             is_state_forgotten: false,
             foreign: None,
+            covered_from: None,
         }
     }
 
@@ -73,7 +76,13 @@ impl Model {
         if self.is_withheld() {
             return;
         }
-        let window = self.policy.aggregate.map(|aggregate| window_end(now, aggregate.window_ms));
+        // Of a window that is not covered whole nothing leaves; its last value is the first one of
+        // the next window.
+        let window = self.policy.aggregate.map(|aggregate| {
+            let end = window_end(now, aggregate.window_ms);
+            let is_whole = self.covered_from.is_none_or(|from| end >= from + aggregate.window_ms);
+            if is_whole { end } else { end + aggregate.window_ms }
+        });
         self.possible.push(Possible {
             raw: raw.clone(),
             forms: vec![coarse(self.kind, &self.policy, raw)],
@@ -83,8 +92,9 @@ impl Model {
     }
 
     /// Notes that another source begins.
-    pub(super) fn source(&mut self) {
+    pub(super) fn source(&mut self, now: u64) {
         self.possible.clear();
+        self.covered_from = Some(now);
         (self.usable, self.is_state_forgotten) = (None, true);
     }
 
@@ -99,6 +109,9 @@ impl Model {
             .collect();
         if added.iter().any(|condition| condition.field.is_none()) {
             (self.usable, self.is_state_forgotten) = (None, true);
+        }
+        if !added.is_empty() || has_other_windows {
+            self.covered_from = Some(now);
         }
         if !added.is_empty() || (has_other_windows && self.policy.aggregate.is_some()) {
             self.possible.clear();

@@ -152,10 +152,92 @@ fn another_source_begins_with_its_own_values() {
     gate.on(at(0), candidate(0, 1));
     gate.on(at(500), candidate(500, 2));
     gate.on_time(at(1000));
-    gate.close();
+    gate.close(at(1000));
     gate.on_time(at(90_000));
     assert_eq!((gate.disclosed(), gate.due()), (None, None));
     let mut lost = candidate(90_000, 0);
     lost.status = StatusCode::BAD_NO_DATA;
     assert_eq!(gate.on(at(90_000), lost), GateOutcome::Suppressed, "its state is not known");
+}
+
+const HOUR_MS: u64 = 3_600_000;
+const HOURLY_MEAN: &str = r#"{"aggregate":{"function":"MEAN","windowMs":3600000}}"#;
+
+/// Returns a gate whose consent begins at this time, with values before and after.
+fn consented_at(ms: u64) -> Gate {
+    let mut gate = gate(HOURLY_MEAN);
+    gate.on(at(0), candidate(0, 50));
+    gate.close(at(ms));
+    gate.change_policy(policy(HOURLY_MEAN), at(ms));
+    gate.on(at(ms), candidate(ms, 10));
+    gate.on(at(ms + 1_000), candidate(ms + 1_000, 30));
+    gate
+}
+
+#[test]
+fn a_consent_that_begins_within_a_window_releases_no_part_of_it() {
+    let mut gate = consented_at(HOUR_MS - 60_000);
+    gate.on_time(at(HOUR_MS));
+    assert_eq!(gate.disclosed(), None, "the mean of a minute");
+    assert_eq!(gate.due(), Some(at(2 * HOUR_MS)), "without another candidate");
+    gate.on_time(at(2 * HOUR_MS));
+    assert_eq!(shown(&gate), Some(30), "the first window that is covered whole");
+    // After a restart, and where nobody looked at the gate for long, too.
+    let begun = consented_at(HOUR_MS - 60_000);
+    let stored = gate_from_json(&gate_to_json(&begun.state())).expect("it reads what it wrote");
+    let mut gate = Gate::new(policy(HOURLY_MEAN), BuiltInType::Int64, stored, at(HOUR_MS));
+    gate.on(at(2 * HOUR_MS + HOUR_MS / 2), candidate(0, 70));
+    assert_eq!(shown(&gate), Some(30));
+    gate.on_time(at(3 * HOUR_MS));
+    assert_eq!(shown(&gate), Some(50), "half of the window 30, half 70");
+    // A consent on the boundary covers its first window.
+    let mut gate = consented_at(HOUR_MS);
+    gate.on_time(at(2 * HOUR_MS));
+    assert!(shown(&gate).is_some_and(|mean| mean >= 29));
+}
+
+#[test]
+fn windows_of_another_policy_begin_whole() {
+    let mut gate = gate("{}");
+    gate.on(at(0), candidate(0, 1));
+    gate.change_policy(policy(HOURLY_MEAN), at(HOUR_MS - 1));
+    gate.on(at(HOUR_MS - 1), candidate(0, 7));
+    gate.on_time(at(HOUR_MS));
+    assert_eq!(gate.disclosed(), None);
+    gate.on_time(at(2 * HOUR_MS));
+    assert_eq!(shown(&gate), Some(7));
+}
+
+#[test]
+fn consents_that_toggle_get_at_most_one_mean_per_whole_window() {
+    let mut gate = gate(HOURLY_MEAN);
+    let mut released = Vec::new();
+    for minute in 0..4 * 60 {
+        let now = minute * 60_000;
+        gate.on(at(now), candidate(now, i64::try_from(minute).expect("small")));
+        if gate.take_released() {
+            released.push((minute, shown(&gate)));
+        }
+        // The partner changes its request every few minutes of the second hour.
+        if (60..120).contains(&minute) && minute % 7 == 3 {
+            gate.close(at(now + 1));
+            gate.change_policy(policy(HOURLY_MEAN), at(now + 1));
+        }
+    }
+    assert_eq!(released, [(60, Some(30)), (180, Some(150))], "of the second hour nothing");
+}
+
+#[test]
+fn rates_and_intervals_go_on_for_values_of_another_type() {
+    for limits in
+        [r#"{"minimumIntervalMs":1000}"#, r#"{"rateLimits":[{"values":1,"periodMs":1000}]}"#]
+    {
+        let mut gate = gate(limits);
+        gate.on(at(0), candidate(0, 1));
+        gate.change_type(BuiltInType::Double, at(10));
+        gate.change_policy(policy("{}"), at(20));
+        gate.change_policy(policy(limits), at(30));
+        gate.on(at(40), DataValue::good(2.5, at(40)));
+        assert_eq!((gate.disclosed(), gate.due()), (None, Some(at(1000))), "{limits}");
+    }
 }

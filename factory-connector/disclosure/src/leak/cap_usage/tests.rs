@@ -36,6 +36,8 @@ fn variable_key(number: u8) -> VariableKey {
 
 fn used(bits: Option<f64>, readers: &[&str], variables: &[u8]) -> FieldUse {
     FieldUse {
+        field: 0,
+        policy: Arc::default(),
         bits_per_hour: bits,
         readers: readers.iter().map(|reader| reader.parse().expect("an id")).collect(),
         variables: variables.iter().copied().map(variable_key).collect(),
@@ -90,6 +92,35 @@ fn a_change_that_lowers_a_sum_is_never_refused() {
     usage.exchange(&[lower]).expect("lower");
     usage.exchange(&[Exchange { before: Some(less), after: None }]).expect("closed");
     assert_eq!(usage.sum(&"c".parse().expect("an id")).and_then(BitSum::bits), Some(0.0));
+}
+
+/// Returns the use of a field until a time, in microseconds after the cap was set.
+fn ended(field: i64, policy: &str, bits: f64, at: i64) -> FormerUse {
+    let policy = Arc::new(serde_json::from_str(policy).expect("a policy"));
+    let used = FieldUse { field, policy, ..used(Some(bits), &["acme"], &[]) };
+    FormerUse { used, ended_at: DateTime::from_unix_micros(at) }
+}
+
+#[test]
+fn a_consent_that_ended_within_the_hour_counts_on() {
+    let of_acme = || cap("c", json!({ "partner": "acme" }), 10.0, None);
+    let usage = |former: Vec<FormerUse>| usage(&[of_acme()], &[]).after(former.into_iter());
+    let (coarse, fine) = (r#"{"minimumIntervalMs":9000}"#, r#"{"minimumIntervalMs":1000}"#);
+    let again = |field, policy, bits| ended(field, policy, bits, 0).used;
+    // Another field - also the same one, requested again - finds no room.
+    let refused = open(&mut usage(vec![ended(1, fine, 8.0, 1)]), again(2, fine, 4.0));
+    let excess = &refused.expect_err("both within an hour")[0];
+    assert_eq!((excess.bits_per_hour_now, excess.bits_per_hour_then), (Some(8.0), Some(12.0)));
+    assert!(excess.to_string().contains("an hour longer"), "{excess}");
+    open(&mut usage(vec![ended(1, fine, 8.0, 1)]), again(2, fine, 2.0)).expect("room for two");
+    // The same field continues: the finer one of both counts.
+    open(&mut usage(vec![ended(1, fine, 8.0, 1)]), again(1, fine, 8.0)).expect("as before");
+    open(&mut usage(vec![ended(1, fine, 8.0, 1)]), again(1, coarse, 4.0)).expect("coarser");
+    open(&mut usage(vec![ended(1, coarse, 4.0, 1)]), again(1, fine, 8.0)).expect("finer");
+    let delayed = r#"{"minimumIntervalMs":500,"delayMs":9}"#;
+    open(&mut usage(vec![ended(1, fine, 8.0, 1)]), again(1, delayed, 4.0)).expect_err("neither");
+    // What ended before the cap was set does not count.
+    open(&mut usage(vec![ended(1, fine, 8.0, 0)]), again(2, fine, 10.0)).expect("from then on");
 }
 
 fn any_use() -> impl Strategy<Value = FieldUse> {

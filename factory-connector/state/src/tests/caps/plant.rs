@@ -1,8 +1,10 @@
 //! A plant with requests of several partners.
 
+use std::collections::BTreeMap;
+
 use asi_model::{
     DateTime, FieldKey, OrganisationId, RequestKey,
-    messages::{MappingState, OperationNetworkMessage, ValueSource},
+    messages::{MappingState, ValueSource},
 };
 use disclosure::{
     Alliance, Cap, CapExcess, DecisionBasis, DisclosurePolicy, DocumentId, NamedPolicy, VariableKey,
@@ -10,6 +12,7 @@ use disclosure::{
 use mapping::Mapping;
 use serde_json::{Value, json};
 
+use super::requests::{PARTNERS, Requests, Revision};
 use crate::{
     DocumentError, Snapshot, StoredNetwork,
     queries::validate_for_field,
@@ -21,13 +24,9 @@ use crate::{
         decide::{DecisionCommand, DecisionError, DecisionRequest, decide},
         import_mappings::{MappingImport, import_mappings},
         policies::{put_policy, set_recipient_policy},
+        rules::put_rule,
     },
 };
-
-/// Requests with their recipients.
-pub const REQUESTS: [(&str, &[&str]); 4] =
-    [("a", &["acme"]), ("a2", &["acme"]), ("b", &["hull"]), ("c", &["hull", "keel"])];
-pub const FIELDS: [&str; 3] = ["one", "two", "three"];
 
 pub fn id(text: &str) -> DocumentId {
     text.parse().expect("an id")
@@ -46,33 +45,46 @@ pub fn variable(number: u32) -> VariableKey {
 /// State with time that goes on with every decision.
 pub struct Plant {
     pub scene: Scene,
+    pub requests: Requests,
     ms: i64,
 }
 
 impl Default for Plant {
     fn default() -> Self {
-        let mut scene = Scene::empty();
-        scene.arrive(network());
-        Self { scene, ms: 0 }
+        Self::of(Requests::of_partners())
     }
 }
 
-fn network() -> OperationNetworkMessage {
-    let fields = FIELDS.map(|name| json!({ "name": name, "type": 9 }));
-    let requests = REQUESTS.map(|(request, recipients)| {
-        json!({ "dynamicDataRequestId": request, "requesterId": recipients[0],
-            "recipientList": recipients, "purpose": "Plan", "updateFrequency": 1,
-            "updateFrequencyUnit": "HOUR",
-            "reportDataFormat": { "reportName": "R", "reportFieldList": fields } })
-    });
-    serde_json::from_value(json!({ "messageId": "m", "factoryId": "F", "collaborationId": "c",
-        "revision": 1, "operationNetwork": { "operationNetworkId": "n", "operationList": [
-            { "operationId": "op", "operationType": "PRODUCTION",
-              "dynamicDataRequestList": requests } ] } }))
-    .expect("a network")
-}
-
 impl Plant {
+    pub fn of(requests: Requests) -> Self {
+        let mut scene = Scene::empty();
+        scene.arrive(requests.message());
+        Self { scene, requests, ms: 0 }
+    }
+
+    /// Receives the next revision.
+    pub fn revise(&mut self, revision: &Revision) {
+        let message = self.requests.revise(revision);
+        self.ms += 1;
+        self.scene.arrive_at(message, self.ms);
+    }
+
+    /// Stores a rule that accepts all fields of all partners from operators, with this policy.
+    pub fn rule(&mut self, policy: &str) -> Result<(), DocumentError> {
+        self.rule_of("MANUAL", policy)
+    }
+
+    /// Stores a rule that accepts all fields of all partners from a source, with this policy.
+    pub fn rule_of(&mut self, source: &str, policy: &str) -> Result<(), DocumentError> {
+        let now = self.now();
+        let policy: Value = serde_json::from_str(policy).expect("a policy");
+        let rule = json!({ "name": "n", "isEnabled": true, "action": "ACCEPT",
+            "when": { "partners": PARTNERS }, "valueSource": source, "disclosure": policy });
+        let rule = serde_json::from_value(rule).expect("a rule");
+        let stored = self.scene.attempt(|state| put_rule(state, &id("r"), rule, None, "eve", now));
+        stored.map(|_| ())
+    }
+
     /// Returns the key of a field, named by its request.
     pub fn key(&self, name: &str) -> FieldKey {
         let (request, field) = name.split_once('/').expect("a request and a field");
@@ -86,6 +98,13 @@ impl Plant {
 
     pub fn mapping_state(&self, name: &str) -> MappingState {
         self.scene.state.field(&self.key(name)).expect("a field").decision().mapping_state
+    }
+
+    /// Returns the most bits per hour of a field that is disclosed.
+    pub fn bits_per_hour(&self, name: &str) -> f64 {
+        let field = self.scene.state.field(&self.key(name)).expect("a field");
+        let bits = disclosure::bits_per_hour(field.definition(), field.gate().policy());
+        bits.expect("bounded")
     }
 
     pub fn now(&mut self) -> DateTime {
@@ -141,7 +160,9 @@ impl Plant {
     }
 
     fn mapping(&self, name: &str, number: u32) -> Mapping {
-        let mapping = json!({ "mappingId": "x", "target": self.key(name), "targetType": "UInt64",
+        let field = self.scene.state.field(&self.key(name)).expect("a field");
+        let target_type = field.definition().field_type.0.name();
+        let mapping = json!({ "mappingId": "x", "target": self.key(name), "targetType": target_type,
             "inputs": [{ "name": "a", "sourceId": "s",
             "nodeId": format!("nsu=urn:x;i={number}") }], "steps": [] });
         let mapping = serde_json::from_value(mapping).expect("a mapping");
@@ -215,7 +236,9 @@ impl Plant {
     /// Returns what a store would have of the state.
     pub fn snapshot(&self) -> Snapshot {
         let state = &self.scene.state;
-        let message = network();
+        let message = self.requests.message();
+        let former = &self.scene.pending.writes.fields.former;
+        let former: BTreeMap<i64, _> = former.iter().map(|row| (row.id, row.clone())).collect();
         let writers = state
             .writers()
             .active()
@@ -223,7 +246,7 @@ impl Plant {
         Snapshot {
             networks: vec![StoredNetwork {
                 operation_network_id: message.operation_network.operation_network_id.clone(),
-                revision: 1,
+                revision: message.revision,
                 message: Some(message),
                 received_at: at(0),
             }],
@@ -231,12 +254,14 @@ impl Plant {
             writers: writers.collect(),
             policies: StoredPolicies {
                 named: state.policies().named().cloned().collect(),
+                rules: state.policies().rules().cloned().collect(),
                 ..StoredPolicies::default()
             },
             budgets: StoredBudgets {
                 alliances: state.budgets().alliances().cloned().collect(),
                 caps: state.budgets().caps().cloned().collect(),
             },
+            former_disclosures: former.into_values().collect(),
             ..Snapshot::default()
         }
     }

@@ -1,4 +1,4 @@
-//! Caps under any sequence of decisions and settings, and under any behaviour of a machine.
+//! Caps under any sequence of decisions, settings and revisions, and under any behaviour of a machine.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,7 +7,10 @@ use disclosure::{CapSubject, DisclosurePolicy, bits_per_hour, values_per_hour_ma
 use proptest::prelude::*;
 use serde_json::json;
 
-use super::plant::{FIELDS, Plant, REQUESTS, hourly, variable};
+use super::{
+    plant::{Plant, hourly, variable},
+    requests::{FIELDS, PARTNERS, Revision, any_revision},
+};
 use crate::{
     Field,
     queries::variables_of,
@@ -18,13 +21,12 @@ use crate::{
     },
 };
 
-const PARTNERS: [&str; 3] = ["acme", "hull", "keel"];
 /// Length of a run of values, in hours.
 const HOURS: i64 = 3;
 
-/// Something that an engineer does.
+/// Something that an engineer or a partner's planner does.
 #[derive(Debug, Clone)]
-enum Act {
+pub enum Act {
     Decide { field: usize, policy: usize, is_named: bool, variable: u32 },
     Close(usize),
     Import { field: usize, variable: u32 },
@@ -32,6 +34,9 @@ enum Act {
     Recipient { partner: usize, is_set: bool },
     Alliance { without: usize, is_retired: bool },
     Cap { subject: usize, most: f64, variable: Option<u32> },
+    Revise(Revision),
+    Rule { policy: usize, is_mapping: bool },
+    Wait(i64),
 }
 
 fn policies() -> Vec<String> {
@@ -43,13 +48,16 @@ fn policies() -> Vec<String> {
     vec![hourly(1), hourly(6), withheld.to_string(), stepped.to_string(), window.to_string(), open]
 }
 
-fn names() -> Vec<String> {
-    let of_request = |request: &str| FIELDS.map(|field| format!("{request}/{field}"));
-    REQUESTS.iter().flat_map(|(request, _)| of_request(request)).collect()
+/// Returns the name of a field by its number, where it is requested.
+fn name(plant: &Plant, field: usize) -> Option<String> {
+    let requests = &plant.requests.all;
+    let request = &requests[field / FIELDS.len() % requests.len()];
+    let name = format!("{}/{}", request.id, FIELDS[field % FIELDS.len()]);
+    plant.scene.state.field(&plant.key(&name)).map(|_| name)
 }
 
-fn any_act() -> impl Strategy<Value = Act> {
-    let field = || 0..names().len();
+pub fn any_act() -> impl Strategy<Value = Act> {
+    let field = || 0..4 * FIELDS.len();
     let policy = || 0..policies().len();
     prop_oneof![
         6 => (field(), policy(), any::<bool>(), 1..4_u32).prop_map(
@@ -64,22 +72,27 @@ fn any_act() -> impl Strategy<Value = Act> {
             .prop_map(|(without, is_retired)| Act::Alliance { without, is_retired }),
         3 => (0..4_usize, 0.0..3000.0_f64, prop::option::of(1..4_u32))
             .prop_map(|(subject, most, variable)| Act::Cap { subject, most, variable }),
+        6 => any_revision().prop_map(Act::Revise),
+        1 => (policy(), any::<bool>())
+            .prop_map(|(policy, is_mapping)| Act::Rule { policy, is_mapping }),
+        2 => (1..4_000_000_i64).prop_map(Act::Wait),
     ]
 }
 
 /// Does it; what is refused changes nothing.
-fn act(plant: &mut Plant, act: Act) {
-    let (names, policies) = (names(), policies());
+pub fn act(plant: &mut Plant, act: Act) {
+    let policies = policies();
     match act {
         Act::Decide { field, policy, is_named, variable } => {
-            let named = is_named.then_some("p");
-            plant.decide(&names[field], &policies[policy], named, variable).ok();
+            let (named, field) = (is_named.then_some("p"), name(plant, field));
+            field.map(|field| plant.decide(&field, &policies[policy], named, variable));
         }
         Act::Close(field) => {
-            plant.command(&names[field], DecisionCommand::LeavePending, None).ok();
+            let field = name(plant, field);
+            field.map(|field| plant.command(&field, DecisionCommand::LeavePending, None));
         }
         Act::Import { field, variable } => {
-            plant.import(&names[field], variable).ok();
+            name(plant, field).map(|field| plant.import(&field, variable));
         }
         Act::Policy(policy) => {
             plant.policy("p", &policies[policy]).ok();
@@ -100,6 +113,12 @@ fn act(plant: &mut Plant, act: Act) {
             );
             plant.cap(&name, subject, most, number.map(variable)).ok();
         }
+        Act::Revise(revision) => plant.revise(&revision),
+        Act::Rule { policy, is_mapping } => {
+            let source = if is_mapping { "MAPPING" } else { "MANUAL" };
+            plant.rule_of(source, &policies[policy]).ok();
+        }
+        Act::Wait(ms) => drop(plant.wait(ms)),
     }
 }
 
@@ -130,9 +149,7 @@ fn naive_sums(plant: &Plant) -> Vec<(f64, Option<f64>)> {
         };
         let mapped = state.fields().iter().filter(|field| field.decision().is_mapped());
         let covered = mapped.filter(|field| {
-            let request = field.key().request.dynamic_data_request_id.as_str();
-            let (_, recipients) =
-                REQUESTS.iter().find(|(other, _)| *other == request).expect("a request");
+            let recipients = state.networks().recipients(&field.key().request);
             let mut variables = inputs(field);
             for condition in &field.gate().policy().withhold_while {
                 let watched = condition.field.clone().map(|name| field.key().request.field(name));
@@ -140,7 +157,7 @@ fn naive_sums(plant: &Plant) -> Vec<(f64, Option<f64>)> {
                     watched.and_then(|key| state.field(&key)).map(inputs).unwrap_or_default(),
                 );
             }
-            recipients.iter().any(|recipient| readers.contains(*recipient))
+            recipients.iter().any(|recipient| readers.contains(recipient.as_str()))
                 && cap.variable.as_ref().is_none_or(|own| variables.contains(own))
         });
         covered.map(|field| bits_per_hour(field.definition(), field.gate().policy())).sum()
