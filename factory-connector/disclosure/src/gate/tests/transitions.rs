@@ -241,3 +241,16 @@ fn rates_and_intervals_go_on_for_values_of_another_type() {
         assert_eq!((gate.disclosed(), gate.due()), (None, Some(at(1000))), "{limits}");
     }
 }
+
+#[test]
+fn a_rate_goes_on_after_a_policy_without_one() {
+    let limits = r#"{"rateLimits":[{"values":1,"periodMs":1000}]}"#;
+    let mut gate = gate(limits);
+    gate.on(at(0), candidate(0, 1));
+    gate.change_policy(policy(r#"{"timeStepMs":10}"#), at(10));
+    gate.on(at(20), candidate(20, 2));
+    assert_eq!(shown(&gate), Some(2));
+    gate.change_policy(policy(limits), at(30));
+    gate.on(at(40), candidate(40, 3));
+    assert_eq!((shown(&gate), gate.due()), (None, Some(at(1000))), "one in a second");
+}
