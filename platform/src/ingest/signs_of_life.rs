@@ -85,10 +85,10 @@ impl SignsOfLife {
             publisher_state: heard.publisher_state.map(str::to_owned),
         };
         let for_own = own_at.map(|at| {
-            let mut told = event(at).to(own);
-            // Administrators of other organisations are told what others are.
-            told.is_structure = false;
-            told
+            let mut notification = event(at).to(own);
+            // Administrators of other organisations hear what others hear.
+            notification.is_structure = false;
+            notification
         });
         Ok(for_own.into_iter().chain(sign_at.map(|at| event(at).to(others))).collect())
     }
@@ -107,15 +107,15 @@ mod tests {
     #[test]
     fn others_hear_of_a_new_minute_or_state_alone() {
         let mut published = Published::default();
-        let mut is_told = |heard: &Heard| published.take_sign(heard).is_some();
-        assert!(!is_told(&heard(None, None)), "a report is no sign");
-        assert!(is_told(&heard(Some(1), None)));
-        assert!(!is_told(&heard(Some(1), None)));
-        assert!(is_told(&heard(Some(1), Some("Paused"))));
-        assert!(!is_told(&heard(Some(1), Some("Paused"))));
-        assert!(!is_told(&heard(Some(1), None)), "the state is still known");
-        assert!(is_told(&heard(Some(2), None)));
-        assert!(!is_told(&heard(None, None)));
+        let mut is_sent = |heard: &Heard| published.take_sign(heard).is_some();
+        assert!(!is_sent(&heard(None, None)), "a report is no sign");
+        assert!(is_sent(&heard(Some(1), None)));
+        assert!(!is_sent(&heard(Some(1), None)));
+        assert!(is_sent(&heard(Some(1), Some("Paused"))));
+        assert!(!is_sent(&heard(Some(1), Some("Paused"))));
+        assert!(!is_sent(&heard(Some(1), None)), "the state is still known");
+        assert!(is_sent(&heard(Some(2), None)));
+        assert!(!is_sent(&heard(None, None)));
     }
 
     #[test]

@@ -103,8 +103,8 @@ async fn what_was_stored_stays_with_those_who_could_read_it() {
         let writers = work.writers().of_factory(&organisation("a"), &factory).await.expect("read");
         assert_eq!(writers.len(), usize::from(is_asked), "{factory}");
         for SeenWriter { writer, is_whole, .. } in writers {
-            let told = (writer.sequences.through(), writer.received, is_whole);
-            assert_eq!(told, (Some(7), 1, false));
+            let stated = (writer.sequences.through(), writer.received, is_whole);
+            assert_eq!(stated, (Some(7), 1, false));
         }
     }
 }

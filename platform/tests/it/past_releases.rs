@@ -69,8 +69,8 @@ async fn the_past_is_shown_to_the_named_recipient_alone() {
     assert_eq!(sequences(&maker).await, Vec::<u64>::new(), "another recipient learns nothing");
     let writers = inspector.get("/factories/FOR_MUC/writers").await.expect_ok();
     assert_eq!(writers["items"][0]["dataSetWriterId"], 1, "gaps are seen as of any writer");
-    let told = (&writers["items"][0]["throughSequence"], &writers["items"][0]["received"]);
-    assert_eq!(told, (&json!(1), &json!(2)), "of what was released");
+    let heard = (&writers["items"][0]["throughSequence"], &writers["items"][0]["received"]);
+    assert_eq!(heard, (&json!(1), &json!(2)), "of what was released");
 
     // The same again, and a part of it: nothing changes.
     munich.send("past-release", &release(INSPECTOR, 0, 1));

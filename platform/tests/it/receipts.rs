@@ -99,8 +99,8 @@ async fn shown_through(api: &Api, through: u64, received: u64) -> Value {
     eventually("the numbers", || async {
         let writers = api.get("/factories/FOR_MUC/writers").await.expect_ok();
         let writer = &writers["items"][0];
-        let told = (&writer["throughSequence"], &writer["received"]);
-        if told == (&json!(through), &json!(received)) {
+        let shown = (&writer["throughSequence"], &writer["received"]);
+        if shown == (&json!(through), &json!(received)) {
             Ok(writers)
         } else {
             Err(writers.to_string())
@@ -144,7 +144,7 @@ async fn a_removed_recipient_learns_nothing_from_numbers_and_times_of_later_repo
         munich.send("ua-data", &to_both(&format!("m{sequence}"), sequence));
     }
     munich.send("gap", &gap(5, 5));
-    let told = shown_through(&buyer, 9, 5).await;
-    assert_eq!(told["items"][0]["missing"], json!([7, 8]));
+    let shown = shown_through(&buyer, 9, 5).await;
+    assert_eq!(shown["items"][0]["missing"], json!([7, 8]));
     assert_eq!(inspector.get("/factories/FOR_MUC/writers").await.expect_ok(), before);
 }

@@ -72,31 +72,31 @@ fn what_ended_counts_on_after_a_restart() {
 
 /// Information of a field that was disclosed, kept beside the state.
 #[derive(Debug, Clone, PartialEq)]
-struct Told {
+struct Disclosed {
     bits: Option<f64>,
     readers: Vec<OrganisationId>,
     variables: BTreeSet<VariableKey>,
 }
 
 /// Returns what is disclosed, by the number of the field.
-fn open_now(plant: &Plant) -> BTreeMap<i64, Told> {
+fn open_now(plant: &Plant) -> BTreeMap<i64, Disclosed> {
     let state = &plant.scene.state;
-    let told = |field: &crate::Field| {
+    let open = |field: &crate::Field| {
         let used = use_of(state, field)?;
         let bits = bits_per_hour(field.definition(), field.gate().policy());
-        Some((field.id(), Told { bits, readers: used.readers, variables: used.variables }))
+        Some((field.id(), Disclosed { bits, readers: used.readers, variables: used.variables }))
     };
-    state.fields().iter().filter_map(told).collect()
+    state.fields().iter().filter_map(open).collect()
 }
 
-/// Returns the bits of one field under a cap: of what it told within the hour the most at once.
-fn bits_of_field<'t>(cap: &CapInForce, told: impl Iterator<Item = &'t Told>) -> Option<f64> {
-    let covered = told.filter(|told| {
+/// Returns the bits of one field under a cap: of what it disclosed within the hour the most at once.
+fn bits_of_field<'t>(cap: &CapInForce, open: impl Iterator<Item = &'t Disclosed>) -> Option<f64> {
+    let covered = open.filter(|open| {
         let variable = cap.cap.document.variable.as_ref();
-        told.readers.iter().any(|reader| cap.readers.contains(reader))
-            && variable.is_none_or(|own| told.variables.contains(own))
+        open.readers.iter().any(|reader| cap.readers.contains(reader))
+            && variable.is_none_or(|own| open.variables.contains(own))
     });
-    covered.map(|told| told.bits).try_fold(0.0, |most: f64, bits| Some(most.max(bits?)))
+    covered.map(|open| open.bits).try_fold(0.0, |most: f64, bits| Some(most.max(bits?)))
 }
 
 proptest! {
@@ -110,7 +110,7 @@ proptest! {
     ) {
         let mut plant = Plant::default();
         plant.policy("p", &hourly(2)).expect("stored");
-        let mut ended: Vec<(DateTime, i64, Told)> = Vec::new();
+        let mut ended: Vec<(DateTime, i64, Disclosed)> = Vec::new();
         for one in acts {
             let before = open_now(&plant);
             let is_in_place = matches!(
@@ -120,10 +120,10 @@ proptest! {
             act(&mut plant, one.clone());
             let now = at(plant.wait(0));
             let after = open_now(&plant);
-            for (id, told) in before {
+            for (id, open) in before {
                 // What a person changes in place does not end.
-                if after.get(&id).is_none_or(|present| !is_in_place && *present != told) {
-                    ended.push((now, id, told));
+                if after.get(&id).is_none_or(|present| !is_in_place && *present != open) {
+                    ended.push((now, id, open));
                 }
             }
             for cap in plant.scene.state.budgets().caps_in_force() {
@@ -135,7 +135,7 @@ proptest! {
                 let ids: BTreeSet<i64> = ids.collect();
                 let sum: Option<f64> = ids.into_iter().map(|id| {
                     let former = recent.iter().filter(|(_, other, _)| *other == id);
-                    bits_of_field(&cap, former.map(|(.., told)| told).chain(after.get(&id)))
+                    bits_of_field(&cap, former.map(|(.., open)| open).chain(after.get(&id)))
                 }).sum();
                 let most = cap.cap.document.bits_per_hour_max;
                 prop_assert!(
