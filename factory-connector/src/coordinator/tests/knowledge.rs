@@ -74,10 +74,9 @@ fn partners_learn_what_policies_let_through_and_nothing_below() {
         panic!("seed {seed}: {error}");
     }
     let amount = amount.into_inner();
-    println!("seed {seed}: {amount:?}");
     let cases = usize::try_from(cases.unwrap_or(CASES)).expect("small");
     assert!(amount.reports > 3 * cases && amount.varied > 4 * cases, "{amount:?}");
-    assert!(amount.taken_back > cases / 4 && amount.pages > 0, "{amount:?}");
+    assert!(amount.taken_back > cases / 4 && amount.pages > 0, "seed {seed}: {amount:?}");
 }
 
 /// Plays a history at both plants, and compares what can be seen after each act.
