@@ -227,7 +227,7 @@ id!(
     is_name
 );
 id!(
-    /// A message id, unique per message; written as a UUIDv7 by our own senders.
+    /// A message id, unique per message; our own senders write a UUID.
     MessageId,
     "a message id",
     "^[!-~]{1,128}$",

@@ -5,23 +5,25 @@ use connector_state::{IdSource, operator::EntryId};
 use ledger::SALT_BYTES;
 use rand::RngCore as _;
 
-/// Returns a new message id, ordered by time.
+/// Returns a new message id, of random bytes: it tells no time.
 #[must_use]
 pub fn new_message_id() -> MessageId {
-    MessageId::from(new_uuid())
+    let mut random = [0; 16];
+    rand::rng().fill_bytes(&mut random);
+    MessageId::from(uuid::Builder::from_random_bytes(random).into_uuid())
 }
 
-/// Returns the id of an operator entry that the API makes, ordered by time.
+/// Returns the id of an operator entry that the API makes, ordered by time. It leaves in no message.
 pub(crate) fn new_entry_id() -> EntryId {
     EntryId::try_from(new_uuid().to_string()).expect("a UUID is an id")
 }
 
-/// Returns the id of a preview.
+/// Returns the id of a preview, ordered by time. It leaves in no message.
 pub(crate) fn new_preview_id() -> String {
     new_uuid().to_string()
 }
 
-#[expect(clippy::disallowed_methods, reason = "the ids of the connector")]
+#[expect(clippy::disallowed_methods, reason = "ids within the connector")]
 fn new_uuid() -> uuid::Uuid {
     uuid::Uuid::now_v7()
 }

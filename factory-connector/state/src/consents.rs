@@ -103,7 +103,7 @@ fn tell(
     let Some(field) = state.fields.get(key) else { return };
     let decision = field.decision();
     let message = Decision {
-        message_id: state.ids.next_message_id(now),
+        message_id: state.ids.next_message_id(),
         factory_id: state.config.factory_id.clone(),
         target: DecisionTarget::Field {
             operation_network_id: key.request.operation_network_id.clone(),
@@ -127,7 +127,6 @@ pub(crate) fn end(
     key: &FieldKey,
     consent_version: u32,
     ending: Ending<'_>,
-    now: DateTime,
 ) {
     let Some(id) = state.writers.id_of(&key.request) else { return };
     let Some(writer) = state.writers.get(id) else { return };
@@ -140,7 +139,7 @@ pub(crate) fn end(
         recipients: state.networks.recipients(&key.request).to_vec(),
     });
     if !changes.ended.last().is_some_and(|last| last.continues(ending)) {
-        changes.ended.push(EndedConsents::new(state.ids.next(now), ending));
+        changes.ended.push(EndedConsents::new(state.ids.next_uuid(), ending));
     }
     if let Some(last) = changes.ended.last_mut() {
         last.push(key.clone(), consent_version, id, ended);
@@ -166,7 +165,7 @@ pub(crate) fn reopen(
             revoked_by: None,
             is_joint: false,
         };
-        end(state, changes, key, version, ending, now);
+        end(state, changes, key, version, ending);
         changes.purge(writer, GapCause::Revoked);
     }
     close(state, changes, key, reason, now);

@@ -41,3 +41,56 @@ async fn a_message_id_says_nothing_about_the_reports_of_others() {
     assert_ne!(other[0].envelope.message_id, Some(id));
     assert_eq!(other[0].envelope.body.len(), again[0].envelope.body.len());
 }
+
+/// Returns every UUID in a text.
+fn ids_in(text: &str) -> impl Iterator<Item = uuid::Uuid> {
+    let windows = text.as_bytes().windows(36);
+    windows.filter_map(|window| uuid::Uuid::try_parse_ascii(window).ok())
+}
+
+/// An id of a version that has the time would tell it to the millisecond, whatever the time step.
+#[tokio::test]
+async fn no_id_of_a_message_tells_a_time() {
+    let running = Running::open().await;
+    let mut network = network(1);
+    for index in 0..2 {
+        let operation = &mut network["operationNetwork"]["operationList"][0];
+        let request = &mut operation["dynamicDataRequestList"][index];
+        (request["updateFrequency"], request["updateFrequencyUnit"]) = (json!(1), json!("SECOND"));
+    }
+    running.receive("operation-network", network).await;
+    running.open_fields().await;
+    running.enter_both(1).await;
+    let mut rows = running.fetch(Lane::Reports).await;
+    running.accept(&rows).await;
+    let begin = std::time::Instant::now();
+    // Of the control messages, keep-alives only are data sets.
+    while !running.fetch(Lane::Control).await.iter().any(|row| row.envelope.subject == "ua-data") {
+        assert!(begin.elapsed() < DEADLINE, "no keep-alive came");
+        tokio::time::sleep(PAUSE).await;
+    }
+    rows.extend(running.fetch(Lane::Control).await);
+    running.revoke(Some("Enough.")).await;
+    // The start submits the checkpoints of the ledger.
+    let folder = running.close().await;
+    let running = Running::open_in(folder.path().to_owned(), Some(folder)).await;
+    running.coordinator.read(|_| ()).await.expect("it runs");
+    rows.extend(running.fetch(Lane::Control).await);
+    for row in &rows {
+        let id = row.envelope.message_id.as_ref().expect("an id").to_string();
+        let body = std::str::from_utf8(&row.envelope.body).expect("UTF-8");
+        for id in ids_in(&id).chain(ids_in(body)) {
+            assert_eq!(id.get_timestamp(), None, "{}: {id}", row.envelope.subject);
+        }
+    }
+    let subjects: std::collections::BTreeSet<&str> =
+        rows.iter().map(|row| row.envelope.subject.as_str()).collect();
+    assert_eq!(Vec::from_iter(subjects), ["decision"]);
+}
+
+/// Comments and questions for the lease have ids of their own.
+#[test]
+fn no_id_of_the_connector_tells_a_time() {
+    let id = new_message_id().to_string();
+    assert_eq!(ids_in(&id).map(|id| id.get_timestamp()).collect::<Vec<_>>(), [None]);
+}

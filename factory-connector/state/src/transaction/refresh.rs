@@ -66,7 +66,7 @@ fn describe(state: &mut ConnectorState, changes: &mut ChangeSet, id: u16, now: D
     let has_values = fields_of(state, writer).any(|(_, field)| field.gate().disclosed().is_some());
     let Some(meta_data) = meta_data(state, writer) else { return };
     let timestamp = now.floor_to(time_step(state, writer));
-    let message_id = state.ids.next_message_id(now);
+    let message_id = state.ids.next_message_id();
     let message = MetaDataMessage {
         message_id: Some(message_id.clone()),
         publisher_id: Some(Arc::from(state.config.factory_id.as_str())),

@@ -100,7 +100,7 @@ pub(super) fn tell_partners(
         for statement in receipt.for_partners(writer) {
             let signed_text = statement.canonical();
             let message = FactoryMessage::Revocation(SignedRevocation {
-                message_id: state.ids.next_message_id(now),
+                message_id: state.ids.next_message_id(),
                 factory_id: state.config.factory_id.clone(),
                 operation_network_id: writer.request.operation_network_id.clone(),
                 operation_id: writer.request.operation_id.clone(),

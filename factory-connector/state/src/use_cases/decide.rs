@@ -177,7 +177,7 @@ fn take(
             revoked_by: Some(&decided_by),
             is_joint: course.is_joint,
         };
-        consents::end(state, changes, key, version, ending, now);
+        consents::end(state, changes, key, version, ending);
         changes.purge(writer, GapCause::Revoked);
     }
     if has_mapping {

@@ -115,7 +115,7 @@ fn release(
         .collect();
     for range_list in ranges.chunks(LIST_MAX) {
         let message = PastRelease {
-            message_id: state.ids.next_message_id(row.decided_at),
+            message_id: state.ids.next_message_id(),
             factory_id: state.config.factory_id.clone(),
             operation_network_id: row.request.operation_network_id.clone(),
             operation_id: row.request.operation_id.clone(),

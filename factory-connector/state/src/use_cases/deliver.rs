@@ -209,7 +209,7 @@ fn announce(
 ) {
     for gap in gaps {
         let message = FactoryMessage::Gap(Gap {
-            message_id: state.ids.next_message_id(now),
+            message_id: state.ids.next_message_id(),
             factory_id: state.config.factory_id.clone(),
             data_set_writer_id: gap.data_set_writer_id,
             epoch: gap.epoch,

@@ -26,7 +26,7 @@ pub fn keep_alives(state: &mut ConnectorState, now: DateTime) -> Vec<KeepAlive> 
 
 fn keep_alive(state: &mut ConnectorState, id: u16, now: DateTime) -> KeepAlive {
     let row = state.next_row();
-    let message_id = state.ids.next_message_id(now);
+    let message_id = state.ids.next_message_id();
     let writer = state.writers.get(id);
     let message = NetworkMessage {
         message_id: Some(message_id.clone()),

@@ -102,7 +102,7 @@ pub(super) fn acknowledge(
 ) {
     let (operation_network_id, revision) = answer.network.unzip();
     let acknowledgement = Acknowledgement {
-        message_id: state.ids.next_message_id(now),
+        message_id: state.ids.next_message_id(),
         factory_id: state.config.factory_id.clone(),
         correlation_id: answer.correlation_id.clone(),
         operation_network_id,

@@ -122,7 +122,7 @@ fn withdraw(
     let keys: Vec<FieldKey> = network.fields().map(|(key, ..)| key).collect();
     let before = endings::disclosed(state, keys.iter(), now);
     for (key, ..) in network.fields() {
-        end_withdrawn_consent(state, changes, &key, now);
+        end_withdrawn_consent(state, changes, &key);
     }
     for (key, ..) in network.fields() {
         remove_field(state, changes, &key, now);
@@ -155,7 +155,7 @@ fn apply(
     let before = endings::disclosed(state, difference.fields.iter().map(|field| &field.key), now);
     let is_removed = |change: FieldChange| change == FieldChange::Removed;
     for field in difference.fields.iter().filter(|field| is_removed(field.change)) {
-        end_withdrawn_consent(state, changes, &field.key, now);
+        end_withdrawn_consent(state, changes, &field.key);
     }
     for request in &difference.requests.removed {
         retire_writer(state, changes, request, now);

@@ -50,7 +50,7 @@ pub fn revoke(
     let ending =
         Ending { cause: GapCause::Revoked, reason, revoked_by: Some(revoked_by), is_joint: true };
     let mut changes = ChangeSet::default();
-    let id = state.ids.next(now);
+    let id = state.ids.next_uuid();
     changes.ended.push(EndedConsents::new(id, ending));
     let mut course = Course::of_ending();
     for key in mapped {

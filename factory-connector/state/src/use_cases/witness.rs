@@ -131,7 +131,7 @@ fn submit(
         changes.writes.ledger.logs.push(log.clone());
         changes.writes.ledger.witnessed.push(log.clone());
         let message = FactoryMessage::LedgerCheckpoint(LedgerCheckpoint {
-            message_id: state.ids.next_message_id(now),
+            message_id: state.ids.next_message_id(),
             factory_id: state.config.factory_id.clone(),
             recipient_id,
             epoch,

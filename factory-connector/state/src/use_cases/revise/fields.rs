@@ -91,7 +91,6 @@ pub(super) fn end_withdrawn_consent(
     state: &mut ConnectorState,
     changes: &mut ChangeSet,
     key: &FieldKey,
-    now: DateTime,
 ) {
     let decision = state.field(key).map(Field::decision);
     let Some(decision) = decision.filter(|decision| decision.is_mapped()) else { return };
@@ -102,7 +101,7 @@ pub(super) fn end_withdrawn_consent(
         revoked_by: None,
         is_joint: false,
     };
-    consents::end(state, changes, key, version, ending, now);
+    consents::end(state, changes, key, version, ending);
 }
 
 fn validity_of(state: &ConnectorState, key: &FieldKey) -> Validity {
