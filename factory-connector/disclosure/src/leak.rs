@@ -21,7 +21,7 @@ use bits::bits_per_value;
 pub use cap::{BITS_PER_HOUR_MAX, Cap, CapExcess, CapSubject};
 pub use cap_usage::{BitSum, CapInForce, CapUsage, Exchange, FieldUse, FormerUse};
 pub use conclusions::{Conclusion, LeakWarning, leak_warnings};
-pub use open_field::{Measured, OpenField};
+pub use open_field::{Measured, MeasuredRelease, OpenField};
 use serde::Serialize;
 pub use variable::VariableKey;
 pub use variable_leak::{VariableLeak, variable_leaks};
@@ -41,7 +41,7 @@ pub struct FieldLeak {
     pub statement: Statement,
     /// Most values per hour; none when only the publishing interval limits them.
     pub values_per_hour_max: Option<f64>,
-    pub measured: Measured,
+    pub measured: MeasuredRelease,
     /// Most information of one value with its status and source time, in bits; none for texts and
     /// other values without a bound.
     pub bits_per_value: Option<f64>,

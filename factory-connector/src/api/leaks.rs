@@ -15,7 +15,7 @@ use super::{
     context::Api,
     paths::FieldPath,
     problems::Problems,
-    roles::Viewer,
+    roles::{Engineer, Viewer},
     view::{Page, RuleReference},
 };
 use crate::clock::now;
@@ -139,7 +139,7 @@ pub struct ConsentOffer {
     responses((status = 200, body = ConsentOffer), Problems)
 )]
 pub async fn show_consent_offer(
-    _: Viewer,
+    _: Engineer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<ConsentOffer>, Problem> {

@@ -11,7 +11,7 @@ use super::{
     context::Api,
     paths::FieldPath,
     problems::{Problems, engine},
-    roles::{Engineer, Viewer},
+    roles::Engineer,
 };
 
 /// Mappings in a survey without a limit, and at most.
@@ -37,7 +37,7 @@ pub struct SurveyQuery {
     responses((status = 200, body = MappingSurvey), Problems)
 )]
 pub async fn survey_mappings(
-    _: Viewer,
+    _: Engineer,
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<SurveyQuery>,
 ) -> Result<Json<MappingSurvey>, Problem> {
@@ -54,7 +54,7 @@ pub async fn survey_mappings(
     responses((status = 200, body = MappingStatus), Problems)
 )]
 pub async fn show_mapping_status(
-    _: Viewer,
+    _: Engineer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<MappingStatus>, Problem> {

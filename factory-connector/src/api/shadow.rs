@@ -17,7 +17,7 @@ use super::{
     mapping_import::{ImportOptions, SubmittedMapping, import},
     paths::FieldPath,
     problems::{Problems, decision_problem, engine},
-    roles::{Engineer, Viewer},
+    roles::Engineer,
     view::FieldView,
 };
 
@@ -68,7 +68,7 @@ pub async fn start_shadow_mapping(
     responses((status = 200, body = ShadowView), Problems)
 )]
 pub async fn show_shadow_mapping(
-    _: Viewer,
+    _: Engineer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<ShadowView>, Problem> {

@@ -179,7 +179,7 @@ pub struct ValueQuery {
     node: NodeId,
 }
 
-/// Reads a variable of a source.
+/// Reads a variable of a source. The value is that of the machine, before any policy.
 #[utoipa::path(
     get,
     path = "/sources/{sourceId}/value",
@@ -188,7 +188,7 @@ pub struct ValueQuery {
     responses((status = 200, body = ShownValue), Problems)
 )]
 pub async fn read_source_value(
-    _: Viewer,
+    _: Engineer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<SourceId>,
     ApiQuery(query): ApiQuery<ValueQuery>,

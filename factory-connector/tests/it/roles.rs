@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use reqwest::Method;
 use serde_json::{Value, json};
 
-use crate::plant::{Plant, SignedIn};
+use crate::plant::{Plant, SignedIn, field};
 
 /// Least role of an operation, weakest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -46,13 +46,13 @@ const ROLES: &[(&str, Least)] = &[
     ("listComments", Viewer),
     ("addComment", Operator),
     // Entered values.
-    ("listOperatorOperations", Viewer),
-    ("listOperatorEntries", Viewer),
+    ("listOperatorOperations", Operator),
+    ("listOperatorEntries", Operator),
     ("deliverOperatorEntries", Operator),
     ("enterValue", Operator),
     // Decisions.
     ("showField", Viewer),
-    ("showConsentOffer", Viewer),
+    ("showConsentOffer", Engineer),
     ("decideField", Engineer),
     ("previewDecision", Engineer),
     ("listSuggestions", Engineer),
@@ -60,13 +60,13 @@ const ROLES: &[(&str, Least)] = &[
     ("listMappingVersions", Viewer),
     ("compareMappingVersions", Viewer),
     ("rollMappingBack", Engineer),
-    ("showShadowMapping", Viewer),
+    ("showShadowMapping", Engineer),
     ("startShadowMapping", Engineer),
     ("publishShadowMapping", Engineer),
     ("endShadowMapping", Engineer),
     ("dryRunMapping", Engineer),
-    ("surveyMappings", Viewer),
-    ("showMappingStatus", Viewer),
+    ("surveyMappings", Engineer),
+    ("showMappingStatus", Engineer),
     ("restartMapping", Engineer),
     ("exportMappings", Engineer),
     ("importMappings", Engineer),
@@ -82,7 +82,7 @@ const ROLES: &[(&str, Least)] = &[
     ("removeSource", Engineer),
     ("browseSource", Viewer),
     ("searchSource", Viewer),
-    ("readSourceValue", Viewer),
+    ("readSourceValue", Engineer),
     ("listSourceCertificates", Viewer),
     ("trustSourceCertificate", Engineer),
     // The OPC UA server.
@@ -245,4 +245,36 @@ async fn each_operation_admits_its_least_role_and_none_below() {
             );
         }
     }
+}
+
+/// Whoever only looks sees what partners see: neither values before the gate, nor how many there
+/// were.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn no_viewer_sees_values_before_the_gate() {
+    let plant = Plant::start(json!([{ "name": "count", "type": 9 }])).await;
+    let node = plant.node("Mill1", "Production.PartCounter");
+    let mapping = json!({ "inputs": [{ "name": "a", "sourceId": "Mill1", "nodeId": node }],
+        "steps": [] });
+    plant.map("count", mapping.clone()).await;
+    plant.put(&format!("{}/shadow", field("count")), mapping).await;
+    let viewer = person(&plant, "VIEWER").await;
+    let of_field = ["mapping-status", "shadow", "consent-offer"];
+    let mut paths = of_field.map(|name| format!("{}/{name}", field("count"))).to_vec();
+    paths.extend([
+        "/mappings/survey".to_owned(),
+        format!("/sources/Mill1/value?node={}", plant.node("Mill1", "Production.PartCounter")),
+        "/operator/operations".to_owned(),
+        "/operator/entries?operationNetworkId=frame&operationId=MakeFrame".to_owned(),
+    ]);
+    for path in paths {
+        let (status, problem) = viewer.status(Method::GET, &path, None).await;
+        assert_eq!((status.as_u16(), &problem["code"]), (403, &json!("FORBIDDEN")), "{path}");
+    }
+    for path in ["/leak-budgets", "/leak-budgets/summary", "/leak-budgets/alliances"] {
+        let (status, budgets) = viewer.status(Method::GET, path, None).await;
+        assert_eq!(status.as_u16(), 200, "{path}");
+        assert!(!budgets.to_string().contains("candidates"), "{path}: {budgets:#}");
+    }
+    let (_, budgets) = viewer.status(Method::GET, "/leak-budgets", None).await;
+    assert!(budgets["items"][0]["fields"][0]["measured"]["released"].is_number(), "{budgets:#}");
 }

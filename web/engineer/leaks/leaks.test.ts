@@ -16,7 +16,7 @@ const leak = (fieldName: string, more: Partial<FieldLeak> = {}): FieldLeak => ({
   },
   statement: 'Every value.',
   statementParts: [],
-  measured: { candidates: 100, released: 24, hours: 2 },
+  measured: { released: 24, hours: 2 },
   timeResolutionMs: 0,
   ...more,
 })

@@ -23,10 +23,10 @@ pub struct OpenField<'f> {
     pub policy: &'f DisclosurePolicy,
     /// The variables that the field rests on, sorted; none where people or OPC UA clients write it.
     pub variables: Arc<[VariableKey]>,
-    pub measured: Measured,
+    pub measured: MeasuredRelease,
 }
 
-/// Counts over a period.
+/// Counts over a period, before and behind the gate.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Measured {
@@ -39,14 +39,34 @@ pub struct Measured {
     pub hours: f64,
 }
 
-impl Measured {
+/// Count of what the gate released over a period. A budget has no other count: that of the
+/// candidates tells what no partner gets.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, utoipa::ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct MeasuredRelease {
+    /// Values that the gate released.
+    pub released: u64,
+    /// Length of the period in hours, at most 24; since the connector started or the field was
+    /// opened.
+    pub hours: f64,
+}
+
+impl MeasuredRelease {
     /// Returns the released values per hour; none before any time has passed.
     #[must_use]
     #[allow(clippy::cast_precision_loss)]
     pub fn released_per_hour(self) -> Option<f64> {
         (self.hours > 0.0).then(|| self.released as f64 / self.hours)
     }
+}
 
+impl From<Measured> for MeasuredRelease {
+    fn from(Measured { released, hours, .. }: Measured) -> Self {
+        Self { released, hours }
+    }
+}
+
+impl Measured {
     /// Returns the candidates per hour; none before any time has passed.
     #[must_use]
     #[allow(clippy::cast_precision_loss)]

@@ -31,7 +31,7 @@ fn with_open<T>(fields: &[(Value, Value)], look: impl FnOnce(&[OpenField<'_>]) -
             (key, definition, serde_json::from_value(policy.clone()).expect("a policy"))
         })
         .collect();
-    let measured = Measured { candidates: 100, released: 10, hours: 2.0 };
+    let measured = MeasuredRelease { released: 10, hours: 2.0 };
     let open: Vec<OpenField<'_>> = owned
         .iter()
         .map(|(key, definition, policy)| OpenField {

@@ -15,7 +15,7 @@ use crate::{
         context::Api,
         fields::Entered,
         problems::Problems,
-        roles::{Operator, Viewer},
+        roles::Operator,
         view::Page,
     },
     clock::now,
@@ -44,7 +44,7 @@ pub struct EntriesQuery {
     responses((status = 200, body = Page<OperatorEntry>), Problems)
 )]
 pub async fn list_operator_entries(
-    _: Viewer,
+    _: Operator,
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<EntriesQuery>,
 ) -> Result<Json<Page<OperatorEntry>>, Problem> {

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use crate::{
-    api::{context::Api, problems::Problems, roles::Viewer, view::Page},
+    api::{context::Api, problems::Problems, roles::Operator, view::Page},
     clock::now,
     values::ShownValue,
 };
@@ -103,7 +103,7 @@ pub struct OperatorField {
     responses((status = 200, body = Page<OperatorOperation>), Problems)
 )]
 pub async fn list_operator_operations(
-    _: Viewer,
+    _: Operator,
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<OperationsQuery>,
 ) -> Result<Json<Page<OperatorOperation>>, Problem> {

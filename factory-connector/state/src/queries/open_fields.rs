@@ -43,7 +43,7 @@ pub fn open_fields<'s>(
                     supposition.filter(|(key, _)| *key == field.key()).map(|(_, policy)| policy);
                 let in_force = || field.decision().is_mapped().then(|| field.gate().policy());
                 let Some(policy) = supposed.or_else(in_force) else { continue };
-                let measured = field.rate().measured(now);
+                let measured = field.rate().measured(now).into();
                 let variables = variables_under(state, field, policy, &nothing_supposed);
                 let entry = OpenField {
                     key: field.key(),
