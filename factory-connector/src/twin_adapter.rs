@@ -63,8 +63,9 @@ impl FieldWriter for CoordinatorWriter {
 }
 
 /// Returns the decision that an OPC UA client asks for: it opens a field to OPC UA clients, and the
-/// policy stays as it was set on the page. `None` where no policy was set: a client cannot tell one,
-/// and without one nothing is opened.
+/// policy stays as it was set on the page. `None` where no consent is in force: a client cannot tell
+/// a policy, and that of a former consent was chosen for other recipients, for another purpose, or
+/// was taken back. It is a suggestion for the page only.
 fn decision_request(
     state: &ConnectorState,
     key: &FieldKey,
@@ -72,18 +73,17 @@ fn decision_request(
     decided_by: String,
 ) -> Option<DecisionRequest> {
     let present = state.field(key)?.decision();
-    let policy = (*present.policy).clone();
-    let policy_id = present.basis.policy_id.clone();
-    let has_policy = present.is_mapped() || policy_id.is_some() || !policy.is_open();
+    let policy_id = present.named_policy().cloned();
     let command = match decision.mapping_state {
         MappingState::Pending => DecisionCommand::LeavePending,
         MappingState::Refused => DecisionCommand::Refuse,
-        MappingState::Mapped if !has_policy => return None,
+        MappingState::Mapped if !present.is_mapped() => return None,
         MappingState::Mapped => {
-            let value_source = ValueSource::External;
+            let (value_source, policy) = (ValueSource::External, (*present.policy).clone());
             DecisionCommand::Map { value_source, mapping: None, policy }
         }
     };
+    let policy_id = policy_id.filter(|_| decision.mapping_state == MappingState::Mapped);
     let basis = DecisionBasis { policy_id, ..DecisionBasis::default() };
     Some(DecisionRequest { command, reason: decision.reason, decided_by, basis })
 }
