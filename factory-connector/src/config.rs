@@ -13,7 +13,7 @@ use std::{
 use asi_model::pubsub::json::Encoding;
 pub use broker::{BrokerSection, ProxySection};
 use daemon::{Confidential, configuration::Setting, telemetry::LogConfig, web::server::TlsFiles};
-pub use limits::{RetentionLimits, SpoolLimits};
+pub use limits::{LedgerConfig, RetentionLimits, SpoolLimits};
 use mapping_engine::MappingEngineConfig;
 use serde::Deserialize;
 use twin::{DiscoveryConfig, SecurityConfig, TwinConfig, TwinLimits};
@@ -37,8 +37,8 @@ pub struct ConnectorConfig {
     pub reports: ReportConfig,
     /// Bounds of the messages that wait to leave.
     pub spool: SpoolLimits,
-    /// Retention of what left.
-    pub ledger: RetentionLimits,
+    /// Retention of what left, and the ledger's witness.
+    pub ledger: LedgerConfig,
     /// Bounds of mappings and scripts.
     pub mapping: MappingEngineConfig,
     /// The user that the first start makes.
@@ -58,7 +58,7 @@ impl Default for ConnectorConfig {
             broker: BrokerSection::default(),
             reports: ReportConfig::default(),
             spool: SpoolLimits::default(),
-            ledger: RetentionLimits::default(),
+            ledger: LedgerConfig::default(),
             mapping: MappingEngineConfig::default(),
             admin: AdminConfig::default(),
             log: LogConfig::default(),

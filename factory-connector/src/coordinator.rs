@@ -42,6 +42,7 @@ pub use outputs::Outputs;
 use tokio::{sync::mpsc, time::Instant};
 use tokio_util::sync::CancellationToken;
 use unit_of_work::UnitOfWork;
+use witnessing::StartWait;
 
 use crate::{
     clock::{self, now},
@@ -72,6 +73,8 @@ pub struct Coordinator {
     /// The store was restored, moved or copied, and the new epochs of its writers are not
     /// committed yet.
     are_epochs_due: bool,
+    /// Wait of the reports for the word of the ledger's witness.
+    wait: StartWait,
 }
 
 /// Times that decide when the coordinator wakes up and commits.
@@ -110,7 +113,8 @@ impl Coordinator {
         let is_restored = store.identity().is_restored;
         let snapshot = store.load().await?;
         let (state, pending) = load(&config, snapshot, &key, is_restored)?;
-        witnessing::hold(&outputs, &state);
+        let mut wait = StartWait::new(config.witness_wait);
+        witnessing::hold(&outputs, &state, &mut wait);
         let instant = Instant::now();
         Ok(Self {
             work: UnitOfWork { config, store, state, pending, outputs, key },
@@ -126,6 +130,7 @@ impl Coordinator {
                 ledger_event_at: instant,
             },
             are_epochs_due: is_restored,
+            wait,
         })
     }
 
@@ -155,6 +160,9 @@ impl Coordinator {
                 self.commit().await?;
             }
             self.publish_ledger_event();
+            if !self.wait.is_over() {
+                self.hold();
+            }
         }
         self.commit().await?;
         self.work.store.close().await;
@@ -281,11 +289,16 @@ impl Coordinator {
             reply(true);
         }
         // Before the link is told that it may go on.
-        witnessing::hold(&self.work.outputs, &self.work.state);
+        self.hold();
         // After the commit: nobody sees what a failed transaction takes away again.
         publish_effects::publish_effects(&self.work.outputs, &self.work.state, effects).await;
         self.timing.has_ledger_entries |= has_ledger_entries;
         Ok(())
+    }
+
+    /// Holds reports back, or lets them leave.
+    fn hold(&mut self) {
+        witnessing::hold(&self.work.outputs, &self.work.state, &mut self.wait);
     }
 
     /// Recalls the waiting reports that this transaction takes back: from here on the link sends

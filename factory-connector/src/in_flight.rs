@@ -7,10 +7,12 @@ use std::{
         Arc,
         atomic::{AtomicBool, Ordering},
     },
+    time::Duration,
 };
 
 use asi_model::MessageId;
 use parking_lot::Mutex;
+use tokio::time::Instant;
 
 /// Most messages whose reports are remembered; far more than the link has under way.
 const FETCHED_MAX: usize = 65_536;
@@ -36,6 +38,8 @@ pub struct InFlight {
     inner: Mutex<Inner>,
     /// No message of reports leaves, whatever is in it.
     is_held: AtomicBool,
+    /// Time at which the link, on its present connection, was first turned away while they are held.
+    turned_away_at: Mutex<Option<Instant>>,
 }
 
 #[derive(Default)]
@@ -99,6 +103,23 @@ impl InFlight {
     #[must_use]
     pub fn is_held(&self) -> bool {
         self.is_held.load(Ordering::Acquire)
+    }
+
+    /// Notes that the link was turned away: it could send reports, but they are held back.
+    pub fn turn_away(&self) {
+        self.turned_away_at.lock().get_or_insert_with(Instant::now);
+    }
+
+    /// Notes a new connection of the link, on which nothing was asked for.
+    pub fn begin_connection(&self) {
+        *self.turned_away_at.lock() = None;
+    }
+
+    /// Returns the time for which the link has waited on its present connection; none before it
+    /// asked for reports.
+    #[must_use]
+    pub fn waited(&self) -> Option<Duration> {
+        self.turned_away_at.lock().map(|at| at.elapsed())
     }
 
     /// Returns the contents of a message that the broker accepted, as often as it is asked until

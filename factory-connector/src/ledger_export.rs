@@ -274,6 +274,7 @@ mod tests {
             delivered_at: None,
             precision: [("note".to_owned(), Statement::of(&DisclosurePolicy::default(), None))]
                 .into(),
+            basis: None,
         }
     }
 

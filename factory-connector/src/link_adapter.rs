@@ -121,13 +121,16 @@ impl SpoolStore for ConnectorSpool {
     /// connector's lease.
     fn connected(&self) {
         self.gate.close();
+        self.in_flight.begin_connection();
     }
 
     async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, SpoolError> {
         // Without the lease another connector of this factory may be sending.
         let Some(lease) = self.gate.number() else { return Ok(Vec::new()) };
-        // While the ledger is in conflict with its witness, only control messages leave.
+        // While the ledger is in conflict with its witness, or its word is awaited after a start,
+        // only control messages leave.
         if fetch.lane != Lane::Control && self.in_flight.is_held() {
+            self.in_flight.turn_away();
             return Ok(Vec::new());
         }
         let messages = self.readers.session().await?.spool().fetch(fetch).await?;

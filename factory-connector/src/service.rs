@@ -259,7 +259,8 @@ fn coordinator_config(config: &ConnectorConfig, factory_id: &FactoryId) -> Coord
         state: StateConfig { factory_id: factory_id.clone(), encoding: config.reports.encoding },
         publishing_interval: config.publishing_interval(),
         spool: config.spool,
-        retention: config.ledger,
+        retention: config.ledger.retention(),
+        witness_wait: config.ledger.witness_wait(),
     }
 }
 

@@ -25,9 +25,25 @@ pub struct DecisionBasis {
     /// Salted hash of the preview that the engineer decided on, hexadecimal; in consents only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preview: Option<String>,
+    /// Salt of the hash by which ledger entries name policies, rules and caps, hexadecimal; in stored
+    /// consents only, from the version on that hashes them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(ignore)]
+    pub salt: Option<String>,
+    /// Salted hash in place of policies, rules and caps, hexadecimal; in ledger entries only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(ignore)]
+    pub commitment: Option<String>,
 }
 
 impl DecisionBasis {
+    /// Returns true when the plant's own documents contributed: policies, rules or caps.
+    #[must_use]
+    pub fn names_documents(&self) -> bool {
+        self.policy_id.is_some()
+            || !(self.rules.is_empty() && self.policies.is_empty() && self.caps.is_empty())
+    }
+
     /// Returns true when the engineer alone decided.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -28,7 +28,9 @@ pub enum Event {
         policy: DisclosurePolicy,
         #[serde(default, skip_serializing_if = "Option::is_none")]
         decided_by: Option<String>,
-        /// The rules and named policies that the decision is based on.
+        /// Commitment to the documents that the decision is based on (see
+        /// [`basis_for_recipients`](crate::basis_for_recipients)); entries of former versions name
+        /// them.
         #[serde(rename = "grounds", default, skip_serializing_if = "Option::is_none")]
         basis: Option<DecisionBasis>,
     },

@@ -12,6 +12,7 @@
 mod anchor;
 mod answer;
 pub mod audit;
+mod basis;
 mod chain;
 mod checkpoint;
 mod entry;
@@ -32,6 +33,7 @@ mod witnessing;
 
 pub use anchor::Anchor;
 pub use answer::{Answered, HeldCheckpoint, InvalidAnswer};
+pub use basis::basis_for_recipients;
 pub use chain::{Head, Heads, LinkedEntry, chain_hash};
 pub use checkpoint::{CheckpointHead, HeadsCheckpoint};
 pub use entry::{Event, EventKind, LedgerEntry};

@@ -28,7 +28,10 @@ pub use stored::{StoredConsent, StoredHead, StoredSeal, StoredStatement, Surroun
 
 use disclosure::DecisionBasis;
 
-use super::{Event, Hash, Head, head::is_signed_head, key::is_signed, values::CheckedValues};
+use super::{
+    Event, Hash, Head, basis_for_recipients, head::is_signed_head, key::is_signed,
+    values::CheckedValues,
+};
 
 /// Most faults that are listed; further ones are only counted.
 const FAULTS_MAX: usize = 100;
@@ -301,7 +304,8 @@ fn is_consent(event: &Event, stored: &StoredConsent) -> bool {
             == stored.value_source
         && stored_policy.as_ref() == Some(policy)
         && *decided_by == stored.decided_by
-        && stored_basis
-            .transpose()
-            .is_ok_and(|stored| stored.filter(|basis| !basis.is_empty()).as_ref() == basis.as_ref())
+        && stored_basis.transpose().is_ok_and(|stored| {
+            let stored = stored.filter(|basis| !basis.is_empty());
+            stored.as_ref().map(basis_for_recipients) == *basis
+        })
 }

@@ -133,6 +133,12 @@ impl Witnessing {
         }
     }
 
+    /// Returns whether a platform that has countersigned before has yet to answer a submission.
+    #[must_use]
+    pub const fn is_awaited(&self) -> bool {
+        self.submitted_at.is_some() && self.cosigned.is_some()
+    }
+
     pub(crate) fn append(&mut self, leaf: Hash) {
         self.since.append(leaf);
     }

@@ -1,12 +1,42 @@
-//! Limits of the spool and retention of what was sent.
+//! Limits of the spool, and settings of the ledger.
 
 use std::time::Duration;
 
 use messaging::spool::OverduePolicy;
 
-/// Retention of what was sent. The ledger stays provable in either case.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
+/// Settings of the ledger and of its witness.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
+pub struct LedgerConfig {
+    /// Days after which values are emptied; their hashes stay. For ever where 0.
+    pub value_days: u32,
+    /// Days after which entries are removed; a signed anchor stays. For ever where 0.
+    pub entry_days: u32,
+    /// Seconds after a start for which reports wait at most for the platform's word about the ledger,
+    /// counted from the first that could leave; none where 0.
+    pub witness_wait_s: u32,
+}
+
+impl Default for LedgerConfig {
+    fn default() -> Self {
+        Self { value_days: 0, entry_days: 0, witness_wait_s: 10 }
+    }
+}
+
+impl LedgerConfig {
+    /// Returns the limits of retention.
+    pub(crate) const fn retention(&self) -> RetentionLimits {
+        RetentionLimits { value_days: self.value_days, entry_days: self.entry_days }
+    }
+
+    /// Returns the longest wait for the platform's word.
+    pub(crate) const fn witness_wait(&self) -> Duration {
+        Duration::from_secs(self.witness_wait_s as u64)
+    }
+}
+
+/// Retention of what was sent. The ledger stays provable in either case.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RetentionLimits {
     /// Days after which values are emptied; their hashes stay. For ever where 0.
     pub value_days: u32,

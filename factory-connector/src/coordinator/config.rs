@@ -16,4 +16,7 @@ pub struct CoordinatorConfig {
     pub spool: SpoolLimits,
     /// Retention of what was sent.
     pub retention: RetentionLimits,
+    /// Longest time after a start for which reports wait for the platform's word about the ledger;
+    /// none with 0.
+    pub witness_wait: Duration,
 }

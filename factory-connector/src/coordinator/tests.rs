@@ -117,6 +117,16 @@ impl Running {
         kept: Option<TempDir>,
         publishing_interval: Duration,
     ) -> Self {
+        Self::open_waiting(folder, kept, publishing_interval, DEADLINE).await
+    }
+
+    /// Opens a connector whose reports wait so long at most for the word of the ledger's witness.
+    async fn open_waiting(
+        folder: PathBuf,
+        kept: Option<TempDir>,
+        publishing_interval: Duration,
+        witness_wait: Duration,
+    ) -> Self {
         let factory_id: asi_model::FactoryId = "F".parse().expect("an id");
         let store = Store::open(&folder, &factory_id, now()).await.expect("a store");
         let readers = store.readers();
@@ -149,6 +159,7 @@ impl Running {
             publishing_interval,
             spool: SpoolLimits::default(),
             retention: RetentionLimits::default(),
+            witness_wait,
         };
         let outputs = Outputs {
             twin: twin_handle,

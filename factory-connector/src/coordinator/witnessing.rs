@@ -1,6 +1,8 @@
 //! Answers of the platform as the witness of the ledger, and decisions about conflicts with it, as
 //! far as stored entries have to be read for them.
 
+use std::time::Duration;
+
 use asi_model::{DateTime, OrganisationId, messages::LedgerCosignature};
 use connector_state::{
     ConnectorState,
@@ -12,12 +14,57 @@ use transparency_log::{LeafRange, leaf_hash};
 use super::{outputs::Outputs, unit_of_work::UnitOfWork};
 use crate::store::StoreError;
 
-/// Holds all reports back while the platform holds another history of the ledger. The connector
-/// stays ready all the same: the engineer who decides needs its pages.
-pub(super) fn hold(outputs: &Outputs, state: &ConnectorState) {
+/// Wait after a start until the platform has told of each log that it countersigned before which
+/// checkpoint it holds: a store that was set back would disclose in between. It ends once and for all.
+pub(super) struct StartWait {
+    /// Longest time from the first reports that the link could send.
+    limit: Duration,
+    is_over: bool,
+}
+
+impl StartWait {
+    /// Begins to wait; not at all with a limit of 0.
+    pub(super) const fn new(limit: Duration) -> Self {
+        Self { limit, is_over: limit.is_zero() }
+    }
+
+    /// Returns true after the last answer, or after the limit.
+    pub(super) const fn is_over(&self) -> bool {
+        self.is_over
+    }
+
+    fn end_when_due(&mut self, outputs: &Outputs, state: &ConnectorState) {
+        if self.is_over {
+            return;
+        }
+        // While there is no connection nothing leaves, and nobody could answer.
+        let is_late = outputs.in_flight.waited().is_some_and(|waited| waited >= self.limit);
+        let is_answered = !state.ledger().is_answer_awaited();
+        self.is_over = is_answered || is_late;
+        if self.is_over && !is_answered {
+            tracing::warn!(
+                "The platform has not answered about the ledger; reports leave without its word."
+            );
+        }
+    }
+}
+
+/// Holds all reports back while the platform holds another history of the ledger, and after a start
+/// until its word is known. The connector stays ready all the same: the engineer who decides needs
+/// its pages.
+pub(super) fn hold(outputs: &Outputs, state: &ConnectorState, wait: &mut StartWait) {
     let is_in_conflict = state.ledger().is_in_conflict();
-    outputs.in_flight.set_held(is_in_conflict);
+    wait.end_when_due(outputs, state);
+    let (was_held, is_held) = (outputs.in_flight.is_held(), is_in_conflict || !wait.is_over());
+    outputs.in_flight.set_held(is_held);
     metrics::gauge!("verbund_ledger_conflict").set(f64::from(u8::from(is_in_conflict)));
+    if was_held
+        && !is_held
+        && let Some(link) = &outputs.link
+    {
+        // It has read past what was held back.
+        link.restart_reading();
+    }
 }
 
 /// Takes an answer to a checkpoint.

@@ -23,6 +23,19 @@ pub(super) async fn policy(
     optional(connection, query, "read a consent", |row| row.column("policy")).await
 }
 
+/// Reads the basis of a consent as JSON; `None` for an unknown consent, and where nobody but the
+/// engineer decided.
+pub(super) async fn basis(
+    connection: &mut SqliteConnection,
+    field: &str,
+    version: u32,
+) -> Result<Option<String>, StoreError> {
+    let sql = "SELECT grounds FROM consent WHERE field = ? AND version = ?";
+    let query = query(sql).bind(field.to_owned()).bind(version);
+    let found = optional(connection, query, "read a consent", |row| row.column("grounds"));
+    Ok(found.await?.flatten())
+}
+
 /// Stores new consents. There is no change of one: its number would mean two things.
 pub(super) fn write(connection: &Connection, consents: &[ConsentRow]) -> rusqlite::Result<()> {
     write_rows(

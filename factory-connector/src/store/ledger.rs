@@ -2,6 +2,7 @@
 
 mod anchors;
 mod audit;
+mod basis;
 mod checkpoints;
 mod cursor;
 mod entries;

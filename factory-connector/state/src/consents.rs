@@ -8,7 +8,7 @@ use asi_model::{
     network::OperationNetwork,
 };
 use disclosure::DecisionBasis;
-use ledger::Event;
+use ledger::{Event, basis_for_recipients};
 
 use crate::{
     ChangeSet, ConnectorState,
@@ -37,7 +37,10 @@ pub(crate) fn record(
     let decision = field.decision();
     let (_, policies) =
         effective_policy(state, field, &decision.policy, decision.basis.policy_id.as_ref());
-    let basis = DecisionBasis { policies, preview, ..decision.basis.clone() };
+    let mut basis = DecisionBasis { policies, preview, ..decision.basis.clone() };
+    if basis.names_documents() {
+        basis.salt = Some(hex::encode(state.ids.next_salt()));
+    }
     let policy = field.gate().policy();
     changes.writes.fields.consents.push(ConsentRow {
         field: key.to_string(),
@@ -57,7 +60,7 @@ pub(crate) fn record(
         value_source: decision.value_source,
         policy: (**policy).clone(),
         decided_by: decision.decided_by.clone(),
-        basis: Some(basis).filter(|basis| !basis.is_empty()),
+        basis: Some(basis).filter(|basis| !basis.is_empty()).as_ref().map(basis_for_recipients),
     };
     changes.put_field(field);
     changes.count_decision(field);

@@ -1,6 +1,7 @@
-//! Ids of messages and receipts.
+//! Ids of messages and receipts, and salts.
 
 use asi_model::MessageId;
+use ledger::SALT_BYTES;
 use sha2::{Digest as _, Sha256};
 use uuid::Uuid;
 
@@ -22,11 +23,20 @@ impl IdSource {
 
     /// Returns the next id.
     pub fn next_uuid(&mut self) -> Uuid {
+        uuid::Builder::from_random_bytes(self.next_bytes()).into_uuid()
+    }
+
+    /// Returns the next salt of a hash.
+    pub fn next_salt(&mut self) -> [u8; SALT_BYTES] {
+        self.next_bytes()
+    }
+
+    fn next_bytes(&mut self) -> [u8; SALT_BYTES] {
         self.count += 1;
         let digest = Sha256::new().chain_update(self.seed).chain_update(self.count.to_be_bytes());
-        let mut random = [0_u8; 16];
-        random.copy_from_slice(&digest.finalize()[..16]);
-        uuid::Builder::from_random_bytes(random).into_uuid()
+        let mut random = [0_u8; SALT_BYTES];
+        random.copy_from_slice(&digest.finalize()[..SALT_BYTES]);
+        random
     }
 
     /// Returns the next message id.

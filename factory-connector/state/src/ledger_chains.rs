@@ -48,6 +48,12 @@ impl LedgerChains {
         self.logs().any(|log| log.witnessing().conflict().is_some())
     }
 
+    /// Returns whether a platform that has countersigned before has yet to answer about any log.
+    #[must_use]
+    pub fn is_answer_awaited(&self) -> bool {
+        self.logs().any(|log| log.witnessing().is_awaited())
+    }
+
     /// Returns the log of a recipient's chain, to be changed by the platform's answer.
     pub(crate) fn log_mut(&mut self, recipient: &OrganisationId) -> Option<&mut Log> {
         self.logs.get_mut(recipient)

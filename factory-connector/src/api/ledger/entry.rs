@@ -162,6 +162,12 @@ impl From<LedgerRow> for EntryView {
             }
             Err(_) => (String::new(), String::new(), EventView::Unreadable),
         };
+        let event = match (event, row.basis) {
+            (EventView::Consent(consent), basis @ Some(_)) => {
+                EventView::Consent(Box::new(ConsentView { basis, ..*consent }))
+            }
+            (event, _) => event,
+        };
         let (mut precision, mut precision_parts) = (BTreeMap::new(), BTreeMap::new());
         for (field, Statement { statement, statement_parts }) in row.precision {
             precision.insert(field.clone(), statement);

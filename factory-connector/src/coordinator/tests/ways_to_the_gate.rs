@@ -81,6 +81,7 @@ async fn start(directory: &Path) -> Gateway {
         publishing_interval: Duration::from_millis(1),
         spool: SpoolLimits::default(),
         retention: RetentionLimits::default(),
+        witness_wait: Duration::ZERO,
     };
     let coordinator = Coordinator::new(config, store, outputs, key, commands, candidate_work)
         .await

@@ -169,6 +169,52 @@ async fn a_countersigned_log_stays_so_across_restarts() {
     running.close().await;
 }
 
+/// A store that was set back tells nobody anything before the platform has shown that it was.
+#[tokio::test]
+async fn after_a_start_reports_wait_for_the_word_of_the_witness() {
+    let (mut platform, running, _older) = countersigned().await;
+    let folder = running.close().await;
+    let older = tempfile::tempdir().expect("a folder");
+    copy_store(folder.path(), older.path());
+    let running = Running::open_in(folder.path().to_owned(), Some(folder)).await;
+    running.enter_both(9).await;
+    assert_eq!(running.fetch(Lane::Reports).await, [], "the platform has not answered");
+    platform.serve(&running).await;
+    assert_eq!(conflict(&running).await, None);
+    assert!(!running.fetch(Lane::Reports).await.is_empty(), "it holds the same history");
+    let running = restarted(running).await;
+    platform.serve(&running).await;
+
+    let folder = running.close().await;
+    copy_store(older.path(), folder.path());
+    let running = Running::open_in(folder.path().to_owned(), Some(folder)).await;
+    running.enter_both(10).await;
+    assert_eq!(running.fetch(Lane::Reports).await, [], "the platform has not answered");
+    platform.serve(&running).await;
+    assert!(conflict(&running).await.is_some(), "it holds another history");
+    assert_eq!(running.fetch(Lane::Reports).await, [], "and nothing has left");
+    running.close().await;
+}
+
+#[tokio::test]
+async fn a_platform_that_does_not_answer_delays_reports_for_a_bounded_time() {
+    let (_platform, running, _older) = countersigned().await;
+    let folder = running.close().await;
+    let (interval, wait) = (Duration::from_millis(1), Duration::from_millis(300));
+    let running =
+        Running::open_waiting(folder.path().to_owned(), Some(folder), interval, wait).await;
+    running.enter_both(9).await;
+    tokio::time::sleep(2 * wait).await;
+    assert_eq!(running.fetch(Lane::Reports).await, [], "time without a connection does not count");
+    let begin = std::time::Instant::now();
+    while running.fetch(Lane::Reports).await.is_empty() {
+        assert!(begin.elapsed() < DEADLINE, "nothing leaves");
+        tokio::time::sleep(PAUSE).await;
+    }
+    assert!(begin.elapsed() >= wait);
+    running.close().await;
+}
+
 #[tokio::test]
 async fn an_older_store_discloses_nothing_until_a_new_log_begins() {
     let (mut platform, running, older) = countersigned().await;

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 
 use asi_model::DateTime;
-use disclosure::Statement;
+use disclosure::{DecisionBasis, Statement};
 use ledger::LinkedEntry;
 use rusqlite::Connection;
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
 
 use super::{
+    basis,
     precision::Precisions,
     selection::{LedgerFilter, Window, selection},
 };
@@ -38,6 +39,8 @@ pub struct LedgerRow {
     pub delivered_at: Option<DateTime>,
     /// Precision under each consent that the entry names, by field, as partners read it.
     pub precision: BTreeMap<String, Statement>,
+    /// Documents that a recorded decision is based on, where the text only commits to them.
+    pub basis: Option<DecisionBasis>,
 }
 
 /// Reads the entries of a chain that a filter selects.
@@ -53,6 +56,7 @@ pub(super) async fn read(
     let mut rows = all(connection, sql.build(), "read the ledger", entry).await?;
     for row in &mut rows {
         row.precision = precisions.of(connection, &row.content, row.report.as_deref()).await?;
+        row.basis = basis::of_entry(connection, &row.content).await?;
     }
     Ok(rows)
 }
@@ -67,6 +71,7 @@ fn entry(row: &SqliteRow) -> Result<LedgerRow, StoreError> {
         sent_at: row.time_option("sent_at")?,
         delivered_at: row.time_option("receipted_at")?,
         precision: BTreeMap::new(),
+        basis: None,
     })
 }
 

@@ -204,3 +204,38 @@ fn a_state_that_withholds_is_judged_before_the_values_of_its_batch() {
     assert_eq!(together(&mut scene, &[Err("SETUP")], 6), ["4"]);
     assert_eq!(together(&mut scene, &[Ok(8), Err("RUN"), Ok(9)], 7), ["9"]);
 }
+
+/// A recipient reads its chain: ids of policies and rules are words of the plant about others.
+#[test]
+fn no_chain_of_a_recipient_names_a_document_of_the_plant() {
+    let mut scene = Scene::default();
+    for name in ["price-of-hull", "secret-of-acme"] {
+        put(&mut scene, name, json!({ "roundingStep": 100 }), None).expect("stored");
+    }
+    let recipients = Some(id("secret-of-acme"));
+    scene
+        .attempt(|state| set_recipient_policy(state, &acme(), recipients, None, "eve", at(1)))
+        .expect("set");
+    let command = DecisionCommand::Map {
+        value_source: ValueSource::Manual,
+        mapping: None,
+        policy: DisclosurePolicy::default(),
+    };
+    let basis = DecisionBasis { policy_id: Some(id("price-of-hull")), ..DecisionBasis::default() };
+    let request = DecisionRequest { basis, ..decision(command) };
+    scene.decide("made", request, 2).expect("decided");
+    let (writes, _) = scene.commit(3);
+    let [consent] = &writes.fields.consents[..] else { panic!("{:?}", writes.fields.consents) };
+    let stored = consent.basis.as_deref().expect("a basis");
+    assert!(stored.contains("price-of-hull") && stored.contains("secret-of-acme"), "{stored}");
+    let stored: DecisionBasis = serde_json::from_str(stored).expect("a basis");
+    let told = serde_json::to_string(&ledger::basis_for_recipients(&stored)).expect("JSON");
+    let entries: Vec<&str> =
+        writes.ledger.entries.iter().map(|(entry, _)| entry.content.as_str()).collect();
+    for entry in &entries {
+        assert!(!entry.contains("price-of-hull") && !entry.contains("secret-of-acme"), "{entry}");
+        assert!(!entry.contains(stored.salt.as_deref().expect("a salt")), "{entry}");
+    }
+    let consents = entries.iter().filter(|entry| entry.contains(&told));
+    assert_eq!(consents.count(), 2, "both chains commit to them: {entries:?}");
+}

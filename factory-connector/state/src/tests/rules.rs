@@ -45,7 +45,8 @@ fn a_rule_decides_on_demand_and_can_be_undone() {
     let decided = &writes.policies.rule_decisions[0];
     assert_eq!((decided.action, decided.rules[0].version), (RuleAction::Accept, 1));
     let basis = r#""rules":[{"id":"r","version":1}]"#;
-    assert!(writes.ledger.entries.iter().any(|(entry, _)| entry.content.contains(basis)));
+    let consented = &writes.fields.consents[0].basis;
+    assert!(consented.as_deref().is_some_and(|text| text.contains(basis)), "{consented:?}");
     assert_eq!(scene.offer("made", 17_u64, 2)[0]["Payload"]["made"]["Body"], "20");
     let undo = |scene: &mut Scene, ms| {
         let (id, consent) = (decided.id, decided.consent_version);

@@ -81,6 +81,7 @@ impl Connector {
                 publishing_interval: Duration::from_millis(20),
                 spool: SpoolLimits::default(),
                 retention: RetentionLimits::default(),
+                witness_wait: Duration::ZERO,
             },
             store,
             Outputs {

@@ -82,6 +82,8 @@ export const settings: typeof English = {
         'Tage, nach denen hinausgegangene Werte geleert werden; was bleibt, beweist sie weiterhin. Mit 0 nie.',
       'ledger.entry_days':
         'Tage, nach denen Einträge entfernt werden; ein unterschriebener Anker hält den Rest beweisbar. Mit 0 nie.',
+      'ledger.witness_wait_s':
+        'Sekunden nach einem Start, die Berichte höchstens auf die Auskunft der Plattform warten, dass das Logbuch das von ihr gegengezeichnete ist. Mit 0 keine.',
       'mapping.script.engine': 'Die Skriptmaschine: quickjs (Vorgabe) oder deno.',
       'mapping.script.workers': 'Prozesse, die sich die Skripte teilen.',
       'mapping.script.callBudgetMs': 'Rechenzeit eines Aufrufs in Millisekunden.',

@@ -81,6 +81,8 @@ export const settings = {
         'Days after which values that left are emptied; what remains still proves them. For ever with 0.',
       'ledger.entry_days':
         'Days after which entries are removed; a signed anchor keeps the rest provable. For ever with 0.',
+      'ledger.witness_wait_s':
+        'Seconds after a start for which reports wait at most for the platform’s word that the ledger is the one it countersigned. None with 0.',
       'mapping.script.engine': 'The script engine: quickjs (the default) or deno.',
       'mapping.script.workers': 'Worker processes that share the scripts.',
       'mapping.script.callBudgetMs': 'Computing time of one call, in milliseconds.',
