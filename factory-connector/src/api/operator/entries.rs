@@ -11,13 +11,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use crate::{
-    api::{
-        context::Api,
-        fields::Entered,
-        problems::Problems,
-        roles::Operator,
-        view::Page,
-    },
+    api::{context::Api, fields::Entered, problems::Problems, roles::Operator, view::Page},
     clock::now,
 };
 

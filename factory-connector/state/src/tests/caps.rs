@@ -129,7 +129,7 @@ fn a_cap_below_the_present_use_holds_the_newest_consents_back() {
     let pending = writes.controls.queued.iter().filter(|control| control.body.contains("PENDING"));
     let pending: Vec<_> = pending.collect();
     assert!(
-        pending.len() == 1 \&\& pending[0].body.contains("limits how much it discloses"),
+        pending.len() == 1 && pending[0].body.contains("limits how much it discloses"),
         "{pending:?}"
     );
     assert_eq!(writes.ledger.revocations.len(), 1, "the partner gets a receipt");
