@@ -57,7 +57,9 @@ async fn what_was_previewed_is_recorded_with_the_consent() {
         panic!("{entries:#}")
     };
     assert_eq!(preview_of(newest), None, "{entries:#}");
-    assert_eq!(newest["grounds"]["policies"][0]["id"], "coarse", "the plant reads the names");
+    let members = newest.as_object().expect("an entry").values();
+    let names: Vec<&Value> = members.map(|member| &member["policies"][0]["id"]).collect();
+    assert!(names.contains(&&json!("coarse")), "the plant reads the names: {newest:#}");
     let (_, chain) = plant.call(Method::GET, "/ledger/export?format=jsonl", None).await;
     assert!(chain.contains("commitment") && !chain.contains("coarse"), "{chain}");
     assert_eq!(plant.post("/ledger/verification", json!({})).await["valid"], true);

@@ -247,8 +247,7 @@ async fn each_operation_admits_its_least_role_and_none_below() {
     }
 }
 
-/// Whoever only looks sees what partners see: neither values before the gate, nor how many there
-/// were.
+/// A viewer sees what partners see: neither values before the gate, nor how many there were.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn no_viewer_sees_values_before_the_gate() {
     let plant = Plant::start(json!([{ "name": "count", "type": 9 }])).await;
