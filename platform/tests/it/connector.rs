@@ -133,6 +133,16 @@ impl Peer {
         self.received.0.lock().iter().filter(|(kind, _)| kind == subject).count()
     }
 
+    /// Returns the bodies of all messages so far, as texts.
+    pub fn received(&self) -> Vec<String> {
+        self.received.0.lock().iter().map(|(_, body)| body.to_string()).collect()
+    }
+
+    /// Counts the messages that the broker has not accepted.
+    pub fn waiting(&self) -> usize {
+        self.spool.waiting()
+    }
+
     /// Answers a part as a connector does.
     pub fn accept(&self, part: &Value) {
         self.answer(part, "ACCEPTED", json!([]));

@@ -2,8 +2,14 @@
 //! against what belongs to each other member. Nothing that changes passes, and nothing that is read
 //! tells what the reader may not know. A new operation without a row fails the test.
 
+mod addresses;
 mod attempts;
+mod examples;
+mod messages;
+mod oracle;
 mod refusals;
+mod stages;
+mod walk;
 
 use serde_json::{Value, json};
 
