@@ -125,7 +125,10 @@ fn a_cap_below_the_present_use_holds_the_newest_consents_back() {
     assert!(consent.basis.as_deref().is_some_and(|text| text.contains(caps)), "{consent:?}");
     assert_eq!(consent.decided_by.as_deref(), Some("eve"));
     let mut entries = writes.ledger.entries.iter();
-    assert!(entries.all(|(entry, _)| !entry.content.contains("caps")), "partners read their chains");
+    assert!(
+        entries.all(|(entry, _)| !entry.content.contains("caps")),
+        "partners read their chains"
+    );
     let pending = writes.controls.queued.iter().filter(|control| control.body.contains("PENDING"));
     let pending: Vec<_> = pending.collect();
     assert!(

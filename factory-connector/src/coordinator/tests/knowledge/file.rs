@@ -45,6 +45,7 @@ pub(super) async fn open(
         gate,
     );
     let config = CoordinatorConfig {
+        witness_wait: std::time::Duration::ZERO,
         state: state_config,
         publishing_interval: Duration::from_millis(1),
         spool: SpoolLimits::default(),
