@@ -169,7 +169,8 @@ const WITHHELD_SINCE: [&str; 2] = ["lastSeenAt", "lastReportAt"];
 
 fn is_withheld_since(pointer: &str) -> bool {
     let member = pointer.rsplit('/').next().unwrap_or_default();
-    pointer.starts_with("/factories/") && WITHHELD_SINCE.contains(&member)
+    let is_of_factory = pointer.starts_with("/factories/") || pointer.contains("/parts/");
+    is_of_factory && WITHHELD_SINCE.contains(&member)
 }
 
 /// Compares the documents of an API with those of version 0.1.

@@ -409,7 +409,7 @@ export interface paths {
         /**
          * Shows the disclosure that a consent begins with, and what "every change" instead of the partner's
          *     period would add.
-         * @description Least role: VIEWER.
+         * @description Least role: ENGINEER.
          */
         get: operations["showConsentOffer"];
         put?: never;
@@ -450,7 +450,7 @@ export interface paths {
         };
         /**
          * Shows the status of a field's mapping: last values in and out, counts, faults, time spent.
-         * @description Least role: VIEWER.
+         * @description Least role: ENGINEER.
          */
         get: operations["showMappingStatus"];
         put?: never;
@@ -511,7 +511,7 @@ export interface paths {
         };
         /**
          * Shows the shadow mapping, with its values beside those of the published one.
-         * @description Least role: VIEWER.
+         * @description Least role: ENGINEER.
          */
         get: operations["showShadowMapping"];
         /**
@@ -1036,7 +1036,7 @@ export interface paths {
         };
         /**
          * Surveys all published mappings: numbers by condition, and the worst of them.
-         * @description Least role: VIEWER.
+         * @description Least role: ENGINEER.
          */
         get: operations["surveyMappings"];
         put?: never;
@@ -1140,7 +1140,7 @@ export interface paths {
         };
         /**
          * Lists the last 200 entries about an operation, newest first.
-         * @description Least role: VIEWER.
+         * @description Least role: OPERATOR.
          */
         get: operations["listOperatorEntries"];
         put?: never;
@@ -1166,7 +1166,7 @@ export interface paths {
         /**
          * Lists the operations of a day that have fields for people to fill, and those that are running or
          *     interrupted.
-         * @description Least role: VIEWER.
+         * @description Least role: OPERATOR.
          */
         get: operations["listOperatorOperations"];
         put?: never;
@@ -1742,8 +1742,8 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Reads a variable of a source.
-         * @description Least role: VIEWER.
+         * Reads a variable of a source. The value is that of the machine, before any policy.
+         * @description Least role: ENGINEER.
          */
         get: operations["readSourceValue"];
         put?: never;
@@ -2914,7 +2914,7 @@ export interface components {
              */
             bitsPerValue?: number | null;
             key: components["schemas"]["FieldKey"];
-            measured: components["schemas"]["Measured"];
+            measured: components["schemas"]["MeasuredRelease"];
             /**
              * Format: int64
              * @description Resolution of the times of changes, in milliseconds; 0 when every change is released at once.
@@ -3674,13 +3674,30 @@ export interface components {
             /** @description Its identity within the connector. */
             templateId: string;
         };
-        /** @description Counts over a period. */
+        /** @description Counts over a period, before and behind the gate. */
         Measured: {
             /**
              * Format: int64
              * @description Candidates from the source.
              */
             candidates: number;
+            /**
+             * Format: double
+             * @description Length of the period in hours, at most 24; since the connector started or the field was
+             *     opened.
+             */
+            hours: number;
+            /**
+             * Format: int64
+             * @description Values that the gate released.
+             */
+            released: number;
+        };
+        /**
+         * @description Count of what the gate released over a period. A budget has no other count: that of the
+         *     candidates tells what no partner gets.
+         */
+        MeasuredRelease: {
             /**
              * Format: double
              * @description Length of the period in hours, at most 24; since the connector started or the field was
@@ -3707,7 +3724,7 @@ export interface components {
          * @enum {string}
          */
         MergeRule: "newest" | "firstGood" | "minimum" | "maximum" | "sum" | "mean" | "all" | "any" | "join" | "array";
-        /** @description A message id, unique per message; written as a UUIDv7 by our own senders. */
+        /** @description A message id, unique per message; our own senders write a UUID. */
         MessageId: string;
         /**
          * @description Protection of messages.

@@ -295,7 +295,8 @@ export interface paths {
         /**
          * Lists a factory's data set writers with received sequence numbers: all for its own organisation
          *     and administrators; for recipients those whose reports they get, so that they can tell silence
-         *     from reports that are missing or were given up.
+         *     from reports that are missing or were given up. Numbers, times and gaps are those of the reports
+         *     that were released to the viewer; what others are sent changes nothing in them.
          */
         get: operations["listWriters"];
         put?: never;
@@ -475,7 +476,8 @@ export interface paths {
         };
         /**
          * Lists the reports that their factories released to the viewer, in the order of their arrival. The
-         *     factories can see that: as looked at where `newest` is set, else as exported.
+         *     factories can see that: as looked at where `newest` is set and at most 300 are wanted, else as
+         *     exported.
          */
         get: operations["listReports"];
         put?: never;
@@ -1162,9 +1164,13 @@ export interface components {
             /** @enum {string} */
             event: "part";
         } | {
-            /** @description Sign of life of a factory; at most once a second each. */
+            /**
+             * @description Sign of life of a factory: for its own organisation at most once a second, for others at most
+             *     once a minute, unless its publisher's state changes.
+             */
             data: {
                 factoryId: components["schemas"]["FactoryId"];
+                /** @description As `GET /factories` shows it to the same viewer. */
                 lastSeenAt: components["schemas"]["DateTime"];
                 /** @description State that its publisher reported last. */
                 publisherState?: string | null;
@@ -1179,7 +1185,7 @@ export interface components {
             /** @enum {string} */
             event: "progress";
         } | {
-            /** @description New revision of a network, or its withdrawal. */
+            /** @description New revision of a network that changed what the viewer sees of it, or its withdrawal. */
             data: {
                 operationNetworkId: components["schemas"]["OperationNetworkId"];
                 /** Format: int64 */
@@ -1228,10 +1234,10 @@ export interface components {
             partsUnanswered: number;
             /**
              * Format: int64
-             * @description Its newest revision.
+             * @description The last revision that changed what the viewer sees of it.
              */
             revision: number;
-            /** @description Time of the revision. */
+            /** @description Time of that revision. */
             updatedAt: components["schemas"]["DateTime"];
             withdrawnAt?: components["schemas"]["DateTime"] | null;
         };
@@ -1259,13 +1265,16 @@ export interface components {
             parts: components["schemas"]["PartView"][];
             /**
              * Format: int64
-             * @description Its newest revision.
+             * @description The last revision that changed what the viewer sees.
              */
             revision: number;
-            /** @description Time of the revision. */
+            /** @description Time of that revision. */
             updatedAt: components["schemas"]["DateTime"];
-            /** @description User or tool that made it. */
-            updatedBy: string;
+            /**
+             * @description The user or tool that made it, for its own organisation and administrators. Others are shown
+             *     the organisation; absent where that is none.
+             */
+            updatedBy?: string | null;
             withdrawnAt?: components["schemas"]["DateTime"] | null;
         };
         /** @description A collaboration to add. */
@@ -1847,9 +1856,9 @@ export interface components {
             dataSetWriterId: number;
             /**
              * Format: int64
-             * @description Repeats that were discarded.
+             * @description Repeats that were discarded; for the factory's own organisation and administrators.
              */
-            duplicates: number;
+            duplicates?: number | null;
             /** @description The request that its last report answered. */
             dynamicDataRequestId?: string | null;
             /** Format: int32 */

@@ -40,8 +40,8 @@ mod tests {
         let basis = stored(
             r#"{"policyId":"p","rules":[{"id":"r","version":1}],"preview":"00ff","salt":"0102"}"#,
         );
-        let told = serde_json::to_string(&basis_for_recipients(&basis)).expect("JSON");
-        insta::assert_snapshot!(told, @r#"{"preview":"00ff","commitment":"1acc7112ebef37ab3e22dfb2fbc181bda69676d5e4101c94c220287447ecb45b"}"#);
+        let stated = serde_json::to_string(&basis_for_recipients(&basis)).expect("JSON");
+        insta::assert_snapshot!(stated, @r#"{"preview":"00ff","commitment":"1acc7112ebef37ab3e22dfb2fbc181bda69676d5e4101c94c220287447ecb45b"}"#);
         let other = DecisionBasis { salt: Some("0103".to_owned()), ..basis.clone() };
         assert_ne!(
             basis_for_recipients(&other).commitment,

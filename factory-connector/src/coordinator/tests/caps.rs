@@ -42,9 +42,16 @@ async fn caps_and_what_they_hold_back_survive_a_restart() {
     assert_eq!(again, Some(held_back));
     assert_eq!(alliances, 1);
     assert_eq!(caps, 1);
-    let consents = running.entries("acme").await;
-    let held = |entry: &&Value| entry["grounds"]["caps"] == json!([{ "id": "yard", "version": 1 }]);
-    assert_eq!(consents.iter().filter(held).count(), 2, "{consents:?}");
+    // The plant sees which cap it was; the recipient's chain commits to it without its name.
+    let filter = LedgerFilter { recipient: "acme".parse().ok(), ..LedgerFilter::default() };
+    let mut cursor = LedgerCursor::new(filter);
+    let rows = running.session().await.ledger().next(&mut cursor).await.expect("read");
+    let bases = rows.iter().filter_map(|row| serde_json::to_value(row.basis.as_ref()?).ok());
+    let bases: Vec<Value> = bases.collect();
+    assert_eq!(bases, vec![json!({ "caps": [{ "id": "yard", "version": 1 }] }); 2]);
+    let committed = rows.iter().filter(|row| row.content.contains(r#""commitment":""#)).count();
+    assert_eq!(committed, 2, "{rows:?}");
+    assert!(!rows.iter().any(|row| row.content.contains("yard")), "{rows:?}");
     running.close().await;
 }
 

@@ -1,5 +1,9 @@
 //! Ids of messages: they say nothing that their reports do not say.
 
+use connector_state::{
+    ChangeSet,
+    use_cases::keep_alive::{KeepAlive, keep_alives},
+};
 use sha2::{Digest as _, Sha256};
 
 use super::*;
@@ -63,13 +67,18 @@ async fn no_id_of_a_message_tells_a_time() {
     running.enter_both(1).await;
     let mut rows = running.fetch(Lane::Reports).await;
     running.accept(&rows).await;
-    let begin = std::time::Instant::now();
-    // Of the control messages, keep-alives only are data sets.
-    while !running.fetch(Lane::Control).await.iter().any(|row| row.envelope.subject == "ua-data") {
-        assert!(begin.elapsed() < DEADLINE, "no keep-alive came");
-        tokio::time::sleep(PAUSE).await;
+    let kept_alive = running.coordinator.execute(|state, now| {
+        let later = DateTime::from_unix_micros(now.unix_micros() + 86_400_000_000);
+        (keep_alives(state, later), ChangeSet::default())
+    });
+    let kept_alive = kept_alive.await.expect("run");
+    assert_eq!(kept_alive.len(), 2, "{kept_alive:?}");
+    for KeepAlive { message_id, body, .. } in kept_alive {
+        let body = String::from_utf8(body).expect("UTF-8");
+        for id in ids_in(message_id.as_str()).chain(ids_in(&body)) {
+            assert_eq!(id.get_timestamp(), None, "a keep-alive: {id}");
+        }
     }
-    rows.extend(running.fetch(Lane::Control).await);
     running.revoke(Some("Enough.")).await;
     // The start submits the checkpoints of the ledger.
     let folder = running.close().await;
@@ -85,7 +94,15 @@ async fn no_id_of_a_message_tells_a_time() {
     }
     let subjects: std::collections::BTreeSet<&str> =
         rows.iter().map(|row| row.envelope.subject.as_str()).collect();
-    assert_eq!(Vec::from_iter(subjects), ["decision"]);
+    let expected = [
+        "acknowledgement",
+        "decision",
+        "ledger-checkpoint",
+        "revocation",
+        "ua-data",
+        "ua-metadata",
+    ];
+    assert_eq!(Vec::from_iter(subjects), expected);
 }
 
 /// Comments and questions for the lease have ids of their own.

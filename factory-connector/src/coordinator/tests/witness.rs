@@ -346,6 +346,8 @@ async fn repeated_and_unsigned_answers_do_no_harm() {
         deliver(&running, again).await;
     }
     assert_eq!((conflict(&running).await, witnessed(&running).await), (None, size));
+    // The other log waits for its answer, too.
+    platform.serve(&running).await;
     assert!(!running.fetch(Lane::Reports).await.is_empty());
     running.close().await;
 }

@@ -229,13 +229,13 @@ fn no_chain_of_a_recipient_names_a_document_of_the_plant() {
     let stored = consent.basis.as_deref().expect("a basis");
     assert!(stored.contains("price-of-hull") && stored.contains("secret-of-acme"), "{stored}");
     let stored: DecisionBasis = serde_json::from_str(stored).expect("a basis");
-    let told = serde_json::to_string(&ledger::basis_for_recipients(&stored)).expect("JSON");
+    let committed = serde_json::to_string(&ledger::basis_for_recipients(&stored)).expect("JSON");
     let entries: Vec<&str> =
         writes.ledger.entries.iter().map(|(entry, _)| entry.content.as_str()).collect();
     for entry in &entries {
         assert!(!entry.contains("price-of-hull") && !entry.contains("secret-of-acme"), "{entry}");
         assert!(!entry.contains(stored.salt.as_deref().expect("a salt")), "{entry}");
     }
-    let consents = entries.iter().filter(|entry| entry.contains(&told));
+    let consents = entries.iter().filter(|entry| entry.contains(&committed));
     assert_eq!(consents.count(), 2, "both chains commit to them: {entries:?}");
 }

@@ -231,9 +231,9 @@ async fn view(side: &Side, author: &Member) -> BTreeMap<String, Value> {
         !is_of_itself && !reading.operation.contains("/accesses")
     });
     let answers = read(&member.api.client, &readings).await;
-    let views = answers.into_iter().map(|told| {
-        let body = serde_json::from_str(&told.body).expect("JSON");
-        (told.reading.path, json!([told.status, without(&body, author.factory)]))
+    let views = answers.into_iter().map(|answer| {
+        let body = serde_json::from_str(&answer.body).expect("JSON");
+        (answer.reading.path, json!([answer.status, without(&body, author.factory)]))
     });
     views.collect()
 }
@@ -364,13 +364,13 @@ async fn no_message_changes_what_belongs_to_another_member() {
         settled(author).await;
         for (owner, before) in owners.iter().zip(&before) {
             let after = view(owner, &author.member).await;
-            for (path, told) in &after {
+            for (path, view) in &after {
                 let id = owner.member.id;
-                assert_eq!(told, &before[path], "{} changes {path} of {id}", author.member.id);
+                assert_eq!(view, &before[path], "{} changes {path} of {id}", author.member.id);
             }
-            let told = [author.factory.received(), author.tool.received()].concat();
+            let received = [author.factory.received(), author.tool.received()].concat();
             let secret = owner.member.secret();
-            assert!(!told.iter().any(|text| text.contains(&secret)), "{}", author.member.id);
+            assert!(!received.iter().any(|text| text.contains(&secret)), "{}", author.member.id);
             let hidden = refusal(author, &owner.member.network()).await;
             assert_eq!(hidden, refusal(author, NO_NETWORK).await, "it exists, and is hidden");
         }

@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::walk::Told;
+use super::walk::ReadAnswer;
 
 /// The first digits of every secret.
 const MARK: &str = "918273";
@@ -102,9 +102,9 @@ impl Oracle {
     }
 
     /// Compares a reader's walk with what it may see.
-    pub fn judge(&self, stage: &str, reader: &'static str, answers: &[Told]) {
+    pub fn judge(&self, stage: &str, reader: &'static str, answers: &[ReadAnswer]) {
         let mut seen: BTreeMap<Door, BTreeSet<u64>> = BTreeMap::new();
-        for Told { reading, headers, body, .. } in answers {
+        for ReadAnswer { reading, headers, body, .. } in answers {
             let door = Door::of(&reading.operation);
             let allowed = door.map(|door| self.allowed(reader, door)).unwrap_or_default();
             let found = self.found(&format!("{headers}{body}"));

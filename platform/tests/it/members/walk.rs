@@ -41,7 +41,7 @@ pub struct Reading {
 }
 
 /// An answer to a reading.
-pub struct Told {
+pub struct ReadAnswer {
     pub reading: Reading,
     pub status: u16,
     /// Names and values of all headers.
@@ -83,7 +83,7 @@ pub fn readings(ids: &Ids) -> Vec<Reading> {
 }
 
 /// Reads all of these, one after the other.
-pub async fn read(client: &ApiClient, readings: &[Reading]) -> Vec<Told> {
+pub async fn read(client: &ApiClient, readings: &[Reading]) -> Vec<ReadAnswer> {
     let mut answers = Vec::with_capacity(readings.len());
     for reading in readings {
         let request = client.request(Method::GET, &format!("/api/v1{}", reading.path));
@@ -92,7 +92,7 @@ pub async fn read(client: &ApiClient, readings: &[Reading]) -> Vec<Told> {
         let body = response.text().await.expect("a text");
         let is_known = [200, 403, 404].contains(&status);
         assert!(is_known, "{}: {status} {body}", reading.path);
-        answers.push(Told { reading: reading.clone(), status, headers, body });
+        answers.push(ReadAnswer { reading: reading.clone(), status, headers, body });
     }
     answers
 }
