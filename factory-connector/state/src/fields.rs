@@ -173,7 +173,9 @@ impl FieldRegistry {
 
     /// Returns the mapped fields whose mappings read this variable.
     pub(crate) fn reading(&self, variable: &VariableKey) -> impl Iterator<Item = &Field> {
-        self.index.variables.of(variable).filter_map(move |id| self.by_id(id))
+        let candidates = self.index.variables.readers(variable);
+        let fields = candidates.filter_map(move |id| self.by_id(id));
+        fields.filter(|field| variable_index::reads(field, variable))
     }
 
     /// Hands out every field whose gate or transform changed since the last call, and whether its
