@@ -5,5 +5,6 @@ mod chaos;
 mod demo;
 mod former_store;
 mod house;
+mod mutants;
 mod openapi;
 mod promises;
