@@ -39,8 +39,16 @@ pub fn open(path: &Path) -> Result<LedgerKey, LedgerKeyError> {
 /// # Errors
 /// [`LedgerKeyError`] when the file cannot be read or is no key.
 pub fn public_half(path: &Path) -> Result<Option<Hash>, LedgerKeyError> {
+    Ok(existing(path)?.map(|key| key.public()))
+}
+
+/// Reads the key in a file; `None` where there is no such file.
+///
+/// # Errors
+/// [`LedgerKeyError`] when the file cannot be read or is no key.
+pub fn existing(path: &Path) -> Result<Option<LedgerKey>, LedgerKeyError> {
     match path.try_exists() {
-        Ok(true) => open(path).map(|key| Some(key.public())),
+        Ok(true) => open(path).map(Some),
         Ok(false) => Ok(None),
         Err(source) => Err(LedgerKeyError { path: path.display().to_string(), source }),
     }

@@ -115,14 +115,22 @@ fn logs_are_proven(places: &Places, factory_id: &str, export: &str) {
             std::fs::write(&path, content).unwrap();
             path
         };
+        let audit = file("audit.jsonl", &command("audit", &[]));
+        let checkpoint = file("checkpoint", &command("checkpoint", &[]));
+        let key = command("checkpoint", &["--key"]);
         let output = Command::new(binary("asi").unwrap())
             .args(["ledger", "verify"])
-            .arg(file("audit.jsonl", &command("audit", &[])))
+            .arg(&audit)
             .arg("--checkpoint")
-            .arg(file("checkpoint", &command("checkpoint", &[])))
-            .args(["--key", command("checkpoint", &["--key"]).trim()])
+            .arg(&checkpoint)
+            .args(["--key", key.trim()])
             .output()
             .unwrap();
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("foreign/ledger/verify.py");
+        let foreign =
+            Command::new("python3").arg(script).args([&audit, &checkpoint]).arg(&key).output();
+        let foreign = foreign.expect("Python runs");
+        assert!(foreign.status.success(), "{}", String::from_utf8_lossy(&foreign.stderr));
         let audit = String::from_utf8_lossy(&output.stdout);
         assert!(output.status.success(), "{factory_id} to {recipient}: {audit}");
         let audit: Value = serde_json::from_str(&audit).unwrap();

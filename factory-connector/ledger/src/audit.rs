@@ -4,6 +4,9 @@
 //! The file has one JSON object per line. The first is an [`AuditStart`], each further one an
 //! [`AuditEntry`], in the order of the chain. Lines are first checked separately, on several threads
 //! if the caller wants ([`Auditor::check`]), and then taken in their order.
+//!
+//! Entries after the checkpoint count where the file has a newer checkpoint of the same log over them.
+//! What neither covers could have been written by anybody: it is a fault, and states nothing.
 
 mod file;
 mod line;
@@ -23,6 +26,8 @@ use super::{LedgerFault, LogStart, history::ReportHistory, values::CheckedValues
 /// Most faults that are listed; further ones are only counted.
 const FAULTS_MAX: usize = 100;
 
+const UNSIGNED: &str = "no signature covers the entry";
+
 /// Reason that an audit cannot begin.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum AuditError {
@@ -38,6 +43,9 @@ pub enum AuditError {
     /// The first line does not say where the entries continue.
     #[error("the first line of the file does not begin a log")]
     Start,
+    /// The checkpoint in the file is none of this log and key.
+    #[error("the checkpoint in the file is none of this log, signed with this key")]
+    FileCheckpoint,
     /// The file is about another log than the checkpoint.
     #[error("the checkpoint is one of {checkpoint}, the file is about {file}")]
     OtherLog {
@@ -60,8 +68,11 @@ pub struct Audit {
     pub witnessed_at: Option<DateTime>,
     /// Number of entries that the checkpoint proves.
     pub entries_proven: u64,
-    /// Number of later entries, which a later checkpoint can prove.
+    /// Number of later entries, which the checkpoint in the file covers. A later one that was kept
+    /// elsewhere can prove them.
     pub entries_after: u64,
+    /// Number of entries that no signature covers. Each is a fault.
+    pub entries_unsigned: u64,
     /// Number of reports whose values are those that were committed to.
     pub values_compared: u64,
     /// Number of reports whose values were emptied.
@@ -85,6 +96,8 @@ pub struct Auditor {
     start: LogStart,
     note: SignedNote,
     checkpoint: Checkpoint,
+    /// The newer checkpoint in the file; none in files of former versions.
+    newest: Option<Checkpoint>,
     leaves: LeafRange,
     /// Number of the last entry.
     number: u64,
@@ -93,6 +106,8 @@ pub struct Auditor {
     emptied_before: Option<DateTime>,
     history: ReportHistory,
     is_proven: bool,
+    /// Every entry of the checkpoint in the file was found.
+    is_complete: bool,
     outcome: Audit,
 }
 
@@ -109,9 +124,7 @@ impl Auditor {
         first_line: &str,
         emptied_before: Option<DateTime>,
     ) -> Result<Self, AuditError> {
-        let note = SignedNote::parse(checkpoint).map_err(AuditError::Signature)?;
-        note.verify([key]).map_err(AuditError::Signature)?;
-        let checkpoint: Checkpoint = note.text().parse().map_err(AuditError::Checkpoint)?;
+        let (note, checkpoint) = signed_checkpoint(checkpoint, key)?;
         let first: AuditStart = serde_json::from_str(first_line).map_err(|_| AuditError::Start)?;
         let start: LogStart =
             serde_json::from_str(&first.log_start).map_err(|_| AuditError::Start)?;
@@ -122,18 +135,26 @@ impl Auditor {
             });
         }
         let leaves = first.leaves_before(&start).ok_or(AuditError::Start)?;
+        let newest = first.checkpoint.as_deref().map(|note| signed_checkpoint(note, key));
+        let newest = newest.transpose().map_err(|_| AuditError::FileCheckpoint)?;
+        let newest = newest.map(|(_, checkpoint)| checkpoint);
+        if newest.as_ref().is_some_and(|newest| newest.origin != checkpoint.origin) {
+            return Err(AuditError::FileCheckpoint);
+        }
         let mut auditor = Self {
             history: ReportHistory::after(first.number),
             number: first.number,
             is_proven: false,
+            is_complete: newest.is_none(),
             outcome: Audit { origin: checkpoint.origin.clone(), ..Audit::default() },
             emptied_before,
             start,
             note,
             checkpoint,
+            newest,
             leaves,
         };
-        auditor.compare_root();
+        auditor.compare_roots();
         Ok(auditor)
     }
 
@@ -165,6 +186,10 @@ impl Auditor {
     /// Takes the next line after it was checked for itself.
     pub fn take_checked(&mut self, line: CheckedLine) {
         self.number += 1;
+        if !self.is_signed_next() {
+            self.outcome.entries_unsigned += 1;
+            return self.fault(UNSIGNED);
+        }
         let CheckedLine { leaf, number, recorded_at, faults, values, event } = line;
         if let Some(leaf) = leaf {
             self.leaves.append(leaf);
@@ -173,7 +198,7 @@ impl Auditor {
             } else {
                 self.outcome.entries_after += 1;
             }
-            self.compare_root();
+            self.compare_roots();
         }
         match values {
             CheckedValues::None => {}
@@ -203,16 +228,33 @@ impl Auditor {
             self.number = self.checkpoint.size.saturating_sub(1);
             self.fault("the checkpoint covers entries that the file does not have");
         }
+        if !self.is_complete {
+            self.fault("the checkpoint in the file covers entries that it does not have");
+        }
         self.outcome
     }
 
-    fn compare_root(&mut self) {
-        if self.leaves.end() != self.checkpoint.size {
-            return;
+    /// Returns whether a checkpoint covers the next entry.
+    fn is_signed_next(&self) -> bool {
+        let next = self.leaves.end();
+        next < self.checkpoint.size || self.newest.as_ref().is_some_and(|newest| next < newest.size)
+    }
+
+    /// Compares the root with those of the checkpoints over as many leaves.
+    fn compare_roots(&mut self) {
+        let size = self.leaves.end();
+        if size == self.checkpoint.size {
+            self.is_proven = true;
+            if self.leaves.root() != self.checkpoint.root {
+                self.fault("the entries up to here are not those of the checkpoint");
+            }
         }
-        self.is_proven = true;
-        if self.leaves.root() != self.checkpoint.root {
-            self.fault("the entries up to here are not those of the checkpoint");
+        let newest = self.newest.as_ref().filter(|newest| newest.size == size);
+        if let Some(root) = newest.map(|newest| newest.root) {
+            self.is_complete = true;
+            if self.leaves.root() != root {
+                self.fault("the entries up to here are not those of the checkpoint in the file");
+            }
         }
     }
 
@@ -226,4 +268,15 @@ impl Auditor {
             });
         }
     }
+}
+
+/// Reads a checkpoint that this key has signed.
+fn signed_checkpoint(
+    note: &str,
+    key: &VerifierKey,
+) -> Result<(SignedNote, Checkpoint), AuditError> {
+    let note = SignedNote::parse(note).map_err(AuditError::Signature)?;
+    note.verify([key]).map_err(AuditError::Signature)?;
+    let checkpoint = note.text().parse().map_err(AuditError::Checkpoint)?;
+    Ok((note, checkpoint))
 }

@@ -72,6 +72,8 @@ pub(crate) struct ReportHistory {
     open: BTreeMap<ReportId, OpenReport>,
     emptied: BTreeMap<ReportId, EmptiedReport>,
     removed_through: u64,
+    /// The chain has a statement of retention, as only later versions make.
+    is_stated: bool,
     /// Time of the statement about a former version.
     former_at: Option<i64>,
     /// Number of the last entry before the present ones; 0 where the chain is whole, and whatever is
@@ -88,6 +90,11 @@ impl ReportHistory {
     /// Returns the time of the statement about a former version, in microseconds since 1970.
     pub(crate) const fn former_at(&self) -> Option<i64> {
         self.former_at
+    }
+
+    /// Returns whether the chain states any retention.
+    pub(crate) const fn is_stated(&self) -> bool {
+        self.is_stated
     }
 
     /// Takes the next entry, recorded at `at` in microseconds since 1970.
@@ -177,6 +184,7 @@ impl ReportHistory {
     }
 
     fn retain(&mut self, at: i64, statement: &RetentionStatement) -> Result<(), &'static str> {
+        self.is_stated = true;
         let before = statement.before.unix_micros();
         if before > at {
             return Err("the statement of retention is about the future");

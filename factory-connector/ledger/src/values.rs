@@ -4,7 +4,7 @@ use std::{borrow::Cow, fmt};
 
 use serde::{
     Deserialize, Deserializer,
-    de::{DeserializeSeed, MapAccess, Visitor},
+    de::{self, DeserializeSeed, MapAccess, Visitor},
 };
 use serde_json::value::RawValue;
 use sha2::{Digest, Sha256};
@@ -96,8 +96,13 @@ impl<'de> Visitor<'de> for Members<'_, '_> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut members: A) -> Result<(), A::Error> {
+        let mut has_payload = false;
         while let Some(Name(name)) = members.next_key()? {
             if self.path.is_empty() && name == PAYLOAD {
+                // Readers take the last of two, and the root tells one from two only by members.
+                if std::mem::replace(&mut has_payload, true) {
+                    return Err(de::Error::duplicate_field(PAYLOAD));
+                }
                 members.next_value_seed(Members { root: self.root, path: PAYLOAD })?;
             } else {
                 self.root.add(self.path, &name, members.next_value::<&RawValue>()?.get());
@@ -127,6 +132,7 @@ mod tests {
         assert_ne!(values_root(report, &[8; SALT_BYTES]).expect("a report"), root);
         assert!(values_root("[1]", &salt).is_err());
         assert!(values_root(r#"{"a":1} x"#, &salt).is_err());
+        assert!(values_root(r#"{"Payload":{"a":1},"Payload":{}}"#, &salt).is_err());
     }
 
     #[test]

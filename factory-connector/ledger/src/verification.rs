@@ -177,6 +177,11 @@ impl Verifier {
                 self.fault("", 0, &format!("no entry speaks of the revocation {id}"));
             }
         }
+        // What a former version could not have written proves that its traces were made.
+        if self.is_former && chains.values().any(|chain| chain.history.is_stated()) {
+            self.is_former = false;
+            self.fault("", 0, "what is signed beside the entries was deleted");
+        }
         let mut former = BTreeSet::new();
         for (recipient, chain) in chains {
             if let Some(Err(fault)) = chain.log.map(LogCheck::finish) {

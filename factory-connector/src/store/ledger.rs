@@ -16,7 +16,7 @@ mod verification;
 mod witnessed;
 
 use ::ledger::{
-    Anchor, Hash, Head, Heads, Logs, Verification,
+    Anchor, Hash, Head, Heads, LedgerKey, Logs, Verification,
     audit::{AuditEntry, AuditStart},
 };
 use asi_model::{DateTime, FieldKey, OrganisationId};
@@ -124,15 +124,17 @@ impl Ledger<'_> {
         Ok(Some(FormerRetention { emptied, removed: anchors::numbers(self.0).await? }))
     }
 
-    /// Begins an audit file of a recipient's chain; `None` without a log.
+    /// Begins an audit file of a recipient's chain; `None` without a log. Without the key its
+    /// checkpoint is missing where entries are newer than the last one.
     ///
     /// # Errors
     /// [`StoreError`].
     pub async fn audit_start(
         &mut self,
         recipient: &OrganisationId,
+        key: Option<&LedgerKey>,
     ) -> Result<Option<AuditStart>, StoreError> {
-        audit::start(self.0, recipient).await
+        audit::start(self.0, recipient, key).await
     }
 
     /// Reads the next entries of an audit file after this number; empty at the end.

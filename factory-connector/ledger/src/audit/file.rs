@@ -17,6 +17,10 @@ pub struct AuditStart {
     pub number: u64,
     /// Hashes of the largest perfect subtrees over the leaves before, hexadecimal.
     pub leaves: Vec<String>,
+    /// The log's checkpoint over all entries of the file, a C2SP signed note; none in files of
+    /// former versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub checkpoint: Option<String>,
 }
 
 /// An entry with what belongs to it.

@@ -41,23 +41,40 @@ fn report(sequence: u32, value: u32) -> String {
 /// The report whose values retention has emptied.
 const EMPTIED: u32 = 4;
 
+/// Line of an entry without a report.
+fn bare_line(entry: &str) -> String {
+    let line = json!({ "entry": entry, "report": null, "salt": null, "sentAt": null,
+                       "messageId": null, "deliveredAt": null });
+    line.to_string()
+}
+
 /// A file with an entry of each kind, and the log over it.
 struct Sample {
     lines: Vec<String>,
     log: Log,
+    /// Checkpoint over the first entries: what became of the reports came later.
+    early: String,
+    /// Checkpoint over all but the statement of retention.
+    kept: String,
 }
 
 impl Sample {
     fn new(value: u32) -> Self {
+        Self::signed_by(value, &key())
+    }
+
+    fn signed_by(value: u32, key: &LedgerKey) -> Self {
         let events: Vec<Event> = events(value);
         let (mut heads, mut log) =
             (Heads::default(), Log::new(factory(), acme(), &Head::default()));
-        let start = AuditStart {
+        let mut start = AuditStart {
             log_start: log.start().canonical(),
             number: 0,
             leaves: log.leaves().hashes().iter().map(hex::encode).collect(),
+            checkpoint: None,
         };
-        let mut lines = vec![serde_json::to_string(&start).expect("serialises")];
+        let mut checkpoints = Vec::new();
+        let mut lines = vec![String::new()];
         for (second, event) in (1..).zip(events) {
             let queued = match &event {
                 Event::Queued { range, .. } => Some(range.first_sequence),
@@ -78,9 +95,13 @@ impl Sample {
                 delivered_at: is_sent.then(|| DateTime::from_unix_micros(8_000_000)),
             };
             lines.push(serde_json::to_string(&line).expect("serialises"));
+            log.sign_checkpoint(key);
+            checkpoints.push(log.checkpoint().expect("signed").to_owned());
         }
-        log.sign_checkpoint(&key());
-        Self { lines, log }
+        let [.., kept, newest] = &checkpoints[..] else { panic!("there are entries") };
+        start.checkpoint = Some(newest.clone());
+        lines[0] = serde_json::to_string(&start).expect("serialises");
+        Self { lines, log, early: checkpoints[5].clone(), kept: kept.clone() }
     }
 
     fn checkpoint(&self) -> String {
@@ -157,15 +178,32 @@ fn an_intact_file_is_intact() {
 }
 
 #[test]
+fn an_old_checkpoint_proves_a_file_whose_end_is_signed() {
+    let sample = Sample::new(7);
+    for (checkpoint, proven) in [(&sample.early, 6), (&sample.kept, 16)] {
+        let mut auditor =
+            Auditor::new(checkpoint, &vkey(&key()), &sample.lines[0], None).expect("it begins");
+        sample.lines[1..].iter().for_each(|line| auditor.take(line));
+        let outcome = auditor.finish();
+        assert!(outcome.is_intact(), "{outcome:?}");
+        assert_eq!((outcome.entries_proven, outcome.entries_after), (proven, 17 - proven));
+        assert_eq!((outcome.values_emptied, outcome.entries_unsigned), (1, 0));
+    }
+}
+
+#[test]
 fn entries_after_the_checkpoint_are_counted_and_emptied_values_need_a_time() {
     let mut sample = Sample::new(7);
     let at = |seconds: i64| DateTime::from_unix_micros(seconds * 1_000_000);
     let old = Sample::new(7).checkpoint();
     let mut heads = Heads::new([(acme(), Head { number: 17, hash: [0; 32] })]);
     let entry = heads.append(&acme(), at(20), Event::Receipted(range(0, 2)));
-    let line = json!({ "entry": entry.content, "report": null, "salt": null, "sentAt": null,
-                       "messageId": null, "deliveredAt": null });
-    sample.lines.push(line.to_string());
+    sample.lines.push(bare_line(&entry.content));
+    sample.log.append(&entry.content);
+    sample.log.sign_checkpoint(&key());
+    let mut start: AuditStart = serde_json::from_str(&sample.lines[0]).expect("a start");
+    start.checkpoint = Some(sample.checkpoint());
+    sample.lines[0] = serde_json::to_string(&start).expect("JSON");
     for index in [2, 3, 4] {
         let mut line: Value = serde_json::from_str(&sample.lines[index]).expect("JSON");
         line["report"] = Value::Null;
@@ -214,11 +252,11 @@ fn a_pruned_chain_is_proven_by_the_leaves_before_it() {
             log_start: before.start().canonical(),
             number: 5,
             leaves: before.leaves().hashes().iter().map(hex::encode).collect(),
+            checkpoint: None,
         };
         let first = serde_json::to_string(&start).expect("serialises");
-        let last = json!({ "entry": entry.content, "report": null, "salt": null, "sentAt": null,
-                           "messageId": null, "deliveredAt": null });
-        (sample.checkpoint(), [&[first], &sample.lines[6..], &[last.to_string()]].concat())
+        let last = bare_line(&entry.content);
+        (sample.checkpoint(), [&[first], &sample.lines[6..], &[last]].concat())
     };
     let (checkpoint, lines) = pruned(Some(5));
     assert_eq!(faults(&lines, &checkpoint, &vkey(&key())), 0);

@@ -8,7 +8,11 @@ use std::{
 
 use anyhow::Context as _;
 use asi_model::OrganisationId;
-use factory_connector::{config::ConnectorConfig, store::Store};
+use factory_connector::{
+    config::ConnectorConfig,
+    ledger_key::{self, LEDGER_KEY_FILE},
+    store::Store,
+};
 
 use super::super::output::print;
 
@@ -23,8 +27,13 @@ pub(super) async fn write_audit_file(
     let mut session = Store::connect(&config.data_directory).await?;
     // Entries about a delivery may come while its report is written.
     session.begin_view().await?;
-    let start = session.ledger().audit_start(recipient).await?;
+    let key = ledger_key::existing(&config.data_directory.join(LEDGER_KEY_FILE))?;
+    let start = session.ledger().audit_start(recipient, key.as_ref()).await?;
     let start = start.with_context(|| format!("there is no log for {recipient}"))?;
+    anyhow::ensure!(
+        start.checkpoint.is_some(),
+        "the newest entries are not signed yet, and the key is not beside the ledger"
+    );
     let mut output: Box<dyn Write> = match output {
         Some(path) => Box::new(BufWriter::new(
             File::create(&path).with_context(|| format!("making {}", path.display()))?,

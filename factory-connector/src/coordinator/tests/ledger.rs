@@ -1,7 +1,14 @@
-use ::ledger::{Verification, audit::Auditor};
+use ::ledger::{
+    Verification,
+    audit::{Audit, AuditError, AuditStart, Auditor},
+};
+use asi_model::OrganisationId;
 use sqlx::{
     Column as _, Connection as _, Row as _, TypeInfo as _, ValueRef as _, sqlite::SqliteRow,
 };
+
+use tampering::AuditFile;
+use transparency_log::VerifierKey;
 
 use super::*;
 use crate::store::Ledger;
@@ -224,40 +231,69 @@ async fn every_deletion_is_found() {
     }
 }
 
+/// Reads the audit file of the first recipient's chain, a checkpoint that is older, and its key.
+async fn audit_file(folder: &Path) -> (AuditFile, VerifierKey) {
+    let mut connection = connect(folder).await;
+    let mut ledger = Ledger(&mut connection);
+    let recipients = ledger.recipients().await.expect("read");
+    let recipient: OrganisationId = recipients[0].parse().expect("an id");
+    let kept = ledger.log_checkpoint(&recipient).await.expect("read").expect("a checkpoint");
+    let key = crate::ledger_key::open(&folder.join(LEDGER_KEY_FILE)).expect("the key");
+    let start = ledger.audit_start(&recipient, Some(&key)).await.expect("read").expect("a log");
+    let entries = ledger.audit_entries(&recipient, start.number).await.expect("read");
+    let mut lines = vec![serde_json::to_string(&start).expect("JSON")];
+    lines.extend(entries.iter().map(|entry| serde_json::to_string(entry).expect("JSON")));
+    (AuditFile { lines, checkpoint: kept.note, foreign: Vec::new() }, kept.key)
+}
+
+fn audit(lines: &[String], checkpoint: &str, key: &VerifierKey) -> Result<Audit, AuditError> {
+    let first = lines.first().map(String::as_str).unwrap_or_default();
+    let mut auditor = Auditor::new(checkpoint, key, first, None)?;
+    lines[1..].iter().for_each(|line| auditor.take(line));
+    Ok(auditor.finish())
+}
+
 /// A checkpoint that was kept elsewhere proves the whole chain by a file, without the store.
 #[tokio::test]
 async fn an_audit_file_is_proven_by_a_checkpoint() {
     let folder = small_ledger().await;
-    let mut connection = connect(folder.path()).await;
-    let mut ledger = Ledger(&mut connection);
-    let recipients = ledger.recipients().await.expect("read");
-    let recipient: asi_model::OrganisationId = recipients[0].parse().expect("an id");
-    let kept = ledger.log_checkpoint(&recipient).await.expect("read").expect("a checkpoint");
-    let heads = ledger.heads().await.expect("read");
-    let mut logs = ledger.logs(&heads).await.expect("read");
-    let log = logs.get_mut(&recipient).expect("a log");
-    let key = crate::ledger_key::open(&folder.path().join(LEDGER_KEY_FILE)).expect("the key");
-    log.sign_checkpoint(&key);
-    let newest = log.checkpoint().expect("signed").to_owned();
-    let start = ledger.audit_start(&recipient).await.expect("read").expect("a log");
-    let entries = ledger.audit_entries(&recipient, start.number).await.expect("read");
-    let lines: Vec<String> =
-        entries.iter().map(|entry| serde_json::to_string(entry).expect("JSON")).collect();
-    let start = serde_json::to_string(&start).expect("JSON");
-    let audit = |checkpoint: &str, lines: &[String]| {
-        let mut auditor =
-            Auditor::new(checkpoint, &kept.key, &start, None).expect("a checkpoint of the log");
-        lines.iter().for_each(|line| auditor.take(line));
-        auditor.finish()
-    };
-    for checkpoint in [&kept.note, &newest] {
-        let outcome = audit(checkpoint, &lines);
+    let (file, key) = audit_file(folder.path()).await;
+    let start: AuditStart = serde_json::from_str(&file.lines[0]).expect("a start");
+    let newest = start.checkpoint.expect("the file has a checkpoint");
+    for checkpoint in [&file.checkpoint, &newest] {
+        let outcome = audit(&file.lines, checkpoint, &key).expect("it begins");
         assert!(outcome.is_intact(), "{outcome:#?}");
         assert!(outcome.values_compared > 1);
+        let is_newest = checkpoint == &newest;
+        assert_eq!(outcome.entries_after == 0, is_newest, "{outcome:#?}");
     }
-    let outcome = audit(&newest, &lines);
-    assert_eq!((outcome.entries_proven, outcome.entries_after), (lines.len() as u64, 0));
-    assert!(!audit(&newest, &lines[..lines.len() - 1]).is_intact(), "an older copy");
+    let older = audit(&file.lines[..file.lines.len() - 1], &newest, &key).expect("it begins");
+    assert!(!older.is_intact(), "an older copy");
+}
+
+/// Nothing about the file of a real connector can be changed unnoticed by one who has no key.
+#[tokio::test]
+async fn every_kind_of_tampering_with_an_audit_file_is_found() {
+    let folder = small_ledger().await;
+    let (file, key) = audit_file(folder.path()).await;
+    let faults = |lines: &[String], checkpoint: &str| {
+        audit(lines, checkpoint, &key).map_or(1, |outcome| outcome.fault_count)
+    };
+    assert_eq!(faults(&file.lines, &file.checkpoint), 0, "the file itself is intact");
+    tampering::try_all(&file, &faults).assert_all_found(200);
+}
+
+/// Without the key beside the ledger a file has a checkpoint only where the newest entry has one.
+#[tokio::test]
+async fn an_audit_file_without_the_key_says_that_its_end_is_unsigned() {
+    let folder = small_ledger().await;
+    let (file, _) = audit_file(folder.path()).await;
+    let mut connection = connect(folder.path()).await;
+    let mut ledger = Ledger(&mut connection);
+    let recipient = ledger.recipients().await.expect("read")[0].parse().expect("an id");
+    let start = ledger.audit_start(&recipient, None).await.expect("read").expect("a log");
+    assert_eq!(start.checkpoint, None);
+    assert!(file.lines[0].contains("\"checkpoint\""));
 }
 
 /// An attacker who rewrites and re-signs everything does not have the key that was noted before.

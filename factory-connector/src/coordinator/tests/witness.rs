@@ -259,7 +259,7 @@ async fn audit_second_log(platform: &Platform, folder: &Path) {
     let mut ledger = Ledger(&mut connection);
     let intact = ledger.verify(None).await.expect("read");
     assert!(intact.is_intact(), "{intact:?}");
-    let start = ledger.audit_start(&acme()).await.expect("read").expect("a log");
+    let start = ledger.audit_start(&acme(), None).await.expect("read").expect("a log");
     assert_eq!(start.number, 0, "all entries");
     assert!(start.log_start.contains("Disk replaced") && start.log_start.contains("to/acme\\n"));
     let entries = ledger.audit_entries(&acme(), 0).await.expect("read");

@@ -2,14 +2,14 @@
 
 use asi_model::OrganisationId;
 use ledger::{
-    LogStart,
+    LedgerKey, LogStart,
     audit::{AuditEntry, AuditStart},
 };
 use serde_json::value::RawValue;
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
 use transparency_log::{LeafRange, VerifierKey};
 
-use super::logs::stored_anchor;
+use super::{heads, logs, logs::stored_anchor};
 use crate::store::{
     error::StoreError,
     query::{all, optional, query},
@@ -46,16 +46,30 @@ pub(super) async fn leaves_before(
     Ok(Some((start, leaves)))
 }
 
+/// Begins an audit file, with a checkpoint over all entries: the stored one, or else a new one that
+/// the key signs; none where there is neither.
 pub(super) async fn start(
     connection: &mut SqliteConnection,
     recipient: &OrganisationId,
+    key: Option<&LedgerKey>,
 ) -> Result<Option<AuditStart>, StoreError> {
     let found = leaves_before(connection, recipient).await?;
-    Ok(found.map(|(start, leaves)| AuditStart {
+    let Some((start, leaves)) = found else { return Ok(None) };
+    let heads = heads::load(connection).await?;
+    let mut logs = logs::load(connection, &heads).await?;
+    let log = logs.get_mut(recipient);
+    let checkpoint = log.and_then(|log| {
+        if log.has_grown() {
+            log.sign_checkpoint(key?);
+        }
+        log.checkpoint().map(str::to_owned)
+    });
+    Ok(Some(AuditStart {
         log_start: start.canonical(),
         // The first leaf is no entry.
         number: start.number + leaves.end() - 1,
         leaves: leaves.hashes().iter().map(hex::encode).collect(),
+        checkpoint,
     }))
 }
 

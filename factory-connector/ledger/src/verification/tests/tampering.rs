@@ -100,6 +100,18 @@ fn a_former_version_is_stated_once() {
     assert_eq!(messages(&outcome), ["what a former version emptied is stated twice"]);
 }
 
+/// A former version signed no logs and no seal, and its store is compared with less. What it could
+/// not have written shows that a store was only made to look like one.
+#[test]
+fn a_store_that_was_made_to_look_like_one_of_a_former_version_is_found() {
+    let sample = Sample::new(Some(vec![range(1, 1)]));
+    let logs = vec![StoredLog { recipient: "acme".to_owned(), ..StoredLog::default() }];
+    let stripped = Surroundings { logs, seal: None, ..signed(&sample.linked, &key()) };
+    let found = verify(&sample.entries, stripped);
+    let emptied = "the values were emptied without a statement of retention";
+    assert_eq!(messages(&found), ["what is signed beside the entries was deleted", emptied]);
+}
+
 #[test]
 fn delivery_columns_that_differ_from_the_entries_are_found() {
     type Change = fn(&mut StoredReport);
