@@ -8,7 +8,7 @@ use tokio_util::sync::CancellationToken;
 use crate::{
     clock::Clock,
     config::RetentionConfig,
-    store::{Store, StoreError},
+    store::{AccessesKept, Store, StoreError},
 };
 
 /// The service; [`run`](Self::run) it.
@@ -24,6 +24,7 @@ pub struct Retention {
 const INTERVAL: Duration = Duration::from_secs(60);
 /// Entries of a factory's access log that are kept at most; some hundred bytes each.
 const ACCESSES_RETAINED_MAX: u64 = 2_000_000;
+const DAY: Duration = Duration::from_secs(86_400);
 /// Rows forgotten in one transaction, so that nobody waits long for the writer.
 const ROWS_PER_WORK_MAX: u32 = 2_000;
 
@@ -61,8 +62,10 @@ impl Retention {
             work.inbox().forget(self.before(self.inbox_retention), ROWS_PER_WORK_MAX).await?;
         work.commit().await?;
         let mut work = self.store.begin().await?;
-        let before = self.before(self.access_retention);
-        work.accesses().forget(before, ACCESSES_RETAINED_MAX, ROWS_PER_WORK_MAX).await?;
+        // Whole days: each removal is stated in the log, and one a day is enough.
+        let since = self.before(self.access_retention).floor_to(DAY);
+        let kept = AccessesKept { since, count: ACCESSES_RETAINED_MAX };
+        work.accesses().forget(kept, ROWS_PER_WORK_MAX, self.clock.now()).await?;
         work.commit().await?;
         Ok(count)
     }

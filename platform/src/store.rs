@@ -45,7 +45,7 @@ mod visibility;
 mod work;
 mod writers;
 
-pub use accesses::{AccessQuery, Accesses, ListedAccess, StoredAccessLog};
+pub use accesses::{AccessQuery, Accesses, AccessesKept, ListedAccess, StoredAccessLog};
 pub use asked_requests::AskedRequests;
 pub use collaborations::{Collaboration, Collaborations};
 pub use comments::{CommentEntry, Comments, NewComment};

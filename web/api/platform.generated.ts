@@ -602,6 +602,7 @@ export interface components {
         AccessCheckpointView: {
             /** @description The checkpoint, a C2SP signed note; absent in the first minute of a log. */
             checkpoint?: string | null;
+            retention?: null | components["schemas"]["AccessRetentionEntry"];
             /**
              * @description The key that signed it, as `name+id+key`. Note it once, and keep checkpoints where the
              *     platform cannot change them.
@@ -613,6 +614,41 @@ export interface components {
          * @enum {string}
          */
         AccessKind: "LOOKED" | "STREAMED" | "EXPORTED" | "FORWARDED";
+        /** @description Statement in a log about what retention removed from it. What is missing without one is a fault. */
+        AccessRetention: {
+            /**
+             * Format: date-time
+             * @description Only entries from before this time were removed; of `AGE` only.
+             */
+            before?: string | null;
+            /**
+             * Format: int64
+             * @description Number of entries that are kept; of `COUNT` only.
+             */
+            kept?: number | null;
+            /**
+             * Format: int64
+             * @description Number of the last entry that was removed, with all before it.
+             */
+            removedThrough: number;
+            rule: components["schemas"]["AccessRetentionRule"];
+        };
+        /** @description The entry of a statement, whose canonical text is a leaf of the tree. */
+        AccessRetentionEntry: {
+            factoryId: components["schemas"]["FactoryId"];
+            /**
+             * Format: int64
+             * @description Number in the log, from 1 without gaps.
+             */
+            number: number;
+            recordedAt: components["schemas"]["DateTime"];
+            retention: components["schemas"]["AccessRetention"];
+        };
+        /**
+         * @description Rule by which the oldest entries are removed.
+         * @enum {string}
+         */
+        AccessRetentionRule: "AGE" | "COUNT" | "FORMER_VERSION";
         /** @description An entry of the record of who read a factory's values. */
         AccessView: components["schemas"]["Access"] & {
             /** @description Name of the person or tool; for the own organisation's only. */

@@ -2,7 +2,9 @@
 //! store: one checkpoint that was kept elsewhere proves every entry up to it.
 //!
 //! The file has one JSON object per line. The first is an [`AccessAuditStart`], each further one an
-//! [`AccessAuditLine`], in the order of the log.
+//! [`AccessAuditLine`], in the order of the log. Entries after the checkpoint count where the file has
+//! a newer one over them; what neither covers could have been written by anybody. It is a fault, and
+//! states nothing.
 
 mod file;
 #[cfg(test)]
@@ -14,7 +16,7 @@ use transparency_log::{
     Checkpoint, CheckpointError, LeafRange, NoteError, SignedNote, VerifierKey, leaf_hash,
 };
 
-use crate::{AccessEntry, AccessLogStart};
+use crate::{AccessLogStart, AccessRetentionEntry, retention::AccessRecord};
 
 /// Most faults that are listed; further ones are only counted.
 const FAULTS_MAX: usize = 100;
@@ -31,6 +33,9 @@ pub enum AccessAuditError {
     /// The first line does not say where the entries continue.
     #[error("the first line of the file does not begin an access log")]
     Start,
+    /// The checkpoint in the file is none of this log and key.
+    #[error("the checkpoint in the file is none of this log, signed with this key")]
+    FileCheckpoint,
     /// The file is about another log than the checkpoint.
     #[error("the checkpoint is one of {checkpoint}, the file is about {file}")]
     OtherLog {
@@ -59,10 +64,16 @@ pub struct AccessAudit {
     pub origin: String,
     /// Number of entries in the file that the checkpoint proves.
     pub entries_proven: u64,
-    /// Number of later entries, which a later checkpoint can prove.
+    /// Number of later entries, which the checkpoint in the file covers. A later one that was kept
+    /// elsewhere can prove them.
     pub entries_after: u64,
-    /// Number of earlier entries that the file leaves out, as retention removed them.
+    /// Number of entries that no signature covers. Each is a fault.
+    pub entries_unsigned: u64,
+    /// Number of earlier entries that the file leaves out.
     pub entries_removed: u64,
+    /// The newest statement about what was removed; absent where nothing is stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub retention: Option<AccessRetentionEntry>,
     /// Number of all faults.
     pub fault_count: u64,
     /// The first hundred faults.
@@ -81,10 +92,14 @@ impl AccessAudit {
 pub struct AccessAuditor {
     start: AccessLogStart,
     checkpoint: Checkpoint,
+    /// The newer checkpoint in the file; none in files of former versions.
+    newest: Option<Checkpoint>,
     leaves: LeafRange,
     /// Number of the last entry.
     number: u64,
     is_proven: bool,
+    /// Every entry of the checkpoint in the file was found.
+    is_complete: bool,
     outcome: AccessAudit,
 }
 
@@ -99,9 +114,7 @@ impl AccessAuditor {
         key: &VerifierKey,
         first_line: &str,
     ) -> Result<Self, AccessAuditError> {
-        let note = SignedNote::parse(checkpoint).map_err(AccessAuditError::Signature)?;
-        note.verify([key]).map_err(AccessAuditError::Signature)?;
-        let checkpoint: Checkpoint = note.text().parse().map_err(AccessAuditError::Checkpoint)?;
+        let checkpoint = signed_checkpoint(checkpoint, key)?;
         let first: AccessAuditStart =
             serde_json::from_str(first_line).map_err(|_| AccessAuditError::Start)?;
         let start: AccessLogStart =
@@ -111,9 +124,15 @@ impl AccessAuditor {
             return Err(AccessAuditError::OtherLog { checkpoint: checkpoint.origin, file });
         }
         let leaves = first.leaves_before(&start).ok_or(AccessAuditError::Start)?;
+        let newest = first.checkpoint.as_deref().map(|note| signed_checkpoint(note, key));
+        let newest = newest.transpose().map_err(|_| AccessAuditError::FileCheckpoint)?;
+        if newest.as_ref().is_some_and(|newest| newest.origin != checkpoint.origin) {
+            return Err(AccessAuditError::FileCheckpoint);
+        }
         let mut auditor = Self {
             number: first.number,
             is_proven: false,
+            is_complete: newest.is_none(),
             outcome: AccessAudit {
                 origin: checkpoint.origin.clone(),
                 entries_removed: first.number,
@@ -121,15 +140,20 @@ impl AccessAuditor {
             },
             start,
             checkpoint,
+            newest,
             leaves,
         };
-        auditor.compare_root();
+        auditor.compare_roots();
         Ok(auditor)
     }
 
     /// Checks the next entry.
     pub fn take(&mut self, line: &str) {
         self.number += 1;
+        if !self.is_signed_next() {
+            self.outcome.entries_unsigned += 1;
+            return self.fault("no signature covers the entry");
+        }
         let Ok(line) = serde_json::from_str::<AccessAuditLine>(line) else {
             return self.fault("the line cannot be read");
         };
@@ -139,15 +163,15 @@ impl AccessAuditor {
         } else {
             self.outcome.entries_after += 1;
         }
-        self.compare_root();
-        match serde_json::from_str::<AccessEntry>(&line.entry) {
-            Err(_) => self.fault("the entry cannot be read"),
-            Ok(entry)
-                if entry.factory_id != self.start.factory_id || entry.number != self.number =>
-            {
-                self.fault("the entry stands in another's place");
-            }
-            Ok(_) => {}
+        self.compare_roots();
+        let Ok(record) = serde_json::from_str::<AccessRecord>(&line.entry) else {
+            return self.fault("the entry cannot be read");
+        };
+        if record.place() != (&self.start.factory_id, self.number) {
+            self.fault("the entry stands in another's place");
+        }
+        if let AccessRecord::Retention(entry) = record {
+            self.retain(entry);
         }
     }
 
@@ -158,16 +182,48 @@ impl AccessAuditor {
             self.number = self.checkpoint.size.saturating_sub(1);
             self.fault("the checkpoint covers entries that the file does not have");
         }
+        if !self.is_complete {
+            self.fault("the checkpoint in the file covers entries that it does not have");
+        }
+        let stated = self.outcome.retention.as_ref();
+        let stated = stated.map_or(0, |entry| entry.retention.removed_through);
+        if stated != self.outcome.entries_removed {
+            self.number = self.outcome.entries_removed;
+            self.fault("entries were removed without a statement of retention");
+        }
         self.outcome
     }
 
-    fn compare_root(&mut self) {
-        if self.leaves.end() != self.checkpoint.size {
-            return;
+    fn retain(&mut self, entry: AccessRetentionEntry) {
+        let last = self.outcome.retention.as_ref().map(|last| last.retention.removed_through);
+        let is_further = last.is_none_or(|last| last < entry.retention.removed_through);
+        if !(is_further && entry.is_possible()) {
+            self.fault("the statement of retention is about what could not be removed then");
         }
-        self.is_proven = true;
-        if self.leaves.root() != self.checkpoint.root {
-            self.fault("the entries up to here are not those of the checkpoint");
+        self.outcome.retention = Some(entry);
+    }
+
+    /// Returns whether a checkpoint covers the next entry.
+    fn is_signed_next(&self) -> bool {
+        let next = self.leaves.end();
+        next < self.checkpoint.size || self.newest.as_ref().is_some_and(|newest| next < newest.size)
+    }
+
+    /// Compares the root with those of the checkpoints over as many leaves.
+    fn compare_roots(&mut self) {
+        let size = self.leaves.end();
+        if size == self.checkpoint.size {
+            self.is_proven = true;
+            if self.leaves.root() != self.checkpoint.root {
+                self.fault("the entries up to here are not those of the checkpoint");
+            }
+        }
+        let newest = self.newest.as_ref().filter(|newest| newest.size == size);
+        if let Some(root) = newest.map(|newest| newest.root) {
+            self.is_complete = true;
+            if self.leaves.root() != root {
+                self.fault("the entries up to here are not those of the checkpoint in the file");
+            }
         }
     }
 
@@ -178,4 +234,11 @@ impl AccessAuditor {
             self.outcome.fault_list.push(AccessFault { number: self.number, message });
         }
     }
+}
+
+/// Reads a checkpoint that this key has signed.
+fn signed_checkpoint(note: &str, key: &VerifierKey) -> Result<Checkpoint, AccessAuditError> {
+    let note = SignedNote::parse(note).map_err(AccessAuditError::Signature)?;
+    note.verify([key]).map_err(AccessAuditError::Signature)?;
+    note.text().parse().map_err(AccessAuditError::Checkpoint)
 }

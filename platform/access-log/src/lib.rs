@@ -8,8 +8,10 @@ pub mod audit;
 mod entry;
 mod key;
 mod log;
+mod retention;
 
 pub use audit::{AccessAudit, AccessAuditError, AccessAuditor};
 pub use entry::{Access, AccessEntry, AccessKind, Agent, AgentKind};
 pub use key::{AccessLogKey, UnusableKey};
 pub use log::{AccessLog, AccessLogStart, RemovedEntries, access_log_verifier};
+pub use retention::{AccessRetention, AccessRetentionEntry, AccessRetentionRule};

@@ -4,7 +4,7 @@ use asi_model::FactoryId;
 use serde::{Deserialize, Serialize};
 use transparency_log::{Checkpoint, Hash, KeyError, KeyKind, LeafRange, VerifierKey, leaf_hash};
 
-use crate::{Access, AccessEntry, AccessLogKey};
+use crate::{Access, AccessEntry, AccessLogKey, AccessRetention, AccessRetentionEntry};
 
 /// First leaf of a log: the factory that it is about, and a random number by which two logs of the
 /// same factory are told apart, as after a store was lost.
@@ -161,6 +161,22 @@ impl AccessLog {
             number: self.last_number() + 1,
             recorded_at,
             access,
+        };
+        self.append_text(&entry.canonical());
+        entry
+    }
+
+    /// Appends a statement of what retention removed, and returns its entry.
+    pub fn append_retention(
+        &mut self,
+        retention: AccessRetention,
+        recorded_at: asi_model::DateTime,
+    ) -> AccessRetentionEntry {
+        let entry = AccessRetentionEntry {
+            factory_id: self.start.factory_id.clone(),
+            number: self.last_number() + 1,
+            recorded_at,
+            retention,
         };
         self.append_text(&entry.canonical());
         entry

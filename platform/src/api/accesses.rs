@@ -1,7 +1,7 @@
 //! Accesses to a factory's values, for the organisation of the factory.
 
 use access_log::{
-    Access, AccessEntry, access_log_verifier,
+    Access, AccessEntry, AccessRetentionEntry, access_log_verifier,
     audit::{AccessAuditLine, AccessAuditStart},
 };
 use asi_model::{DateTime, DynamicDataRequestId, FactoryId, OperationNetworkId, OrganisationId};
@@ -72,6 +72,8 @@ pub struct AccessCheckpointView {
     /// The key that signed it, as `name+id+key`. Note it once, and keep checkpoints where the
     /// platform cannot change them.
     verifier_key: String,
+    /// The newest statement of the log about entries that were removed; absent before the first.
+    retention: Option<AccessRetentionEntry>,
 }
 
 impl From<ListedAccess> for AccessView {
@@ -117,10 +119,11 @@ pub async fn checkpoint(
     let mut work = app.store.read().await?;
     own_factory::check_member(&mut work, &who.principal, &id).await?;
     let stored = work.accesses().lookup(&id).await?;
+    let retention = work.accesses().newest_retention(&id).await?;
     let key = access_log_verifier(&id, &app.accesses.key().public())
         .map_err(|error| Problem::internal(&error))?;
     let checkpoint = stored.and_then(|stored| stored.checkpoint).map(|(_, note)| note);
-    Ok(Json(AccessCheckpointView { checkpoint, verifier_key: key.to_string() }))
+    Ok(Json(AccessCheckpointView { checkpoint, verifier_key: key.to_string(), retention }))
 }
 
 /// Exports a factory's access log as an audit file, a JSON object per line, which `asi access verify`
@@ -140,7 +143,7 @@ pub async fn export(
     let headers =
         [(header::CONTENT_TYPE, JSON_LINES.to_owned()), (header::CONTENT_DISPOSITION, name)];
     let Some(stored) = stored else { return Ok((headers, "").into_response()) };
-    let begin = AccessAuditStart::after(stored.log.start(), &stored.removed).line();
+    let begin = AccessAuditStart::of(&stored.log, &stored.removed, app.accesses.key()).line();
     let rest = lines(app.store.clone(), who.principal.scope(), id, &stored);
     let all = stream::once(std::future::ready(Ok(begin)));
     let body = Body::from_stream(futures::StreamExt::chain(all, rest));

@@ -1,12 +1,14 @@
 //! Access logs: who read the values of each factory.
 
 mod listed;
+mod retention;
 
 use std::collections::BTreeMap;
 
 use access_log::{Access, AccessLog, AccessLogKey, AccessLogStart, Agent, RemovedEntries};
 use asi_model::{DateTime, FactoryId};
 pub use listed::{AccessQuery, ListedAccess};
+pub use retention::AccessesKept;
 
 use super::{
     database::Connection,
@@ -14,6 +16,11 @@ use super::{
     row::{Columns, DatabaseRow, signed},
 };
 use crate::accesses::{Reader, Reading};
+
+const INSERT_ENTRY: &str =
+    "INSERT INTO access_entry (factory_id, number, recorded_at, viewer_id, agent_id,
+         operation_network_id, dynamic_data_request_id, content)
+     VALUES ($1, $2, $3, $4, $5, $6, $7, $8)";
 
 /// Log of a factory as it is stored.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -105,83 +112,6 @@ impl Accesses<'_> {
         Ok(())
     }
 
-    /// Removes the oldest entries: those recorded before a time, and those beyond the newest `kept`
-    /// of a factory; at most `limit` of each factory at once. Returns how many.
-    ///
-    /// # Errors
-    /// [`StoreError`].
-    pub async fn forget(
-        &mut self,
-        before: DateTime,
-        kept: u64,
-        limit: u32,
-    ) -> Result<u64, StoreError> {
-        let logs = sqlx::query("SELECT * FROM access_log WHERE last_number > removed_number")
-            .fetch_all(&mut *self.0)
-            .await
-            .map_err(StoreError::during("list access logs"))?;
-        let mut count = 0;
-        for row in &logs {
-            count += self.forget_of(read(row)?, before, kept, limit).await?;
-        }
-        Ok(count)
-    }
-
-    async fn forget_of(
-        &mut self,
-        stored: StoredAccessLog,
-        before: DateTime,
-        kept: u64,
-        limit: u32,
-    ) -> Result<u64, StoreError> {
-        let StoredAccessLog { log, mut removed, .. } = stored;
-        let factory = &log.start().factory_id;
-        let rows = sqlx::query(
-            "SELECT number, recorded_at, content FROM access_entry WHERE factory_id = $1 ORDER BY number LIMIT $2",
-        )
-        .bind(factory.as_str())
-        .bind(i64::from(limit))
-        .fetch_all(&mut *self.0)
-        .await
-        .map_err(StoreError::during("find old accesses"))?;
-        let first = removed.last_number();
-        for row in &rows {
-            let is_surplus = row.unsigned::<u64>("number")? + kept <= log.last_number();
-            // From the oldest on and no further, for what stays has to follow what is gone.
-            if !is_surplus && row.time("recorded_at")? >= before {
-                break;
-            }
-            removed.append_text(&row.column::<String>("content")?);
-        }
-        let last = removed.last_number();
-        if last > first {
-            self.remove_through(factory, &removed).await?;
-        }
-        Ok(last - first)
-    }
-
-    async fn remove_through(
-        &mut self,
-        factory: &FactoryId,
-        removed: &RemovedEntries,
-    ) -> Result<(), StoreError> {
-        let (factory, last) = (factory.as_str(), signed(removed.last_number()));
-        let failed = StoreError::during("remove old accesses");
-        let sql =
-            "UPDATE access_log SET removed_number = $2, removed_edge = $3 WHERE factory_id = $1";
-        let update = sqlx::query(sql).bind(factory).bind(last).bind(removed.edge());
-        update.execute(&mut *self.0).await.map_err(&failed)?;
-        let sql = "DELETE FROM access_entry WHERE factory_id = $1 AND number <= $2";
-        let delete = sqlx::query(sql).bind(factory).bind(last);
-        delete.execute(&mut *self.0).await.map_err(&failed)?;
-        // A name is kept no longer than what it stands for.
-        let sql = "DELETE FROM access_agent WHERE factory_id = $1 AND NOT EXISTS (
-                       SELECT 1 FROM access_entry e
-                       WHERE e.factory_id = access_agent.factory_id AND e.agent_id = access_agent.agent_id)";
-        sqlx::query(sql).bind(factory).execute(&mut *self.0).await.map_err(&failed)?;
-        Ok(())
-    }
-
     async fn begin(
         &mut self,
         factory: &FactoryId,
@@ -249,10 +179,7 @@ impl Accesses<'_> {
             since: reading.since,
         };
         let entry = log.append(access, now);
-        let sql = "INSERT INTO access_entry (factory_id, number, recorded_at, viewer_id, agent_id,
-                       operation_network_id, dynamic_data_request_id, content)
-                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8)";
-        sqlx::query(sql)
+        sqlx::query(INSERT_ENTRY)
             .bind(entry.factory_id.as_str())
             .bind(signed(entry.number))
             .bind(entry.recorded_at.ticks())

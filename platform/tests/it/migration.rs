@@ -2,11 +2,17 @@
 
 use std::{path::Path, str::FromStr};
 
-use access_log::{AccessKind, AccessLog};
+use access_log::{
+    AccessAudit, AccessAuditor, AccessKind, AccessLogKey, AccessRetentionRule, access_log_verifier,
+    audit::{AccessAuditLine, AccessAuditStart},
+};
 use asi_model::{DateTime, FactoryId, OperationNetworkId, RequestKey};
 use platform::{
     accesses::{AccessStorage as _, Contents, Reading},
-    store::{AccessQuery, NewReport, ReportQuery, Scope, SeenWriter, Store, Work},
+    store::{
+        AccessQuery, AccessesKept, NewReport, ReportQuery, Scope, SeenWriter, Store,
+        StoredAccessLog, Work,
+    },
 };
 use serde_json::json;
 use sqlx::{
@@ -189,23 +195,83 @@ async fn old_accesses_are_forgotten_and_the_rest_still_follows_from_them() {
         store.append(&[reading(at)], DateTime::from_ticks(at)).await.expect("recorded");
     }
     let factory: FactoryId = "F".parse().expect("an id");
-    let whole = store.read().await.expect("begun").accesses().lookup(&factory).await.expect("read");
     for (before, kept, limit, left) in [
         (1, 9, 10, &[6, 5, 4, 3, 2, 1][..]),
         (3, 9, 10, &[6, 5, 4, 3]),
         (9, 9, 1, &[6, 5, 4]),
-        (1, 2, 10, &[6, 5]),
+        (1, 5, 10, &[6, 5, 4]),
+        (1, 4, 10, &[6]),
+        (1, 4, 10, &[6]),
+        (9, 9, 10, &[]),
+        (11, 9, 10, &[]),
     ] {
         let mut work = store.begin().await.expect("begun");
-        let before = DateTime::from_ticks(before);
-        work.accesses().forget(before, kept, limit).await.expect("forgotten");
+        let kept = AccessesKept { since: DateTime::from_ticks(before), count: kept };
+        work.accesses().forget(kept, limit, DateTime::from_ticks(10)).await.expect("forgotten");
         work.commit().await.expect("committed");
         assert_eq!(accesses(&store, "b").await, left);
         let mut work = store.read().await.expect("begun");
         let stored = work.accesses().lookup(&factory).await.expect("read").expect("a log");
-        let mut log = AccessLog::after(stored.log.start().clone(), &stored.removed);
-        let texts = work.accesses().texts(&organisation("b"), &factory, log.last_number(), 9).await;
-        texts.expect("read").iter().for_each(|(_, text)| log.append_text(text));
-        assert_eq!(Some(log), whole.as_ref().map(|whole| whole.log.clone()));
+        let after = stored.removed.last_number();
+        let texts = work.accesses().texts(&organisation("b"), &factory, after, 9).await;
+        let audit = audit(&stored, texts.expect("read").into_iter().map(|(_, text)| text));
+        assert!(audit.is_intact(), "{audit:?}");
+        assert_eq!(audit.entries_removed, after);
+    }
+}
+
+fn audit(stored: &StoredAccessLog, entries: impl Iterator<Item = String>) -> AccessAudit {
+    let key = AccessLogKey::from_secret(&[1; 32]);
+    let verifier = access_log_verifier(&"F".parse().expect("an id"), &key.public());
+    let first = AccessAuditStart::of(&stored.log, &stored.removed, &key).line();
+    let note = stored.log.sign_checkpoint(&key);
+    let verifier = verifier.expect("a key");
+    let mut auditor = AccessAuditor::new(&note, &verifier, &first).expect("it begins");
+    entries.for_each(|entry| auditor.take(&AccessAuditLine { entry }.line()));
+    auditor.finish()
+}
+
+/// A former version removed accesses and did not state it.
+#[tokio::test]
+async fn what_a_former_version_removed_is_stated_at_the_first_round() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store.sqlite");
+    make_former_store(&path).await;
+    let store = Store::open(&path).await.expect("it opens");
+    for at in 1..=3 {
+        store.append(&[reading(at)], DateTime::from_ticks(at)).await.expect("recorded");
+    }
+    let factory: FactoryId = "F".parse().expect("an id");
+    let kept = |since| AccessesKept { since: DateTime::from_ticks(since), count: 9 };
+    let whole = store.read().await.expect("begun").accesses().lookup(&factory).await.expect("read");
+    let mut work = store.begin().await.expect("begun");
+    work.accesses().forget(kept(3), 9, DateTime::from_ticks(4)).await.expect("forgotten");
+    work.commit().await.expect("committed");
+    store.close().await;
+    // As the former version left it: the statement is taken back.
+    let options = SqliteConnectOptions::from_str(&format!("sqlite://{}", path.display()));
+    let options = options.expect("a path");
+    let mut connection = SqliteConnection::connect_with(&options).await.expect("a file");
+    sqlx::query("UPDATE access_log SET last_number = 3, edge = ?")
+        .bind(whole.expect("a log").log.edge())
+        .execute(&mut connection)
+        .await
+        .expect("taken back");
+    let statement = "DELETE FROM access_entry WHERE viewer_id = ''";
+    sqlx::query(statement).execute(&mut connection).await.expect("taken back");
+    connection.close().await.expect("closed");
+    let store = Store::open(&path).await.expect("it opens");
+    for _ in 0..2 {
+        let mut work = store.begin().await.expect("begun");
+        work.accesses().forget(kept(1), 9, DateTime::from_ticks(5)).await.expect("forgotten");
+        work.commit().await.expect("committed");
+        let mut work = store.read().await.expect("begun");
+        let stored = work.accesses().lookup(&factory).await.expect("read").expect("a log");
+        assert_eq!((stored.removed.last_number(), stored.log.last_number()), (2, 4));
+        let texts = work.accesses().texts(&organisation("b"), &factory, 2, 9).await.expect("read");
+        let audit = audit(&stored, texts.into_iter().map(|(_, text)| text));
+        assert!(audit.is_intact(), "{audit:?}");
+        let rule = audit.retention.map(|entry| entry.retention.rule);
+        assert_eq!(rule, Some(AccessRetentionRule::FormerVersion));
     }
 }

@@ -5,6 +5,7 @@ import type { components } from '@/api/platform.generated'
 type Schemas = components['schemas']
 
 /** Entry of the record of who read a factory's values. */
+export type AccessRetentionEntry = Schemas['AccessRetentionEntry']
 export type AccessView = Schemas['AccessView']
 export type Collaboration = Schemas['Collaboration']
 export type CommentEntry = Schemas['CommentEntry']

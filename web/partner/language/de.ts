@@ -1,3 +1,4 @@
+import type { AccessRetentionEntry } from '../api/types'
 import type { Texts } from './en'
 
 export const de: Texts = {
@@ -190,6 +191,18 @@ export const de: Texts = {
       STREAMED: 'Live verfolgt',
       EXPORTED: 'Exportiert',
       FORWARDED: 'An ein Werkzeug gesendet',
+    },
+    removed: 'Entfernte Zugriffe',
+    removedHint:
+      'Die Plattform hält im Verzeichnis fest, was sie daraus entfernt, und unterschreibt das. Entfernte Einträge ohne Angabe sind ein Fehler.',
+    removal: (entry: AccessRetentionEntry, moment: (at: string) => string): string => {
+      const { rule, before, kept, removedThrough } = entry.retention
+      const why = {
+        AGE: `älter als ${before ? moment(before) : ''}`,
+        COUNT: `mehr als ${String(kept)} Einträge`,
+        FORMER_VERSION: 'von einer früheren Version, die die Regel nicht angab',
+      }[rule]
+      return `Einträge bis Nr. ${String(removedThrough)}, angegeben am ${moment(entry.recordedAt)}: ${why}.`
     },
     proof: 'Beweis',
     proofHint:

@@ -1,3 +1,5 @@
+import type { AccessRetentionEntry } from '../api/types'
+
 export const en = {
   shell: {
     subtitle: 'Collaboration platform',
@@ -186,6 +188,18 @@ export const en = {
       STREAMED: 'Followed live',
       EXPORTED: 'Exported',
       FORWARDED: 'Sent to a tool',
+    },
+    removed: 'Removed accesses',
+    removedHint:
+      'The platform states in the record what it removes from it, and signs that. Removed entries without a statement are a fault.',
+    removal: (entry: AccessRetentionEntry, moment: (at: string) => string): string => {
+      const { rule, before, kept, removedThrough } = entry.retention
+      const why = {
+        AGE: `older than ${before ? moment(before) : ''}`,
+        COUNT: `more than ${String(kept)} entries`,
+        FORMER_VERSION: 'by a former version, which did not state the rule',
+      }[rule]
+      return `Entries up to no. ${String(removedThrough)}, stated on ${moment(entry.recordedAt)}: ${why}.`
     },
     proof: 'Proof',
     proofHint:

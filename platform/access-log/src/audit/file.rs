@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use transparency_log::LeafRange;
 
-use crate::{AccessLog, AccessLogStart, RemovedEntries};
+use crate::{AccessLog, AccessLogKey, AccessLogStart, RemovedEntries};
 
 /// First line of an audit file: where the present entries continue.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -16,6 +16,10 @@ pub struct AccessAuditStart {
     /// Hashes of the largest perfect subtrees over the entries before, hexadecimal. Leaf 0 is not
     /// among them, so that its text is proven, too.
     pub leaves: Vec<String>,
+    /// The log's checkpoint over all entries of the file, a C2SP signed note; none in files of
+    /// former versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub checkpoint: Option<String>,
 }
 
 /// An entry in the file.
@@ -29,11 +33,12 @@ pub struct AccessAuditLine {
 impl AccessAuditStart {
     /// Begins the file of a log after the entries that were removed from it.
     #[must_use]
-    pub fn after(start: &AccessLogStart, removed: &RemovedEntries) -> Self {
+    pub fn of(log: &AccessLog, removed: &RemovedEntries, key: &AccessLogKey) -> Self {
         Self {
-            log_start: start.canonical(),
+            log_start: log.start().canonical(),
             number: removed.last_number(),
             leaves: removed.edge_hashes(),
+            checkpoint: Some(log.sign_checkpoint(key)),
         }
     }
 

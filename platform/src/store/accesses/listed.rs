@@ -58,7 +58,8 @@ impl Accesses<'_> {
                  AND a.organisation_id = $2
              WHERE ",
             own!(),
-            " AND (CAST($3 AS TEXT) IS NULL OR e.viewer_id = $3)
+            // Statements of retention have no viewer.
+            " AND e.viewer_id <> '' AND (CAST($3 AS TEXT) IS NULL OR e.viewer_id = $3)
                AND (CAST($4 AS TEXT) IS NULL OR e.operation_network_id = $4)
                AND (CAST($5 AS TEXT) IS NULL OR e.dynamic_data_request_id = $5)
                AND (CAST($6 AS INTEGER) IS NULL OR e.number < $6)
