@@ -77,7 +77,8 @@ pub struct IncomingReport {
     pub shopfloor_timestamp: Option<DateTime>,
     /// Time of the report at the connector.
     pub report_timestamp: Option<DateTime>,
-    /// The organisations to which the factory released it; absent where it does not say.
+    /// The organisations to which the factory released it; none of them where it should say so and
+    /// does not, absent where its writer's reports do not say so at all.
     pub released_to: Option<Vec<OrganisationId>>,
     /// The fields with their values, names in payload order.
     pub fields: Vec<(String, DataValue)>,
@@ -216,7 +217,7 @@ fn pub_sub_message(
     }
     let (id, kind) = (message.message_id().cloned(), message.message_type().to_owned());
     let content = match message {
-        PubSubMessage::Data(message) => reports(factory, message)?,
+        PubSubMessage::Data(message) => reports(factory, message, lookup)?,
         PubSubMessage::MetaData(message) => {
             Content::MetaData(message.data_set_writer_id, Box::new(message.meta_data))
         }
@@ -244,7 +245,11 @@ fn forged(factory: &FactoryId, claimed: &str) -> Refusal {
     )
 }
 
-fn reports(factory: &FactoryId, message: NetworkMessage) -> Result<Content, Refusal> {
+fn reports(
+    factory: &FactoryId,
+    message: NetworkMessage,
+    lookup: &dyn MetaDataLookup,
+) -> Result<Content, Refusal> {
     let (mut reports, mut keep_alives) = (Vec::with_capacity(message.messages.len()), Vec::new());
     for (position, part) in message.messages.iter().enumerate() {
         if let Some(publisher) = part.publisher_id.as_deref() {
@@ -259,7 +264,18 @@ fn reports(factory: &FactoryId, message: NetworkMessage) -> Result<Content, Refu
             continue;
         }
         let sequence = part.sequence_number.ok_or_else(|| missing("SequenceNumber"))?;
-        reports.push(report(part, writer, epoch, sequence, position)?);
+        let mut report = report(part, writer, epoch, sequence, position)?;
+        let publisher = part.publisher_id.as_deref().or(message.publisher_id.as_deref());
+        if report.released_to.is_none()
+            && lookup
+                .meta_data(publisher, Some(writer))
+                .is_some_and(|known| names_recipients(known, epoch))
+        {
+            // The connector of this epoch always says it; the platform does not put its own list in
+            // the place of a missing one.
+            report.released_to = Some(Vec::new());
+        }
+        reports.push(report);
     }
     Ok(Content::Reports { reports, keep_alives, message: Box::new(message) })
 }
@@ -311,6 +327,12 @@ fn report(
         fields,
         position,
     })
+}
+
+/// Returns whether the reports of an epoch say to whom they are released.
+fn names_recipients(meta_data: &DataSetMetaData, epoch: u32) -> bool {
+    meta_data.configuration_version.major == epoch
+        && meta_data.field(ReportHeader::RECIPIENT_LIST).is_some_and(|field| field.value_rank > 0)
 }
 
 fn time_of(value: &DataValue) -> Option<DateTime> {

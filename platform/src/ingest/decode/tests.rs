@@ -1,7 +1,9 @@
 //! Tests of decoding: good, forged and broken messages.
 
+use asi_model::pubsub::MetaDataVersion;
 use messaging::Envelope;
 use serde_json::{Value, json};
+use uuid::Uuid;
 
 use super::*;
 
@@ -62,6 +64,40 @@ fn the_report_of_the_contract_is_understood() {
     let (name, value) = &report.fields[0];
     assert_eq!((name.as_str(), value.value.as_f64()), ("progressStatus", Some(1.0)));
     assert_eq!(value.source_timestamp, report.shopfloor_timestamp);
+}
+
+/// The platform has a list of recipients of its own. It counts only for connectors of before, whose
+/// reports do not say to whom they are released.
+#[test]
+fn a_report_that_should_name_its_recipients_and_does_not_is_for_nobody() {
+    let mut former = report();
+    let payload = former["Messages"][0]["Payload"].as_object_mut().expect("members");
+    payload.remove("recipientList");
+    let check = |names_recipients: bool, major: u32, expected: Option<Vec<OrganisationId>>| {
+        let known = Described(DataSetMetaData {
+            fields: ReportHeader::meta_data(names_recipients, |_| Uuid::nil()).collect(),
+            configuration_version: MetaDataVersion { major, minor: major },
+            ..DataSetMetaData::default()
+        });
+        let incoming = decode(&ingress(), &delivery(former.to_string()), &known);
+        let Content::Reports { reports, .. } = incoming.content else { panic!("reports") };
+        assert_eq!(reports[0].released_to, expected, "{names_recipients} {major}");
+    };
+    check(true, 608_926_829, Some(Vec::new()));
+    check(false, 608_926_829, None);
+    check(true, 608_926_830, None);
+}
+
+struct Described(DataSetMetaData);
+
+impl MetaDataLookup for Described {
+    fn meta_data(
+        &self,
+        _publisher: Option<&str>,
+        _writer: Option<u16>,
+    ) -> Option<&DataSetMetaData> {
+        Some(&self.0)
+    }
 }
 
 #[test]
