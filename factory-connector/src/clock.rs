@@ -1,5 +1,7 @@
 //! Clock and random numbers of this machine, for the state, which has neither.
 
+use std::time::Duration;
+
 use asi_model::{DateTime, MessageId};
 use connector_state::{IdSource, operator::EntryId};
 use ledger::SALT_BYTES;
@@ -28,11 +30,15 @@ fn new_uuid() -> uuid::Uuid {
     uuid::Uuid::now_v7()
 }
 
+/// Step of the connector's clock. What partners read of its times, in reports and in the ledger, is no
+/// finer.
+const STEP: Duration = Duration::from_millis(1);
+
 /// Reads the machine's clock.
 #[expect(clippy::disallowed_methods, reason = "the clock of the connector")]
 #[must_use]
 pub fn now() -> DateTime {
-    std::time::SystemTime::now().into()
+    DateTime::from(std::time::SystemTime::now()).floor_to(STEP)
 }
 
 /// Returns random bytes for the hashes of a report.

@@ -101,6 +101,16 @@ impl ReportFrame {
         }))
     }
 
+    /// Returns the time that the report tells of itself: on the longest time step of its fields, at
+    /// least a millisecond.
+    ///
+    /// # Panics
+    /// Never: every frame has one.
+    #[must_use]
+    pub fn reported_at(&self) -> DateTime {
+        self.0.timestamp.expect("a frame is made with its time")
+    }
+
     /// Encodes the report for the spool.
     #[must_use]
     pub fn encode(&self, encoding: Encoding) -> ReportBody {

@@ -18,7 +18,7 @@ pub struct Anchor {
     /// empty where the log begins after it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub leaves: Vec<String>,
-    /// Time at which that entry had been recorded.
+    /// Latest time at which that entry, or one before it, had been recorded.
     pub last_entry_at: DateTime,
     /// Time of the removal.
     pub recorded_at: DateTime,

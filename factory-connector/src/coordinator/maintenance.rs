@@ -4,6 +4,7 @@ use std::{collections::HashSet, time::Duration};
 
 use asi_model::{DateTime, messages::GapCause};
 use connector_state::{
+    queries::time_step_of,
     use_cases::{
         deliver::{drop_reports, resend_reports},
         keep_alive::keep_alives,
@@ -162,7 +163,12 @@ async fn limit_spool(work: &mut UnitOfWork, now: DateTime) -> Result<(), StoreEr
     }
     let rows: Vec<ReportRow> = waiting.iter().map(|waiting| waiting.row).collect();
     let age_max = Duration::from_secs(u64::from(work.config.spool.age_hours_max) * 3600);
-    let expired = expire(&rows, age_max, now.into());
+    // A report says the beginning of its time step, and is not older for that.
+    let mut aged = rows.clone();
+    for row in &mut aged {
+        row.created_at += time_step_of(&work.state, row.data_set_writer_id);
+    }
+    let expired = expire(&aged, age_max, now.into());
     drop_chosen(work, &chosen(&waiting, &expired.rows), GapCause::Expired, now);
     let bytes = work.store.read().reports().spooled_bytes().await?;
     let excess = bytes.checked_sub(work.config.spool.bytes_max);

@@ -7,7 +7,7 @@ use rusqlite::Connection;
 use sqlx::{SqliteConnection, sqlite::SqliteRow};
 use transparency_log::leaf_hash;
 
-use super::{anchors, audit, heads, witnessed};
+use super::{anchors, audit, heads, logs, witnessed};
 use crate::store::{
     RemovedEntries,
     error::StoreError,
@@ -57,7 +57,11 @@ pub(super) async fn old_entries(
             entries.retain(|entry| entry.number <= last);
         }
         let Some(last) = entries.last() else { continue };
-        let last = (last.number, last.hash, last.recorded_at);
+        // Entries about reports tell times on a time step, and so not always in their order.
+        let newest = entries.iter().map(|entry| entry.recorded_at).max();
+        let former = logs::stored_anchor(connection, &recipient).await?;
+        let newest = newest.max(former.map(|anchor| anchor.last_entry_at));
+        let last = (last.number, last.hash, newest.unwrap_or(last.recorded_at));
         let Some((_, mut leaves)) = audit::leaves_before(connection, &recipient).await? else {
             continue;
         };

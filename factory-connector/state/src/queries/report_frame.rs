@@ -48,6 +48,13 @@ pub(crate) fn time_step(state: &ConnectorState, writer: &Writer) -> Duration {
     steps.max().unwrap_or_default()
 }
 
+/// Returns the longest time step of a writer's data set, zero where there is none: so much younger
+/// than it says a report can be.
+#[must_use]
+pub fn time_step_of(state: &ConnectorState, id: u16) -> Duration {
+    state.writers.get(id).map_or(Duration::ZERO, |writer| time_step(state, writer))
+}
+
 /// Returns a writer's report before any of its fields has a value.
 #[must_use]
 pub fn empty_frame(state: &ConnectorState, id: u16, now: DateTime) -> DataSetMessage {

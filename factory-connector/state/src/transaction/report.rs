@@ -59,14 +59,16 @@ fn queue(
     let range = single(id, epoch, sequence);
     let event = Event::Queued { range, values: hex::encode(root), consents };
     let recipients = state.networks.recipients(&request).to_vec();
-    state.ledger.append(&mut changes.writes.ledger, &recipients, now, Some(row), &event);
+    // Recipients read the chain: it tells no other time of a release than the report does.
+    let reported_at = frame.reported_at();
+    state.ledger.append(&mut changes.writes.ledger, &recipients, reported_at, Some(row), &event);
     Some(NewReport {
         id: row,
         message: 0,
         data_set_writer_id: id,
         epoch,
         sequence,
-        created_at: now,
+        created_at: reported_at,
         recipients,
         body,
         salt,
