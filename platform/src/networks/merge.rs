@@ -24,17 +24,16 @@ pub(super) fn merge(
         document.operation_list.iter().map(|shown| match stored.get(&shown.operation_id) {
             None => shown.clone(),
             Some(stored) => {
-                let sight = visibility.operation(&stored.operation_id);
-                let mut merged = match sight {
+                let mut merged = match visibility.operation(&stored.operation_id) {
                     Sight::Full if performs(stored) => shown.clone(),
                     Sight::Full => planned(stored, shown),
-                    Sight::Stub | Sight::Hidden => (*stored).clone(),
+                    Sight::Part | Sight::Hidden => (*stored).clone(),
                 };
                 merged.dynamic_data_request_list = merge_list(
                     &stored.dynamic_data_request_list,
                     &shown.dynamic_data_request_list,
                     |request| &request.dynamic_data_request_id,
-                    |request| !visibility.request(stored, request) || sight != Sight::Full,
+                    |request| !visibility.request(stored, request),
                 );
                 merged
             }

@@ -52,7 +52,33 @@ impl Ownership<'_> {
                 .iter()
                 .map(|row| Ok((row.parsed("operation_id")?, row.parsed("organisation_id")?)))
                 .collect::<Result<_, StoreError>>()?,
+            consents: self.consents(id).await?,
         })
+    }
+
+    /// Lists the requests of which a field is open, with the requester and the recipients to whom the
+    /// factory consented.
+    async fn consents(
+        &mut self,
+        id: &OperationNetworkId,
+    ) -> Result<HashSet<(DynamicDataRequestId, OrganisationId)>, StoreError> {
+        let sql = "WITH open AS (SELECT DISTINCT dynamic_data_request_id FROM request_field
+                       WHERE operation_network_id = $1 AND mapping_state = 'MAPPED')
+                   SELECT o.dynamic_data_request_id, q.requester_id AS organisation_id FROM open o
+                   JOIN request_requester q ON q.operation_network_id = $1
+                       AND q.dynamic_data_request_id = o.dynamic_data_request_id
+                   UNION SELECT o.dynamic_data_request_id, r.organisation_id FROM open o
+                   JOIN request_recipient r ON r.operation_network_id = $1
+                       AND r.dynamic_data_request_id = o.dynamic_data_request_id
+                       AND r.consented_at IS NOT NULL";
+        let rows = sqlx::query(sql)
+            .bind(id.as_str())
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list to whom fields are open"))?;
+        rows.iter()
+            .map(|row| Ok((row.parsed("dynamic_data_request_id")?, row.parsed("organisation_id")?)))
+            .collect()
     }
 
     /// Stores who drew the operations of a revision, who sees anything of it, and who uses its

@@ -4,7 +4,7 @@
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 use asi_model::{
-    FactoryId, OperationId, OrganisationId,
+    DynamicDataRequestId, FactoryId, OperationId, OrganisationId,
     network::{DynamicDataRequest, Operation, OperationKind, OperationNetwork, OperationRelation},
     split,
 };
@@ -20,6 +20,8 @@ pub struct NetworkOwners {
     pub factories: HashMap<FactoryId, OrganisationId>,
     /// The organisation that added an operation, where one is known.
     pub drawers: HashMap<OperationId, OrganisationId>,
+    /// Requests of which the factory has opened a field, with the parties to whom it did so.
+    pub consents: HashSet<(DynamicDataRequestId, OrganisationId)>,
 }
 
 impl NetworkOwners {
@@ -35,8 +37,8 @@ impl NetworkOwners {
 pub enum Sight {
     /// All members; of its requests those that concern the viewer.
     Full,
-    /// Type, id, name, owner and plan times.
-    Stub,
+    /// Type, id, name, owner and plan times, and the requests that concern the viewer.
+    Part,
     Hidden,
 }
 
@@ -47,7 +49,7 @@ pub struct Visibility<'n> {
     owners: &'n NetworkOwners,
     viewer: Viewer<'n>,
     full: HashSet<&'n OperationId>,
-    stubs: HashSet<&'n OperationId>,
+    parts: HashSet<&'n OperationId>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,12 +67,12 @@ impl<'n> Visibility<'n> {
         match scope {
             Scope::Platform | Scope::Administration { .. } => {
                 let full = network.operation_list.iter().map(|o| &o.operation_id).collect();
-                Self { network, owners, viewer: Viewer::Everything, full, stubs: HashSet::new() }
+                Self { network, owners, viewer: Viewer::Everything, full, parts: HashSet::new() }
             }
             Scope::Organisation(organisation) => Self::of(network, owners, organisation),
             Scope::Nothing => {
-                let (full, stubs) = (HashSet::new(), HashSet::new());
-                Self { network, owners, viewer: Viewer::Nobody, full, stubs }
+                let (full, parts) = (HashSet::new(), HashSet::new());
+                Self { network, owners, viewer: Viewer::Nobody, full, parts }
             }
         }
     }
@@ -84,23 +86,27 @@ impl<'n> Visibility<'n> {
     ) -> Self {
         let is_drawer = owners.drawn_by.as_ref() == Some(viewer);
         let performs = |operation: &Operation| owners.performer(operation) == Some(viewer);
-        let mut full = HashSet::new();
-        let mut own = HashSet::new();
+        let (mut full, mut own, mut asked) = (HashSet::new(), HashSet::new(), Vec::new());
         for operation in &network.operation_list {
             if performs(operation) {
                 own.insert(&operation.operation_id);
             }
             let is_drawn = is_drawer || owners.drawers.get(&operation.operation_id) == Some(viewer);
-            let concerns = |request: &DynamicDataRequest| is_party(request, viewer);
-            if is_drawn
-                || performs(operation)
-                || operation.dynamic_data_request_list.iter().any(concerns)
-            {
+            let parties =
+                operation.dynamic_data_request_list.iter().filter(|r| is_party(r, viewer));
+            let ids: Vec<_> = parties.map(|request| &request.dynamic_data_request_id).collect();
+            // To ask opens nothing: the inside is for whom the factory lets see something of it.
+            let is_open =
+                ids.iter().any(|&id| owners.consents.contains(&(id.clone(), viewer.clone())));
+            if is_drawn || performs(operation) || is_open {
                 full.insert(&operation.operation_id);
+            } else if !ids.is_empty() {
+                asked.push(&operation.operation_id);
             }
         }
-        let stubs = neighbours(network, &own).filter(|id| !full.contains(id)).collect();
-        Self { network, owners, viewer: Viewer::Organisation(viewer), full, stubs }
+        let parts =
+            neighbours(network, &own).chain(asked).filter(|id| !full.contains(id)).collect();
+        Self { network, owners, viewer: Viewer::Organisation(viewer), full, parts }
     }
 
     /// Returns how much of an operation the viewer sees.
@@ -108,8 +114,8 @@ impl<'n> Visibility<'n> {
     pub fn operation(&self, id: &OperationId) -> Sight {
         if self.full.contains(id) {
             Sight::Full
-        } else if self.stubs.contains(id) {
-            Sight::Stub
+        } else if self.parts.contains(id) {
+            Sight::Part
         } else {
             Sight::Hidden
         }
@@ -145,7 +151,7 @@ impl<'n> Visibility<'n> {
         let operations = self.network.operation_list.iter().filter_map(|operation| {
             match self.operation(&operation.operation_id) {
                 Sight::Full => Some(self.in_full(operation)),
-                Sight::Stub => Some(stub(operation)),
+                Sight::Part => Some(self.in_part(operation)),
                 Sight::Hidden => None,
             }
         });
@@ -167,6 +173,21 @@ impl<'n> Visibility<'n> {
             .filter(|operation| self.operation(&operation.operation_id) != Sight::Hidden)
             .filter_map(|operation| operation.owning_factory_id.as_ref())
             .collect()
+    }
+
+    /// Another's operation as partners see it: as factories are sent it, with the plan times, and with
+    /// the requests that the viewer may see. With such it is no stub in the words of the contract.
+    fn in_part(&self, operation: &Operation) -> Operation {
+        let requests = operation.dynamic_data_request_list.iter();
+        let requests: Vec<DynamicDataRequest> =
+            requests.filter(|request| self.request(operation, request)).cloned().collect();
+        Operation {
+            planned_start: operation.planned_start,
+            planned_end: operation.planned_end,
+            stub: requests.is_empty(),
+            dynamic_data_request_list: requests,
+            ..split::stub(operation)
+        }
     }
 
     /// An operation with the requests that the viewer may see; a hidden operation that it inspects
@@ -232,15 +253,6 @@ fn neighbours<'n>(
         inspected_operation_id.as_ref().filter(|_| own.contains(&operation.operation_id))
     });
     related.chain(inspected)
-}
-
-/// A neighbour's operation as partners see it: as factories are sent it, with the plan times.
-fn stub(operation: &Operation) -> Operation {
-    Operation {
-        planned_start: operation.planned_start,
-        planned_end: operation.planned_end,
-        ..split::stub(operation)
-    }
 }
 
 #[cfg(test)]

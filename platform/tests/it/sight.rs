@@ -195,9 +195,9 @@ async fn a_member_without_a_part_knows_nothing_of_the_network() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn who_drew_an_operation_or_asks_about_one_sees_it_in_full() {
+async fn asking_about_an_operation_shows_its_inside_only_once_the_factory_opens_a_field() {
     let world = World::start().await;
-    chain::drawn(&world).await;
+    let admin = chain::drawn(&world).await;
     let carrier = planner(&world, CARRIER).await;
     let mut network = seen(&carrier).await;
     network["operationList"].as_array_mut().expect("a list").push(json!({
@@ -208,8 +208,39 @@ async fn who_drew_an_operation_or_asks_about_one_sees_it_in_full() {
     // It asks about its neighbour, of which it sees a stub.
     let path = requests_path("InspectFrame1");
     carrier.post(&path, story::request("AskedByCarrier", CARRIER)).await.expect_ok();
-    let shown = seen(&carrier).await;
-    assert_eq!(shown["operationList"][0]["plannedQuantity"], 12.0);
+    let asked = seen(&carrier).await["operationList"][0].clone();
+    let requests = ids(&asked["dynamicDataRequestList"], "dynamicDataRequestId");
+    assert_eq!(requests, ["AskedByCarrier"]);
+    assert_eq!(asked["plannedStart"], "2026-01-10T06:00:00Z");
+    assert_eq!((&asked["plannedQuantity"], &asked["quantityUnit"]), (&Value::Null, &Value::Null));
+    // That the factory takes the request opens nothing yet; a field that it opens does, as long as it
+    // is open.
+    let hamburg = Peer::enrolled(&world, &admin, "INS_HAM").await;
+    let is_newest = |part: &Value| part.to_string().contains("AskedByCarrier");
+    hamburg.accept(&hamburg.receive("operation-network", is_newest).await);
+    story::part_is(&carrier, "INS_HAM", "ACCEPTED").await;
+    assert_eq!(seen(&carrier).await["operationList"][0], asked);
+    for (hour, state, is_shown) in
+        [(18, "REFUSED", false), (19, "MAPPED", true), (20, "PENDING", false)]
+    {
+        let time = format!("2019-04-18T{hour}:00:00Z");
+        let mut decision = story::decision_at(&time, state, None);
+        decision["factoryId"] = json!("INS_HAM");
+        decision["operationId"] = json!("InspectFrame1");
+        decision["dynamicDataRequestId"] = json!("AskedByCarrier");
+        hamburg.send("decision", &decision);
+        let view = eventually(state, || async {
+            let view = carrier.get(&network_path()).await.expect_ok();
+            let fields = view["fields"].as_array().expect("fields").clone();
+            let is_decided = fields
+                .iter()
+                .any(|field| field["mappingState"] == state && field["decidedAt"] == time.as_str());
+            if is_decided { Ok(view) } else { Err(json!(fields).to_string()) }
+        })
+        .await;
+        let operation = &view["network"]["operationList"][0];
+        assert_eq!(operation["plannedQuantity"] == 12.0, is_shown, "{state}: {operation}");
+    }
     let path = requests_path("MakeFrame1");
     let hidden = carrier.post(&path, story::request("AskedByCarrier2", CARRIER)).await;
     hidden.expect_problem(404, "NOT_FOUND");

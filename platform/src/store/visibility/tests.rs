@@ -41,6 +41,8 @@ fn owners() -> NetworkOwners {
             .map(|name| (id(&format!("F-{name}")), id(&format!("org-{name}"))))
             .into(),
         drawers: [(id("c"), id("org-x"))].into(),
+        // The requester of the first request, and nobody of the second.
+        consents: [(id("of-e"), id("org-a"))].into(),
     }
 }
 
@@ -78,6 +80,26 @@ fn each_viewer_sees_what_concerns_it() {
     assert_eq!(seen(&Scope::Administration { looking_for: Some(id("org-y")) }), all);
     assert_eq!(seen(&Scope::Platform), all);
     assert_eq!(seen(&Scope::Nothing), "");
+}
+
+#[test]
+fn asking_shows_the_inside_only_where_the_factory_opened_something() {
+    let (network, mut owners) = (network(), owners());
+    for (viewer, request, operation) in [("org-e", "of-e", 1), ("org-c", "of-c", 3)] {
+        let viewer = id(viewer);
+        let shown = |owners: &NetworkOwners| {
+            let shown = Visibility::of(&network, owners, &viewer).project();
+            let wanted = &network.operation_list[operation].operation_id;
+            shown.operation_list.into_iter().find(|o| o.operation_id == *wanted).expect("seen")
+        };
+        let asked = shown(&owners);
+        assert_eq!((asked.stub, asked.planned_quantity), (false, None), "{viewer}");
+        assert!(asked.planned_start.is_some(), "{viewer}");
+        assert_eq!(asked.dynamic_data_request_list.len(), 1, "{viewer}");
+        owners.consents.insert((id(request), viewer.clone()));
+        let opened = shown(&owners);
+        assert_eq!(opened.planned_quantity, Some(3.0), "{viewer}");
+    }
 }
 
 #[test]
