@@ -5,60 +5,44 @@ use serde_json::{Value, json};
 
 use super::Member;
 use crate::{
-    chain::{body, requests_path},
+    chain::{body, ids, requests_path},
     harness::PASSWORD,
     story::{self, network_path},
 };
 
-/// Changes of documents of the chain that take something of `owner` for `author`.
-fn takeovers(document: &Value, author: &Member, owner: &Member) -> Vec<Value> {
-    let mut documents = Vec::new();
-    let mut add = |change: &dyn Fn(&mut Value)| {
-        let mut changed = document.clone();
-        change(&mut changed);
-        documents.push(changed);
+/// Documents that name what the author does not see of the chain: all of it as it is, and each
+/// hidden operation, request and relation put among what is shown. The changes of what is shown are
+/// walked in [`super::places`].
+fn grafts(chain: &Value, shown: &Value, owner: &Member) -> Vec<Value> {
+    let mut documents = vec![chain.clone()];
+    let mut put = |place: &str, element: &Value| {
+        let mut document = shown.clone();
+        if let Some(list) = document.pointer_mut(place).and_then(Value::as_array_mut) {
+            list.push(element.clone());
+            documents.push(document);
+        }
     };
-    for (index, operation) in document["operationList"].as_array().into_iter().flatten().enumerate()
-    {
-        if operation["owningFactoryId"] == owner.factory {
-            for (name, value) in [
-                ("name", json!("Taken")),
-                ("owningFactoryId", json!(author.factory)),
-                ("operationType", json!("PRODUCTION")),
-                ("quantityUnit", json!("KGM")),
-                ("operationId", json!("Renamed")),
-            ] {
-                // The drawer may propose a plan.
-                if operation[name] != value && (name, author.id) != ("quantityUnit", "acme-aero") {
-                    add(&|network| network["operationList"][index][name] = value.clone());
+    let is_shown = |list: &str, member: &str, element: &Value| {
+        ids(&shown[list], member).iter().any(|id| element[member] == id.as_str())
+    };
+    for operation in chain["operationList"].as_array().into_iter().flatten() {
+        let is_owners = operation["owningFactoryId"] == owner.factory;
+        if is_owners && !is_shown("operationList", "operationId", operation) {
+            put("/operationList", operation);
+        }
+        for request in operation["dynamicDataRequestList"].as_array().into_iter().flatten() {
+            let is_known = shown.to_string().contains(&request.to_string());
+            if request["requesterId"] == owner.id && !is_known {
+                let count = shown["operationList"].as_array().expect("operations").len();
+                for index in 0..count {
+                    put(&format!("/operationList/{index}/dynamicDataRequestList"), request);
                 }
             }
-            add(&|network| {
-                drop(network["operationList"].as_array_mut().expect("a list").remove(index))
-            });
         }
-        let requests = operation["dynamicDataRequestList"].as_array().into_iter().flatten();
-        for (number, _) in requests.enumerate().filter(|(_, r)| r["requesterId"] == owner.id) {
-            let list = |network: &mut Value| {
-                std::mem::take(&mut network["operationList"][index]["dynamicDataRequestList"])
-            };
-            for (name, value) in [
-                ("requesterId", json!(author.id)),
-                ("recipientList", json!([owner.id, author.id])),
-                ("purpose", json!("Taken")),
-                ("dynamicDataRequestId", json!("Renamed")),
-            ] {
-                add(&|network| {
-                    let mut requests = list(network);
-                    requests[number][name] = value.clone();
-                    network["operationList"][index]["dynamicDataRequestList"] = requests;
-                });
-            }
-            add(&|network| {
-                let mut requests = list(network);
-                requests.as_array_mut().expect("a list").remove(number);
-                network["operationList"][index]["dynamicDataRequestList"] = requests;
-            });
+    }
+    for relation in chain["operationRelationList"].as_array().into_iter().flatten() {
+        if !is_shown("operationRelationList", "operationRelationId", relation) {
+            put("/operationRelationList", relation);
         }
     }
     documents
@@ -159,8 +143,7 @@ fn in_networks(
             taken["operationNetworkId"] = json!(owner.network());
             let mut all = one(owner.path(), body(owner.document()));
             all.push((owner.path(), Some(body(taken))));
-            let documents =
-                [chain, shown].into_iter().flat_map(|known| takeovers(known, author, owner));
+            let documents = grafts(chain, shown, owner).into_iter();
             all.extend(documents.map(|document| (network_path(), Some(body(document)))));
             all
         }
