@@ -81,11 +81,14 @@ mutants: prerequisites-test web ## breaks one guarantee of delivery after the ot
 mutants-gate: ## breaks one rule of the disclosure gate after the other; its tests have to find each: NAMES="..."
 	tests/mutants/gate.sh $(NAMES)
 
+mutants-platform: ## brings one attack on the platform back after the other; its tests have to find each: NAMES="..."
+	tests/mutants/platform.sh $(NAMES)
+
 knowledge: ## 1 000 histories of whole connectors: partners learn nothing below the policies: CASES=1000 SEED=n
 	VERBUND_KNOWLEDGE_CASES=$(or $(CASES),1000) $(if $(SEED),VERBUND_KNOWLEDGE_SEED=$(SEED)) \
 	  $(CARGO) test --locked -p factory-connector --lib coordinator::tests::knowledge -- --nocapture
 
-test-slow: ## what takes too long for each change: histories, foreign peers, scale, every page, chaos, mutants of the gate
+test-slow: ## what takes too long for each change: histories, foreign peers, scale, every page, chaos, mutants of gate and platform
 	$(MAKE) knowledge
 	$(MAKE) asi-foreign
 	$(MAKE) foreign-kills
@@ -93,6 +96,7 @@ test-slow: ## what takes too long for each change: histories, foreign peers, sca
 	$(MAKE) screenshots
 	$(MAKE) chaos MINUTES=$(or $(MINUTES),30)
 	$(MAKE) mutants-gate
+	$(MAKE) mutants-platform
 
 script-deno: ## the second script engine, into target/script-deno (needs cmake and libsimde-dev; the first time takes minutes)
 	CMAKE_TOOLCHAIN_FILE=$(CURDIR)/mapping-engine/script-deno/simde.cmake $(CARGO) build --locked --quiet \
@@ -138,4 +142,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: test-slow knowledge mutants-gate foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test
+.PHONY: test-slow knowledge mutants-gate mutants-platform foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test

@@ -1,4 +1,4 @@
-//! The table of promises names only proofs that exist.
+//! The tables of promises and of attacks name only proofs that exist.
 
 use std::{
     collections::BTreeSet,
@@ -13,16 +13,16 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Returns the texts between backticks in the rows of the tables.
+/// Returns the texts between backticks in the last cells of the tables' rows.
 fn named_proofs(document: &str) -> Vec<String> {
     let rows = document.lines().filter(|line| line.starts_with('|'));
-    let last_cell =
-        |row: &str| row.trim_end_matches([' ', '|']).rsplit(" | ").next().map(String::from);
-    rows.filter_map(last_cell)
-        .flat_map(|cell| {
-            cell.split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<String>>()
-        })
-        .collect()
+    let last_cell = |row: &str| row.trim_end_matches([' ', '|']).rsplit(" | ").next().map(quoted);
+    rows.filter_map(last_cell).flatten().collect()
+}
+
+/// Returns the texts between backticks.
+fn quoted(text: &str) -> Vec<String> {
+    text.split('`').skip(1).step_by(2).map(str::to_owned).collect()
 }
 
 /// Returns `package::function` of each test in the committed sources: functions below an attribute
@@ -89,6 +89,33 @@ fn every_proof_exists() {
     };
     let missing: Vec<&String> = proofs.iter().filter(|proof| !exists(proof)).collect();
     assert!(missing.is_empty(), "named in docs/promises.md and not there:\n{missing:#?}");
+}
+
+#[test]
+fn every_attack_has_a_test_and_every_mutant_its_attack() {
+    let document = fs::read_to_string(root().join("docs/attacks.md")).unwrap();
+    let tests = tests();
+    let mut mutants = BTreeSet::new();
+    let rows = document.lines().filter(|line| line.starts_with("| ") && !line.contains("Mutant"));
+    let mut count = 0;
+    for row in rows {
+        let cells: Vec<&str> = row.split(" | ").collect();
+        let [attack, proofs, patches] = cells[..] else { panic!("three cells: {row}") };
+        let proofs = quoted(proofs);
+        let missing: Vec<&String> = proofs.iter().filter(|proof| !tests.contains(*proof)).collect();
+        assert!(!proofs.is_empty() && missing.is_empty(), "{attack}: {missing:?}");
+        for patch in quoted(patches) {
+            assert!(root().join(&patch).exists(), "{attack}: {patch}");
+            mutants.insert(patch);
+        }
+        count += 1;
+    }
+    assert!(count > 30, "{count} attacks were read");
+    for entry in fs::read_dir(root().join("tests/mutants/platform")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        let patch = format!("tests/mutants/platform/{name}");
+        assert!(mutants.contains(&patch), "docs/attacks.md does not name {patch}");
+    }
 }
 
 #[test]

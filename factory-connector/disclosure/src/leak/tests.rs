@@ -62,6 +62,17 @@ fn conclusions_follow_from_what_is_open_together() {
     assert_eq!(conclusions(&[(made(), json!({}))]), [C::CycleTime]);
     assert_eq!(conclusions(&[(made(), json!({ "minimumIntervalMs": 300_000 }))]), [C::CycleTime]);
     assert_eq!(conclusions(&[(made(), json!({ "minimumIntervalMs": 360_000 }))]), []);
+    assert_eq!(conclusions(&[(state(), json!({}))]), [C::Utilisation]);
+    assert_eq!(conclusions(&[(state(), hourly())]), []);
+    assert_eq!(conclusions(&[(made(), hourly()), (share(), hourly())]), [C::OrderQuantity]);
+    assert_eq!(conclusions(&[(made(), hourly()), (scrap(), hourly())]), [C::Yield]);
+    assert_eq!(conclusions(&[(share(), json!({}))]), []);
+}
+
+#[test]
+fn neither_a_rounding_step_nor_a_rate_of_bursts_hides_the_cycle_time() {
+    use Conclusion as C;
+    let made = || json!({ "name": "made", "type": 9, "semantic": "PRODUCED_QUANTITY" });
     // Ten pieces take an hour: the time between two steps is their mean.
     assert_eq!(conclusions(&[(made(), json!({ "roundingStep": 10 }))]), [C::CycleTime]);
     let hidden = json!({ "roundingStep": 10, "timeStepMs": 3_600_000 });
@@ -70,11 +81,6 @@ fn conclusions_follow_from_what_is_open_together() {
     let burst = |values: u32, period_ms: u64| json!({ "rateLimits": [{ "values": values, "periodMs": period_ms }] });
     assert_eq!(conclusions(&[(made(), burst(10, 3_600_000))]), [C::CycleTime]);
     assert_eq!(conclusions(&[(made(), burst(1, 360_000))]), []);
-    assert_eq!(conclusions(&[(state(), json!({}))]), [C::Utilisation]);
-    assert_eq!(conclusions(&[(state(), hourly())]), []);
-    assert_eq!(conclusions(&[(made(), hourly()), (share(), hourly())]), [C::OrderQuantity]);
-    assert_eq!(conclusions(&[(made(), hourly()), (scrap(), hourly())]), [C::Yield]);
-    assert_eq!(conclusions(&[(share(), json!({}))]), []);
 }
 
 #[test]

@@ -235,7 +235,7 @@ async fn model_changes_are_events() {
 }
 
 #[tokio::test]
-async fn the_audit_trail_contains_user_and_change() {
+async fn the_audit_trail_tells_user_and_change_and_no_value_that_the_gate_coarsened() {
     let twin = TestTwin::start().await;
     twin.handle.apply(document(message("net", 1)));
     let client = twin.client("anna").await;
