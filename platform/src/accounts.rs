@@ -6,7 +6,10 @@ use daemon::web::session::{Accounts, AccountsError, PasswordHash, SessionId, Sto
 use crate::{
     clock::Clock,
     principal::Principal,
-    store::{Store, StoreError, User},
+    store::{
+        AuditAgent, AuditAgentKind, AuditOutcome, AuditSubject, NewAuditEntry, Store, StoreError,
+        User, Work,
+    },
 };
 
 /// Users and sessions in the platform's store.
@@ -28,6 +31,34 @@ impl StoredAccounts {
     }
 }
 
+impl StoredAccounts {
+    /// Records that a person signed in or out.
+    async fn record(
+        &self,
+        work: &mut Work,
+        user_name: &str,
+        operation: &str,
+    ) -> Result<(), StoreError> {
+        let user = work.users().lookup(user_name).await?.map(|(user, _)| user);
+        let organisation_id = user.and_then(|user| user.organisation_id);
+        let agent = AuditAgent {
+            kind: AuditAgentKind::User,
+            name: user_name.to_owned(),
+            organisation_id: organisation_id.clone(),
+        };
+        let path = format!("users/{user_name}/session");
+        let subject = AuditSubject { path, concerned: organisation_id };
+        let entry = NewAuditEntry {
+            recorded_at: self.clock.now(),
+            agent: &agent,
+            operation,
+            subject: &subject,
+            outcome: AuditOutcome::Done,
+        };
+        work.audit().add(&entry).await
+    }
+}
+
 #[async_trait]
 impl Accounts for StoredAccounts {
     type Principal = Principal;
@@ -46,6 +77,7 @@ impl Accounts for StoredAccounts {
         let put = async {
             let mut work = self.store.begin().await?;
             work.users().put_session(session, self.clock.now()).await?;
+            self.record(&mut work, &session.user_name, "signIn").await?;
             work.commit().await
         };
         put.await.map_err(AccountsError::new)
@@ -59,7 +91,10 @@ impl Accounts for StoredAccounts {
     async fn delete_session(&self, id: &SessionId) -> Result<(), AccountsError> {
         let delete = async {
             let mut work = self.store.begin().await?;
-            work.users().delete_session(id).await?;
+            if let Some(session) = work.users().session(id).await? {
+                work.users().delete_session(id).await?;
+                self.record(&mut work, &session.user_name, "signOut").await?;
+            }
             work.commit().await
         };
         delete.await.map_err(AccountsError::new)

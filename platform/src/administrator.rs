@@ -10,9 +10,10 @@ use daemon::{
 };
 
 use crate::{
+    audit::{CommandLine, RecordingStore},
     certificates::{CertificateError, write},
     config::PlatformConfig,
-    store::{Organisation, Role, Store, StoreError, User},
+    store::{AuditOutcome, AuditSubject, Organisation, Role, StoreError, User, Work},
 };
 
 /// Failure to create the administrator.
@@ -41,7 +42,7 @@ pub fn password_path(config: &PlatformConfig) -> PathBuf {
 /// # Errors
 /// [`AdministratorError`].
 pub async fn ensure(
-    store: &Store,
+    store: &RecordingStore,
     config: &PlatformConfig,
     now: DateTime,
 ) -> Result<(), AdministratorError> {
@@ -76,7 +77,27 @@ pub async fn ensure(
         }
         (None, _) => return Ok(()),
     };
-    put(store, &user, &password, now).await
+    let hash = hash(password).await?;
+    let mut work = store.begin(CommandLine, "putUser").await?;
+    put(&mut work, &user, &hash, now).await?;
+    Ok(work.commit(subject(&user), AuditOutcome::Done).await?)
+}
+
+/// Returns a user as the subject of a change.
+#[must_use]
+pub fn subject(user: &User) -> AuditSubject {
+    let path = format!("users/{}", user.user_name);
+    AuditSubject { path, concerned: user.organisation_id.clone() }
+}
+
+/// Hashes a password beside other tasks: it takes long by intent.
+///
+/// # Errors
+/// [`AdministratorError::Password`].
+pub async fn hash(password: Confidential<String>) -> Result<PasswordHash, AdministratorError> {
+    let hashing =
+        tokio::task::spawn_blocking(move || PasswordHash::of(&password, PasswordPolicy::default()));
+    Ok(hashing.await.expect("hashing does not panic")?)
 }
 
 /// Adds or changes a user; an organisation that is not known yet is made.
@@ -84,20 +105,17 @@ pub async fn ensure(
 /// # Errors
 /// [`AdministratorError`].
 pub async fn put(
-    store: &Store,
+    work: &mut Work,
     user: &User,
-    password: &Confidential<String>,
+    hash: &PasswordHash,
     now: DateTime,
 ) -> Result<(), AdministratorError> {
-    let hash = PasswordHash::of(password, PasswordPolicy::default())?;
-    let mut work = store.begin().await?;
     if let Some(id) = &user.organisation_id {
         let organisation =
             Organisation { organisation_id: id.clone(), name: name_of(id), created_at: now };
         work.organisations().add(&organisation).await?;
     }
-    work.users().put(user, &hash, now).await?;
-    Ok(work.commit().await?)
+    Ok(work.users().put(user, hash, now).await?)
 }
 
 fn name_of(id: &OrganisationId) -> String {

@@ -5,9 +5,11 @@
 
 mod accesses;
 mod administrator_only;
+mod audit;
 mod collaborations;
 mod comments;
 mod dead_letters;
+mod departures;
 mod enrolments;
 mod factories;
 mod leases;
@@ -83,7 +85,11 @@ fn guarded() -> OpenApiRouter<Application> {
         .routes(routes!(session::show, session::sign_out))
         .routes(routes!(status::show))
         .routes(routes!(organisations::list, organisations::add))
-        .routes(routes!(users::put))
+        .routes(routes!(users::list))
+        .routes(routes!(users::put, departures::user))
+        .routes(routes!(departures::organisation))
+        .routes(routes!(departures::factory))
+        .routes(routes!(departures::tool))
         .routes(routes!(factories::list, factories::add))
         .routes(routes!(factories::make_token))
         .routes(routes!(factories::revoke))
@@ -93,11 +99,13 @@ fn guarded() -> OpenApiRouter<Application> {
         .routes(routes!(accesses::list))
         .routes(routes!(accesses::checkpoint))
         .routes(routes!(accesses::export))
+        .routes(routes!(audit::list))
+        .routes(routes!(audit::export))
         .routes(routes!(tools::list, tools::add))
         .routes(routes!(tools::make_credential, tools::revoke))
         .routes(routes!(collaborations::list, collaborations::add))
-        .routes(routes!(collaborations::add_member))
-        .routes(routes!(collaborations::add_factory))
+        .routes(routes!(collaborations::add_member, departures::member))
+        .routes(routes!(collaborations::add_factory, departures::collaboration_factory))
         .routes(routes!(networks::list))
         .routes(routes!(networks::show, networks::put, networks::withdraw))
         .routes(routes!(requests::add))

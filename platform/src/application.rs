@@ -11,8 +11,9 @@ use messaging::BrokerProfile;
 use tokio_util::sync::CancellationToken;
 
 use crate::{
-    accesses::AccessRecorder, accounts::StoredAccounts, broker_access::BrokerAccess, clock::Clock,
-    config::PlatformConfig, ingest::IngestHandle, live::LiveLog, store::Store, witness::WitnessKey,
+    accesses::AccessRecorder, accounts::StoredAccounts, audit::RecordingStore,
+    broker_access::BrokerAccess, clock::Clock, config::PlatformConfig, ingest::IngestHandle,
+    live::LiveLog, witness::WitnessKey,
 };
 
 /// Endpoint of the broker for connectors and tools, handed out with their credentials.
@@ -32,7 +33,8 @@ pub struct Application(Arc<ApplicationParts>);
 /// Components of an [`Application`].
 pub struct ApplicationParts {
     pub config: PlatformConfig,
-    pub store: Store,
+    /// The database: what is changed by it is on record.
+    pub store: RecordingStore,
     /// Hands values out, once it is on record who gets them.
     pub accesses: AccessRecorder,
     pub live: LiveLog,

@@ -17,7 +17,7 @@ use tokio_util::sync::CancellationToken;
 
 use crate::{
     config::BrokerUserConfig,
-    store::{BrokerCredential, Holder, Scope, Store, StoreError},
+    store::{BrokerCredential, Holder, Scope, StoreError, StoreReader},
 };
 
 /// Time between two attempts at the start.
@@ -118,7 +118,7 @@ impl BrokerAccess {
     ///
     /// # Errors
     /// [`BrokerAccessError::Store`].
-    pub async fn load_users(&self, store: &Store) -> Result<(), BrokerAccessError> {
+    pub async fn load_users(&self, store: &StoreReader) -> Result<(), BrokerAccessError> {
         let credentials = store.read().await?.credentials().list().await?;
         self.0.users.replace(self.users_of(&credentials));
         Ok(())
@@ -128,7 +128,7 @@ impl BrokerAccess {
     ///
     /// # Errors
     /// [`BrokerAccessError`]; what was done by then stays and the next run goes on.
-    pub async fn reconcile(&self, store: &Store) -> Result<(), BrokerAccessError> {
+    pub async fn reconcile(&self, store: &StoreReader) -> Result<(), BrokerAccessError> {
         let mut work = store.read().await?;
         let factories: Vec<FactoryId> = work
             .factories()
@@ -168,7 +168,7 @@ impl BrokerAccess {
 
     /// Reconciles at the start of the daemon, again and again until it has succeeded once; from
     /// then on every change does it.
-    pub async fn reconcile_at_start(self, store: Store, shutdown: CancellationToken) {
+    pub async fn reconcile_at_start(self, store: StoreReader, shutdown: CancellationToken) {
         let reconciling = async {
             while let Err(error) = self.reconcile(&store).await {
                 tracing::warn!(%error, "Users and queues are not yet in line with the store; trying again.");
@@ -184,7 +184,7 @@ impl BrokerAccess {
     /// [`BrokerAccessError`].
     pub async fn revoked(
         &self,
-        store: &Store,
+        store: &StoreReader,
         holder: &Holder,
     ) -> Result<usize, BrokerAccessError> {
         self.reconcile(store).await?;

@@ -232,11 +232,13 @@ pub struct RetentionConfig {
     pub enrolment_token_hours: u32,
     /// Retention of the record of who read a factory's values, in days.
     pub access_days: u32,
+    /// Retention of the record of who changed what, in days.
+    pub audit_days: u32,
 }
 
 impl Default for RetentionConfig {
     fn default() -> Self {
-        Self { inbox_days: 14, enrolment_token_hours: 24, access_days: 1_095 }
+        Self { inbox_days: 14, enrolment_token_hours: 24, access_days: 1_095, audit_days: 1_095 }
     }
 }
 

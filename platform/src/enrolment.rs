@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 
 use crate::{
     config::PlatformConfig,
-    store::{BrokerCredential, Holder, Store, StoreError, Work},
+    store::{BrokerCredential, Holder, StoreError, Work},
 };
 
 /// A token, shown once.
@@ -32,7 +32,7 @@ pub struct NewCredential {
 /// # Errors
 /// [`StoreError`].
 pub async fn make_token(
-    store: &Store,
+    work: &mut Work,
     factory: &FactoryId,
     public_url: &str,
     now: DateTime,
@@ -40,10 +40,8 @@ pub async fn make_token(
 ) -> Result<EnrolmentToken, StoreError> {
     let secret = random_token();
     let expires_at = now.after(lifetime);
-    let mut work = store.begin().await?;
     // The hash alone: a copy of the database enrols nobody.
     work.credentials().add_token(&hash(&secret), factory, now, expires_at).await?;
-    work.commit().await?;
     let token = format!("{}.{secret}", URL_SAFE_NO_PAD.encode(public_url));
     Ok(EnrolmentToken { token: token.into(), expires_at })
 }
@@ -66,23 +64,21 @@ pub enum EnrolmentError {
 /// handed out.
 ///
 /// # Errors
-/// [`EnrolmentError`]; then the token is as unused as before.
+/// [`EnrolmentError`]; the token is as unused as before where the work is dropped.
 pub async fn enrol(
-    store: &Store,
+    work: &mut Work,
     config: &PlatformConfig,
     token: &Confidential<String>,
     now: DateTime,
 ) -> Result<(FactoryId, NewCredential), EnrolmentError> {
     let secret = token.expose().rsplit('.').next().unwrap_or_default();
-    let mut work = store.begin().await?;
     let factory = work
         .credentials()
         .use_token(&hash(secret), now)
         .await?
         .ok_or(EnrolmentError::TokenRefused)?;
-    let credential = credential(&mut work, config, Holder::Factory(factory.clone()), now).await?;
+    let credential = credential(work, config, Holder::Factory(factory.clone()), now).await?;
     work.factories().enrolled(&factory, now).await?;
-    work.commit().await?;
     Ok((factory, credential))
 }
 
@@ -91,15 +87,12 @@ pub async fn enrol(
 /// # Errors
 /// [`EnrolmentError`].
 pub async fn make_tool_credential(
-    store: &Store,
+    work: &mut Work,
     config: &PlatformConfig,
     tool: ToolId,
     now: DateTime,
 ) -> Result<NewCredential, EnrolmentError> {
-    let mut work = store.begin().await?;
-    let credential = credential(&mut work, config, Holder::Tool(tool), now).await?;
-    work.commit().await?;
-    Ok(credential)
+    credential(work, config, Holder::Tool(tool), now).await
 }
 
 async fn credential(

@@ -14,7 +14,8 @@
 //! - [`networks`]: changes of networks and the parts sent to factories. [`ingest`]: received
 //!   messages, each exactly once. [`witness`]: countersigned checkpoints of factories' ledgers.
 //! - Tasks: [`receipts`], [`retention`], [`progress_notifier`].
-//! - [`accounts`], [`administrator`], [`application`], [`api`]: the HTTP API.
+//! - [`audit`]: who changes something for somebody does so with a record of it. [`accounts`],
+//!   [`administrator`], [`application`], [`api`]: the HTTP API.
 
 pub mod access_log_key;
 pub mod accesses;
@@ -22,6 +23,7 @@ pub mod accounts;
 pub mod administrator;
 pub mod api;
 pub mod application;
+pub mod audit;
 pub mod broker_access;
 pub mod certificates;
 pub mod clock;

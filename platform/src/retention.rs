@@ -1,4 +1,4 @@
-//! Deletion of raw messages and of accesses after their retention periods, in small portions.
+//! Deletion of raw messages, of accesses and of entries of the audit after their retention periods, in small portions.
 
 use std::time::Duration;
 
@@ -18,12 +18,15 @@ pub struct Retention {
     clock: Clock,
     inbox_retention: Duration,
     access_retention: Duration,
+    audit_retention: Duration,
 }
 
 /// Pause between portions, which bounds how much of the writer retention takes.
 const INTERVAL: Duration = Duration::from_secs(60);
 /// Entries of a factory's access log that are kept at most; some hundred bytes each.
 const ACCESSES_RETAINED_MAX: u64 = 2_000_000;
+/// Entries of who changed what that are kept at most; some hundred bytes each.
+const AUDIT_ENTRIES_RETAINED_MAX: u64 = 2_000_000;
 const DAY: Duration = Duration::from_secs(86_400);
 /// Rows forgotten in one transaction, so that nobody waits long for the writer.
 const ROWS_PER_WORK_MAX: u32 = 2_000;
@@ -35,7 +38,8 @@ impl Retention {
         let days = |count: u32| Duration::from_secs(u64::from(count) * 86_400);
         let (inbox_retention, access_retention) =
             (days(config.inbox_days), days(config.access_days));
-        Self { store, clock, inbox_retention, access_retention }
+        let audit_retention = days(config.audit_days);
+        Self { store, clock, inbox_retention, access_retention, audit_retention }
     }
 
     /// Runs until shutdown.
@@ -46,7 +50,7 @@ impl Retention {
         let mut rounds = tokio::time::interval(INTERVAL);
         while shutdown.run_until_cancelled(rounds.tick()).await.is_some() {
             if let Err(error) = self.round().await {
-                tracing::warn!(%error, "Old messages and accesses could not be forgotten.");
+                tracing::warn!(%error, "Old messages, accesses and entries of the audit could not be forgotten.");
             }
         }
         Ok(())
@@ -66,6 +70,10 @@ impl Retention {
         let since = self.before(self.access_retention).floor_to(DAY);
         let kept = AccessesKept { since, count: ACCESSES_RETAINED_MAX };
         work.accesses().forget(kept, ROWS_PER_WORK_MAX, self.clock.now()).await?;
+        work.commit().await?;
+        let mut work = self.store.begin().await?;
+        let before = self.before(self.audit_retention);
+        work.audit().forget(before, AUDIT_ENTRIES_RETAINED_MAX, ROWS_PER_WORK_MAX).await?;
         work.commit().await?;
         Ok(count)
     }

@@ -26,6 +26,7 @@ use crate::{
     accounts::StoredAccounts,
     administrator, api,
     application::{Application, ApplicationParts},
+    audit::RecordingStore,
     broker_access::BrokerAccess,
     clock::Clock,
     config::PlatformConfig,
@@ -46,6 +47,7 @@ pub use error::StartError;
 /// An opened platform; [`start`](Self::start) its tasks.
 pub struct Platform {
     application: Application,
+    store: Store,
     web_listener: TcpListener,
     web_tls: Option<Arc<rustls::ServerConfig>>,
     broker: Option<Broker>,
@@ -79,7 +81,8 @@ impl Platform {
         data_directory::create(&config)?;
         let metrics = Metrics::install()?;
         let store = Store::open(&config.database_path()).await?;
-        administrator::ensure(&store, &config, clock.now()).await?;
+        let recording = RecordingStore::new(store.clone(), clock.clone());
+        administrator::ensure(&recording, &config, clock.now()).await?;
 
         let started_at = clock.now();
         // The mark of this start: a page that comes with an id from before it loads everything.
@@ -100,7 +103,7 @@ impl Platform {
         .await?;
 
         let (broker, access, link_config) =
-            brokers::open(&config, &broker_access, &store, started_at).await?;
+            brokers::open(&config, &broker_access, &store.reader(), started_at).await?;
         let broker_addresses = broker_access
             .broker()
             .map(|broker| broker.local_addresses().to_vec())
@@ -127,7 +130,7 @@ impl Platform {
         );
         let application = Application::new(ApplicationParts {
             config,
-            store,
+            store: recording,
             accesses,
             live,
             broker_access,
@@ -145,20 +148,33 @@ impl Platform {
         let handle =
             PlatformHandle { web_address, broker_addresses, application: application.clone() };
         Ok((
-            Self { application, web_listener, web_tls, broker, link, ingest, progress_notifier },
+            Self {
+                application,
+                store,
+                web_listener,
+                web_tls,
+                broker,
+                link,
+                ingest,
+                progress_notifier,
+            },
             handle,
         ))
     }
 
     /// Starts all tasks in the lifecycle.
     pub fn start(self, lifecycle: &Lifecycle) {
-        let Self { application, web_listener, web_tls, broker, link, ingest, progress_notifier } =
-            self;
-        let (store, broker_access, clock) = (
-            application.store.clone(),
-            application.broker_access.clone(),
-            application.clock.clone(),
-        );
+        let Self {
+            application,
+            store,
+            web_listener,
+            web_tls,
+            broker,
+            link,
+            ingest,
+            progress_notifier,
+        } = self;
+        let (broker_access, clock) = (application.broker_access.clone(), application.clock.clone());
         // At shutdown the link goes first, so that what it has received is still stored and
         // settled; then its two ends.
         let after_link = CancellationToken::new();
@@ -169,7 +185,7 @@ impl Platform {
         // Queues can only be declared once the broker runs, so this is the first task's work and
         // not the opening's.
         let reconciling =
-            broker_access.clone().reconcile_at_start(store.clone(), lifecycle.shutdown());
+            broker_access.clone().reconcile_at_start(store.reader(), lifecycle.shutdown());
         lifecycle.spawn("reach", Importance::Optional, async move {
             reconciling.await;
             Ok::<(), Infallible>(())

@@ -14,12 +14,14 @@
 mod access_storage;
 mod accesses;
 mod asked_requests;
+mod audit;
 mod collaborations;
 mod comments;
 mod connection;
 mod credentials;
 mod database;
 mod dead_letters;
+mod departures;
 mod error;
 mod factories;
 mod fields;
@@ -47,12 +49,16 @@ mod writers;
 
 pub use accesses::{AccessQuery, Accesses, AccessesKept, ListedAccess, StoredAccessLog};
 pub use asked_requests::AskedRequests;
+pub use audit::{
+    AuditAgent, AuditAgentKind, AuditEntries, AuditEntry, AuditOutcome, AuditSubject, NewAuditEntry,
+};
 pub use collaborations::{Collaboration, Collaborations};
 pub use comments::{CommentEntry, Comments, NewComment};
-pub use connection::Store;
+pub use connection::{Store, StoreReader};
 pub use credentials::{BrokerCredential, Credentials, Holder};
 pub use database::Database;
 pub use dead_letters::{DeadLetters, NewDeadLetter, StoredDeadLetter};
+pub use departures::{Departure, Departures, Leaver};
 pub use error::StoreError;
 pub use factories::{Factories, Factory, Heard};
 pub use fields::{
@@ -75,6 +81,6 @@ pub use revocations::{RevocationEntry, Revocations};
 pub use scope::Scope;
 pub use tools::{Tool, Tools};
 pub use users::{Role, User, Users};
-pub use visibility::{NetworkOwners, Sight, Visibility, viewers};
+pub use visibility::{NetworkOwners, Sight, Visibility, part_of, viewers};
 pub use work::Work;
 pub use writers::{SeenWriter, StoredGap, WriterKey, WriterRow, Writers};

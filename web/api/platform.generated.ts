@@ -1,6 +1,43 @@
 // Generated from openapi.json by `npm run generate`. Do not edit.
 
 export interface paths {
+    "/audit-entries": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Lists who changed what, newest first: to planners what their organisation did and what was done to its
+         *     people, factories and tools, to administrators all.
+         */
+        get: operations["listAuditEntries"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/audit-entries/export": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Exports the same, oldest first, as a JSON object per line. */
+        get: operations["exportAuditEntries"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/collaborations": {
         parameters: {
             query?: never;
@@ -30,7 +67,8 @@ export interface paths {
         /** Adds a factory; has no effect if it takes part. */
         put: operations["addCollaborationFactory"];
         post?: never;
-        delete?: never;
+        /** Takes a factory out of a collaboration in which it performs nothing. */
+        delete: operations["removeCollaborationFactory"];
         options?: never;
         head?: never;
         patch?: never;
@@ -47,7 +85,11 @@ export interface paths {
         /** Adds a member; has no effect if it is one. */
         put: operations["addMember"];
         post?: never;
-        delete?: never;
+        /**
+         * Takes a member out of a collaboration in which nothing of it is in force. What was released to it stays
+         *     readable to it.
+         */
+        delete: operations["removeMember"];
         options?: never;
         head?: never;
         patch?: never;
@@ -126,6 +168,23 @@ export interface paths {
         /** Adds a factory; its queues are made. */
         post: operations["addFactory"];
         delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/factories/{factoryId}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /** Removes a factory that is in no collaboration any more: credentials, tokens and connections end. */
+        delete: operations["removeFactory"];
         options?: never;
         head?: never;
         patch?: never;
@@ -467,6 +526,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/organisations/{organisationId}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /** Removes an organisation of which nothing is left in force, with its people. */
+        delete: operations["removeOrganisation"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/reports": {
         parameters: {
             query?: never;
@@ -542,6 +618,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/tools/{toolId}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /** Removes a tool: credentials and connections end, and it gets no more reports. */
+        delete: operations["removeTool"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/tools/{toolId}/credentials": {
         parameters: {
             query?: never;
@@ -560,6 +653,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/users": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the people with an account, by name. */
+        get: operations["listUsers"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/users/{userName}": {
         parameters: {
             query?: never;
@@ -571,7 +681,8 @@ export interface paths {
         /** Adds or replaces a user; the user's sessions end. */
         put: operations["putUser"];
         post?: never;
-        delete?: never;
+        /** Removes a person: the sessions end. The last administrator stays. */
+        delete: operations["removeUser"];
         options?: never;
         head?: never;
         patch?: never;
@@ -697,6 +808,34 @@ export interface components {
         };
         /** @description A concrete asset of a factory, as in its status data sets (OPC 10000-100 AssetId). */
         AssetId: string;
+        /**
+         * @description Kind of an agent.
+         * @enum {string}
+         */
+        AuditAgentKind: "USER" | "TOOL" | "FACTORY" | "COMMAND";
+        /** @description An entry as a viewer may see it. */
+        AuditEntry: {
+            agentKind: components["schemas"]["AuditAgentKind"];
+            /** @description Name of the person or program, for its own organisation and administrators. */
+            agentName?: string | null;
+            /**
+             * Format: int64
+             * @description Number of the entry; entries of others are between those that a viewer sees.
+             */
+            number: number;
+            /** @description Id of the operation in the description of the API, as `putUser`. */
+            operation: string;
+            organisationId?: components["schemas"]["OrganisationId"] | null;
+            outcome: components["schemas"]["AuditOutcome"];
+            recordedAt: components["schemas"]["DateTime"];
+            /** @description Place of what it was about, as `factories/FOR_MUC`. */
+            subject: string;
+        };
+        /**
+         * @description Outcome of an operation.
+         * @enum {string}
+         */
+        AuditOutcome: "DONE" | "UNCHANGED";
         /**
          * @description Numbers of rows and bytes in a spool, for the link's state and metrics. Parked rows are not
          *     counted.
@@ -824,6 +963,27 @@ export interface components {
             reason: string;
             replayedAt?: components["schemas"]["DateTime"] | null;
             subject?: string | null;
+        };
+        /** @description Effects of a departure, and what is in its way. */
+        Departure: {
+            /**
+             * Format: int64
+             * @description Number of broker credentials that end, with the connections that use them.
+             */
+            credentials: number;
+            /** @description Places of what is in force and has to be ended first, at most a hundred of a kind. */
+            inForce: string[];
+            /** @description True once it has left. */
+            isDone: boolean;
+            /** @description People whose accounts end. */
+            people: string[];
+            /** @description Places of requests whose reports no tool gets any more, at most a hundred. */
+            requests: string[];
+            /**
+             * Format: int64
+             * @description Number of sessions that end.
+             */
+            sessions: number;
         };
         /** @description In words and numbers, how a value is coarsened before it leaves. */
         DisclosureStatement: {
@@ -1475,6 +1635,12 @@ export interface components {
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
+        Page_AuditEntry: {
+            items: components["schemas"]["AuditEntry"][];
+            /** @description Cursor of the next page; absent on the last one. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
         Page_Collaboration: {
             items: components["schemas"]["Collaboration"][];
             /** @description Cursor of the next page; absent on the last one. */
@@ -1531,6 +1697,12 @@ export interface components {
         /** @description A page of a list. */
         Page_Tool: {
             items: components["schemas"]["Tool"][];
+            /** @description Cursor of the next page; absent on the last one. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_UserView: {
+            items: components["schemas"]["UserView"][];
             /** @description Cursor of the next page; absent on the last one. */
             nextCursor?: string | null;
         };
@@ -1996,6 +2168,59 @@ export interface components {
 }
 export type $defs = Record<string, never>;
 export interface operations {
+    listAuditEntries: {
+        parameters: {
+            query?: {
+                /** @description `nextCursor` of the page before; absent for the first page. */
+                cursor?: string;
+                /** @description Most entries wanted, 1 to 1000. */
+                limit?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_AuditEntry"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    exportAuditEntries: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description OK */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/x-ndjson": string;
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
     listCollaborations: {
         parameters: {
             query?: never;
@@ -2079,6 +2304,38 @@ export interface operations {
             422: components["responses"]["UnprocessableEntity"];
         };
     };
+    removeCollaborationFactory: {
+        parameters: {
+            query?: {
+                /** @description True where the answer shall only say what would end and what is in force. */
+                dryRun?: boolean;
+            };
+            header?: never;
+            path: {
+                collaborationId: string;
+                factoryId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Effects of a departure, and what is in its way. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Departure"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
     addMember: {
         parameters: {
             query?: never;
@@ -2098,6 +2355,38 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Collaboration"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    removeMember: {
+        parameters: {
+            query?: {
+                /** @description True where the answer shall only say what would end and what is in force. */
+                dryRun?: boolean;
+            };
+            header?: never;
+            path: {
+                collaborationId: string;
+                organisationId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Effects of a departure, and what is in its way. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Departure"];
                 };
             };
             400: components["responses"]["BadRequest"];
@@ -2239,6 +2528,37 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Factory"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    removeFactory: {
+        parameters: {
+            query?: {
+                /** @description True where the answer shall only say what would end and what is in force. */
+                dryRun?: boolean;
+            };
+            header?: never;
+            path: {
+                factoryId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Effects of a departure, and what is in its way. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Departure"];
                 };
             };
             400: components["responses"]["BadRequest"];
@@ -2865,6 +3185,37 @@ export interface operations {
             422: components["responses"]["UnprocessableEntity"];
         };
     };
+    removeOrganisation: {
+        parameters: {
+            query?: {
+                /** @description True where the answer shall only say what would end and what is in force. */
+                dryRun?: boolean;
+            };
+            header?: never;
+            path: {
+                organisationId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Effects of a departure, and what is in its way. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Departure"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
     listReports: {
         parameters: {
             query?: {
@@ -3060,6 +3411,37 @@ export interface operations {
             422: components["responses"]["UnprocessableEntity"];
         };
     };
+    removeTool: {
+        parameters: {
+            query?: {
+                /** @description True where the answer shall only say what would end and what is in force. */
+                dryRun?: boolean;
+            };
+            header?: never;
+            path: {
+                toolId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Effects of a departure, and what is in its way. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Departure"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
     makeToolCredential: {
         parameters: {
             query?: never;
@@ -3116,6 +3498,30 @@ export interface operations {
             422: components["responses"]["UnprocessableEntity"];
         };
     };
+    listUsers: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_UserView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
     putUser: {
         parameters: {
             query?: never;
@@ -3139,6 +3545,37 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["UserView"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    removeUser: {
+        parameters: {
+            query?: {
+                /** @description True where the answer shall only say what would end and what is in force. */
+                dryRun?: boolean;
+            };
+            header?: never;
+            path: {
+                userName: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Effects of a departure, and what is in its way. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Departure"];
                 };
             };
             400: components["responses"]["BadRequest"];

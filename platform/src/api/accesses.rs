@@ -25,7 +25,7 @@ use super::{
 use crate::{
     application::Application,
     principal::Principal,
-    store::{AccessQuery, ListedAccess, Scope, Store, StoredAccessLog},
+    store::{AccessQuery, ListedAccess, Scope, StoreReader, StoredAccessLog},
 };
 
 /// Media type of an audit file: a JSON object per line.
@@ -144,7 +144,7 @@ pub async fn export(
         [(header::CONTENT_TYPE, JSON_LINES.to_owned()), (header::CONTENT_DISPOSITION, name)];
     let Some(stored) = stored else { return Ok((headers, "").into_response()) };
     let begin = AccessAuditStart::of(&stored.log, &stored.removed, app.accesses.key()).line();
-    let rest = lines(app.store.clone(), who.principal.scope(), id, &stored);
+    let rest = lines(app.store.reader(), who.principal.scope(), id, &stored);
     let all = stream::once(std::future::ready(Ok(begin)));
     let body = Body::from_stream(futures::StreamExt::chain(all, rest));
     Ok((headers, body).into_response())
@@ -153,7 +153,7 @@ pub async fn export(
 /// Reads the entries of a log as lines, some at a time. Ends with an error where retention removes
 /// some meanwhile, so that no file with a hole looks complete.
 fn lines(
-    store: Store,
+    store: StoreReader,
     scope: Scope,
     factory: FactoryId,
     stored: &StoredAccessLog,

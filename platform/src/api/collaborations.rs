@@ -14,7 +14,7 @@ use super::{
 use crate::{
     application::Application,
     principal::Principal,
-    store::{Collaboration, Scope, Work},
+    store::{AuditOutcome, AuditSubject, Collaboration, Factory, Scope, Work},
 };
 
 /// A collaboration to add.
@@ -52,7 +52,7 @@ pub async fn add(
     ApiJson(new): ApiJson<NewCollaboration>,
 ) -> Result<(StatusCode, Json<Collaboration>), Problem> {
     administrator_only::check(&who)?;
-    let mut work = app.store.begin().await?;
+    let mut work = app.store.begin(&who.principal, "addCollaboration").await?;
     for (index, member) in new.members.iter().enumerate() {
         check_member(&mut work, member, &format!("/members/{index}")).await?;
     }
@@ -69,7 +69,8 @@ pub async fn add(
     if !work.collaborations().add(&collaboration).await? {
         return Err(taken("collaboration"));
     }
-    work.commit().await?;
+    let path = format!("collaborations/{}", collaboration.collaboration_id);
+    work.commit(AuditSubject::shared(path), AuditOutcome::Done).await?;
     Ok((StatusCode::CREATED, Json(collaboration)))
 }
 
@@ -83,12 +84,14 @@ pub async fn add_member(
     ApiPath((id, member)): ApiPath<(CollaborationId, OrganisationId)>,
 ) -> Result<Json<Collaboration>, Problem> {
     administrator_only::check(&who)?;
-    let mut work = app.store.begin().await?;
-    lookup(&mut work, &id).await?;
+    let mut work = app.store.begin(&who.principal, "addMember").await?;
+    let before = lookup(&mut work, &id).await?;
     check_member(&mut work, &member, "").await?;
     work.collaborations().add_member(&id, &member).await?;
     let collaboration = lookup(&mut work, &id).await?;
-    work.commit().await?;
+    let path = format!("collaborations/{id}/members/{member}");
+    let outcome = AuditOutcome::of(before != collaboration);
+    work.commit(AuditSubject::of(&member, path), outcome).await?;
     Ok(Json(collaboration))
 }
 
@@ -102,12 +105,14 @@ pub async fn add_factory(
     ApiPath((id, factory)): ApiPath<(CollaborationId, FactoryId)>,
 ) -> Result<Json<Collaboration>, Problem> {
     administrator_only::check(&who)?;
-    let mut work = app.store.begin().await?;
-    lookup(&mut work, &id).await?;
-    check_factory(&mut work, &factory, "").await?;
+    let mut work = app.store.begin(&who.principal, "addCollaborationFactory").await?;
+    let before = lookup(&mut work, &id).await?;
+    let known = check_factory(&mut work, &factory, "").await?;
     work.collaborations().add_factory(&id, &factory).await?;
     let collaboration = lookup(&mut work, &id).await?;
-    work.commit().await?;
+    let path = format!("collaborations/{id}/factories/{factory}");
+    let outcome = AuditOutcome::of(before != collaboration);
+    work.commit(AuditSubject::of(&known.organisation_id, path), outcome).await?;
     Ok(Json(collaboration))
 }
 
@@ -124,9 +129,7 @@ async fn check_member(work: &mut Work, id: &OrganisationId, pointer: &str) -> Re
     }
 }
 
-async fn check_factory(work: &mut Work, id: &FactoryId, pointer: &str) -> Result<(), Problem> {
-    match work.factories().lookup(&Scope::Platform, id).await? {
-        Some(_) => Ok(()),
-        None => Err(unknown_reference(pointer, &format!("factory {id}"))),
-    }
+async fn check_factory(work: &mut Work, id: &FactoryId, pointer: &str) -> Result<Factory, Problem> {
+    let known = work.factories().lookup(&Scope::Platform, id).await?;
+    known.ok_or_else(|| unknown_reference(pointer, &format!("factory {id}")))
 }

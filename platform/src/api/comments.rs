@@ -14,7 +14,7 @@ use crate::{
     application::Application,
     networks::{Author, CommentError, add_comment},
     principal::Principal,
-    store::{CommentEntry, NewComment},
+    store::{AuditOutcome, AuditSubject, CommentEntry, NewComment},
 };
 
 /// A comment to add.
@@ -81,10 +81,12 @@ pub async fn add(
         created_at: now,
     };
     let author = Author::user(&who.principal, now);
-    let mut work = app.store.begin().await?;
+    let mut work = app.store.begin(&who.principal, "addComment").await?;
     let added = add_comment(&mut work, &comment, &author).await;
     let (comment_id, event) = added.map_err(|error| refused(error, &comment))?;
-    work.commit().await?;
+    let network = &comment.operation_network_id;
+    let path = format!("operation-networks/{network}/comments/{comment_id}");
+    work.commit(AuditSubject::shared(path), AuditOutcome::Done).await?;
     app.broker_access.wake_link();
     app.live.publish([event]);
     let entry = CommentEntry {

@@ -13,7 +13,11 @@ use super::{
     page::{Page, PageQuery},
     problems::{ChangeProblems, ReadProblems},
 };
-use crate::{application::Application, principal::Principal};
+use crate::{
+    application::Application,
+    principal::Principal,
+    store::{AuditOutcome, AuditSubject},
+};
 
 /// A message that could not be used.
 #[derive(Serialize, ToSchema)]
@@ -115,9 +119,12 @@ pub async fn replay(
             if count == 0 {
                 return Err(not_found());
             }
+            // The broker's own store has it: what is on record here is that it was tried.
+            let work = app.store.begin(&who.principal, "replayDeadLetter").await?;
+            work.commit(subject_of(&id), AuditOutcome::Done).await?;
             true
         }
-        ("ingest", _) => replay_own(&app, number.parse().map_err(|_| not_found())?)
+        ("ingest", _) => replay_own(&app, &who.principal, number.parse().map_err(|_| not_found())?)
             .await?
             .ok_or_else(not_found)?,
         _ => return Err(not_found()),
@@ -125,16 +132,21 @@ pub async fn replay(
     Ok(Json(Replayed { is_taken }))
 }
 
-async fn replay_own(app: &Application, id: u64) -> Result<Option<bool>, Problem> {
+fn subject_of(id: &str) -> AuditSubject {
+    AuditSubject::shared(format!("dead-letters/{id}"))
+}
+
+async fn replay_own(app: &Application, who: &Principal, id: u64) -> Result<Option<bool>, Problem> {
     let content = app.store.read().await?.dead_letters().content(id).await?;
     let Some((address, message_id, subject, body, encoding)) = content else { return Ok(None) };
     let Ok(address) = address.parse::<LogicalAddress>() else { return Ok(None) };
     // It was seen before; without this it would be discarded as a repeat.
-    let mut work = app.store.begin().await?;
+    let mut work = app.store.begin(who, "replayDeadLetter").await?;
     work.inbox()
         .forget_one(&address.to_string(), message_id.as_deref().unwrap_or_default())
         .await?;
-    work.commit().await?;
+    work.dead_letters().replayed(id, app.clock.now()).await?;
+    work.commit(subject_of(&format!("ingest-{id}")), AuditOutcome::Done).await?;
     let envelope = Envelope {
         message_id: message_id.and_then(|id| id.parse().ok()),
         subject,
@@ -155,9 +167,5 @@ async fn replay_own(app: &Application, id: u64) -> Result<Option<bool>, Problem>
         received_at: app.clock.now().into(),
     };
     let settlements = app.ingest.receive(&address, vec![delivery]).await;
-    let is_taken = matches!(settlements.first(), Some(Settlement::Accept));
-    let mut work = app.store.begin().await?;
-    work.dead_letters().replayed(id, app.clock.now()).await?;
-    work.commit().await?;
-    Ok(Some(is_taken))
+    Ok(Some(matches!(settlements.first(), Some(Settlement::Accept))))
 }

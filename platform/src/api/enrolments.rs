@@ -11,7 +11,11 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::problems::ChangeProblems;
-use crate::{application::Application, enrolment::enrol as use_token};
+use crate::{
+    application::Application,
+    enrolment::enrol as use_token,
+    store::{AuditAgent, AuditAgentKind, AuditOutcome, AuditSubject, Scope},
+};
 
 /// A token from `POST /factories/{factoryId}/enrolment-tokens`.
 #[derive(Deserialize, ToSchema)]
@@ -44,13 +48,27 @@ pub async fn enrol(
     State(app): State<Application>,
     ApiJson(body): ApiJson<Enrol>,
 ) -> Result<(StatusCode, Json<Enrolment>), Problem> {
-    let enrolled = use_token(&app.store, &app.config, &body.token, app.clock.now()).await;
+    // The token says which factory it is.
+    let unknown =
+        AuditAgent { kind: AuditAgentKind::Factory, name: String::new(), organisation_id: None };
+    let mut work = app.store.begin(unknown, "enrol").await?;
+    let enrolled = use_token(&mut work, &app.config, &body.token, app.clock.now()).await;
     let (factory_id, credential) = enrolled.inspect_err(|_| {
         metrics::counter!("verbund_enrolments_total", "result" => "refused").increment(1);
     })?;
+    let factory = work.factories().lookup(&Scope::Platform, &factory_id).await?;
+    let organisation_id = factory.map(|factory| factory.organisation_id);
+    work.set_agent(AuditAgent {
+        kind: AuditAgentKind::Factory,
+        name: factory_id.to_string(),
+        organisation_id: organisation_id.clone(),
+    });
+    let path = format!("factories/{factory_id}");
+    let subject = AuditSubject { path, concerned: organisation_id };
+    work.commit(subject, AuditOutcome::Done).await?;
     metrics::counter!("verbund_enrolments_total", "result" => "accepted").increment(1);
     tracing::info!(factory.id = %factory_id, "A connector has enrolled.");
-    app.broker_access.reconcile(&app.store).await?;
+    app.broker_access.reconcile(&app.store.reader()).await?;
     let access = &app.broker_endpoint;
     Ok((
         StatusCode::CREATED,

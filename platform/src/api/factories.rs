@@ -15,9 +15,10 @@ use super::{
 };
 use crate::{
     application::Application,
+    audit::RecordedWork,
     enrolment::make_token as make,
     principal::Principal,
-    store::{Factory, Holder, Scope},
+    store::{AuditOutcome, AuditSubject, Factory, Holder, Scope, Work},
 };
 
 /// A factory to add.
@@ -70,7 +71,7 @@ pub async fn add(
     ApiJson(new): ApiJson<NewFactory>,
 ) -> Result<(StatusCode, Json<Factory>), Problem> {
     administrator_only::check(&who)?;
-    let mut work = app.store.begin().await?;
+    let mut work = app.store.begin(&who.principal, "addFactory").await?;
     if !work.organisations().exists(&new.organisation_id).await? {
         return Err(unknown_reference("/organisationId", "such organisation"));
     }
@@ -80,9 +81,9 @@ pub async fn add(
         return Err(taken("factory"));
     }
     let factory = work.factories().lookup(&Scope::Platform, &new.factory_id).await?;
-    work.commit().await?;
-    app.broker_access.reconcile(&app.store).await?;
     let factory = factory.ok_or_else(|| Problem::not_found("factory"))?;
+    work.commit(subject(&factory), AuditOutcome::Done).await?;
+    app.broker_access.reconcile(&app.store.reader()).await?;
     Ok((StatusCode::CREATED, Json(factory)))
 }
 
@@ -95,11 +96,12 @@ pub async fn make_token(
     ApiPath(factory): ApiPath<FactoryId>,
 ) -> Result<(StatusCode, Json<TokenView>), Problem> {
     administrator_only::check(&who)?;
-    let known = app.store.read().await?.factories().lookup(&Scope::Platform, &factory).await?;
-    known.ok_or_else(|| Problem::not_found(format_args!("factory {factory}")))?;
+    let mut work = app.store.begin(&who.principal, "makeEnrolmentToken").await?;
+    let known = lookup(&mut work, &factory).await?;
     let lifetime =
         Duration::from_secs(u64::from(app.config.retention.enrolment_token_hours) * 3600);
-    let made = make(&app.store, &factory, &app.public_url, app.clock.now(), lifetime).await?;
+    let made = make(&mut work, &factory, &app.public_url, app.clock.now(), lifetime).await?;
+    work.commit(subject(&known), AuditOutcome::Done).await?;
     Ok((
         StatusCode::CREATED,
         Json(TokenView { token: made.token.expose().clone(), expires_at: made.expires_at }),
@@ -115,17 +117,31 @@ pub async fn revoke(
     ApiPath(factory): ApiPath<FactoryId>,
 ) -> Result<Json<Revoked>, Problem> {
     administrator_only::check(&who)?;
-    let known = app.store.read().await?.factories().lookup(&Scope::Platform, &factory).await?;
-    known.ok_or_else(|| Problem::not_found(format_args!("factory {factory}")))?;
-    Ok(Json(revoke_holder(&app, Holder::Factory(factory)).await?))
+    let mut work = app.store.begin(&who.principal, "revokeFactoryCredentials").await?;
+    let known = lookup(&mut work, &factory).await?;
+    Ok(Json(revoke_holder(&app, work, Holder::Factory(factory), subject(&known)).await?))
+}
+
+async fn lookup(work: &mut Work, id: &FactoryId) -> Result<Factory, Problem> {
+    let known = work.factories().lookup(&Scope::Platform, id).await?;
+    known.ok_or_else(|| Problem::not_found(format_args!("factory {id}")))
+}
+
+fn subject(factory: &Factory) -> AuditSubject {
+    let path = format!("factories/{}", factory.factory_id);
+    AuditSubject::of(&factory.organisation_id, path)
 }
 
 /// Takes a holder's credentials away and cuts its connections.
-pub async fn revoke_holder(app: &Application, holder: Holder) -> Result<Revoked, Problem> {
-    let mut work = app.store.begin().await?;
+pub async fn revoke_holder(
+    app: &Application,
+    mut work: RecordedWork,
+    holder: Holder,
+    subject: AuditSubject,
+) -> Result<Revoked, Problem> {
     let credentials = work.credentials().revoke(&holder).await?;
-    work.commit().await?;
-    let connections = app.broker_access.revoked(&app.store, &holder).await?;
+    work.commit(subject, AuditOutcome::of(credentials > 0)).await?;
+    let connections = app.broker_access.revoked(&app.store.reader(), &holder).await?;
     tracing::info!(holder = %holder, credentials, connections, "Credentials were revoked.");
     Ok(Revoked { credentials, connections })
 }

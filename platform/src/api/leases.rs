@@ -14,6 +14,7 @@ use crate::{
     application::Application,
     leases::{FactoryLease, Party},
     principal::Principal,
+    store::{AuditOutcome, AuditSubject, Scope},
 };
 
 /// Lease of a factory with the connectors that were refused.
@@ -74,7 +75,8 @@ pub async fn hand_over(
 ) -> Result<Json<LeaseView>, Problem> {
     administrator_only::check(&who)?;
     let now = app.clock.now();
-    let mut work = app.store.begin().await?;
+    let mut work = app.store.begin(&who.principal, "handLeaseOver").await?;
+    let factory = work.factories().lookup(&Scope::Platform, &id).await?;
     let lease = work
         .leases()
         .lookup(&id)
@@ -89,7 +91,9 @@ pub async fn hand_over(
     })?;
     work.leases().put(&id, &lease).await?;
     work.parts().send_again(&id, now).await?;
-    work.commit().await?;
+    let concerned = factory.map(|factory| factory.organisation_id);
+    let subject = AuditSubject { path: format!("factories/{id}/lease"), concerned };
+    work.commit(subject, AuditOutcome::Done).await?;
     tracing::info!(factory.id = %id, host = %lease.holder.host, former, "The lease of a factory was handed over.");
     Ok(Json(Some(lease).into()))
 }

@@ -18,9 +18,10 @@ use super::{
 };
 use crate::{
     application::Application,
+    audit::RecordedWork,
     networks::{self, Author, ChangeOutcome, NetworkView, PutNetwork},
     principal::Principal,
-    store::NetworkSummary,
+    store::{AuditOutcome, AuditSubject, NetworkSummary},
 };
 
 /// A network to put in place.
@@ -118,11 +119,10 @@ pub async fn put(
         expected_revision: expected_revision(&headers)?,
     };
     let author = Author::user(&who.principal, app.clock.now());
-    let mut work = app.store.begin().await?;
+    let mut work = app.store.begin(&who.principal, "putOperationNetwork").await?;
     let outcome =
         networks::put(&mut work, change, &author, app.resend_after()).await.map_err(with_prefix)?;
-    work.commit().await?;
-    Ok(Json(publish(&app, outcome)))
+    Ok(Json(commit(&app, work, format!("operation-networks/{id}"), outcome).await?))
 }
 
 /// Withdraws a network of the own organisation: its nodes and mappings go at every factory.
@@ -134,17 +134,24 @@ pub async fn withdraw(
     ApiPath(id): ApiPath<OperationNetworkId>,
 ) -> Result<Json<Changed>, Problem> {
     let author = Author::user(&who.principal, app.clock.now());
-    let mut work = app.store.begin().await?;
+    let mut work = app.store.begin(&who.principal, "withdrawOperationNetwork").await?;
     let outcome = networks::withdraw(&mut work, &id, &author, app.resend_after()).await?;
-    work.commit().await?;
-    Ok(Json(publish(&app, outcome)))
+    Ok(Json(commit(&app, work, format!("operation-networks/{id}"), outcome).await?))
 }
 
-/// Publishes a committed change to pages and link, and returns the answer.
-pub(super) fn publish(app: &Application, outcome: ChangeOutcome) -> Changed {
+/// Commits a change with its record, publishes it to pages and link, and returns the answer.
+pub(super) async fn commit(
+    app: &Application,
+    work: RecordedWork,
+    path: String,
+    outcome: ChangeOutcome,
+) -> Result<Changed, Problem> {
+    let result = AuditOutcome::of(outcome.is_changed);
+    work.commit(AuditSubject::shared(path), result).await?;
     app.broker_access.wake_link();
     app.live.publish(outcome.notifications);
-    Changed { revision: outcome.revision, is_changed: outcome.is_changed, sent_to: outcome.sent_to }
+    let ChangeOutcome { revision, is_changed, sent_to, .. } = outcome;
+    Ok(Changed { revision, is_changed, sent_to })
 }
 
 fn with_prefix(error: networks::ChangeError) -> Problem {

@@ -11,7 +11,11 @@ use super::{
     page::Page,
     problems::{ChangeProblems, ReadProblems, taken},
 };
-use crate::{application::Application, principal::Principal, store::Organisation};
+use crate::{
+    application::Application,
+    principal::Principal,
+    store::{AuditOutcome, AuditSubject, Organisation},
+};
 
 /// An organisation to add.
 #[derive(Deserialize, ToSchema)]
@@ -47,10 +51,12 @@ pub async fn add(
         name: new.name,
         created_at: app.clock.now(),
     };
-    let mut work = app.store.begin().await?;
+    let mut work = app.store.begin(&who.principal, "addOrganisation").await?;
     if !work.organisations().add(&organisation).await? {
         return Err(taken("organisation"));
     }
-    work.commit().await?;
+    let id = &organisation.organisation_id;
+    let subject = AuditSubject::of(id, format!("organisations/{id}"));
+    work.commit(subject, AuditOutcome::Done).await?;
     Ok((StatusCode::CREATED, Json(organisation)))
 }

@@ -7,7 +7,7 @@ use axum::{Json, extract::State};
 use daemon::web::{ApiJson, ApiPath, Problem, session::SignedIn};
 
 use super::{
-    networks::{Changed, publish},
+    networks::{Changed, commit},
     problems::ChangeProblems,
 };
 use crate::{
@@ -29,11 +29,12 @@ pub async fn add(
     ApiJson(request): ApiJson<DynamicDataRequest>,
 ) -> Result<Json<Changed>, Problem> {
     let author = Author::user(&who.principal, app.clock.now());
-    let mut work = app.store.begin().await?;
+    let id = request.dynamic_data_request_id.clone();
+    let mut work = app.store.begin(&who.principal, "addDynamicDataRequest").await?;
     let outcome =
         add_request(&mut work, &network, &operation, request, &author, app.resend_after()).await?;
-    work.commit().await?;
-    Ok(Json(publish(&app, outcome)))
+    let path = format!("operation-networks/{network}/operations/{operation}/requests/{id}");
+    Ok(Json(commit(&app, work, path, outcome).await?))
 }
 
 /// Removes a dynamic data request of the own organisation: nodes and mappings go at the factory,
@@ -54,10 +55,10 @@ pub async fn remove(
     )>,
 ) -> Result<Json<Changed>, Problem> {
     let author = Author::user(&who.principal, app.clock.now());
-    let mut work = app.store.begin().await?;
+    let mut work = app.store.begin(&who.principal, "removeDynamicDataRequest").await?;
     let outcome =
         remove_request(&mut work, &network, &operation, &request, &author, app.resend_after())
             .await?;
-    work.commit().await?;
-    Ok(Json(publish(&app, outcome)))
+    let path = format!("operation-networks/{network}/operations/{operation}/requests/{request}");
+    Ok(Json(commit(&app, work, path, outcome).await?))
 }

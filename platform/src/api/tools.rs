@@ -8,7 +8,7 @@ use utoipa::ToSchema;
 
 use super::{
     administrator_only,
-    factories::Revoked,
+    factories::{Revoked, revoke_holder},
     page::Page,
     problems::{ChangeProblems, ReadProblems, taken, unknown_reference},
 };
@@ -16,7 +16,7 @@ use crate::{
     application::Application,
     enrolment::make_tool_credential,
     principal::Principal,
-    store::{Holder, Scope, Tool},
+    store::{AuditOutcome, AuditSubject, Holder, Scope, Tool, Work},
 };
 
 /// A tool to add.
@@ -67,15 +67,15 @@ pub async fn add(
         name: new.name,
         created_at: app.clock.now(),
     };
-    let mut work = app.store.begin().await?;
+    let mut work = app.store.begin(&who.principal, "addTool").await?;
     if !work.organisations().exists(&tool.organisation_id).await? {
         return Err(unknown_reference("/organisationId", "such organisation"));
     }
     if !work.tools().add(&tool).await? {
         return Err(taken("tool"));
     }
-    work.commit().await?;
-    app.broker_access.reconcile(&app.store).await?;
+    work.commit(subject(&tool), AuditOutcome::Done).await?;
+    app.broker_access.reconcile(&app.store.reader()).await?;
     Ok((StatusCode::CREATED, Json(tool)))
 }
 
@@ -88,10 +88,11 @@ pub async fn make_credential(
     ApiPath(tool): ApiPath<ToolId>,
 ) -> Result<(StatusCode, Json<ToolCredential>), Problem> {
     administrator_only::check(&who)?;
-    let known = app.store.read().await?.tools().lookup(&Scope::Platform, &tool).await?;
-    known.ok_or_else(|| Problem::not_found(format_args!("tool {tool}")))?;
-    let credential = make_tool_credential(&app.store, &app.config, tool, app.clock.now()).await?;
-    app.broker_access.reconcile(&app.store).await?;
+    let mut work = app.store.begin(&who.principal, "makeToolCredential").await?;
+    let known = lookup(&mut work, &tool).await?;
+    let credential = make_tool_credential(&mut work, &app.config, tool, app.clock.now()).await?;
+    work.commit(subject(&known), AuditOutcome::Done).await?;
+    app.broker_access.reconcile(&app.store.reader()).await?;
     let view = ToolCredential {
         broker_url: app.broker_endpoint.url.clone(),
         user_name: credential.holder.user_name(),
@@ -110,7 +111,16 @@ pub async fn revoke(
     ApiPath(tool): ApiPath<ToolId>,
 ) -> Result<Json<Revoked>, Problem> {
     administrator_only::check(&who)?;
-    let known = app.store.read().await?.tools().lookup(&Scope::Platform, &tool).await?;
-    known.ok_or_else(|| Problem::not_found(format_args!("tool {tool}")))?;
-    Ok(Json(super::factories::revoke_holder(&app, Holder::Tool(tool)).await?))
+    let mut work = app.store.begin(&who.principal, "revokeToolCredentials").await?;
+    let known = lookup(&mut work, &tool).await?;
+    Ok(Json(revoke_holder(&app, work, Holder::Tool(tool), subject(&known)).await?))
+}
+
+async fn lookup(work: &mut Work, id: &ToolId) -> Result<Tool, Problem> {
+    let known = work.tools().lookup(&Scope::Platform, id).await?;
+    known.ok_or_else(|| Problem::not_found(format_args!("tool {id}")))
+}
+
+fn subject(tool: &Tool) -> AuditSubject {
+    AuditSubject::of(&tool.organisation_id, format!("tools/{}", tool.tool_id))
 }

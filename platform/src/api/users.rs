@@ -11,13 +11,14 @@ use utoipa::ToSchema;
 
 use super::{
     administrator_only,
-    problems::{ChangeProblems, unknown_reference},
+    page::Page,
+    problems::{ChangeProblems, ReadProblems, unknown_reference},
 };
 use crate::{
     administrator,
     application::Application,
     principal::Principal,
-    store::{Role, User},
+    store::{AuditOutcome, Role, User},
 };
 
 /// User to add or replace.
@@ -40,6 +41,25 @@ pub struct UserView {
     organisation_id: Option<OrganisationId>,
 }
 
+impl From<User> for UserView {
+    fn from(user: User) -> Self {
+        let User { user_name, role, organisation_id } = user;
+        Self { user_name, role, organisation_id }
+    }
+}
+
+/// Lists the people with an account, by name.
+#[utoipa::path(get, operation_id = "listUsers", path = "/users", tag = "users", security(("session" = [])),
+    responses((status = 200, body = Page<UserView>), ReadProblems))]
+pub async fn list(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+) -> Result<Json<Page<UserView>>, Problem> {
+    administrator_only::check(&who)?;
+    let users = app.store.read().await?.users().list().await?;
+    Ok(Json(Page::whole(users.into_iter().map(UserView::from).collect())))
+}
+
 /// Adds or replaces a user; the user's sessions end.
 #[utoipa::path(put, operation_id = "putUser", path = "/users/{userName}", tag = "users", security(("session" = [])),
     params(("userName" = String, Path, description = "The name to sign in with")), request_body = PutUser,
@@ -57,10 +77,9 @@ pub async fn put(
         return Err(unknown_reference("/organisationId", "such organisation"));
     }
     let user = User { user_name, role: body.role, organisation_id: body.organisation_id };
-    administrator::put(&app.store, &user, &body.password, app.clock.now()).await?;
-    Ok(Json(UserView {
-        user_name: user.user_name,
-        role: user.role,
-        organisation_id: user.organisation_id,
-    }))
+    let hash = administrator::hash(body.password).await?;
+    let mut work = app.store.begin(&who.principal, "putUser").await?;
+    administrator::put(&mut work, &user, &hash, app.clock.now()).await?;
+    work.commit(administrator::subject(&user), AuditOutcome::Done).await?;
+    Ok(Json(user.into()))
 }

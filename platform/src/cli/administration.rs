@@ -11,10 +11,11 @@ use asi_model::{FactoryId, OrganisationId};
 use daemon::Confidential;
 use platform::{
     administrator,
+    audit::{CommandLine, RecordingStore},
     clock::Clock,
     config::PlatformConfig,
     enrolment,
-    store::{Organisation, Role, Scope, Store, User, Work},
+    store::{AuditOutcome, AuditSubject, Organisation, Role, Scope, Store, User, Work},
 };
 
 /// Adds an organisation.
@@ -24,9 +25,10 @@ pub async fn add_organisation(
     name: Option<String>,
 ) -> anyhow::Result<()> {
     let store = open(config).await?;
-    let mut work = store.begin().await?;
+    let mut work = store.begin(CommandLine, "addOrganisation").await?;
     let is_new = put_organisation(&mut work, id, name).await?;
-    work.commit().await?;
+    let subject = AuditSubject::of(&id.parse()?, format!("organisations/{id}"));
+    work.commit(subject, AuditOutcome::of(is_new)).await?;
     anyhow::ensure!(is_new, "there is an organisation {id} already");
     Ok(())
 }
@@ -40,14 +42,15 @@ pub async fn add_factory(
 ) -> anyhow::Result<()> {
     let store = open(config).await?;
     let factory: FactoryId = id.parse()?;
-    let mut work = store.begin().await?;
+    let mut work = store.begin(CommandLine, "addFactory").await?;
     put_organisation(&mut work, organisation, None).await?;
     let name = name.unwrap_or_else(|| id.to_owned());
     let is_new = work
         .factories()
         .add(&factory, &organisation.parse()?, &name, Clock::system().now())
         .await?;
-    work.commit().await?;
+    let subject = AuditSubject::of(&organisation.parse()?, format!("factories/{id}"));
+    work.commit(subject, AuditOutcome::of(is_new)).await?;
     anyhow::ensure!(
         is_new,
         "there is a factory {id} already; `platform factory token {id}` makes a token for it"
@@ -59,16 +62,19 @@ pub async fn add_factory(
 pub async fn print_token(config: &PlatformConfig, id: &str) -> anyhow::Result<()> {
     let store = open(config).await?;
     let factory: FactoryId = id.parse()?;
-    let known = store.read().await?.factories().lookup(&Scope::Platform, &factory).await?;
-    known.with_context(|| format!("there is no factory {id}; `platform factory add` adds one"))?;
+    let mut work = store.begin(CommandLine, "makeEnrolmentToken").await?;
+    let known = work.factories().lookup(&Scope::Platform, &factory).await?;
+    let known = known
+        .with_context(|| format!("there is no factory {id}; `platform factory add` adds one"))?;
     let public_url = config.web.public_url.clone().unwrap_or_else(|| {
         let scheme = if config.web.tls.is_some() { "https" } else { "http" };
         format!("{scheme}://{}", config.web.listen)
     });
     let lifetime = Duration::from_secs(u64::from(config.retention.enrolment_token_hours) * 3600);
-    let token =
-        enrolment::make_token(&store, &factory, &public_url, Clock::system().now(), lifetime)
-            .await?;
+    let now = Clock::system().now();
+    let token = enrolment::make_token(&mut work, &factory, &public_url, now, lifetime).await?;
+    let subject = AuditSubject::of(&known.organisation_id, format!("factories/{id}"));
+    work.commit(subject, AuditOutcome::Done).await?;
     let mut out = std::io::stdout();
     writeln!(out, "{}", token.token.expose())?;
     writeln!(
@@ -95,14 +101,18 @@ pub async fn set_user(
     let password: Confidential<String> = line.trim_end_matches(['\r', '\n']).into();
     let organisation_id: Option<OrganisationId> = organisation.map(|id| id.parse()).transpose()?;
     let user = User { user_name, role, organisation_id };
-    Ok(administrator::put(&store, &user, &password, Clock::system().now()).await?)
+    let hash = administrator::hash(password).await?;
+    let mut work = store.begin(CommandLine, "putUser").await?;
+    administrator::put(&mut work, &user, &hash, Clock::system().now()).await?;
+    Ok(work.commit(administrator::subject(&user), AuditOutcome::Done).await?)
 }
 
-async fn open(config: &PlatformConfig) -> anyhow::Result<Store> {
+async fn open(config: &PlatformConfig) -> anyhow::Result<RecordingStore> {
     std::fs::create_dir_all(&config.data_directory).with_context(|| {
         format!("making the data directory {}", config.data_directory.display())
     })?;
-    Ok(Store::open(&config.database_path()).await?)
+    let store = Store::open(&config.database_path()).await?;
+    Ok(RecordingStore::new(store, Clock::system()))
 }
 
 async fn put_organisation(work: &mut Work, id: &str, name: Option<String>) -> anyhow::Result<bool> {

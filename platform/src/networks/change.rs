@@ -119,7 +119,7 @@ async fn revise(
         author.is_administrator
             || (organisation.is_some() && owners.performer(operation) == organisation)
     };
-    let merged = merge(&before.network, &visibility, performs, &document);
+    let merged = merge(&before.network, &visibility, performs, author.owns(&before), &document);
     if merged == before.network {
         return Ok(ChangeOutcome::unchanged(shown.revision));
     }

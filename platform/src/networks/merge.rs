@@ -11,11 +11,12 @@ use crate::store::{Sight, Visibility};
 
 /// Returns the whole network that an author's document makes: what the author sees is replaced,
 /// what is hidden stays in its place. The document has passed the checks of rights, so that of
-/// others' operations only the plan can differ.
+/// others' operations only the plan can differ, for an author who may propose one.
 pub(super) fn merge(
     before: &OperationNetwork,
     visibility: &Visibility<'_>,
     performs: impl Fn(&Operation) -> bool,
+    may_propose: bool,
     document: &OperationNetwork,
 ) -> OperationNetwork {
     let stored: HashMap<_, &Operation> =
@@ -26,8 +27,8 @@ pub(super) fn merge(
             Some(stored) => {
                 let mut merged = match visibility.operation(&stored.operation_id) {
                     Sight::Full if performs(stored) => shown.clone(),
-                    Sight::Full => planned(stored, shown),
-                    Sight::Part | Sight::Hidden => (*stored).clone(),
+                    Sight::Full if may_propose => planned(stored, shown),
+                    Sight::Full | Sight::Part | Sight::Hidden => (*stored).clone(),
                 };
                 merged.dynamic_data_request_list = merge_list(
                     &stored.dynamic_data_request_list,

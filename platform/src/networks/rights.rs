@@ -12,11 +12,13 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::fault::fault;
-use crate::store::NetworkOwners;
+use crate::store::{NetworkOwners, part_of};
 
 /// Members of others' operations to which the drawer of the network may propose values.
 const PLAN: [&str; 4] = ["plannedStart", "plannedEnd", "plannedQuantity", "quantityUnit"];
 const REQUESTS: &str = "dynamicDataRequestList";
+/// Sign of an operation that is shown in part. It follows from what the author may see.
+const STUB: &str = "stub";
 
 /// Finds all that the document changes, moves or leaves out of others. `before` is the revision in
 /// force as the author sees it; `author` is the organisation for which it acts.
@@ -99,8 +101,15 @@ impl Check<'_> {
             self.own_operation(known, operation, at);
         } else {
             let plan: &[&str] = if self.is_drawer() { &PLAN } else { &[] };
+            let is_others = |name: &str| ![REQUESTS, STUB].contains(&name) && !plan.contains(&name);
+            // Who was shown it in part before may not have read the rest yet.
+            if !self.is_drawer()
+                && !differing(&part_of(known), operation).iter().any(|name| is_others(name))
+            {
+                return self.requests(known, operation, at);
+            }
             for name in differing(known, operation) {
-                if name != REQUESTS && !plan.contains(&name.as_str()) {
+                if is_others(&name) {
                     self.refuse(format!("{at}/{name}"), "FOREIGN_OPERATION", "The operation");
                 }
             }

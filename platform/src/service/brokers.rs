@@ -17,7 +17,7 @@ use crate::{
     certificates::CertificateAuthority,
     clock::Clock,
     config::{BrokerSettings, ExternalBrokerConfig, PlatformConfig},
-    store::Store,
+    store::{Store, StoreReader},
 };
 
 /// Runs the embedded broker alone, with the users and queues of the platform's database as they are
@@ -37,11 +37,11 @@ pub async fn start_broker_alone(
         broker: BrokerSettings { external: None, ..config.broker.clone() },
         ..config.clone()
     };
-    let (broker, _, _) = open(&embedded, &broker_access, &store, clock.now()).await?;
+    let (broker, _, _) = open(&embedded, &broker_access, &store.reader(), clock.now()).await?;
     if let Some(broker) = broker {
         lifecycle.spawn("broker", Importance::Essential, broker.run(lifecycle.shutdown()));
     }
-    broker_access.reconcile(&store).await?;
+    broker_access.reconcile(&store.reader()).await?;
     Ok(broker_access.broker().map(|broker| broker.local_addresses().to_vec()).unwrap_or_default())
 }
 
@@ -53,7 +53,7 @@ type Opened = (Option<Broker>, BrokerEndpoint, LinkConfig);
 pub(super) async fn open(
     config: &PlatformConfig,
     broker_access: &BrokerAccess,
-    store: &Store,
+    store: &StoreReader,
     now: DateTime,
 ) -> Result<Opened, StartError> {
     // Unique per running instance, so that a broker's log distinguishes them.
@@ -93,7 +93,7 @@ fn open_external(
 async fn open_embedded(
     config: &PlatformConfig,
     broker_access: &BrokerAccess,
-    store: &Store,
+    store: &StoreReader,
     now: DateTime,
     container: String,
 ) -> Result<Opened, StartError> {
@@ -183,8 +183,9 @@ mod tests {
             daemon::configuration::parse(None, &text, "NOTHING", []).expect("valid");
         let store = Store::open(&config.database_path()).await.expect("a database");
         let broker_access = BrokerAccess::new(config.broker.users.clone());
-        let (broker, ..) =
-            open(&config, &broker_access, &store, Clock::system().now()).await.expect("it opens");
+        let (broker, ..) = open(&config, &broker_access, &store.reader(), Clock::system().now())
+            .await
+            .expect("it opens");
         assert!(broker.is_some(), "it is embedded, and does not run yet");
         for user in ["observer", PLATFORM_USER] {
             assert!(broker_access.users().user(user).is_some(), "{user}");

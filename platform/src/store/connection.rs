@@ -10,7 +10,7 @@ use sqlx::{
 
 use super::{error::StoreError, work::Work};
 
-const MIGRATIONS: [(i64, &str, &str); 10] = [
+const MIGRATIONS: [(i64, &str, &str); 12] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
@@ -21,6 +21,8 @@ const MIGRATIONS: [(i64, &str, &str); 10] = [
     (8, "accesses", include_str!("../../migrations/sqlite/0008_accesses.sql")),
     (10, "revocations", include_str!("../../migrations/sqlite/0010_revocations.sql")),
     (11, "sight", include_str!("../../migrations/sqlite/0011_sight.sql")),
+    (30, "audit", include_str!("../../migrations/sqlite/0030_audit.sql")),
+    (31, "departures", include_str!("../../migrations/sqlite/0031_departures.sql")),
 ];
 
 /// Reads of pages at once; more would only share the same disk.
@@ -37,6 +39,21 @@ pub struct Store {
     /// its lock.
     writer: SqlitePool,
     readers: SqlitePool,
+}
+
+/// Reading side of the platform's database. Clones share the connections.
+#[derive(Debug, Clone)]
+pub struct StoreReader(SqlitePool);
+
+impl StoreReader {
+    /// Begins a unit of work that only reads, on one consistent state.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn read(&self) -> Result<Work, StoreError> {
+        let begun = self.0.begin().await;
+        begun.map(Work::new).map_err(StoreError::during("begin to read"))
+    }
 }
 
 impl Store {
@@ -95,8 +112,13 @@ impl Store {
     /// # Errors
     /// [`StoreError::Statement`].
     pub async fn read(&self) -> Result<Work, StoreError> {
-        let begun = self.readers.begin().await;
-        begun.map(Work::new).map_err(StoreError::during("begin to read"))
+        self.reader().read().await
+    }
+
+    /// Returns what reads the store and cannot change it.
+    #[must_use]
+    pub fn reader(&self) -> StoreReader {
+        StoreReader(self.readers.clone())
     }
 
     /// Closes all connections; what is committed stays.

@@ -56,7 +56,7 @@ const SELECT: &str = "SELECT f.factory_id, f.organisation_id, f.name, f.created_
             ELSE f.last_sign_at END AS last_heard_at,
         CASE WHEN CAST($3 AS TEXT) IS NULL OR f.organisation_id = $3 THEN f.last_report_at END AS last_report_at
     FROM factory f
-    WHERE (CAST($2 AS TEXT) IS NULL OR f.factory_id = $2)
+    WHERE f.removed_at IS NULL AND (CAST($2 AS TEXT) IS NULL OR f.factory_id = $2)
       AND (CAST($1 AS TEXT) IS NULL OR f.organisation_id = $1 OR EXISTS (
         SELECT 1 FROM collaboration_factory cf
         JOIN collaboration_member m ON m.collaboration_id = cf.collaboration_id

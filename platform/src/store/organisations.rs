@@ -49,10 +49,10 @@ impl Organisations<'_> {
     /// [`StoreError`].
     pub async fn list(&mut self, scope: &Scope) -> Result<Vec<Organisation>, StoreError> {
         let sql = "SELECT organisation_id, name, created_at FROM organisation o
-                   WHERE CAST($1 AS TEXT) IS NULL OR o.organisation_id = $1 OR EXISTS (
+                   WHERE o.removed_at IS NULL AND (CAST($1 AS TEXT) IS NULL OR o.organisation_id = $1 OR EXISTS (
                        SELECT 1 FROM collaboration_member mine
                        JOIN collaboration_member theirs ON theirs.collaboration_id = mine.collaboration_id
-                       WHERE mine.organisation_id = $1 AND theirs.organisation_id = o.organisation_id)
+                       WHERE mine.organisation_id = $1 AND theirs.organisation_id = o.organisation_id))
                    ORDER BY organisation_id";
         let rows = sqlx::query(sql)
             .bind(scope.member())
@@ -67,12 +67,13 @@ impl Organisations<'_> {
     /// # Errors
     /// [`StoreError`].
     pub async fn exists(&mut self, id: &OrganisationId) -> Result<bool, StoreError> {
-        let found: Option<i64> =
-            sqlx::query_scalar("SELECT 1 FROM organisation WHERE organisation_id = $1")
-                .bind(id.as_str())
-                .fetch_optional(&mut *self.0)
-                .await
-                .map_err(StoreError::during("look an organisation up"))?;
+        let found: Option<i64> = sqlx::query_scalar(
+            "SELECT 1 FROM organisation WHERE organisation_id = $1 AND removed_at IS NULL",
+        )
+        .bind(id.as_str())
+        .fetch_optional(&mut *self.0)
+        .await
+        .map_err(StoreError::during("look an organisation up"))?;
         Ok(found.is_some())
     }
 }

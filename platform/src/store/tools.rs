@@ -55,7 +55,8 @@ impl Tools<'_> {
     /// # Errors
     /// [`StoreError`].
     pub async fn list(&mut self, scope: &Scope) -> Result<Vec<Tool>, StoreError> {
-        let sql = "SELECT * FROM tool WHERE CAST($1 AS TEXT) IS NULL OR organisation_id = $1 ORDER BY tool_id";
+        let sql = "SELECT * FROM tool WHERE removed_at IS NULL
+                   AND (CAST($1 AS TEXT) IS NULL OR organisation_id = $1) ORDER BY tool_id";
         let rows = sqlx::query(sql)
             .bind(scope.member())
             .fetch_all(&mut *self.0)
@@ -69,7 +70,8 @@ impl Tools<'_> {
     /// # Errors
     /// [`StoreError`].
     pub async fn lookup(&mut self, scope: &Scope, id: &ToolId) -> Result<Option<Tool>, StoreError> {
-        let sql = "SELECT * FROM tool WHERE tool_id = $2 AND (CAST($1 AS TEXT) IS NULL OR organisation_id = $1)";
+        let sql = "SELECT * FROM tool WHERE tool_id = $2 AND removed_at IS NULL
+                   AND (CAST($1 AS TEXT) IS NULL OR organisation_id = $1)";
         let row = sqlx::query(sql)
             .bind(scope.member())
             .bind(id.as_str())
@@ -121,7 +123,7 @@ impl Tools<'_> {
         request: &DynamicDataRequestId,
     ) -> Result<Vec<(ToolId, OrganisationId)>, StoreError> {
         let sql = "SELECT t.tool_id, t.organisation_id FROM request_tool rt
-                   JOIN tool t ON t.tool_id = rt.tool_id
+                   JOIN tool t ON t.tool_id = rt.tool_id AND t.removed_at IS NULL
                    JOIN request_recipient r ON r.operation_network_id = rt.operation_network_id
                        AND r.dynamic_data_request_id = rt.dynamic_data_request_id
                        AND r.organisation_id = t.organisation_id

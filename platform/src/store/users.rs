@@ -110,6 +110,18 @@ impl Users<'_> {
             .map_err(StoreError::during("count users"))
     }
 
+    /// Lists all users, by name.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn list(&mut self) -> Result<Vec<User>, StoreError> {
+        let rows = sqlx::query("SELECT * FROM user_account ORDER BY user_name")
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list users"))?;
+        rows.iter().map(|row| read(row).map(|(user, _)| user)).collect()
+    }
+
     /// Looks a user up.
     ///
     /// # Errors

@@ -175,18 +175,16 @@ impl<'n> Visibility<'n> {
             .collect()
     }
 
-    /// Another's operation as partners see it: as factories are sent it, with the plan times, and with
-    /// the requests that the viewer may see. With such it is no stub in the words of the contract.
+    /// Another's operation in part, with the requests that the viewer may see. With such it is no stub in
+    /// the words of the contract.
     fn in_part(&self, operation: &Operation) -> Operation {
         let requests = operation.dynamic_data_request_list.iter();
         let requests: Vec<DynamicDataRequest> =
             requests.filter(|request| self.request(operation, request)).cloned().collect();
         Operation {
-            planned_start: operation.planned_start,
-            planned_end: operation.planned_end,
             stub: requests.is_empty(),
             dynamic_data_request_list: requests,
-            ..split::stub(operation)
+            ..part_of(operation)
         }
     }
 
@@ -203,6 +201,17 @@ impl<'n> Visibility<'n> {
             *inspected_operation_id = None;
         }
         shown
+    }
+}
+
+/// Returns the part of another's operation that partners see: as factories are sent it, with the plan
+/// times, and without requests.
+#[must_use]
+pub fn part_of(operation: &Operation) -> Operation {
+    Operation {
+        planned_start: operation.planned_start,
+        planned_end: operation.planned_end,
+        ..split::stub(operation)
     }
 }
 

@@ -5,11 +5,13 @@ use sqlx::Transaction;
 use super::{
     accesses::Accesses,
     asked_requests::AskedRequests,
+    audit::AuditEntries,
     collaborations::Collaborations,
     comments::Comments,
     credentials::Credentials,
     database::{Connection, Database},
     dead_letters::DeadLetters,
+    departures::Departures,
     error::StoreError,
     factories::Factories,
     fields::Fields,
@@ -59,6 +61,11 @@ impl Work {
         AskedRequests(self.connection())
     }
 
+    /// Returns the repository of entries of who changed what.
+    pub fn audit(&mut self) -> AuditEntries<'_> {
+        AuditEntries(self.connection())
+    }
+
     /// Returns the repository of collaborations and their members.
     pub fn collaborations(&mut self) -> Collaborations<'_> {
         Collaborations(self.connection())
@@ -82,6 +89,11 @@ impl Work {
     /// Dead letters of ingest.
     pub fn dead_letters(&mut self) -> DeadLetters<'_> {
         DeadLetters(self.connection())
+    }
+
+    /// Returns the repository of departures.
+    pub fn departures(&mut self) -> Departures<'_> {
+        Departures(self.connection())
     }
 
     /// Returns the repository of factories.

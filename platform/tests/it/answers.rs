@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use testkit::Contract;
 
 use crate::{
+    audit,
     harness::{Answer, Api, Live, PASSWORD, World, eventually},
     leases::{ask, with_leases},
     story::{self, NETWORK},
@@ -140,6 +141,9 @@ async fn every_operation_answers_as_in_its_snapshot() {
     comments(&mut answers, &buyer).await;
     events(&mut answers, &buyer, &view).await;
     networks(&mut answers, &buyer).await;
+    answers.get(&buyer, "listAuditEntries", "/audit-entries?limit=4").await;
+    audit::every_changing_operation_is_on_record(&admin).await;
+    answers.get(&buyer, "exportAuditEntries", "/audit-entries/export").await;
     let body = json!({ "userName": "acme-aero-viewer", "password": PASSWORD });
     answers.post(&world.anonymous(), "signIn", "/session", body).await;
     answers.delete(&buyer, "signOut", "/session").await;
@@ -202,6 +206,14 @@ async fn structure(answers: &mut Answers, admin: &Api) {
     answers.put(admin, "addMember", path, json!({})).await;
     let path = "/collaborations/new/factories/NEW";
     answers.put(admin, "addCollaborationFactory", path, json!({})).await;
+    answers.delete(admin, "removeCollaborationFactory", path).await;
+    answers.delete(admin, "removeMember", "/collaborations/new/members/acme-aero").await;
+    admin.delete("/collaborations/new/members/new").await.expect_ok();
+    answers.delete(admin, "removeTool", "/tools/Monitoring").await;
+    answers.delete(admin, "removeFactory", "/factories/NEW").await;
+    answers.get(admin, "listUsers", "/users").await;
+    answers.delete(admin, "removeUser", "/users/new-viewer").await;
+    answers.delete(admin, "removeOrganisation", "/organisations/new").await;
 }
 
 async fn comments(answers: &mut Answers, buyer: &Api) {

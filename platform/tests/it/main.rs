@@ -5,8 +5,10 @@
 
 mod accesses;
 mod answers;
+mod audit;
 mod chain;
 mod connector;
+mod departures;
 mod enrolment;
 mod entitlement;
 mod foreign_requests;

@@ -93,6 +93,7 @@ fn readings(operation: &str, owner: &Member) -> Vec<String> {
         | "/factories"
         | "/collaborations"
         | "/tools"
+        | "/users"
         | "/dead-letters"
         | "/operation-networks" => vec![operation.to_owned()],
         "/reports" => {
@@ -118,6 +119,7 @@ fn readings(operation: &str, owner: &Member) -> Vec<String> {
         "/operation-networks/{operationNetworkId}/revocations" => {
             vec![format!("{network}/revocations"), format!("{}/revocations", network_path())]
         }
+        "/audit-entries" | "/audit-entries/export" => vec![operation.to_owned()],
         // Read to its end below.
         "/live" => Vec::new(),
         other => panic!("{other} has no row: what may one member read of another by it?"),

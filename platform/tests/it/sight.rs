@@ -206,6 +206,9 @@ async fn asking_about_an_operation_shows_its_inside_only_once_the_factory_opens_
     let shown = seen(&carrier).await;
     assert_eq!(shown["operationList"][2]["productId"], "crate");
     // It asks about its neighbour, of which it sees a stub.
+    let mut asking = shown.clone();
+    asking["operationList"][0]["dynamicDataRequestList"] =
+        json!([story::request("AskedByCarrier", CARRIER)]);
     let path = requests_path("InspectFrame1");
     carrier.post(&path, story::request("AskedByCarrier", CARRIER)).await.expect_ok();
     let asked = seen(&carrier).await["operationList"][0].clone();
@@ -240,6 +243,10 @@ async fn asking_about_an_operation_shows_its_inside_only_once_the_factory_opens_
         .await;
         let operation = &view["network"]["operationList"][0];
         assert_eq!(operation["plannedQuantity"] == 12.0, is_shown, "{state}: {operation}");
+        // The document of before changes nothing, whatever is shown by now.
+        assert_eq!(story::put_network(&carrier, asking.clone()).await["isChanged"], json!(false));
+        let whole = seen(&admin).await["operationList"][1].clone();
+        assert_eq!(whole["plannedQuantity"], 12.0);
     }
     let path = requests_path("MakeFrame1");
     let hidden = carrier.post(&path, story::request("AskedByCarrier2", CARRIER)).await;

@@ -8,7 +8,9 @@ use crate::{
     clock::new_message_id,
     ingest::unit::IngestUnit,
     networks::{self, Author, ChangeError},
-    store::{Scope, StoreError},
+    store::{
+        AuditAgent, AuditAgentKind, AuditOutcome, AuditSubject, NewAuditEntry, Scope, StoreError,
+    },
     tools::{DataRequestMessage, ToolAcknowledgement},
 };
 
@@ -22,6 +24,11 @@ pub(super) async fn add_request(
     let Some(tool) = unit.work.tools().lookup(&Scope::Platform, &message.tool_id).await? else {
         return Ok(false);
     };
+    let agent = AuditAgent {
+        kind: AuditAgentKind::Tool,
+        name: tool.tool_id.to_string(),
+        organisation_id: Some(tool.organisation_id.clone()),
+    };
     let author = Author::tool(&tool.tool_id, tool.organisation_id, unit.now);
     let mut request = message.dynamic_data_request.clone();
     request.dynamic_data_request_publisher_id = Some(message.tool_id.clone());
@@ -31,6 +38,16 @@ pub(super) async fn add_request(
     let is_added = added.is_ok();
     let (result, revision, fault_list) = match added {
         Ok(outcome) => {
+            let id = &message.dynamic_data_request.dynamic_data_request_id;
+            let path = format!("operation-networks/{network}/operations/{operation}/requests/{id}");
+            let entry = NewAuditEntry {
+                recorded_at: unit.now,
+                agent: &agent,
+                operation: "addDynamicDataRequest",
+                subject: &AuditSubject::shared(path),
+                outcome: AuditOutcome::of(outcome.is_changed),
+            };
+            unit.work.audit().add(&entry).await?;
             unit.effects.notifications.extend(outcome.notifications);
             unit.effects.has_outgoing = true;
             let result = match outcome.is_changed {

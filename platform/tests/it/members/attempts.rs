@@ -85,6 +85,16 @@ pub fn attempts(
             format!("/users/{}-planner", owner.id),
             json!({ "password": PASSWORD, "role": "PLANNER", "organisationId": author.id }),
         ),
+        "DELETE /users/{userName}" => bare(format!("/users/{}-planner", owner.id)),
+        "DELETE /tools/{toolId}" => bare(format!("/tools/{}", owner.tool())),
+        "DELETE /factories/{factoryId}" => bare(format!("/factories/{}", owner.factory)),
+        "DELETE /organisations/{organisationId}" => bare(format!("/organisations/{}", owner.id)),
+        "DELETE /collaborations/{collaborationId}/members/{organisationId}" => {
+            bare(format!("/collaborations/order/members/{}", owner.id))
+        }
+        "DELETE /collaborations/{collaborationId}/factories/{factoryId}" => {
+            bare(format!("/collaborations/order/factories/{}", owner.factory))
+        }
         "POST /factories" => one(
             "/factories".into(),
             json!({ "factoryId": "NEW", "organisationId": owner.id, "name": "new" }),

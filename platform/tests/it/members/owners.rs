@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 
-use super::places::{Change, Kind};
+use super::places::{Change, ENDS, Kind};
 use crate::{chain::CARRIER_FACTORY, harness::Answer};
 
 /// Members of others' operations to which the drawer of the network may propose values.
@@ -52,6 +52,14 @@ impl Owner<'_> {
         self.draws() || (performs("predecessorOperationId") && performs("successorOperationId"))
     }
 
+    /// True where the author may change all relations of the operation.
+    fn joins_all(&self, operation: &Value) -> bool {
+        let relations = self.shown["operationRelationList"].as_array();
+        let of_it =
+            |relation: &&Value| ENDS.iter().any(|end| relation[end] == operation["operationId"]);
+        relations.into_iter().flatten().filter(of_it).all(|relation| self.joins(relation))
+    }
+
     /// Returns true where the change is of what is the author's own, or a proposal that it may
     /// make. All else has to be refused.
     pub fn may(&self, change: &Change) -> bool {
@@ -93,9 +101,10 @@ impl Owner<'_> {
     ) -> bool {
         let is_own = self.performs(operation);
         match inner {
-            // An operation with another id is another operation.
-            [] | ["operationId"] => is_own && self.alone(operation),
-            ["stub"] => false,
+            // An operation with another id is another operation. Relations go with it.
+            [] | ["operationId"] => is_own && self.alone(operation) && self.joins_all(operation),
+            // Of others' operations it says nothing.
+            ["stub"] => !is_own,
             ["owningFactoryId"] => {
                 is_own && self.alone(operation) && organisation_of(after) == self.author
             }
@@ -115,18 +124,29 @@ impl Owner<'_> {
         }
     }
 
-    /// Asserts that a change that is not the author's to make was refused, at its place.
-    pub fn assert_refused(&self, change: &Change, answer: &Answer) {
+    /// Asserts that a change that is not the author's to make was refused, at its place. Returns false where
+    /// the document was refused as no right network, and so not compared with the author's rights.
+    pub fn assert_refused(&self, change: &Change, answer: &Answer) -> bool {
         let what = || format!("{}: {:?} {}: {answer:?}", self.author, change.kind, change.pointer);
-        // A document that is no network is not compared with anything.
+        if answer.body["isChanged"] == false {
+            return false;
+        }
         assert!([400, 409, 422].contains(&answer.status), "{}", what());
-        let Some(faults) = answer.body["faults"].as_array() else { return };
+        let faults = answer.body["faults"].as_array().cloned().unwrap_or_default();
+        let is_of_rights = |fault: &Value| {
+            let code = fault["code"].as_str().expect("a code");
+            code.starts_with("FOREIGN") || ["ID_TAKEN", "STUB_IN_WHOLE"].contains(&code)
+        };
+        if !faults.iter().any(is_of_rights) {
+            return false;
+        }
         let is_there = |fault: &Value| {
             let pointer = fault["pointer"].as_str().expect("a pointer");
             let pointer = pointer.strip_prefix("/operationNetwork").unwrap_or(pointer);
             pointer.starts_with(&change.pointer) || change.pointer.starts_with(pointer)
         };
         assert!(faults.iter().any(is_there), "{}", what());
+        true
     }
 
     /// Asserts that a change that is the author's to make was not refused as another's.

@@ -6,6 +6,8 @@ use std::sync::LazyLock;
 
 use serde_json::{Map, Value, json};
 
+use crate::chain::ids;
+
 /// Schema of the document, of the wire contract.
 static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
     let schemas = asi_model::schema::all();
@@ -13,6 +15,10 @@ static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
     let (_, schema) = network.expect("the schema of networks");
     serde_json::to_value(schema).expect("it serialises")
 });
+
+const OPERATION: &str = "operationId";
+/// Members of a relation that name operations.
+pub const ENDS: [&str; 2] = ["predecessorOperationId", "successorOperationId"];
 
 /// Ids that stand in a document for things that are there.
 pub struct Known {
@@ -84,6 +90,32 @@ fn members(schema: &Value) -> Map<String, Value> {
     found
 }
 
+/// Lets relations follow an operation that got another id or is gone, so that the document is right but for
+/// the rights of its author.
+fn follow(before: &Value, after: &mut Value) {
+    let (old, new) =
+        (ids(&before["operationList"], OPERATION), ids(&after["operationList"], OPERATION));
+    let Some(relations) = after.get_mut("operationRelationList").and_then(Value::as_array_mut)
+    else {
+        return;
+    };
+    let gone: Vec<&String> = old.iter().filter(|id| !new.contains(id)).collect();
+    if old.len() == new.len() {
+        for (old, new) in old.iter().zip(&new).filter(|(old, new)| old != new) {
+            for relation in relations.iter_mut() {
+                for end in ENDS {
+                    if relation[end] == old.as_str() {
+                        relation[end] = json!(new);
+                    }
+                }
+            }
+        }
+    } else {
+        let is_gone = |end: &Value| gone.iter().any(|id| *end == id.as_str());
+        relations.retain(|relation| !ENDS.iter().any(|end| is_gone(&relation[end])));
+    }
+}
+
 struct Walk<'d> {
     document: &'d Value,
     known: &'d Known,
@@ -95,6 +127,7 @@ impl Walk<'_> {
         let (parent, name) = pointer.rsplit_once('/').expect("a pointer");
         let mut document = self.document.clone();
         change(document.pointer_mut(parent).expect("a parent"), name);
+        follow(self.document, &mut document);
         self.found.push(Change { pointer, kind, document });
     }
 

@@ -1,0 +1,281 @@
+//! Entries of who changed what. They are added and read; only retention removes the oldest.
+
+use std::{fmt, str::FromStr};
+
+use asi_model::{DateTime, OrganisationId};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::{
+    database::Connection,
+    error::StoreError,
+    row::{Columns, DatabaseRow, signed},
+    scope::Scope,
+};
+
+/// Kind of an agent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum AuditAgentKind {
+    /// A person, with its user account.
+    User,
+    /// A program of a partner, over the broker.
+    Tool,
+    /// A connector that enrols.
+    Factory,
+    /// A command on the platform's machine, or its configuration.
+    Command,
+}
+
+impl AuditAgentKind {
+    const ALL: [Self; 4] = [Self::User, Self::Tool, Self::Factory, Self::Command];
+
+    const fn as_str(self) -> &'static str {
+        match self {
+            Self::User => "USER",
+            Self::Tool => "TOOL",
+            Self::Factory => "FACTORY",
+            Self::Command => "COMMAND",
+        }
+    }
+}
+
+impl FromStr for AuditAgentKind {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let found = Self::ALL.into_iter().find(|kind| kind.as_str() == text);
+        found.ok_or_else(|| format!("{text:?} is no kind of agent"))
+    }
+}
+
+/// Outcome of an operation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum AuditOutcome {
+    Done,
+    /// All was as wanted before.
+    Unchanged,
+}
+
+impl AuditOutcome {
+    /// Returns the outcome of an operation that says whether it changed anything.
+    #[must_use]
+    pub const fn of(is_changed: bool) -> Self {
+        if is_changed { Self::Done } else { Self::Unchanged }
+    }
+
+    const fn as_str(self) -> &'static str {
+        match self {
+            Self::Done => "DONE",
+            Self::Unchanged => "UNCHANGED",
+        }
+    }
+}
+
+impl FromStr for AuditOutcome {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let found = [Self::Done, Self::Unchanged].into_iter().find(|each| each.as_str() == text);
+        found.ok_or_else(|| format!("{text:?} is no outcome"))
+    }
+}
+
+/// Person or program that changes something.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AuditAgent {
+    pub kind: AuditAgentKind,
+    /// Name of the user, id of the tool or factory, or name of the command.
+    pub name: String,
+    /// The organisation for which it acts.
+    pub organisation_id: Option<OrganisationId>,
+}
+
+/// Thing that an operation was about.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AuditSubject {
+    /// Its place in the API, as `factories/FOR_MUC`.
+    pub path: String,
+    /// The organisation whose people, factory or tool it is; none for what is of several.
+    pub concerned: Option<OrganisationId>,
+}
+
+impl AuditSubject {
+    /// Names what belongs to no single organisation.
+    #[must_use]
+    pub fn shared(path: impl fmt::Display) -> Self {
+        Self { path: path.to_string(), concerned: None }
+    }
+
+    /// Names what belongs to an organisation.
+    #[must_use]
+    pub fn of(organisation: &OrganisationId, path: impl fmt::Display) -> Self {
+        Self { path: path.to_string(), concerned: Some(organisation.clone()) }
+    }
+}
+
+/// An entry to add.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NewAuditEntry<'a> {
+    pub recorded_at: DateTime,
+    pub agent: &'a AuditAgent,
+    /// The operation's id in the description of the API.
+    pub operation: &'a str,
+    pub subject: &'a AuditSubject,
+    pub outcome: AuditOutcome,
+}
+
+/// An entry as a viewer may see it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct AuditEntry {
+    /// Number of the entry; entries of others are between those that a viewer sees.
+    pub number: u64,
+    pub recorded_at: DateTime,
+    pub agent_kind: AuditAgentKind,
+    /// Name of the person or program, for its own organisation and administrators.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub agent_name: Option<String>,
+    /// The organisation for which it acted; absent for who runs the platform.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub organisation_id: Option<OrganisationId>,
+    /// Id of the operation in the description of the API, as `putUser`.
+    pub operation: String,
+    /// Place of what it was about, as `factories/FOR_MUC`.
+    pub subject: String,
+    pub outcome: AuditOutcome,
+}
+
+/// Condition on a row `e` of `audit_entry`: an agent of the organisation `$1` made it, or it is about what
+/// belongs to it alone.
+macro_rules! own {
+    () => {
+        "(CAST($1 AS TEXT) IS NULL OR e.organisation_id = $1 OR e.concerned_id = $1)"
+    };
+}
+
+/// Repository of entries.
+pub struct AuditEntries<'w>(pub(super) &'w mut Connection);
+
+impl AuditEntries<'_> {
+    /// Adds an entry.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn add(&mut self, entry: &NewAuditEntry<'_>) -> Result<(), StoreError> {
+        let sql = "INSERT INTO audit_entry (recorded_at, agent_kind, agent_name, organisation_id, operation, subject,
+                       concerned_id, outcome) VALUES ($1, $2, $3, $4, $5, $6, $7, $8)";
+        sqlx::query(sql)
+            .bind(entry.recorded_at.ticks())
+            .bind(entry.agent.kind.as_str())
+            .bind(&entry.agent.name)
+            .bind(entry.agent.organisation_id.as_ref().map(OrganisationId::as_str))
+            .bind(entry.operation)
+            .bind(&entry.subject.path)
+            .bind(entry.subject.concerned.as_ref().map(OrganisationId::as_str))
+            .bind(entry.outcome.as_str())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("record who changed what"))?;
+        Ok(())
+    }
+
+    /// Lists entries that the viewer may see, newest first, with smaller numbers than `before`.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn list(
+        &mut self,
+        scope: &Scope,
+        before: Option<u64>,
+        limit: u32,
+    ) -> Result<Vec<AuditEntry>, StoreError> {
+        let sql = concat!(
+            "SELECT e.* FROM audit_entry e WHERE ",
+            own!(),
+            " AND (CAST($2 AS INTEGER) IS NULL OR e.audit_entry_id < $2)
+              ORDER BY e.audit_entry_id DESC LIMIT $3"
+        );
+        self.select(sql, scope, before, limit).await
+    }
+
+    /// Lists entries that the viewer may see, oldest first, with greater numbers than `after`.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn list_after(
+        &mut self,
+        scope: &Scope,
+        after: u64,
+        limit: u32,
+    ) -> Result<Vec<AuditEntry>, StoreError> {
+        let sql = concat!(
+            "SELECT e.* FROM audit_entry e WHERE ",
+            own!(),
+            " AND e.audit_entry_id > $2 ORDER BY e.audit_entry_id LIMIT $3"
+        );
+        self.select(sql, scope, Some(after), limit).await
+    }
+
+    /// Forgets the oldest entries: those of before a time, and those beyond the newest `retained`; not
+    /// more than `rows`.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn forget(
+        &mut self,
+        before: DateTime,
+        retained: u64,
+        rows: u32,
+    ) -> Result<u64, StoreError> {
+        // In the order of the numbers: one that is older than its predecessor waits for it.
+        let sql = "DELETE FROM audit_entry WHERE audit_entry_id < COALESCE(
+                       (SELECT e.audit_entry_id FROM audit_entry e
+                        WHERE e.recorded_at >= $1
+                          AND e.audit_entry_id > (SELECT MAX(audit_entry_id) FROM audit_entry) - $2
+                        ORDER BY e.audit_entry_id LIMIT 1),
+                       (SELECT MAX(audit_entry_id) + 1 FROM audit_entry))
+                   AND audit_entry_id < (SELECT MIN(audit_entry_id) FROM audit_entry) + $3";
+        let result = sqlx::query(sql)
+            .bind(before.ticks())
+            .bind(signed(retained))
+            .bind(i64::from(rows))
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("forget old entries of the audit"))?;
+        Ok(result.rows_affected())
+    }
+
+    async fn select(
+        &mut self,
+        sql: &'static str,
+        scope: &Scope,
+        number: Option<u64>,
+        limit: u32,
+    ) -> Result<Vec<AuditEntry>, StoreError> {
+        let rows = sqlx::query(sql)
+            .bind(scope.member())
+            .bind(number.map(signed))
+            .bind(i64::from(limit))
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list who changed what"))?;
+        rows.iter().map(|row| read(row, scope)).collect()
+    }
+}
+
+fn read(row: &DatabaseRow, scope: &Scope) -> Result<AuditEntry, StoreError> {
+    let organisation_id: Option<OrganisationId> = row.parsed_option("organisation_id")?;
+    let agent_name: String = row.column("agent_name")?;
+    let viewer = scope.member();
+    let is_own = viewer.is_none() || viewer == organisation_id.as_ref().map(OrganisationId::as_str);
+    Ok(AuditEntry {
+        number: row.unsigned("audit_entry_id")?,
+        recorded_at: row.time("recorded_at")?,
+        agent_kind: row.parsed("agent_kind")?,
+        agent_name: Some(agent_name).filter(|_| is_own),
+        organisation_id,
+        operation: row.column("operation")?,
+        subject: row.column("subject")?,
+        outcome: row.parsed("outcome")?,
+    })
+}

@@ -1,0 +1,331 @@
+//! Departures: people, tools, factories and organisations leave the platform, members and factories a
+//! collaboration. Nothing leaves while something of it is in force.
+
+use asi_model::{CollaborationId, DateTime, FactoryId, OrganisationId, ToolId};
+use serde::Serialize;
+use sqlx::Row;
+use utoipa::ToSchema;
+
+use super::{
+    audit::AuditSubject, credentials::Credentials, credentials::Holder, database::Connection,
+    error::StoreError, row::Columns,
+};
+
+/// Things that are listed of each kind; who wants to leave ends them one by one anyway.
+const LISTED_MAX: i64 = 100;
+
+/// Person, program, plant or organisation that leaves.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Leaver {
+    User(String),
+    Tool(ToolId),
+    Factory(FactoryId),
+    Organisation(OrganisationId),
+    /// A member of a collaboration.
+    Member(CollaborationId, OrganisationId),
+    /// A factory of a collaboration.
+    CollaborationFactory(CollaborationId, FactoryId),
+}
+
+impl Leaver {
+    /// Returns its place in the API.
+    #[must_use]
+    pub fn path(&self) -> String {
+        match self {
+            Self::User(name) => format!("users/{name}"),
+            Self::Tool(id) => format!("tools/{id}"),
+            Self::Factory(id) => format!("factories/{id}"),
+            Self::Organisation(id) => format!("organisations/{id}"),
+            Self::Member(of, id) => format!("collaborations/{of}/members/{id}"),
+            Self::CollaborationFactory(of, id) => format!("collaborations/{of}/factories/{id}"),
+        }
+    }
+
+    /// Returns the holder of broker credentials that it is.
+    #[must_use]
+    pub fn holder(&self) -> Option<Holder> {
+        match self {
+            Self::Tool(id) => Some(Holder::Tool(id.clone())),
+            Self::Factory(id) => Some(Holder::Factory(id.clone())),
+            _ => None,
+        }
+    }
+}
+
+/// Effects of a departure, and what is in its way.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct Departure {
+    /// True once it has left.
+    pub is_done: bool,
+    /// Places of what is in force and has to be ended first, at most a hundred of a kind.
+    pub in_force: Vec<String>,
+    /// People whose accounts end.
+    pub people: Vec<String>,
+    /// Number of sessions that end.
+    pub sessions: u64,
+    /// Number of broker credentials that end, with the connections that use them.
+    pub credentials: u64,
+    /// Places of requests whose reports no tool gets any more, at most a hundred.
+    pub requests: Vec<String>,
+}
+
+/// Repository of departures.
+pub struct Departures<'w>(pub(super) &'w mut Connection);
+
+impl Departures<'_> {
+    /// Returns who leaves as the subject of a change; none where there is no such.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn subject(&mut self, leaver: &Leaver) -> Result<Option<AuditSubject>, StoreError> {
+        let (sql, first, second) = match leaver {
+            Leaver::User(name) => (
+                "SELECT organisation_id FROM user_account WHERE user_name = $1 AND $2 = ''",
+                name.as_str(),
+                "",
+            ),
+            Leaver::Tool(id) => (
+                "SELECT organisation_id FROM tool WHERE tool_id = $1 AND $2 = '' AND removed_at IS NULL",
+                id.as_str(),
+                "",
+            ),
+            Leaver::Factory(id) => (
+                "SELECT organisation_id FROM factory WHERE factory_id = $1 AND $2 = '' AND removed_at IS NULL",
+                id.as_str(),
+                "",
+            ),
+            Leaver::Organisation(id) => (
+                "SELECT organisation_id FROM organisation
+                 WHERE organisation_id = $1 AND $2 = '' AND removed_at IS NULL",
+                id.as_str(),
+                "",
+            ),
+            Leaver::Member(of, id) => (
+                "SELECT organisation_id FROM collaboration_member
+                 WHERE organisation_id = $1 AND collaboration_id = $2",
+                id.as_str(),
+                of.as_str(),
+            ),
+            Leaver::CollaborationFactory(of, id) => (
+                "SELECT f.organisation_id FROM collaboration_factory c
+                 JOIN factory f ON f.factory_id = c.factory_id
+                 WHERE c.factory_id = $1 AND c.collaboration_id = $2",
+                id.as_str(),
+                of.as_str(),
+            ),
+        };
+        let row = sqlx::query(sql)
+            .bind(first)
+            .bind(second)
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("look up who leaves"))?;
+        let Some(row) = row else { return Ok(None) };
+        let concerned = row.parsed_option("organisation_id")?;
+        Ok(Some(AuditSubject { path: leaver.path(), concerned }))
+    }
+
+    /// Returns what a departure would end, and what is in its way.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn preview(&mut self, leaver: &Leaver) -> Result<Departure, StoreError> {
+        let mut departure = Departure::default();
+        match leaver {
+            Leaver::User(name) => {
+                departure.people.push(name.clone());
+                departure.in_force = self.list(LAST_ADMINISTRATOR, name, "").await?;
+                departure.sessions = self.count(SESSIONS_OF_USER, name, "").await?;
+            }
+            Leaver::Tool(id) => {
+                departure.requests = self.list(REQUESTS_OF_TOOL, id.as_str(), "").await?;
+                departure.credentials = self.count(CREDENTIALS, "TOOL", id.as_str()).await?;
+            }
+            Leaver::Factory(id) => {
+                departure.in_force = self.list(PERFORMED, id.as_str(), "").await?;
+                departure.in_force.extend(self.list(COLLABORATIONS, id.as_str(), "").await?);
+                departure.credentials = self.count(CREDENTIALS, "FACTORY", id.as_str()).await?;
+            }
+            Leaver::Organisation(id) => {
+                for sql in [MEMBERSHIPS, FACTORIES, TOOLS] {
+                    departure.in_force.extend(self.list(sql, id.as_str(), "").await?);
+                }
+                departure.people = self.list(PEOPLE, id.as_str(), "").await?;
+                departure.sessions = self.count(SESSIONS_OF_PEOPLE, id.as_str(), "").await?;
+            }
+            Leaver::Member(of, id) => {
+                for sql in [DRAWN, ASKED, RECEIVED, OWN_FACTORIES] {
+                    departure.in_force.extend(self.list(sql, id.as_str(), of.as_str()).await?);
+                }
+            }
+            Leaver::CollaborationFactory(of, id) => {
+                departure.in_force = self.list(PERFORMED, id.as_str(), of.as_str()).await?;
+            }
+        }
+        Ok(departure)
+    }
+
+    /// Lets somebody or something leave. What happened with it stays; it is hidden from now on, and its id
+    /// is never given again, but for the name of a person.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn leave(&mut self, leaver: &Leaver, now: DateTime) -> Result<(), StoreError> {
+        if let Some(holder) = leaver.holder() {
+            Credentials(&mut *self.0).revoke(&holder).await?;
+        }
+        match leaver {
+            // The sessions go with the account.
+            Leaver::User(name) => {
+                self.run("DELETE FROM user_account WHERE user_name = $1 AND $2 = ''", name, "")
+                    .await
+            }
+            Leaver::Tool(id) => {
+                self.run(
+                    "DELETE FROM request_tool WHERE tool_id = $1 AND $2 = ''",
+                    id.as_str(),
+                    "",
+                )
+                .await?;
+                self.remove("UPDATE tool SET removed_at = $2 WHERE tool_id = $1", id.as_str(), now)
+                    .await
+            }
+            Leaver::Factory(id) => {
+                let sql = "UPDATE factory SET removed_at = $2 WHERE factory_id = $1";
+                self.remove(sql, id.as_str(), now).await
+            }
+            Leaver::Organisation(id) => {
+                let sql = "DELETE FROM user_account WHERE organisation_id = $1 AND $2 = ''";
+                self.run(sql, id.as_str(), "").await?;
+                let sql = "UPDATE organisation SET removed_at = $2 WHERE organisation_id = $1";
+                self.remove(sql, id.as_str(), now).await
+            }
+            Leaver::Member(of, id) => {
+                let sql = "DELETE FROM collaboration_member
+                           WHERE organisation_id = $1 AND collaboration_id = $2";
+                self.run(sql, id.as_str(), of.as_str()).await
+            }
+            Leaver::CollaborationFactory(of, id) => {
+                let sql = "DELETE FROM collaboration_factory
+                           WHERE factory_id = $1 AND collaboration_id = $2";
+                self.run(sql, id.as_str(), of.as_str()).await
+            }
+        }
+    }
+
+    async fn list(
+        &mut self,
+        sql: &'static str,
+        first: &str,
+        second: &str,
+    ) -> Result<Vec<String>, StoreError> {
+        let rows = sqlx::query(sql)
+            .bind(first)
+            .bind(second)
+            .bind(LISTED_MAX)
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list what is in force"))?;
+        rows.iter()
+            .map(|row| row.try_get(0).map_err(StoreError::during("list what is in force")))
+            .collect()
+    }
+
+    async fn count(
+        &mut self,
+        sql: &'static str,
+        first: &str,
+        second: &str,
+    ) -> Result<u64, StoreError> {
+        let count: i64 = sqlx::query_scalar(sql)
+            .bind(first)
+            .bind(second)
+            .fetch_one(&mut *self.0)
+            .await
+            .map_err(StoreError::during("count what ends"))?;
+        Ok(u64::try_from(count).unwrap_or_default())
+    }
+
+    async fn run(
+        &mut self,
+        sql: &'static str,
+        first: &str,
+        second: &str,
+    ) -> Result<(), StoreError> {
+        sqlx::query(sql)
+            .bind(first)
+            .bind(second)
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("let somebody leave"))?;
+        Ok(())
+    }
+
+    async fn remove(
+        &mut self,
+        sql: &'static str,
+        id: &str,
+        now: DateTime,
+    ) -> Result<(), StoreError> {
+        sqlx::query(sql)
+            .bind(id)
+            .bind(now.ticks())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("remove what leaves"))?;
+        Ok(())
+    }
+}
+
+/// The one administrator that there is: somebody has to run the platform.
+const LAST_ADMINISTRATOR: &str = "SELECT 'users/' || u.user_name FROM user_account u
+    WHERE u.user_name = $1 AND u.role = 'ADMINISTRATOR' AND $2 = '' AND NOT EXISTS (
+        SELECT 1 FROM user_account o WHERE o.role = 'ADMINISTRATOR' AND o.user_name <> $1) LIMIT $3";
+const SESSIONS_OF_USER: &str = "SELECT COUNT(*) FROM session WHERE user_name = $1 AND $2 = ''";
+const SESSIONS_OF_PEOPLE: &str = "SELECT COUNT(*) FROM session s
+    JOIN user_account u ON u.user_name = s.user_name WHERE u.organisation_id = $1 AND $2 = ''";
+const CREDENTIALS: &str =
+    "SELECT COUNT(*) FROM broker_credential WHERE holder_kind = $1 AND holder_id = $2";
+const PEOPLE: &str = "SELECT user_name FROM user_account WHERE organisation_id = $1 AND $2 = ''
+    ORDER BY user_name LIMIT $3";
+const REQUESTS_OF_TOOL: &str =
+    "SELECT 'operation-networks/' || t.operation_network_id || '/requests/'
+        || t.dynamic_data_request_id
+    FROM request_tool t JOIN operation_network n ON n.operation_network_id = t.operation_network_id
+    WHERE t.tool_id = $1 AND $2 = '' AND n.withdrawn_at IS NULL ORDER BY 1 LIMIT $3";
+/// Networks in which a factory performs operations, in the collaboration `$2` where one is given.
+const PERFORMED: &str = "SELECT 'operation-networks/' || p.operation_network_id FROM network_part p
+    JOIN operation_network n ON n.operation_network_id = p.operation_network_id
+    WHERE p.factory_id = $1 AND p.is_withdrawal = 0 AND n.withdrawn_at IS NULL
+      AND ($2 = '' OR n.collaboration_id = $2) ORDER BY 1 LIMIT $3";
+const COLLABORATIONS: &str =
+    "SELECT 'collaborations/' || collaboration_id || '/factories/' || factory_id
+    FROM collaboration_factory WHERE factory_id = $1 AND $2 = '' ORDER BY 1 LIMIT $3";
+const MEMBERSHIPS: &str =
+    "SELECT 'collaborations/' || collaboration_id || '/members/' || organisation_id
+    FROM collaboration_member WHERE organisation_id = $1 AND $2 = '' ORDER BY 1 LIMIT $3";
+const FACTORIES: &str = "SELECT 'factories/' || factory_id FROM factory
+    WHERE organisation_id = $1 AND $2 = '' AND removed_at IS NULL ORDER BY 1 LIMIT $3";
+const TOOLS: &str = "SELECT 'tools/' || tool_id FROM tool
+    WHERE organisation_id = $1 AND $2 = '' AND removed_at IS NULL ORDER BY 1 LIMIT $3";
+const DRAWN: &str = "SELECT 'operation-networks/' || operation_network_id FROM operation_network
+    WHERE drawn_by = $1 AND collaboration_id = $2 AND withdrawn_at IS NULL ORDER BY 1 LIMIT $3";
+/// Requests in force have fields.
+const ASKED: &str =
+    "SELECT DISTINCT 'operation-networks/' || f.operation_network_id || '/operations/'
+        || f.operation_id || '/requests/' || f.dynamic_data_request_id
+    FROM request_field f JOIN operation_network n ON n.operation_network_id = f.operation_network_id
+    JOIN request_requester q ON q.operation_network_id = f.operation_network_id
+        AND q.dynamic_data_request_id = f.dynamic_data_request_id
+    WHERE q.requester_id = $1 AND n.collaboration_id = $2 ORDER BY 1 LIMIT $3";
+const RECEIVED: &str = "SELECT DISTINCT 'operation-networks/' || f.operation_network_id || '/operations/'
+        || f.operation_id || '/requests/' || f.dynamic_data_request_id || '/recipients/' || r.organisation_id
+    FROM request_field f JOIN operation_network n ON n.operation_network_id = f.operation_network_id
+    JOIN request_recipient r ON r.operation_network_id = f.operation_network_id
+        AND r.dynamic_data_request_id = f.dynamic_data_request_id
+    WHERE r.organisation_id = $1 AND n.collaboration_id = $2 ORDER BY 1 LIMIT $3";
+const OWN_FACTORIES: &str =
+    "SELECT 'collaborations/' || c.collaboration_id || '/factories/' || c.factory_id
+    FROM collaboration_factory c JOIN factory f ON f.factory_id = c.factory_id
+    WHERE f.organisation_id = $1 AND c.collaboration_id = $2 ORDER BY 1 LIMIT $3";

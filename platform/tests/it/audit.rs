@@ -1,0 +1,240 @@
+//! Record of who changed what: complete, in the transaction of the change, and for those whom it concerns.
+
+use std::collections::BTreeSet;
+
+use platform::{
+    audit::{CommandLine, RecordingStore},
+    clock::Clock,
+    store::{AuditEntry, AuditOutcome, AuditSubject, Organisation, Scope, Store},
+};
+use reqwest::Method;
+use serde_json::{Value, json};
+
+use crate::{
+    connector::Peer,
+    harness::{Api, World, eventually},
+    story::{self, network_path},
+};
+
+async fn entries(api: &Api) -> Vec<Value> {
+    let page = api.get("/audit-entries?limit=1000").await.expect_ok();
+    let mut items = page["items"].as_array().expect("entries").clone();
+    items.reverse();
+    items
+}
+
+/// Operation, subject and outcome of each entry, oldest first.
+async fn told(api: &Api) -> Vec<String> {
+    let text = |value: &Value| value.as_str().expect("a text").to_owned();
+    let entries = entries(api).await;
+    entries
+        .iter()
+        .map(|e| {
+            format!("{} {} {}", text(&e["operation"]), text(&e["subject"]), text(&e["outcome"]))
+        })
+        .collect()
+}
+
+/// Asserts that each operation of the description that changes something is on record. It is called where
+/// all of them were used.
+pub async fn every_changing_operation_is_on_record(admin: &Api) {
+    let description: Value = serde_json::to_value(platform::api::openapi()).expect("it serialises");
+    let mut expected = BTreeSet::new();
+    for methods in description["paths"].as_object().expect("paths").values() {
+        for (method, operation) in methods.as_object().expect("methods") {
+            if method != "get" {
+                expected.insert(operation["operationId"].as_str().expect("an id").to_owned());
+            }
+        }
+    }
+    // It ends the session with which it is called.
+    expected.remove("signOut");
+    let entries = entries(admin).await;
+    let found: BTreeSet<String> = entries
+        .iter()
+        .map(|entry| entry["operation"].as_str().expect("an id").to_owned())
+        .collect();
+    let missing: Vec<_> = expected.difference(&found).collect();
+    assert!(missing.is_empty(), "not on record: {missing:?}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn who_did_what_to_what_is_on_record_for_its_organisation() {
+    let world = World::start().await;
+    let admin = story::set_up(&world).await;
+    let buyer = story::planner(&world, "acme-aero").await;
+    story::put_network(&buyer, story::network()).await;
+    story::put_network(&buyer, story::network()).await;
+    let munich = Peer::enrolled(&world, &admin, "FOR_MUC").await;
+    munich.receive("operation-network", |_| true).await;
+
+    assert_eq!(
+        told(&buyer).await,
+        [
+            "addOrganisation organisations/acme-aero DONE",
+            "putUser users/acme-aero-planner DONE",
+            "putUser users/acme-aero-viewer DONE",
+            "signIn users/acme-aero-planner/session DONE",
+            "putOperationNetwork operation-networks/frame-4711 DONE",
+            "putOperationNetwork operation-networks/frame-4711 UNCHANGED",
+        ]
+    );
+    let own = entries(&buyer).await.pop().expect("an entry");
+    assert_eq!(
+        (&own["agentKind"], &own["agentName"]),
+        (&json!("USER"), &json!("acme-aero-planner"))
+    );
+    assert_eq!(own["organisationId"], "acme-aero");
+    // What others did to what is its own: not who they are.
+    let by_others = entries(&buyer).await[0].clone();
+    assert_eq!((&by_others["agentKind"], &by_others["agentName"]), (&json!("USER"), &Value::Null));
+    let maker = story::planner(&world, "frames-munich").await;
+    let of_factory = [
+        "addFactory factories/FOR_MUC DONE",
+        "makeEnrolmentToken factories/FOR_MUC DONE",
+        "enrol factories/FOR_MUC DONE",
+    ];
+    let told_to_maker = told(&maker).await;
+    let found: Vec<&str> =
+        told_to_maker.iter().map(String::as_str).filter(|line| line.contains("FOR_MUC")).collect();
+    assert_eq!(found, of_factory);
+    assert!(!told_to_maker.iter().any(|line| line.contains("frame-4711")), "{told_to_maker:?}");
+
+    // The export is the same, oldest first.
+    let request = buyer.client.request(Method::GET, "/api/v1/audit-entries/export");
+    let text = request.send().await.expect("an answer").text().await.expect("a text");
+    let exported: Vec<Value> =
+        text.lines().map(|line| serde_json::from_str(line).expect("a line of JSON")).collect();
+    assert_eq!(exported, entries(&buyer).await);
+
+    // Administrators see all of it; viewers nothing.
+    let all = told(&admin).await;
+    assert!(
+        all.len() > 20
+            && all.contains(&"putOperationNetwork operation-networks/frame-4711 DONE".into())
+    );
+    let viewer = world.sign_in("acme-aero-viewer", crate::harness::PASSWORD).await;
+    viewer.get("/audit-entries").await.expect_problem(403, "FORBIDDEN");
+    viewer.get("/audit-entries/export").await.expect_problem(403, "FORBIDDEN");
+    buyer.delete("/session").await.expect_ok();
+    let last = told(&admin).await.pop().expect("an entry");
+    assert_eq!(last, "signOut users/acme-aero-planner/session DONE");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_is_refused_changes_nothing_and_is_not_on_record() {
+    let world = World::start().await;
+    story::set_up(&world).await;
+    let buyer = story::planner(&world, "acme-aero").await;
+    story::put_network(&buyer, story::network()).await;
+    let maker = story::planner(&world, "frames-munich").await;
+    let before = entries(&maker).await;
+    maker.delete(&network_path()).await.expect_problem(403, "FORBIDDEN");
+    let mut network = story::network();
+    network["name"] = json!("Taken");
+    let body = json!({ "collaborationId": "order", "operationNetwork": network });
+    maker.put(&network_path(), body).await.expect_problem(422, "INVALID_DOCUMENT");
+    assert_eq!(entries(&maker).await, before);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_a_tool_asks_is_on_record() {
+    let world = World::start().await;
+    let admin = story::set_up(&world).await;
+    let buyer = story::planner(&world, "acme-aero").await;
+    story::put_network(&buyer, story::network()).await;
+    let tool =
+        json!({ "toolId": "Scheduling", "organisationId": "acme-aero", "name": "Scheduling" });
+    admin.post("/tools", tool).await.expect_ok();
+    let credential = admin.post("/tools/Scheduling/credentials", json!({})).await.expect_ok();
+    let peer = Peer::tool(&credential, "Scheduling");
+    peer.send(
+        "data-request",
+        &json!({ "messageType": "data-request", "messageId": "dr1", "toolId": "Scheduling",
+            "operationNetworkId": story::NETWORK, "operationId": "MakeFrame1",
+            "dynamicDataRequest": story::request("OfTool", "acme-aero") }),
+    );
+    let entry = eventually("the entry", || async {
+        let last = entries(&buyer).await.pop().expect("an entry");
+        if last["agentKind"] == "TOOL" { Ok(last) } else { Err(last.to_string()) }
+    })
+    .await;
+    assert_eq!(
+        (&entry["agentName"], &entry["operation"]),
+        (&json!("Scheduling"), &json!("addDynamicDataRequest"))
+    );
+    assert_eq!(
+        entry["subject"],
+        "operation-networks/frame-4711/operations/MakeFrame1/requests/OfTool"
+    );
+}
+
+async fn store() -> (tempfile::TempDir, Store) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let store = Store::open(&folder.path().join("platform.sqlite")).await.expect("a store");
+    (folder, store)
+}
+
+fn organisation(id: &str) -> Organisation {
+    let organisation_id = id.parse().expect("an id");
+    Organisation { organisation_id, name: id.to_owned(), created_at: Clock::system().now() }
+}
+
+async fn all(store: &Store) -> Vec<AuditEntry> {
+    let mut work = store.read().await.expect("begun");
+    work.audit().list_after(&Scope::Platform, 0, 1_000).await.expect("listed")
+}
+
+#[tokio::test]
+async fn a_change_and_its_entry_happen_together_or_not_at_all() {
+    let (_folder, store) = store().await;
+    let recording = RecordingStore::new(store.clone(), Clock::system());
+    let mut work = recording.begin(CommandLine, "addOrganisation").await.expect("begun");
+    work.organisations().add(&organisation("a")).await.expect("added");
+    drop(work);
+    let id = "a".parse().expect("an id");
+    assert!(!store.read().await.expect("begun").organisations().exists(&id).await.expect("read"));
+    assert_eq!(all(&store).await, []);
+
+    let mut work = recording.begin(CommandLine, "addOrganisation").await.expect("begun");
+    work.organisations().add(&organisation("a")).await.expect("added");
+    let subject = AuditSubject::of(&id, "organisations/a");
+    work.commit(subject, AuditOutcome::Done).await.expect("committed");
+    assert!(store.read().await.expect("begun").organisations().exists(&id).await.expect("read"));
+    let subjects: Vec<String> = all(&store).await.into_iter().map(|entry| entry.subject).collect();
+    assert_eq!(subjects, ["organisations/a"]);
+}
+
+#[tokio::test]
+async fn entries_are_never_changed_and_only_the_oldest_removed() {
+    let (folder, store) = store().await;
+    let recording = RecordingStore::new(store.clone(), Clock::system());
+    for number in 1..=5 {
+        let work = recording.begin(CommandLine, "addOrganisation").await.expect("begun");
+        let subject = AuditSubject::shared(format!("organisations/{number}"));
+        work.commit(subject, AuditOutcome::Done).await.expect("committed");
+    }
+    let path = folder.path().join("platform.sqlite");
+    let pool =
+        sqlx::SqlitePool::connect(&format!("sqlite://{}", path.display())).await.expect("open");
+    for statement in [
+        "UPDATE audit_entry SET subject = 'another' WHERE audit_entry_id = 2",
+        "DELETE FROM audit_entry WHERE audit_entry_id = 2",
+    ] {
+        assert!(sqlx::query(statement).execute(&pool).await.is_err(), "{statement}");
+    }
+    pool.close().await;
+    let mut work = store.begin().await.expect("begun");
+    let now = Clock::system().now();
+    let none = work.audit().forget(asi_model::DateTime::from_ticks(0), 100, 100).await;
+    assert_eq!(none.expect("nothing is old"), 0);
+    let beyond = work.audit().forget(asi_model::DateTime::from_ticks(0), 3, 1).await;
+    assert_eq!(beyond.expect("one at a time"), 1);
+    work.audit().forget(asi_model::DateTime::from_ticks(0), 3, 100).await.expect("the other");
+    work.commit().await.expect("committed");
+    let numbers: Vec<u64> = all(&store).await.into_iter().map(|entry| entry.number).collect();
+    assert_eq!(numbers, [3, 4, 5]);
+    let later = now.after(std::time::Duration::from_secs(60));
+    let mut work = store.begin().await.expect("begun");
+    assert_eq!(work.audit().forget(later, 100, 100).await.expect("all are old"), 3);
+}
