@@ -67,7 +67,8 @@ pub async fn list(
 }
 
 /// Shows what the viewer sees of a network: operations, parts, progress and fields. Its own
-/// operations, those it drew and those it asks about are whole, their neighbours are stubs.
+/// operations, those it drew and those of which a field is open to it are whole; those it asks about are
+/// shown in part, its neighbours as stubs.
 #[utoipa::path(get, operation_id = "showOperationNetwork", path = "/operation-networks/{operationNetworkId}", tag = "networks", security(("session" = [])),
     params(("operationNetworkId" = String, Path)), responses((status = 200, body = NetworkView), ReadProblems))]
 pub async fn show(

@@ -140,10 +140,16 @@ impl Owner<'_> {
         if !faults.iter().any(is_of_rights) {
             return false;
         }
+        // Relations follow an operation that goes or gets another id.
+        let path: Vec<&str> = change.pointer.split('/').skip(1).collect();
+        let is_of_relations =
+            matches!(path[..], ["operationList", _] | ["operationList", _, "operationId"]);
         let is_there = |fault: &Value| {
             let pointer = fault["pointer"].as_str().expect("a pointer");
             let pointer = pointer.strip_prefix("/operationNetwork").unwrap_or(pointer);
-            pointer.starts_with(&change.pointer) || change.pointer.starts_with(pointer)
+            pointer.starts_with(&change.pointer)
+                || change.pointer.starts_with(pointer)
+                || (is_of_relations && pointer.starts_with("/operationRelationList"))
         };
         assert!(faults.iter().any(is_there), "{}", what());
         true

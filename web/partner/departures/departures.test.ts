@@ -1,0 +1,83 @@
+import { render, screen } from '@testing-library/svelte'
+import userEvent from '@testing-library/user-event'
+import { afterEach, describe, expect, it, vi } from 'vitest'
+import { serve, type Asked } from '../../vitest.server'
+import type { Departure } from '../api/types'
+import AuditPage from '../audit/AuditPage.svelte'
+import { texts } from '../language/texts'
+import DepartureDialog from './DepartureDialog.svelte'
+import { person } from './leavers'
+
+const departure = (more: Partial<Departure> = {}): Departure => ({
+  isDone: false,
+  inForce: [],
+  people: ['anna'],
+  sessions: 2,
+  credentials: 0,
+  requests: [],
+  ...more,
+})
+
+afterEach(() => {
+  vi.unstubAllGlobals()
+})
+
+describe('a departure', () => {
+  it('is confirmed once it was said what ends', async () => {
+    const log = serve({
+      'DELETE /users/anna': ({ path }: Asked) =>
+        departure({ isDone: !path.includes('dryRun=true') }),
+    })
+    const onleft = vi.fn()
+    render(DepartureDialog, { leaver: person('anna', 'acme'), onclose: vi.fn(), onleft })
+    expect(await screen.findByText(texts.departures.sessions(2))).toBeTruthy()
+    expect(log.map(({ path }) => path)).toEqual(['/users/anna?dryRun=true'])
+    await userEvent.click(screen.getByRole('button', { name: texts.departures.remove }))
+    await vi.waitFor(() => {
+      expect(onleft).toHaveBeenCalledOnce()
+    })
+    expect(log.map(({ path }) => path)).toEqual([
+      '/users/anna?dryRun=true',
+      '/users/anna?dryRun=false',
+    ])
+  })
+
+  it('waits for what is in force', async () => {
+    serve({ 'DELETE /users/anna': () => departure({ inForce: ['users/anna'] }) })
+    render(DepartureDialog, {
+      leaver: person('anna', 'acme'),
+      onclose: vi.fn(),
+      onleft: vi.fn(),
+    })
+    expect(await screen.findByText('users/anna')).toBeTruthy()
+    const button = screen.getByRole<HTMLButtonElement>('button', { name: texts.departures.remove })
+    expect(button.disabled).toBe(true)
+  })
+})
+
+describe('the record of changes', () => {
+  it('names people of the own organisation and the organisations of others', async () => {
+    const entry = {
+      number: 1,
+      recordedAt: '2026-01-01T00:00:00Z',
+      agentKind: 'USER',
+      operation: 'putUser',
+      subject: 'users/anna',
+      outcome: 'DONE',
+    }
+    serve({
+      'GET /audit-entries': () => ({
+        items: [
+          { ...entry, number: 3, agentName: 'anna', organisationId: 'acme' },
+          { ...entry, number: 2, organisationId: 'munich' },
+          entry,
+        ],
+      }),
+    })
+    render(AuditPage)
+    for (const who of ['anna', 'munich', texts.audit.operator]) {
+      expect(await screen.findByText(who)).toBeTruthy()
+    }
+    expect(screen.getAllByText(texts.audit.operation['putUser'] ?? '')).toHaveLength(3)
+  })
+})
