@@ -1,6 +1,7 @@
 //! Events of the Server object: changes of the model, and an audit trail for standard tools.
 
 mod security;
+mod sessions;
 
 pub(crate) use security::SessionAudit;
 
@@ -9,13 +10,16 @@ use std::sync::Arc;
 use opcua_stack::opcua::{
     crypto::random,
     nodes::Event,
-    server::{EventField, SubscriptionCache},
+    server::{EventField, ServerHandle, SubscriptionCache},
     types::{
         AddNodesItem, AttributeId, DateTime, DeleteNodesItem, ExtensionObject, LocalizedText,
         ModelChangeStructureDataType, NodeId, NumericRange, ObjectId, ObjectTypeId, QualifiedName,
         StatusCode, UAString, Variant,
     },
 };
+use sessions::Sessions;
+
+use crate::access::Role;
 
 /// Severity of events about changes.
 const SEVERITY_NORMAL: u16 = 100;
@@ -29,10 +33,11 @@ const EVENT_ID_BYTES: usize = 16;
 /// Reports events to the subscribers of the Server object.
 pub(crate) struct EventReporter {
     subscriptions: Arc<SubscriptionCache>,
+    sessions: Sessions,
     server_uri: String,
 }
 
-/// A changed value or decision.
+/// A written value or a decision.
 pub(crate) struct AuditWrite {
     pub node_id: NodeId,
     pub user: String,
@@ -59,8 +64,14 @@ pub(crate) struct ModelChange {
 
 impl EventReporter {
     /// Creates a reporter of the server with this ApplicationUri.
-    pub fn new(subscriptions: Arc<SubscriptionCache>, server_uri: String) -> Self {
-        Self { subscriptions, server_uri }
+    pub fn new(server: &ServerHandle, server_uri: String) -> Self {
+        let subscriptions = Arc::clone(server.subscriptions());
+        let types = Arc::clone(&server.info().type_tree);
+        Self {
+            sessions: Sessions::new(Arc::clone(&subscriptions), types),
+            subscriptions,
+            server_uri,
+        }
     }
 
     /// Returns whether a client subscribed to events of the server; otherwise none is built.
@@ -73,12 +84,23 @@ impl EventReporter {
         self.subscriptions.notify_events([(event as &dyn Event, &server)].into_iter());
     }
 
-    /// Reports an AuditWriteUpdateEventType (OPC 10000-5 §6.4.27).
+    /// Reports the value that a client wrote, to the users who may write themselves. Time, status and
+    /// number of writes tell what a delay, a time step or a withheld state keeps from all others.
     pub fn report_write(&self, write: impl FnOnce() -> AuditWrite) {
-        if !self.has_subscribers() {
-            return;
+        if self.has_subscribers() {
+            self.sessions.send(&self.write_event(write()), Role::may_write);
         }
-        let write = write();
+    }
+
+    /// Reports a decision about a field, which everybody may read.
+    pub fn report_decision(&self, decision: impl FnOnce() -> AuditWrite) {
+        if self.has_subscribers() {
+            self.send(&self.write_event(decision()));
+        }
+    }
+
+    /// Builds an AuditWriteUpdateEventType (OPC 10000-5 §6.4.27).
+    fn write_event(&self, write: AuditWrite) -> ServerEvent {
         let mut event = self.audit(
             ObjectTypeId::AuditWriteUpdateEventType,
             &write.user,
@@ -91,7 +113,7 @@ impl EventReporter {
         event.set("IndexRange", UAString::null());
         event.set_variant("OldValue", write.old_value);
         event.set_variant("NewValue", write.new_value);
-        self.send(&event);
+        event
     }
 
     /// Reports an AuditAddNodesEventType and an AuditDeleteNodesEventType (OPC 10000-5 §6.4.21,

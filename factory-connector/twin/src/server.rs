@@ -112,10 +112,7 @@ impl Twin {
             builder.build().map_err(|reason| TwinError::Configuration { reason })?;
         let host = host.get().expect("building the server builds its node managers");
 
-        let reporter = Arc::new(EventReporter::new(
-            Arc::clone(handle.subscriptions()),
-            application_uri.clone(),
-        ));
+        let reporter = Arc::new(EventReporter::new(&handle, application_uri.clone()));
         events.get_or_init(|| Arc::clone(&reporter));
         let interfaces =
             Arc::new(interfaces(&factory_id, host, &handle, writer, Arc::clone(&reporter)));

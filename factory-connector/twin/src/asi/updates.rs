@@ -133,7 +133,7 @@ impl AsiProvider {
         self.notify(&changed);
         if (old.mapping_state, old.value_source) != (record.mapping_state, record.value_source) {
             let user = record.decided_by.as_deref().unwrap_or_default();
-            self.events.report_write(|| AuditWrite {
+            self.events.report_decision(|| AuditWrite {
                 node_id: self.ids.instance(format!("{identifier}#MappingState")),
                 user: user.to_owned(),
                 status: StatusCode::Good,

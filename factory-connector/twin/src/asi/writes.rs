@@ -77,7 +77,7 @@ impl AsiProvider {
             status,
             old_value: self.values.field(&old).value.unwrap_or_default(),
             // Good without more says that the gate discloses the value as it is; of any other
-            // one subscribers, whatever their role, learn no more than partners.
+            // one even those who may write learn no more than partners.
             new_value: request
                 .value
                 .value
@@ -229,7 +229,7 @@ impl AsiProvider {
                 interface.identifier(NodeAddress::Field(field))
             ));
             let old_value = Variant::from(interface.record(field).mapping_state as i32);
-            self.events.report_write(|| AuditWrite {
+            self.events.report_decision(|| AuditWrite {
                 node_id,
                 user: user.name.to_string(),
                 status,

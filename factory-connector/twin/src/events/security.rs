@@ -32,13 +32,23 @@ pub(crate) struct SessionAudit {
 
 impl SessionObserver for SessionAudit {
     fn observe(&self, channel: &ChannelDescription, event: SessionEvent, outcome: StatusCode) {
-        if let Some(events) = self.events.get().filter(|events| events.has_subscribers()) {
+        let Some(events) = self.events.get() else { return };
+        match &event {
+            SessionEvent::SessionActivated { session_id, .. } if outcome.is_good() => {
+                events.sessions.activated(session_id);
+            }
+            SessionEvent::SessionClosed { session_id, .. } => events.sessions.ended(session_id),
+            _ => {}
+        }
+        if events.has_subscribers() {
             events.send(&events.session_event(channel, event, outcome));
         }
     }
 
     fn session_expired(&self, session_id: NodeId, user_token: Option<UserToken>) {
-        if let Some(events) = self.events.get().filter(|events| events.has_subscribers()) {
+        let Some(events) = self.events.get() else { return };
+        events.sessions.ended(&session_id);
+        if events.has_subscribers() {
             let message = "A session ended because its client was silent for too long.".to_owned();
             events.send(&events.session_ended(
                 "Session/Timeout",
@@ -156,6 +166,7 @@ impl EventReporter {
 
     /// Reports that a session was ended because its user changed.
     pub fn report_terminated(&self, session_id: NodeId, user_token: UserToken) {
+        self.sessions.ended(&session_id);
         if self.has_subscribers() {
             let message =
                 "A session was ended, for its user got another password or role, or is gone."

@@ -197,8 +197,9 @@ async fn works_with(peer: Peer) {
     let viewer = Foreign::new(&process, &twin, "vera").await;
     check_reads(&viewer, &nodes).await;
     check_subscription(&viewer, &twin, &nodes).await;
-    check_decision(&Foreign::new(&process, &twin, "anna").await, &nodes).await;
-    check_change_events(&viewer, &twin).await;
+    let engineer = Foreign::new(&process, &twin, "anna").await;
+    check_decision(&engineer, &nodes).await;
+    check_change_events(&viewer, &engineer, &twin).await;
     check_session_events(&viewer, &twin, peer).await;
     twin.stop().await;
 }
@@ -274,7 +275,7 @@ async fn check_decision(engineer: &Foreign<'_>, nodes: &Nodes) {
     assert_eq!(again.operation_network, message("net", 1).operation_network);
 }
 
-async fn check_change_events(viewer: &Foreign<'_>, twin: &TestTwin) {
+async fn check_change_events(viewer: &Foreign<'_>, engineer: &Foreign<'_>, twin: &TestTwin) {
     let changed = viewer
         .listen(&["events", "1", "GeneralModelChangeEvent"], async || {
             twin.handle.apply(document(message("another", 1)));
@@ -283,7 +284,7 @@ async fn check_change_events(viewer: &Foreign<'_>, twin: &TestTwin) {
     let affected =
         changed["events"][0]["Changes"].as_array().unwrap_or_else(|| panic!("{changed}"));
     assert!(affected.len() > 10, "{changed}");
-    let audited = viewer
+    let audited = engineer
         .listen(&["events", "1", "AuditWriteUpdateEvent"], async || {
             twin.client("otto").await.write(&field_id("net", "progressStatus"), 10_u64).await;
         })

@@ -40,9 +40,11 @@ pub const DEADLINE: Duration = Duration::from_secs(20);
 /// The namespace index of the instances: 0 standard, 1 server, 2 types.
 pub const INSTANCES: u16 = 3;
 pub const TYPES: u16 = 2;
+/// What a policy lets through of any value, while the answer is GoodClamped.
+pub const COARSENED: u64 = 4000;
 
-/// Substitute for the connector: stores values and decisions, and publishes them like the connector
-/// after a commit.
+/// Substitute for the connector: stores values and decisions, and publishes like the connector after
+/// a commit what its answer says that the gate lets through.
 #[derive(Default)]
 pub struct Connector {
     pub handle: OnceLock<TwinHandle>,
@@ -55,10 +57,16 @@ pub struct Connector {
 impl FieldWriter for Connector {
     async fn write(&self, field: &FieldKey, value: DataValue, user: &TwinUser) -> StatusCode {
         self.writes.lock().push((field.clone(), value.clone(), user.clone()));
-        if let Some(handle) = self.handle.get() {
-            handle.publish_values(vec![(field.clone(), released(value))]);
+        let answer = self.answer.lock().unwrap_or(StatusCode::GOOD);
+        let disclosed = match answer {
+            StatusCode::GOOD => Some(released(value)),
+            StatusCode::GOOD_CLAMPED => Some(good(COARSENED)),
+            _ => None,
+        };
+        if let (Some(handle), Some(disclosed)) = (self.handle.get(), disclosed) {
+            handle.publish_values(vec![(field.clone(), disclosed)]);
         }
-        self.answer.lock().unwrap_or(StatusCode::GOOD)
+        answer
     }
 
     async fn decide(

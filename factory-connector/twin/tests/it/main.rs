@@ -10,6 +10,7 @@
 mod address_space;
 mod application_certificate;
 mod audit;
+mod audit_of_writes;
 mod authority;
 mod changes;
 mod discovery;
