@@ -6,5 +6,6 @@ mod demo;
 mod former_store;
 mod house;
 mod mutants;
+mod mutants_cover;
 mod openapi;
 mod promises;

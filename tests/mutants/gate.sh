@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
-# Breaks one rule of the disclosure gate after the other; the tests of the gate, the state and the
-# coordinator have to notice each.
+# Breaks one rule of the disclosure gate after the other; the tests of the gate, the state, the
+# coordinator, the twin and the logs have to notice each. README.md beside the patches says which
+# member of a policy each of them breaks.
 #
 #   tests/mutants/gate.sh [NAME...]
 #
-# Each patch in tests/mutants/gate is one mutant. It is played in a copy of the committed tree, below
+# Each patch in tests/mutants/gate is one mutant. A first line `Found by: ...` names the tests that are
+# played before all others, or that are not among them. It is played in a copy of the committed tree, below
 # target, so that the tree itself stays as it is. GATE_TARGET is the folder of what is built for it.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -33,7 +35,8 @@ for name in "${names[@]}"; do
   patch=$root/tests/mutants/gate/$name.patch log=$root/target/mutants-gate/$name.log
   patch --quiet -p1 <"$patch"
   result=survived
-  for test in "${tests[@]}"; do
+  mapfile -t first < <(sed -n 's/^Found by: //p' "$patch")
+  for test in "${first[@]}" "${tests[@]}"; do
     # shellcheck disable=SC2086
     if ! cargo test --quiet --locked $test >"$log" 2>&1; then
       # A mutant that does not compile proves nothing.
