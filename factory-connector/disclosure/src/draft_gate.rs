@@ -51,6 +51,11 @@ impl DraftGate {
         self.0.due()
     }
 
+    /// Returns the gate, for a report that cannot leave.
+    pub(crate) const fn gate(&self) -> &Gate {
+        &self.0
+    }
+
     /// Returns the value that partners would get.
     #[must_use]
     pub fn shown(&self) -> Option<&DataValue> {

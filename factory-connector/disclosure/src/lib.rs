@@ -50,7 +50,9 @@ pub use leak::{
 pub use policy::DisclosurePolicy;
 pub use rate::RateLimit;
 pub use released::Released;
-pub use report_frame::{ReportBody, ReportFrame, ReportOrigin, ReportedField};
+pub use report_frame::{
+    DraftField, DraftOrGate, ReportBody, ReportFrame, ReportOrigin, ReportedField, draft_report,
+};
 pub use rules::{Rule, RuleAction, RuleCondition, RuleFault, RuleOutcome, outcome};
 pub use statement::{Statement, StatementPart, disclosure_statement};
 pub use status_codes::StatusCodes;

@@ -11,7 +11,7 @@ use asi_model::{
     },
 };
 
-use crate::Gate;
+use crate::{DraftGate, Gate};
 
 /// Resolution of the times of reports without a time step. The leak budget counts on it.
 const TIMESTAMP_STEP: Duration = Duration::from_millis(1);
@@ -62,43 +62,7 @@ impl ReportFrame {
         fields: impl Iterator<Item = ReportedField<'g>>,
         now: DateTime,
     ) -> Option<Self> {
-        let mut values = Vec::with_capacity(2 * fields.size_hint().0);
-        let mut newest: Option<DateTime> = None;
-        // In the same pass: it is made for every report.
-        let mut step = Duration::ZERO;
-        for ReportedField { name, unit, gate } in fields {
-            step = step.max(gate.policy().time_step());
-            let Some(released) = gate.disclosed() else { continue };
-            newest = newest.max(released.source_timestamp);
-            let shown = DataValue {
-                source_timestamp: None,
-                server_timestamp: None,
-                ..DataValue::clone(released)
-            };
-            values.push(PayloadField::with(Arc::from(name.as_str()), shown));
-            if let Some(unit) = unit {
-                values.push(PayloadField::new(unit_member(name.as_str()), unit));
-            }
-        }
-        if values.is_empty() {
-            return None;
-        }
-        let header = ReportHeader {
-            report_name: origin.report_name,
-            request: origin.request,
-            shopfloor_timestamp: newest.unwrap_or(now).floor_to(step),
-            recipient_list: origin.recipient_list,
-        };
-        let mut payload = header.payload_fields();
-        payload.append(&mut values);
-        Some(Self(DataSetMessage {
-            data_set_writer_id: Some(origin.data_set_writer_id),
-            sequence_number: Some(origin.sequence_number),
-            meta_data_version: Some(origin.version),
-            timestamp: Some(now.floor_to(step.max(TIMESTAMP_STEP))),
-            fields: payload,
-            ..DataSetMessage::default()
-        }))
+        lay_out(origin, fields, now).map(Self)
     }
 
     /// Returns the time that the report tells of itself: on the longest time step of its fields, at
@@ -116,13 +80,99 @@ impl ReportFrame {
     pub fn encode(&self, encoding: Encoding) -> ReportBody {
         ReportBody(encode_data_set_message(&self.0, encoding))
     }
+}
 
-    /// Returns the report as a message to look at. What is made of it cannot leave: the spool takes
-    /// a [`ReportBody`].
-    #[must_use]
-    pub fn into_draft(self) -> DataSetMessage {
-        self.0
+/// A field of a report to look at.
+#[derive(Debug, Clone, Copy)]
+pub struct DraftField<'g> {
+    pub name: &'g FieldName,
+    /// Unit in the words of the request.
+    pub unit: Option<&'g str>,
+    pub gate: DraftOrGate<'g>,
+}
+
+/// Gate of a field, or one under a policy that is not in force.
+#[derive(Debug, Clone, Copy)]
+pub enum DraftOrGate<'g> {
+    Gate(&'g Gate),
+    Draft(&'g DraftGate),
+}
+
+/// Makes a report to look at: laid out as [`ReportFrame::of`] does, it cannot leave, since the spool
+/// takes a [`ReportBody`].
+///
+/// ```compile_fail,E0308
+/// use disclosure::{DraftField, ReportFrame, ReportOrigin, draft_report};
+/// fn leave(origin: &ReportOrigin<'_>, field: DraftField<'_>, now: asi_model::DateTime) -> Option<ReportFrame> {
+///     draft_report(origin, [field].into_iter(), now)
+/// }
+/// ```
+///
+/// ```
+/// use asi_model::pubsub::DataSetMessage;
+/// use disclosure::{DraftField, ReportOrigin, draft_report};
+/// fn show(origin: &ReportOrigin<'_>, field: DraftField<'_>, now: asi_model::DateTime) -> Option<DataSetMessage> {
+///     draft_report(origin, [field].into_iter(), now)
+/// }
+/// ```
+#[must_use]
+pub fn draft_report<'g>(
+    origin: &ReportOrigin<'_>,
+    fields: impl Iterator<Item = DraftField<'g>>,
+    now: DateTime,
+) -> Option<DataSetMessage> {
+    let fields = fields.map(|DraftField { name, unit, gate }| {
+        let gate = match gate {
+            DraftOrGate::Gate(gate) => gate,
+            DraftOrGate::Draft(draft) => draft.gate(),
+        };
+        ReportedField { name, unit, gate }
+    });
+    lay_out(origin, fields, now)
+}
+
+fn lay_out<'g>(
+    origin: &ReportOrigin<'_>,
+    fields: impl Iterator<Item = ReportedField<'g>>,
+    now: DateTime,
+) -> Option<DataSetMessage> {
+    let mut values = Vec::with_capacity(2 * fields.size_hint().0);
+    let mut newest: Option<DateTime> = None;
+    // In the same pass: it is made for every report.
+    let mut step = Duration::ZERO;
+    for ReportedField { name, unit, gate } in fields {
+        step = step.max(gate.policy().time_step());
+        let Some(released) = gate.disclosed() else { continue };
+        newest = newest.max(released.source_timestamp);
+        let shown = DataValue {
+            source_timestamp: None,
+            server_timestamp: None,
+            ..DataValue::clone(released)
+        };
+        values.push(PayloadField::with(Arc::from(name.as_str()), shown));
+        if let Some(unit) = unit {
+            values.push(PayloadField::new(unit_member(name.as_str()), unit));
+        }
     }
+    if values.is_empty() {
+        return None;
+    }
+    let header = ReportHeader {
+        report_name: origin.report_name,
+        request: origin.request,
+        shopfloor_timestamp: newest.unwrap_or(now).floor_to(step),
+        recipient_list: origin.recipient_list,
+    };
+    let mut payload = header.payload_fields();
+    payload.append(&mut values);
+    Some(DataSetMessage {
+        data_set_writer_id: Some(origin.data_set_writer_id),
+        sequence_number: Some(origin.sequence_number),
+        meta_data_version: Some(origin.version),
+        timestamp: Some(now.floor_to(step.max(TIMESTAMP_STEP))),
+        fields: payload,
+        ..DataSetMessage::default()
+    })
 }
 
 /// A DataSetMessage as JSON that may leave the plant. The spool takes nothing else, and only a
@@ -196,7 +246,7 @@ mod tests {
         let fields = names.iter().zip([&stepped, &open]);
         let fields = fields.map(|(name, gate)| ReportedField { name, unit: None, gate });
         let frame = ReportFrame::of(&origin, fields, at("2026-11-23T10:01:42.25Z"));
-        let message = frame.expect("it has values").into_draft();
+        let message = frame.expect("it has values").0;
         assert_eq!(message.timestamp, Some(on_step));
         let times = message.fields.iter().filter_map(|field| match field.value.value.as_scalar() {
             Some(asi_model::Scalar::DateTime(time)) => Some(*time),

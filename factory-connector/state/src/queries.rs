@@ -25,7 +25,7 @@ pub use operation_fields::fields_of_operation;
 pub use past_offer::past_offer;
 pub use policies::{PolicyChange, effective_policy, policy_changes};
 pub(crate) use policies::{fields_for_recipient, fields_under_policy};
-pub use report_frame::{empty_frame, key_frame, time_step_of};
+pub use report_frame::{draft_frame, key_frame, time_step_of};
 pub(crate) use report_frame::{fields_of, time_step};
 pub use rule_offers::{RuleOffer, rule_offer, rule_preview};
 pub use suggestion_context::{all_mappings, past_decisions, requested_field};

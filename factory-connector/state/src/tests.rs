@@ -6,6 +6,7 @@ mod entries;
 mod mappings;
 mod past;
 mod policies;
+mod previews;
 mod reports;
 mod restart;
 mod revisions;

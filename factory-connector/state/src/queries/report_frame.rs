@@ -3,11 +3,11 @@
 use std::{collections::BTreeMap, time::Duration};
 
 use asi_model::{
-    DateTime, FieldName,
-    network::DynamicDataRequest,
-    pubsub::{DataSetMessage, PayloadField, ReportHeader},
+    DateTime, FieldKey, FieldName, network::DynamicDataRequest, pubsub::DataSetMessage,
 };
-use disclosure::{ReportFrame, ReportOrigin, ReportedField};
+use disclosure::{
+    DraftField, DraftGate, DraftOrGate, ReportFrame, ReportOrigin, ReportedField, draft_report,
+};
 
 use crate::{ConnectorState, Field, Writer};
 
@@ -21,14 +21,7 @@ pub fn key_frame(
 ) -> Option<(ReportFrame, BTreeMap<FieldName, u32>)> {
     let writer = state.writers.get(id).filter(|writer| !writer.fields().is_empty())?;
     let (_, request) = state.request(writer.request())?;
-    let origin = ReportOrigin {
-        data_set_writer_id: id,
-        sequence_number: writer.next_sequence(),
-        version: writer.version(),
-        report_name: &request.report_data_format.report_name,
-        request: writer.request(),
-        recipient_list: state.networks.recipient_list(writer.request()),
-    };
+    let origin = origin(state, id, writer, request);
     let mut consents = BTreeMap::new();
     let fields = fields_of(state, writer).map(|(name, field)| {
         if field.gate().disclosed().is_some() {
@@ -55,37 +48,50 @@ pub fn time_step_of(state: &ConnectorState, id: u16) -> Duration {
     state.writers.get(id).map_or(Duration::ZERO, |writer| time_step(state, writer))
 }
 
-/// Returns a writer's report before any of its fields has a value.
+/// Returns the message that a request's writer would report, were one field decided under a policy
+/// that is not in force: the request's mapped fields and this one, in payload order. What it has of
+/// this field is what the draft gate shows.
 #[must_use]
-pub fn empty_frame(state: &ConnectorState, id: u16, now: DateTime) -> DataSetMessage {
-    let writer = state.writers.get(id);
-    let document = writer.and_then(|writer| Some((writer, state.request(writer.request())?.1)));
-    let fields =
-        document.map_or_else(Vec::new, |(writer, request)| header(state, writer, request, now));
-    DataSetMessage {
-        data_set_writer_id: Some(id),
-        sequence_number: writer.map(Writer::next_sequence),
-        meta_data_version: writer.map(Writer::version),
-        timestamp: Some(now),
-        fields,
-        ..DataSetMessage::default()
-    }
+pub fn draft_frame(
+    state: &ConnectorState,
+    key: &FieldKey,
+    draft: &DraftGate,
+    now: DateTime,
+) -> Option<DataSetMessage> {
+    let id = state.writers.id_of(&key.request)?;
+    let writer = state.writers.get(id)?;
+    let (_, request) = state.request(&key.request)?;
+    let fields: Vec<(FieldKey, &Field)> = state
+        .fields_of(&key.request)
+        .filter(|(known, field)| known == key || field.decision().is_mapped())
+        .collect();
+    let fields = fields.iter().map(|(known, field)| DraftField {
+        name: &known.field_name,
+        unit: field.definition().unit.as_deref(),
+        gate: if known == key {
+            DraftOrGate::Draft(draft)
+        } else {
+            DraftOrGate::Gate(field.gate())
+        },
+    });
+    draft_report(&origin(state, id, writer, request), fields, now)
 }
 
-/// Returns the members that a writer's reports begin with.
-fn header(
-    state: &ConnectorState,
-    writer: &Writer,
-    request: &DynamicDataRequest,
-    shopfloor_timestamp: DateTime,
-) -> Vec<PayloadField> {
-    let header = ReportHeader {
+/// Returns what a writer's report has besides its fields.
+fn origin<'s>(
+    state: &'s ConnectorState,
+    id: u16,
+    writer: &'s Writer,
+    request: &'s DynamicDataRequest,
+) -> ReportOrigin<'s> {
+    ReportOrigin {
+        data_set_writer_id: id,
+        sequence_number: writer.next_sequence(),
+        version: writer.version(),
         report_name: &request.report_data_format.report_name,
         request: writer.request(),
-        shopfloor_timestamp,
         recipient_list: state.networks.recipient_list(writer.request()),
-    };
-    header.payload_fields()
+    }
 }
 
 /// Returns the fields that a writer's metadata describes, in payload order.
