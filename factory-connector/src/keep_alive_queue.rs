@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, ops::Bound};
 
 use asi_model::MessageId;
-use connector_state::use_cases::keep_alive::KeepAlive;
+use connector_state::{KeepAliveBody, use_cases::keep_alive::KeepAlive};
 use messaging::spool::Fetch;
 use parking_lot::Mutex;
 
@@ -12,7 +12,7 @@ const WAITING_MAX: usize = 65_536;
 
 /// Queue between the coordinator, which makes keep-alives, and the link, which sends them.
 #[derive(Default)]
-pub struct KeepAliveQueue(Mutex<BTreeMap<i64, (MessageId, Vec<u8>)>>);
+pub struct KeepAliveQueue(Mutex<BTreeMap<i64, (MessageId, KeepAliveBody)>>);
 
 impl KeepAliveQueue {
     /// Queues a keep-alive.

@@ -140,7 +140,7 @@ impl SpoolStore for ConnectorSpool {
             rows.extend(self.keep_alives.fetch(fetch).into_iter().map(|message| SpoolRow {
                 id: RowId(message.row),
                 address: LogicalAddress::FactoryIngress(self.factory_id.clone()),
-                envelope: Envelope::new(message.message_id, "ua-data", message.body),
+                envelope: Envelope::new(message.message_id, "ua-data", message.body.into_bytes()),
                 attempts: 0,
             }));
             // Both are numbered by one sequence: a keep-alive must not overtake what was said

@@ -95,7 +95,7 @@ pub(super) fn write(connection: &Connection, messages: &[ControlRow]) -> rusqlit
                 row.message_id.as_str(),
                 &row.subject,
                 row.correlation_id.as_ref().map(MessageId::as_str),
-                &row.body,
+                &*row.body,
                 row.created_at.unix_micros(),
                 row.ttl_ms.map(signed),
             )

@@ -11,6 +11,7 @@
 mod budgets;
 mod change_set;
 mod consents;
+mod control_body;
 mod dependencies;
 mod documents;
 mod effects;
@@ -45,6 +46,7 @@ pub mod writes;
 
 pub use budgets::BudgetRegistry;
 pub use change_set::ChangeSet;
+pub use control_body::{ControlBody, KeepAliveBody};
 pub use documents::DocumentError;
 pub use effects::{
     ConnectorEvent, DecisionCounts, Effects, EngineCommand, FieldEvent, LinkSignals, TwinUpdate,

@@ -10,8 +10,8 @@ use asi_model::{
 };
 
 use crate::{
-    BudgetRegistry, ChangeSet, Field, FieldRegistry, FormerDisclosureRegistry, IdSource,
-    JournalRegistry, LedgerChains, NetworkRegistry, PastDecisionRegistry, PolicyRegistry,
+    BudgetRegistry, ChangeSet, ControlBody, Field, FieldRegistry, FormerDisclosureRegistry,
+    IdSource, JournalRegistry, LedgerChains, NetworkRegistry, PastDecisionRegistry, PolicyRegistry,
     WriterRegistry,
     operator::{Journal, OperationKey},
     writes::ControlRow,
@@ -159,8 +159,6 @@ impl ConnectorState {
         correlation_id: Option<MessageId>,
         now: DateTime,
     ) {
-        let body =
-            serde_json::to_string(message).expect("messages have text keys and finite numbers");
         self.queue_control(
             changes,
             ControlRow {
@@ -168,7 +166,7 @@ impl ConnectorState {
                 message_id: message.message_id().clone(),
                 subject: message.message_type().to_owned(),
                 correlation_id,
-                body,
+                body: ControlBody::of(message),
                 created_at: now,
                 ttl_ms: None,
             },

@@ -6,7 +6,7 @@ use super::{Contents, Values};
 
 /// Values that only an [`AccessRecorder`](super::AccessRecorder) hands out. Nothing else opens them:
 ///
-/// ```compile_fail
+/// ```compile_fail,E0624
 /// use platform::accesses::Withheld;
 /// fn read<T>(values: Withheld<T>) -> T {
 ///     values.open()

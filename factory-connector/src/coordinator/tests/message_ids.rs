@@ -74,7 +74,7 @@ async fn no_id_of_a_message_tells_a_time() {
     let kept_alive = kept_alive.await.expect("run");
     assert_eq!(kept_alive.len(), 2, "{kept_alive:?}");
     for KeepAlive { message_id, body, .. } in kept_alive {
-        let body = String::from_utf8(body).expect("UTF-8");
+        let body = String::from_utf8(body.into_bytes()).expect("UTF-8");
         for id in ids_in(message_id.as_str()).chain(ids_in(&body)) {
             assert_eq!(id.get_timestamp(), None, "a keep-alive: {id}");
         }

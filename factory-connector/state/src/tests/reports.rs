@@ -91,7 +91,7 @@ fn descriptions_from(scene: &mut Scene, header_members: usize) -> Vec<(Vec<Strin
     let (writes, _) = scene.commit(0);
     let controls = writes.controls.queued.iter();
     let meta_data = controls.filter(|control| control.subject == "ua-metadata");
-    let describe = |body: &String| {
+    let describe = |body: &str| {
         let message: Value = serde_json::from_str(body).expect("JSON");
         let meta = &message["MetaData"];
         let names = meta["Fields"].as_array().expect("fields").iter().skip(header_members);
@@ -229,7 +229,7 @@ fn a_keep_alive_tells_its_time_on_the_time_step() {
     scene.commit(0);
     let silent = keep_alives(&mut scene.state, at(HOUR + 1_234_567));
     let [keep_alive] = &silent[..] else { panic!("{silent:?}") };
-    let body: Value = serde_json::from_slice(&keep_alive.body).expect("JSON");
+    let body: Value = serde_json::from_slice(&keep_alive.body.clone().into_bytes()).expect("JSON");
     let timestamp: DateTime =
         serde_json::from_value(body["Messages"][0]["Timestamp"].clone()).expect("a time");
     assert_eq!(timestamp, at(HOUR));

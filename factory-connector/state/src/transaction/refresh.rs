@@ -4,16 +4,13 @@ use std::sync::Arc;
 
 use asi_model::{
     BuiltInType, DateTime, FieldName, RequestKey,
-    pubsub::{
-        DataSetMetaData, FieldMetaData, MetaDataMessage, ReportHeader, json::encode_meta_data,
-        unit_member,
-    },
+    pubsub::{DataSetMetaData, FieldMetaData, MetaDataMessage, ReportHeader, unit_member},
 };
 use sha2::{Digest as _, Sha256};
 use uuid::Uuid;
 
 use crate::{
-    ChangeSet, ConnectorState, Writer,
+    ChangeSet, ConnectorState, ControlBody, Writer,
     keep_alive_schedule::schedule_keep_alive,
     queries::{fields_of, time_step},
     writes::ControlRow,
@@ -75,8 +72,7 @@ fn describe(state: &mut ConnectorState, changes: &mut ChangeSet, id: u16, now: D
         meta_data,
         ..MetaDataMessage::default()
     };
-    let body = String::from_utf8(encode_meta_data(&message, state.config.encoding))
-        .expect("the encoder writes UTF-8");
+    let body = ControlBody::of_meta_data(&message, state.config.encoding);
     state.queue_control(
         changes,
         ControlRow {

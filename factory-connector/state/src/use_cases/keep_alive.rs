@@ -1,11 +1,10 @@
 //! Keep-alives (OPC UA Part 14, `ua-keepalive`): a writer without reports says that it is alive.
 
-use asi_model::{
-    DateTime, MessageId,
-    pubsub::{DataSetMessage, DataSetMessageKind, NetworkMessage, json::encode},
-};
+use asi_model::{DateTime, MessageId};
 
-use crate::{ConnectorState, Writer, queries::time_step};
+use crate::{
+    ConnectorState, KeepAliveBody, Writer, control_body::KeepAliveHeader, queries::time_step,
+};
 
 /// A keep-alive message. It is sent once and never stored.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -14,7 +13,7 @@ pub struct KeepAlive {
     pub row: i64,
     pub message_id: MessageId,
     /// The NetworkMessage as JSON.
-    pub body: Vec<u8>,
+    pub body: KeepAliveBody,
 }
 
 /// Makes a keep-alive for each writer that was silent for the update interval its partner asked
@@ -28,19 +27,14 @@ fn keep_alive(state: &mut ConnectorState, id: u16, now: DateTime) -> KeepAlive {
     let row = state.next_row();
     let message_id = state.ids.next_message_id();
     let writer = state.writers.get(id);
-    let message = NetworkMessage {
-        message_id: Some(message_id.clone()),
-        publisher_id: Some(state.config.factory_id.as_str().into()),
-        messages: vec![DataSetMessage {
-            data_set_writer_id: Some(id),
-            sequence_number: writer.map(Writer::next_sequence),
-            meta_data_version: writer.map(Writer::version),
-            timestamp: writer.map(|writer| now.floor_to(time_step(state, writer))),
-            kind: DataSetMessageKind::KeepAlive,
-            ..DataSetMessage::default()
-        }],
-        ..NetworkMessage::default()
+    let header = KeepAliveHeader {
+        message_id: &message_id,
+        publisher_id: state.config.factory_id.as_str(),
+        data_set_writer_id: id,
+        sequence_number: writer.map(Writer::next_sequence),
+        version: writer.map(Writer::version),
+        timestamp: writer.map(|writer| now.floor_to(time_step(state, writer))),
     };
-    let body = encode(&message, state.config.encoding);
+    let body = KeepAliveBody::of(&header, state.config.encoding);
     KeepAlive { row, message_id, body }
 }

@@ -7,6 +7,8 @@ use disclosure::ReportBody;
 use ledger::SALT_BYTES;
 use spool::ReportRow;
 
+use crate::ControlBody;
+
 /// Rows about data set writers.
 #[derive(Debug, Default, PartialEq)]
 pub struct WriterWrites {
@@ -183,7 +185,7 @@ pub struct ControlRow {
     pub subject: String,
     /// Id of the message that this one answers.
     pub correlation_id: Option<MessageId>,
-    pub body: String,
+    pub body: ControlBody,
     pub created_at: DateTime,
     /// Time to live in milliseconds; unlimited without it.
     pub ttl_ms: Option<u64>,
