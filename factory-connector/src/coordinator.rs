@@ -6,9 +6,9 @@
 //! Transactions are grouped: what arrives while one is being written is part of the next. If one
 //! fails, nothing of it happened: the state is read from the store again.
 
+mod candidates;
 mod commands;
 mod config;
-
 mod delivery_progress;
 mod handle;
 mod incoming;
@@ -22,22 +22,18 @@ mod witnessing;
 
 use std::{collections::VecDeque, time::Duration};
 
-use asi_model::{DateTime, messages::ValueSource};
+use asi_model::DateTime;
 pub use config::CoordinatorConfig;
 use connector_state::{
     ChangeSet, ConnectorEvent, ConnectorState, Snapshot,
     transaction::{self, DeliveryState},
-    use_cases::{
-        seal, validity,
-        values::{self, FieldCandidate},
-        witness,
-    },
+    use_cases::{seal, validity, values, witness},
 };
 use handle::Reply;
 pub use handle::{CoordinatorCommand, CoordinatorError, CoordinatorHandle, WriteOutcome};
 use ledger::LedgerKey;
 use maintenance::Schedule;
-use mapping_engine::{Candidate, TargetKey};
+use mapping_engine::Candidate;
 pub use outputs::Outputs;
 use tokio::{sync::mpsc, time::Instant};
 use tokio_util::sync::CancellationToken;
@@ -218,17 +214,8 @@ impl Coordinator {
     }
 
     fn receive_candidates(&mut self, batches: Vec<Vec<Candidate>>) {
-        let now = now();
-        let candidates = batches.into_iter().flatten().map(|candidate| {
-            let Candidate { target: TargetKey { field, version }, value, state: transform } =
-                candidate;
-            let (source, mapping_version) = (ValueSource::Mapping, Some(version));
-            FieldCandidate { field, source, mapping_version, value, transform }
-        });
-        let candidates: Vec<FieldCandidate> = candidates.collect();
-        if !candidates.is_empty() {
-            metrics::counter!("verbund_candidates_total").increment(candidates.len() as u64);
-            values::receive_candidates(&mut self.work.state, candidates, now);
+        if batches.iter().any(|batch| !batch.is_empty()) {
+            candidates::receive(&mut self.work, batches.into_iter().flatten(), now());
             self.timing.oldest_unwritten.get_or_insert_with(Instant::now);
         }
     }
@@ -314,7 +301,7 @@ impl Coordinator {
         let Timing { has_ledger_entries, ledger_event_at, .. } = &mut self.timing;
         if *has_ledger_entries && ledger_event_at.elapsed() >= LEDGER_EVENT_INTERVAL {
             (*has_ledger_entries, *ledger_event_at) = (false, Instant::now());
-            self.work.outputs.events.publish([ConnectorEvent::Ledger]);
+            self.work.outputs.events.publish(vec![ConnectorEvent::Ledger]);
         }
     }
 

@@ -1,11 +1,11 @@
 //! Knowledge of partners about a plant: random policies, changes of them, other mappings, statuses,
 //! types, recipients, restarts and steps of the clock on one side; on the other side everything that
 //! can be seen from outside: messages with their envelopes, keep-alives, nodes, live events, log,
-//! metrics, ledger, receipts and spool, and the pages and exports of a viewer.
+//! metrics, ledger, receipts and spool, and the pages and exports of viewers and operators.
 //!
 //! Two plants are played at once. They get the same events, but that the values of the second
-//! differ *below* what the policies let through ([`below`]). Both must yield the same bytes
-//! (non-interference). A second model ([`knower`]), which knows candidates and policies only, says
+//! differ *below* what the policies let through ([`below`]), come later within a time step, and are
+//! fewer or more while a state withholds them. Both must yield the same bytes (non-interference). A second model ([`knower`]), which knows candidates and policies only, says
 //! what may be known; each message is compared with it when it leaves.
 //!
 //! `VERBUND_KNOWLEDGE_CASES` sets the number of histories and `VERBUND_KNOWLEDGE_SEED` their seed.
@@ -16,14 +16,17 @@ mod fields;
 mod file;
 mod knower;
 mod link;
+mod offers;
 mod pages;
 mod plant;
+mod possible;
 mod telemetry;
 
 use acts::{Act, acts};
 use knower::Knower;
+use offers::Varied;
 use pages::Pages;
-use plant::{Plant, Varied};
+use plant::Plant;
 use proptest::{
     prelude::ProptestConfig,
     test_runner::{RngAlgorithm, TestRng, TestRunner},
@@ -31,10 +34,13 @@ use proptest::{
 use telemetry::RecordedTelemetry;
 
 use super::*;
+use crate::store::Role;
 
 const CASES: u32 = 16;
-/// One of so many histories ends with a look at all pages, which takes longer than its acts.
+/// In one of so many histories all pages are looked at, which takes longer than its acts.
 const HISTORIES_PER_LOOK: usize = 4;
+/// Number of acts between two looks at all pages.
+const ACTS_PER_LOOK: usize = 20;
 const SEED: u64 = 20_261_124;
 
 /// Amount of what the histories of a run did, so that none proves something about nothing.
@@ -42,8 +48,18 @@ const SEED: u64 = 20_261_124;
 struct Amount {
     reports: usize,
     varied: usize,
+    /// Batches that came later to the other plant.
+    later: usize,
     taken_back: usize,
     pages: usize,
+}
+
+impl Amount {
+    fn add(&mut self, varied: &Varied) {
+        self.varied += varied.count;
+        self.reports += varied.reports;
+        self.later += usize::from(varied.later_ms > 0);
+    }
 }
 
 #[test]
@@ -76,6 +92,7 @@ fn partners_learn_what_policies_let_through_and_nothing_below() {
     let amount = amount.into_inner();
     let cases = usize::try_from(cases.unwrap_or(CASES)).expect("small");
     assert!(amount.reports > 3 * cases && amount.varied > 4 * cases, "{amount:?}");
+    assert!(amount.later > cases / 8, "seed {seed}: {amount:?}");
     assert!(amount.taken_back > cases / 4 && amount.pages > 0, "seed {seed}: {amount:?}");
 }
 
@@ -89,23 +106,29 @@ async fn play(
     let mut plant = Plant::open(twin.clone()).await;
     let mut other = Plant::open(twin.clone()).await;
     let (mut knower, mut of_other) = (Knower::default(), Knower::default());
+    let is_looked_at = amount.borrow().pages == 0 || acts.len().is_multiple_of(HISTORIES_PER_LOOK);
     for (place, act) in acts.iter().enumerate() {
         let varied;
         (plant, varied) = watched(plant, act, &mut knower, None).await;
-        (other, _) = watched(other, act, &mut of_other, Some(&varied.values)).await;
-        let mut amount = amount.borrow_mut();
-        amount.varied += varied.count;
-        amount.reports += varied.reports;
-        let (seen, others) = (plant.take_seen(), other.take_seen());
+        (other, _) = watched(other, act, &mut of_other, Some(&varied)).await;
+        amount.borrow_mut().add(&varied);
+        let (mut seen, mut others) = (plant.take_seen(), other.take_seen());
+        if varied.later_ms > 0 {
+            // What comes and what passes meanwhile changed places.
+            seen.sort_unstable();
+            others.sort_unstable();
+        }
         compare(&seen, &others, &format!("act {place}, {act:?},"));
-    }
-    let is_first = amount.borrow().pages == 0;
-    if is_first || acts.len().is_multiple_of(HISTORIES_PER_LOOK) {
-        let count = plant.read(pages).await;
-        other.read(pages).await;
-        assert!(count > 30, "only {count} pages");
-        amount.borrow_mut().pages += count;
-        compare(&plant.take_seen(), &other.take_seen(), "a page");
+        let is_last = place + 1 == acts.len();
+        if is_looked_at && (is_last || place % ACTS_PER_LOOK == ACTS_PER_LOOK - 1) {
+            for (user, role) in [("vera", Role::Viewer), ("otto", Role::Operator)] {
+                let count = plant.read(pages, user, role).await;
+                other.read(pages, user, role).await;
+                assert!(count > 30, "only {count} pages");
+                amount.borrow_mut().pages += count;
+                compare(&plant.take_seen(), &other.take_seen(), "a page");
+            }
+        }
     }
     let stored = file::stored(plant.folder.path()).await;
     let others = file::stored(other.folder.path()).await;
@@ -120,12 +143,12 @@ async fn watched(
     plant: Plant,
     act: &Act,
     knower: &mut Knower,
-    values: Option<&[DataValue]>,
+    of_other: Option<&Varied>,
 ) -> (Plant, Varied) {
     let telemetry = RecordedTelemetry::default();
     let _log = tracing::subscriber::set_default(telemetry.clone());
     let _metrics = metrics::set_default_local_recorder(&telemetry);
-    let (mut plant, varied) = plant.act(act, knower, values).await;
+    let (mut plant, varied) = plant.act(act, knower, of_other).await;
     plant.seen.extend(telemetry.take());
     (plant, varied)
 }

@@ -24,8 +24,9 @@ pub(super) struct Coming {
 /// Something that happens.
 #[derive(Debug, Clone)]
 pub(super) enum Act {
-    /// Values that come together.
-    Values(Vec<Coming>),
+    /// Values that come together. In the other plant they come later by a part of this time, as far
+    /// as the time steps of their fields conceal it.
+    Values(Vec<Coming>, u32),
     /// A field is opened for a source: manual, external, or one of two mappings.
     Open {
         field: usize,
@@ -80,7 +81,8 @@ fn act() -> impl Strategy<Value = Act> {
     let name = || 0..2_usize;
     let policy = || policies().prop_map(Box::new);
     prop_oneof![
-        14 => proptest::collection::vec(coming(), 1..5).prop_map(Act::Values),
+        14 => (proptest::collection::vec(coming(), 1..5), 0..8_000_u32)
+            .prop_map(|(coming, later_ms)| Act::Values(coming, later_ms)),
         4 => (field(), 0..4_usize, policy())
             .prop_map(|(field, source, policy)| Act::Open { field, source, policy }),
         1 => field().prop_map(Act::Close),
@@ -125,30 +127,73 @@ fn policies() -> impl Strategy<Value = DisclosurePolicy> {
         proptest::option::weighted(chance, proptest::sample::select(values))
     };
     let condition = |own: Value| json!([{ "states": [WITHHELD_STATE], "field": own }]);
+    // The plants begin on a Monday at midnight.
+    let hours = |from: &str, until: &str, offset: i16| {
+        json!({ "days": ["MONDAY", "TUESDAY"], "from": from, "until": until,
+            "utcOffsetMinutes": offset })
+    };
     let parts = (
         part(0.5, json!([10, 100, 1000])),
         part(0.25, json!([5_000, 60_000])),
         part(0.25, json!([3_000, 30_000])),
         part(0.25, json!([10_000, 60_000])),
-        part(0.15, json!(["LAST", "MAXIMUM", "MINIMUM"])),
+        part(0.2, json!(["LAST", "MAXIMUM", "MINIMUM", "MEAN", "SUM"])),
         part(0.3, json!(["FULL", "SEVERITY"])),
         part(0.2, json!([condition(json!("state")), condition(Value::Null)])),
         part(0.15, json!([[{ "values": 2, "periodMs": 60_000 }]])),
+        part(0.2, json!([[0, 20_000, 50_000], [-50_000, -20_000, 0, 50_000]])),
+        part(0.15, json!([1, 3])),
+        part(0.1, json!([hours("00:01", "23:59", 0), hours("01:00", "01:20", 60)])),
+        part(0.05, json!([[hours("00:02", "23:59", 0)]])),
     );
-    parts.prop_map(|(step, delay, interval, time_step, function, status, condition, rates)| {
-        let window = function.map(|function| json!({ "function": function, "windowMs": 60_000 }));
+    parts.prop_map(|parts| {
+        let (step, delay, interval, time_step, function, status, condition, rates, ..) = &parts;
+        let (.., bands, digits, hours, further_hours) = &parts;
+        // Bands and a rounding step exclude each other.
+        let bands = bands.as_ref().filter(|_| step.is_none());
+        let window =
+            function.as_ref().map(|function| json!({ "function": function, "windowMs": 60_000 }));
         let members = [
-            ("roundingStep", step),
-            ("delayMs", delay),
-            ("minimumIntervalMs", interval),
-            ("timeStepMs", time_step),
-            ("aggregate", window),
-            ("statusCodes", status),
-            ("withholdWhile", condition),
-            ("rateLimits", rates),
+            ("roundingStep", step.as_ref()),
+            ("bands", bands),
+            ("significantDigits", digits.as_ref()),
+            ("delayMs", delay.as_ref()),
+            ("minimumIntervalMs", interval.as_ref()),
+            ("timeStepMs", time_step.as_ref()),
+            ("aggregate", window.as_ref()),
+            ("statusCodes", status.as_ref()),
+            ("withholdWhile", condition.as_ref()),
+            ("rateLimits", rates.as_ref()),
+            ("workingHours", hours.as_ref()),
+            ("furtherHours", further_hours.as_ref()),
         ];
-        let members = members.into_iter().filter_map(|(name, part)| Some((name.to_owned(), part?)));
+        let members =
+            members.into_iter().filter_map(|(name, part)| Some((name.to_owned(), part?.clone())));
         let policy = Value::Object(members.collect());
         serde_json::from_value(policy).expect("a policy")
     })
+}
+
+/// A member that a policy gets one day is part of the histories, or this says that it is not.
+#[test]
+fn histories_have_every_member_of_policies() {
+    use std::collections::BTreeSet;
+
+    use proptest::{strategy::ValueTree as _, test_runner::TestRunner};
+
+    let description = serde_json::to_value(crate::api::openapi()).expect("JSON");
+    let schema = &description["components"]["schemas"]["DisclosurePolicy"]["properties"];
+    let members: BTreeSet<String> = schema.as_object().expect("members").keys().cloned().collect();
+    let functions = &description["components"]["schemas"]["AggregateFunction"]["enum"];
+    let functions = functions.as_array().expect("functions").iter().filter_map(Value::as_str);
+    let (mut runner, mut used, mut aggregates) =
+        (TestRunner::deterministic(), BTreeSet::new(), BTreeSet::new());
+    for _ in 0..1_000 {
+        let policy = policies().new_tree(&mut runner).expect("a policy").current();
+        let policy = serde_json::to_value(policy).expect("JSON");
+        used.extend(policy.as_object().expect("members").keys().cloned());
+        aggregates.extend(policy["aggregate"]["function"].as_str().map(ToOwned::to_owned));
+    }
+    assert_eq!(used, members);
+    assert_eq!(aggregates, functions.map(ToOwned::to_owned).collect());
 }

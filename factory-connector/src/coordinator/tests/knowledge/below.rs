@@ -1,7 +1,7 @@
 //! Differences below a policy: another value of which the policy makes the same. Computed without
 //! the gate's code.
 
-use asi_model::{BuiltInType, Scalar, Variant};
+use asi_model::{Scalar, Variant, values::Array};
 use disclosure::{DisclosurePolicy, GateOutcome, StatusCodes};
 
 use super::{
@@ -42,13 +42,9 @@ pub(super) fn differing(
     } else if !step.is_zero() {
         other.source_timestamp = candidate.source_timestamp.map(|at| at.floor_to(step));
     }
-    let is_common = COMMON.contains(&candidate.status.0);
-    match policy.status_codes {
-        // A window keeps the codes of its values, for the policy at its end.
-        _ if policy.aggregate.is_some() && outcome.is_some() => {}
-        StatusCodes::Full => {}
-        StatusCodes::Common if is_common => {}
-        _ => other.status = StatusCode(candidate.status.0 | INFO_BITS),
+    // A window keeps the codes of its values, for the policy at its end.
+    if policy.aggregate.is_none() || outcome.is_none() {
+        other.status = another_status(candidate.status, policy.status_codes);
     }
     let is_hidden = matches!(outcome, None | Some(GateOutcome::Suppressed));
     let is_other_type = candidate.value.built_in_type() != Some(field.field_type);
@@ -63,7 +59,9 @@ pub(super) fn differing(
 /// Returns any other value of the same type. A state stays what it is to a condition.
 fn another(field: &FieldOf, candidate: &DataValue) -> Variant {
     let is_state = candidate.value.as_f64() == Some(f64::from(WITHHELD_STATE));
+    let is_own_type = candidate.value.built_in_type() == Some(field.field_type);
     match candidate.value.as_scalar() {
+        None if is_own_type => field.value(4_003),
         Some(_) if is_state => candidate.value.clone(),
         Some(Scalar::Boolean(value)) => Variant::from(!value),
         Some(scalar) if scalar.built_in_type() == field.field_type => {
@@ -74,32 +72,72 @@ fn another(field: &FieldOf, candidate: &DataValue) -> Variant {
     }
 }
 
-/// Returns another value that rounds to the same one.
+/// Returns another code of the same severity that a policy does not tell from this one.
+fn another_status(status: StatusCode, resolution: StatusCodes) -> StatusCode {
+    let is_common = |code: u32| COMMON.contains(&code);
+    // Causes within the plant, two of each severity.
+    let causes: [[u32; 2]; 3] =
+        [[0x0096_0000, 0x00A2_0000], [0x4094_0000, 0x4095_0000], [0x808C_0000, 0x8089_0000]];
+    let of_severity = causes[(status.0 >> 30).min(2) as usize];
+    let other = of_severity.into_iter().find(|code| *code != status.0).unwrap_or(status.0);
+    match resolution {
+        StatusCodes::Full => status,
+        StatusCodes::Common if is_common(status.0) => status,
+        StatusCodes::Common | StatusCodes::Severity => StatusCode(other | INFO_BITS),
+    }
+}
+
+/// Returns another value of which the policy makes the same one.
 fn nearby(value: &Variant, policy: &DisclosurePolicy) -> Variant {
-    if let Some(Scalar::DateTime(at)) = value.as_scalar() {
-        return Variant::from(at.floor_to(policy.time_step()));
+    match value {
+        Variant::Null => Variant::Null,
+        Variant::Scalar(scalar) => Variant::Scalar(nearby_scalar(scalar, policy)),
+        Variant::Array(array) => Variant::Array(Arc::new(Array {
+            elements: array.elements.iter().map(|scalar| nearby_scalar(scalar, policy)).collect(),
+            ..Array::clone(array)
+        })),
+    }
+}
+
+#[allow(clippy::cast_possible_truncation)]
+fn nearby_scalar(scalar: &Scalar, policy: &DisclosurePolicy) -> Scalar {
+    if let Scalar::DateTime(at) = scalar {
+        return Scalar::DateTime(at.floor_to(policy.time_step()));
+    }
+    let field_type = scalar.built_in_type();
+    let number = scalar.as_f64().filter(|_| field_type.is_numeric());
+    let other = number.and_then(|number| nearby_number(number, policy));
+    let state = f64::from(WITHHELD_STATE);
+    // What is a state to a condition stays one, and nothing becomes one.
+    let other = other.filter(|other| *other != state && number != Some(state));
+    let other = other.and_then(|other| match scalar {
+        Scalar::Double(_) => Some(Scalar::Double(other)),
+        Scalar::Float(_) => Some(Scalar::Float(other as f32)),
+        // Beyond the limits of its type a number is rounded towards zero.
+        _ => Scalar::from_i128(other as i128, field_type),
+    });
+    other.unwrap_or_else(|| scalar.clone())
+}
+
+/// Returns another number in the same band, or that rounds to the same one; none if each is told.
+fn nearby_number(number: f64, policy: &DisclosurePolicy) -> Option<f64> {
+    if !policy.bands.is_empty() {
+        let below = policy.bands.iter().rev().find(|bound| **bound <= number);
+        let bound = *below.unwrap_or(&policy.bands[0]);
+        return Some(if below.is_none() { number - 4.0 } else { bound + 3.0 });
     }
     let step = policy.rounding_step.and_then(|step| step.to_string().parse::<f64>().ok());
-    let (Some(number), Some(step)) = (value.as_f64(), step) else { return value.clone() };
-    if value.built_in_type() == Some(BuiltInType::Boolean) || number == f64::from(WITHHELD_STATE) {
-        return value.clone();
+    if let Some(step) = step {
+        // Ties are rounded away from zero: a third of a step is on the same side for sure.
+        let nearest = (number / step + 0.5 * number.signum()).trunc() * step;
+        let third = (step / 3.0).floor();
+        return Some(if number > nearest { nearest - third } else { nearest + third });
     }
-    // Ties are rounded away from zero: a third of a step is on the same side for sure.
-    let nearest = (number / step + 0.5 * number.signum()).trunc() * step;
-    let other = if number > nearest {
-        nearest - (step / 3.0).floor()
-    } else {
-        nearest + (step / 3.0).floor()
-    };
-    #[allow(clippy::cast_possible_truncation)]
-    match value.as_scalar() {
-        Some(Scalar::UInt64(_) | Scalar::Int64(_) | Scalar::Int32(_)) => {
-            let field_type = value.built_in_type().expect("a number has a type");
-            let other = Scalar::from_i128(other as i128, field_type);
-            other.map_or_else(|| value.clone(), Variant::Scalar)
-        }
-        Some(Scalar::Double(_)) => Variant::from(other),
-        Some(Scalar::Float(_)) => Variant::from(other as f32),
-        _ => value.clone(),
-    }
+    let digits = i32::from(policy.significant_digits.filter(|_| number != 0.0)?);
+    let magnitude = |number: f64| 10_f64.powi(number.abs().log10().floor() as i32 + 1 - digits);
+    let unit = magnitude(number);
+    let nearest = (number / unit + 0.5 * number.signum()).trunc() * unit;
+    // Away from zero: towards it a power of ten would have smaller units.
+    let other = nearest + (magnitude(nearest) / 4.0).floor() * nearest.signum();
+    (unit >= 4.0).then_some(other)
 }

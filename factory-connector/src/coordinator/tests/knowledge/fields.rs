@@ -1,6 +1,9 @@
 //! Fields of the plant: two requests with different recipients, and fields of all kinds of types.
 
-use asi_model::{BuiltInType, FieldKey, RequestKey, Scalar};
+use asi_model::{
+    BuiltInType, FieldKey, RequestKey, Scalar, Variant,
+    values::{Array, LocalizedText},
+};
 use serde_json::{Value, json};
 
 use super::*;
@@ -13,13 +16,18 @@ pub(super) struct FieldOf {
     pub(super) request: usize,
     pub(super) name: &'static str,
     pub(super) field_type: BuiltInType,
+    pub(super) is_array: bool,
 }
 
 const fn of(request: usize, name: &'static str, field_type: BuiltInType) -> FieldOf {
-    FieldOf { request, name, field_type }
+    FieldOf { request, name, field_type, is_array: false }
 }
 
-pub(super) const FIELDS: [FieldOf; 8] = [
+const fn array_of(request: usize, name: &'static str, field_type: BuiltInType) -> FieldOf {
+    FieldOf { request, name, field_type, is_array: true }
+}
+
+pub(super) const FIELDS: [FieldOf; 14] = [
     of(0, "made", BuiltInType::UInt64),
     of(0, "level", BuiltInType::Double),
     of(0, "note", BuiltInType::String),
@@ -28,6 +36,12 @@ pub(super) const FIELDS: [FieldOf; 8] = [
     of(1, "speed", BuiltInType::Float),
     of(1, "on", BuiltInType::Boolean),
     of(1, "since", BuiltInType::DateTime),
+    of(0, "grade", BuiltInType::Byte),
+    array_of(0, "curve", BuiltInType::UInt16),
+    of(0, "batch", BuiltInType::Guid),
+    of(1, "image", BuiltInType::ByteString),
+    of(1, "title", BuiltInType::LocalizedText),
+    array_of(1, "marks", BuiltInType::DateTime),
 ];
 
 /// The field at whose state others look.
@@ -46,9 +60,21 @@ impl FieldOf {
         request.field(self.name.parse().expect("a name"))
     }
 
-    /// Makes a value of the field's type of a number from 1000 on. Different numbers make different
-    /// values, but for those of a truth value.
-    #[allow(clippy::cast_precision_loss)]
+    /// Makes a value of the field's type of a number from 1000 on: a scalar, or an array of two.
+    pub(super) fn value(&self, number: u32) -> Variant {
+        if !self.is_array {
+            return Variant::Scalar(self.scalar(number));
+        }
+        Variant::Array(Arc::new(Array {
+            element_type: self.field_type,
+            elements: vec![self.scalar(number), self.scalar(number + 1)],
+            dimensions: None,
+        }))
+    }
+
+    /// Makes a scalar of the field's type of a number from 1000 on. Different numbers make different
+    /// values, but for those of a truth value and of a small type.
+    #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation)]
     pub(super) fn scalar(&self, number: u32) -> Scalar {
         let whole = i32::try_from(number).expect("small");
         match self.field_type {
@@ -60,6 +86,16 @@ impl FieldOf {
             BuiltInType::Int64 => Scalar::Int64(-i64::from(whole)),
             BuiltInType::Float => Scalar::Float(number as f32),
             BuiltInType::Boolean => Scalar::Boolean(number.is_multiple_of(2)),
+            BuiltInType::Byte => Scalar::Byte((number % 251) as u8),
+            BuiltInType::UInt16 => Scalar::UInt16((number % 50_021) as u16),
+            BuiltInType::Guid => Scalar::Guid(uuid::Uuid::from_u128(number.into())),
+            BuiltInType::ByteString => {
+                Scalar::ByteString(Some(number.to_be_bytes().to_vec().into()))
+            }
+            BuiltInType::LocalizedText => Scalar::LocalizedText(Box::new(LocalizedText {
+                locale: Some("de".into()),
+                text: Some(format!("Text {number}").into()),
+            })),
             _ => Scalar::DateTime(plant::start().after(Duration::from_millis(number.into()))),
         }
     }
@@ -78,7 +114,10 @@ pub(super) fn network(revision: u64, bits: u8) -> Value {
     let request = |number: usize| {
         let fields = FIELDS.iter().filter(|field| field.request == number);
         let fields: Vec<Value> = fields
-            .map(|field| json!({ "name": field.name, "type": field.field_type.id() }))
+            .map(|field| {
+                json!({ "name": field.name, "type": field.field_type.id(),
+                    "valueRank": if field.is_array { 1 } else { -1 } })
+            })
             .collect();
         json!({ "dynamicDataRequestId": format!("R{number}"), "requesterId": "acme",
             "recipientList": recipients(number, bits), "purpose": "Plan", "updateFrequency": 1,

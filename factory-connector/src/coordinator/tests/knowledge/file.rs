@@ -54,7 +54,7 @@ pub(super) async fn open(
     let (mappings, work) = mpsc::channel(1);
     // There is no mapping engine: nothing may wait for it.
     drop(work);
-    let events = EventLog::new(1, 1);
+    let events = LiveEvents::new(1, 1);
     let outputs = Outputs { twin, mappings, link: None, keep_alives, in_flight, events };
     (UnitOfWork { config, store, state, pending, outputs, key }, spool)
 }

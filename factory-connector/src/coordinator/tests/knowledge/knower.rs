@@ -1,42 +1,15 @@
 //! Second model: what partners may know. It knows candidates, decisions and policies, and neither
 //! gate nor spool; each report is compared with it when it leaves.
 
-use asi_model::{BuiltInType, Scalar};
-use disclosure::{DisclosurePolicy, StatusCodes, WithholdCondition};
+use asi_model::BuiltInType;
+use disclosure::{AggregateFunction, DisclosurePolicy, StatusCodes, WithholdCondition};
 
 use super::{
     below,
     fields::{FIELDS, PARTNERS, STATE, WITHHELD_STATE, recipients},
+    possible::{Possible, is_mean, is_sum, is_within, number_of},
     *,
 };
-
-/// A candidate of which something may be told.
-#[derive(Debug, Clone)]
-struct Possible {
-    value: DataValue,
-    arrived_at: DateTime,
-    /// The longest rounding step since it came.
-    step: f64,
-    /// True where its window ended before the clock was set back.
-    is_window_over: bool,
-    /// True where it might be told before the clock was set back; it still may.
-    was_due: bool,
-}
-
-impl Possible {
-    /// Returns the time from which the delay counts.
-    fn counts_from(&self, window: Duration) -> DateTime {
-        if window.is_zero() || self.is_window_over {
-            self.arrived_at
-        } else {
-            self.arrived_at.floor_to(window).after(window)
-        }
-    }
-
-    fn is_due(&self, window: Duration, delay: Duration, now: DateTime) -> bool {
-        self.was_due || self.counts_from(window).after(delay) <= now
-    }
-}
 
 /// Knowledge about a field.
 #[derive(Debug, Default)]
@@ -45,6 +18,10 @@ struct Known {
     own: Option<DisclosurePolicy>,
     source: usize,
     possible: Vec<Possible>,
+    /// Times of releases; they go on to count whoever decides what.
+    released: Vec<DateTime>,
+    /// Those of releases while a rate was in force.
+    rated: Vec<DateTime>,
 }
 
 #[derive(Debug, Default)]
@@ -84,6 +61,8 @@ impl Knower {
                 value: (*value).clone(),
                 arrived_at: now,
                 step: self.step(*field),
+                hidden_part: self.hidden_part(*field),
+                time_step: self.time_step(*field),
                 is_window_over: false,
                 was_due: false,
             };
@@ -139,6 +118,10 @@ impl Knower {
     pub(super) fn set_clock_back(&mut self, former: DateTime, now: DateTime) {
         for field in 0..FIELDS.len() {
             let (window, delay) = (self.window(field), self.delay(field));
+            let Known { released, rated, .. } = &mut self.fields[field];
+            for released in released.iter_mut().chain(rated) {
+                *released = (*released).min(now);
+            }
             for possible in &mut self.fields[field].possible {
                 let from = possible.counts_from(window);
                 possible.was_due = possible.is_due(window, delay, former);
@@ -170,7 +153,7 @@ impl Knower {
             let times = [&report["Timestamp"], &payload["shopfloorTimestamp"]["Body"]];
             for time in times {
                 let time: DateTime = serde_json::from_value(time.clone()).expect("a time");
-                let step = self.longest(field, DisclosurePolicy::time_step);
+                let step = self.time_step(field);
                 assert_eq!(time.floor_to(step), time, "{} has a step: {report}", of.name);
             }
             // A value with a status has another form, and so has a status without a value.
@@ -206,31 +189,88 @@ impl Knower {
 
     fn check_value(&self, field: usize, body: &Value, now: DateTime) {
         let of = &FIELDS[field];
-        let number = body.as_f64().or_else(|| body.as_str().and_then(|text| text.parse().ok()));
-        let number = number.filter(|_| of.field_type.is_numeric());
-        if let Some(number) = number {
-            let coarse = number % self.step(field);
-            assert!(coarse == 0.0, "{} is finer than its step: {body}", of.name);
+        let elements: Vec<f64> = match body {
+            Value::Array(elements) => elements.iter().filter_map(number_of).collect(),
+            other => number_of(other).into_iter().collect(),
+        };
+        for number in elements.iter().filter(|_| of.field_type.is_numeric()) {
+            self.check_number(field, *number);
         }
         let (window, delay) = (self.window(field), self.delay(field));
-        let is_due = |possible: &&Possible| possible.is_due(window, delay, now);
-        let explains = |possible: &Possible| match (possible.value.value.as_scalar(), number) {
-            (Some(Scalar::String(text)), _) => text.as_deref() == body.as_str(),
-            (_, Some(number)) => {
-                let raw = possible.value.value.as_f64().expect("a number");
-                // Rounded again under each policy since it came: a half, a twentieth, ...
-                (raw - number).abs() <= 0.556 * possible.step
-            }
-            _ => true,
-        };
         let known = &self.fields[field];
+        let due: Vec<&Possible> =
+            known.possible.iter().filter(|possible| possible.is_due(window, delay, now)).collect();
+        let functions = self.policies(field).filter_map(|policy| policy.aggregate);
+        let functions: Vec<_> = functions.map(|aggregate| aggregate.function).collect();
+        let is_explained = match elements[..] {
+            [number] if of.field_type.is_numeric() && !of.is_array => {
+                due.iter().any(|possible| possible.explains(number))
+                    || (functions.contains(&AggregateFunction::Mean) && is_mean(&due, number))
+                    || (functions.contains(&AggregateFunction::Sum) && is_sum(&due, number))
+            }
+            _ if of.field_type.is_numeric() => due.iter().any(|possible| {
+                let raw = possible.elements();
+                let pairs = raw.iter().zip(&elements);
+                raw.len() == elements.len()
+                    && pairs.into_iter().all(|(raw, told)| possible.is_near(*raw, *told))
+            }),
+            _ => due.iter().any(|possible| possible.is_told_by(body)),
+        };
         assert!(
-            known.possible.iter().filter(is_due).any(explains),
+            is_explained,
             "{} tells {body} at {now}, by {:?} of {:?}",
             of.name,
             self.policies(field).collect::<Vec<_>>(),
             known.possible,
         );
+    }
+
+    /// Checks that a number is no finer than the policies in force.
+    fn check_number(&self, field: usize, number: f64) {
+        let name = FIELDS[field].name;
+        let bounds: Vec<f64> = self.policies(field).flat_map(|policy| policy.bands).collect();
+        if !bounds.is_empty() {
+            assert!(bounds.contains(&number), "{name} is finer than its bands: {number}");
+        } else if self.policies(field).any(|policy| policy.rounding_step.is_some()) {
+            let coarse = number % self.step(field);
+            assert!(coarse == 0.0, "{name} is finer than its step: {number}");
+        }
+        let digits = self.policies(field).filter_map(|policy| policy.significant_digits).min();
+        if let Some(digits) = digits {
+            let text = format!("{}", number.abs());
+            let told = text.replace('.', "");
+            let told = told.trim_matches('0').len();
+            assert!(told <= digits.into(), "{name} has more than {digits} digits: {number}");
+        }
+    }
+
+    /// Checks a release at the moment in which it happens: interval, rates, hours and time step.
+    pub(super) fn check_release(&mut self, field: usize, at: DateTime) {
+        let name = FIELDS[field].name;
+        let step = self.time_step(field);
+        // After a restart timers may be late by a part of the step.
+        let lateness = (step / 10).min(Duration::from_secs(5));
+        let is_on_step = at.since(at.floor_to(step)) <= lateness;
+        assert!(is_on_step, "{name} is released between two steps: {at}");
+        for policy in self.policies(field) {
+            for hours in policy.working_hours.iter().chain(&policy.further_hours) {
+                assert!(is_within(hours, at), "{name} is released at {at}, outside of {hours:?}");
+            }
+            for limit in &policy.rate_limits {
+                let period = Duration::from_millis(limit.period_ms);
+                let released = self.fields[field].rated.iter();
+                let count = released.filter(|released| released.after(period) > at).count();
+                assert!(count < limit.values as usize, "{name} exceeds {limit:?} at {at}");
+            }
+        }
+        let interval = self.longest(field, DisclosurePolicy::minimum_interval);
+        let has_rate = self.policies(field).any(|policy| !policy.rate_limits.is_empty());
+        let Known { released, rated, .. } = &mut self.fields[field];
+        if let Some(last) = released.last() {
+            assert!(last.after(interval) <= at, "{name}: {at} is too soon after {last}");
+        }
+        released.push(at);
+        rated.extend(Some(at).filter(|_| has_rate));
     }
 
     /// Begins another source or consent: nothing of before may be told.
@@ -260,8 +300,11 @@ impl Knower {
                 self.fields[field].possible.clear();
             }
             let (step, is_later) = (self.step(field), self.delay(field) > delay);
+            let (part, time_step) = (self.hidden_part(field), self.time_step(field));
             for possible in &mut self.fields[field].possible {
                 possible.step = possible.step.max(step);
+                possible.hidden_part = possible.hidden_part.max(part);
+                possible.time_step = possible.time_step.max(time_step);
                 possible.was_due &= !is_later;
             }
         }
@@ -279,7 +322,7 @@ impl Knower {
         let partners = PARTNERS.iter().zip(&self.of_partner);
         let partners = partners.filter(move |(partner, _)| readers.contains(*partner));
         let named = partners.filter_map(|(_, name)| self.named[(*name)?].as_ref());
-        own.chain(named.map(|policy| policy.fitted_to(of.field_type, false)))
+        own.chain(named.map(|policy| policy.fitted_to(of.field_type, of.is_array)))
     }
 
     fn conditions(&self, field: usize) -> Vec<WithholdCondition> {
@@ -289,7 +332,17 @@ impl Knower {
     fn step(&self, field: usize) -> f64 {
         let steps = self.policies(field).filter_map(|policy| policy.rounding_step);
         let steps = steps.filter_map(|step| step.to_string().parse::<f64>().ok());
-        steps.fold(1.0, f64::max)
+        let is_banded = self.policies(field).any(|policy| !policy.bands.is_empty());
+        if is_banded { f64::INFINITY } else { steps.fold(1.0, f64::max) }
+    }
+
+    fn hidden_part(&self, field: usize) -> f64 {
+        let digits = self.policies(field).filter_map(|policy| policy.significant_digits).min();
+        digits.map_or(0.0, |digits| 0.6 * 10_f64.powi(1 - i32::from(digits)))
+    }
+
+    fn time_step(&self, field: usize) -> Duration {
+        self.longest(field, DisclosurePolicy::time_step)
     }
 
     fn delay(&self, field: usize) -> Duration {

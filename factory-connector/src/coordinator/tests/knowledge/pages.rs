@@ -1,4 +1,4 @@
-//! Pages and exports as a person of the least role sees them, through the whole API.
+//! Pages and exports as people who may not decide see them, through the whole API.
 
 use axum::{
     Router,
@@ -30,7 +30,7 @@ use crate::{
     store::{Role, User},
 };
 
-const PASSWORD: &str = "the viewer's own password";
+const PASSWORD: &str = "a password of their own";
 /// Addresses of what never ends, and of a session's random token.
 const LEFT_OUT: [&str; 2] = ["/api/v1/events", "/api/v1/session"];
 
@@ -94,19 +94,19 @@ fn without_present(body: &str) -> String {
 }
 
 impl Plant {
-    /// Reads all pages as a viewer. Returns how many of them there are for one.
-    pub(super) async fn read(&mut self, pages: &Pages) -> usize {
+    /// Reads all pages as a person of a role. Returns how many of them there are for one.
+    pub(super) async fn read(&mut self, pages: &Pages, user_name: &str, role: Role) -> usize {
         let (handle, mut asked) = channel();
         let router = self.router(handle);
         let user = User {
-            user_name: "vera".to_owned(),
-            role: Role::Viewer,
+            user_name: user_name.to_owned(),
+            role,
             password_hash: pages.password_hash.clone(),
         };
         let mut session = Store::connect(self.folder.path()).await.expect("a connection");
         session.users().put(&user, self.now).await.expect("stored");
         drop(session);
-        let credentials = json!({ "userName": "vera", "password": PASSWORD }).to_string();
+        let credentials = json!({ "userName": user_name, "password": PASSWORD }).to_string();
         let sign_in = Request::post("/api/v1/session")
             .header(header::CONTENT_TYPE, "application/json")
             .body(Body::from(credentials))

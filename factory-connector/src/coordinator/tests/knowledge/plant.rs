@@ -1,7 +1,6 @@
 //! A plant with a clock of its own: state, store, spool and link adapter, as the coordinator's loop
 //! runs them.
 
-use asi_model::Variant;
 use connector_state::{
     transaction,
     use_cases::{
@@ -9,17 +8,16 @@ use connector_state::{
         keep_alive::keep_alives,
         policies::{put_policy, set_recipient_policy},
         revise::receive_network,
-        validity,
-        values::{self, FieldCandidate},
+        validity, values,
     },
 };
-use disclosure::{DocumentId, GateOutcome};
+use disclosure::DocumentId;
 
 use super::{
-    acts::{Act, Coming},
-    below::differing,
+    acts::Act,
     fields::{FIELDS, PARTNERS, network},
     knower::Knower,
+    offers::Varied,
     *,
 };
 use crate::coordinator::delivery_progress;
@@ -43,17 +41,6 @@ pub(super) fn twin(folder: &Path) -> (twin::Twin, twin::TwinHandle) {
     twin::Twin::new(factory_id, config, Arc::new(Nobody), Arc::new(Nobody)).expect("a twin")
 }
 
-/// Amount of what an act did.
-#[derive(Debug, Default)]
-pub(super) struct Varied {
-    /// Values for the other plant, which differ below the policy.
-    pub(super) values: Vec<DataValue>,
-    /// Number of those that differ.
-    pub(super) count: usize,
-    /// Number of reports that left.
-    pub(super) reports: usize,
-}
-
 pub(super) struct Plant {
     pub(super) folder: TempDir,
     pub(super) work: UnitOfWork,
@@ -65,6 +52,8 @@ pub(super) struct Plant {
     pub(super) versions: [Option<u32>; 2],
     pub(super) recipient_versions: [Option<u32>; 3],
     pub(super) seen: Vec<String>,
+    /// Fields by their places, with the times of their releases.
+    pub(super) releases: Vec<(usize, DateTime)>,
 }
 
 impl Plant {
@@ -81,6 +70,7 @@ impl Plant {
             versions: [None; 2],
             recipient_versions: [None; 3],
             seen: Vec::new(),
+            releases: Vec::new(),
         };
         plant.commit().await;
         plant.revise(0b11);
@@ -102,11 +92,13 @@ impl Plant {
         mut self,
         act: &Act,
         knower: &mut Knower,
-        values: Option<&[DataValue]>,
+        of_other: Option<&Varied>,
     ) -> (Self, Varied) {
         let mut varied = Varied::default();
         match act {
-            Act::Values(coming) => varied = self.offer(coming, knower, values),
+            Act::Values(coming, later_ms) => {
+                varied = self.offer(coming, *later_ms, knower, of_other).await;
+            }
             Act::Send { is_receipted } => varied.reports = self.send(*is_receipted, knower).await,
             Act::Restart => {
                 self = self.restarted().await;
@@ -122,60 +114,15 @@ impl Plant {
             decision => self.decide(decision, knower),
         }
         self.commit().await;
+        let is_decision = !matches!(act, Act::Values(..) | Act::Wait(_) | Act::Send { .. });
+        for (field, at) in std::mem::take(&mut self.releases) {
+            // A decision coarsens what is shown at once; intervals are for what comes.
+            if !is_decision {
+                knower.check_release(field, at);
+            }
+        }
         self.look();
         (self, varied)
-    }
-
-    fn offer(
-        &mut self,
-        coming: &[Coming],
-        knower: &mut Knower,
-        values: Option<&[DataValue]>,
-    ) -> Varied {
-        let values: Vec<DataValue> = match values {
-            Some(values) => values.to_vec(),
-            None => coming.iter().map(|coming| self.value(coming)).collect(),
-        };
-        let state = &self.work.state;
-        let fields = coming.iter().map(|coming| state.field(&FIELDS[coming.field].key()));
-        let fields: Vec<_> = fields.map(|field| field.expect("a field")).collect();
-        let policies: Vec<_> =
-            fields.iter().map(|field| Arc::clone(field.gate().policy())).collect();
-        let candidates = fields.iter().zip(&values).map(|(field, value)| {
-            let source = field.decision().value_source.unwrap_or(ValueSource::Manual);
-            let version = field.target_key().version;
-            FieldCandidate {
-                field: field.id(),
-                source,
-                mapping_version: (source == ValueSource::Mapping).then_some(version),
-                value: value.clone(),
-                transform: None,
-            }
-        });
-        let candidates = candidates.collect();
-        knower.offer(coming.iter().map(|coming| coming.field).zip(&values), self.now);
-        let outcomes = values::receive_candidates(&mut self.work.state, candidates, self.now);
-        let mut varied = Varied::default();
-        for (place, outcome) in outcomes.into_iter().enumerate() {
-            let value = &values[place];
-            let other = differing(coming[place].field, value, &policies[place], outcome);
-            varied.count += usize::from(other.value != value.value || other.status != value.status);
-            varied.values.push(other);
-            self.seen.push(format!("outcome {}", outcome.is_some_and(is_released)));
-        }
-        varied
-    }
-
-    fn value(&self, coming: &Coming) -> DataValue {
-        let other = FIELDS.len() - 1 - coming.field;
-        let field = if coming.is_of_other_type { other } else { coming.field };
-        DataValue {
-            status: coming.status,
-            ..DataValue::good(
-                Variant::Scalar(FIELDS[field].scalar(coming.number)),
-                earlier(self.now, coming.age_ms),
-            )
-        }
     }
 
     fn decide(&mut self, act: &Act, knower: &mut Knower) {
@@ -183,7 +130,7 @@ impl Plant {
         match act {
             Act::Open { field, source, policy } => {
                 let of = &FIELDS[*field];
-                let policy = policy.fitted_to(of.field_type, false);
+                let policy = policy.fitted_to(of.field_type, of.is_array);
                 let (value_source, mapping) = match source {
                     0 => (ValueSource::Manual, None),
                     1 => (ValueSource::External, None),
@@ -264,14 +211,14 @@ impl Plant {
     }
 
     /// Waits. Whatever falls due is released in time.
-    async fn wait(&mut self, ms: u32) {
+    pub(super) async fn wait(&mut self, ms: u32) {
         let end = self.now.after(Duration::from_millis(ms.into()));
         while let Some(due) = self.work.state.fields().next_deadline().filter(|due| *due <= end) {
             self.pass(due.max(self.now)).await;
         }
         self.pass(end).await;
         for message in keep_alives(&mut self.work.state, end) {
-            let body = String::from_utf8_lossy(&message.body);
+            let body = String::from_utf8(message.body.into_bytes()).expect("UTF-8");
             self.seen.push(format!("keep-alive {} {body}", message.message_id));
         }
     }
@@ -286,16 +233,26 @@ impl Plant {
     }
 
     async fn restarted(self) -> Self {
-        let Self { folder, work, now, received, .. } = &self;
-        let (twin, path) = (work.outputs.twin.clone(), folder.path().to_owned());
-        let starts = u8::try_from((received + 1) % 251).expect("small");
-        let now = *now;
-        let Self { work, folder, revision, received, versions, recipient_versions, seen, .. } =
-            self;
+        let received = self.received + 1;
+        let starts = u8::try_from(received % 251).expect("small");
+        let Self {
+            folder, work, now, revision, versions, recipient_versions, seen, releases, ..
+        } = self;
+        let twin = work.outputs.twin.clone();
         work.store.close().await;
-        let (work, spool) = file::open(&path, twin, now, starts).await;
-        let received = received + 1;
-        Self { folder, work, spool, now, revision, received, versions, recipient_versions, seen }
+        let (work, spool) = file::open(folder.path(), twin, now, starts).await;
+        Self {
+            folder,
+            work,
+            spool,
+            now,
+            revision,
+            received,
+            versions,
+            recipient_versions,
+            seen,
+            releases,
+        }
     }
 
     /// Commits as [`Coordinator::commit`] does.
@@ -316,6 +273,10 @@ impl Plant {
         }
         work.outputs.in_flight.confirm_recalls();
         self.seen.extend(effects.values.iter().map(|value| format!("node {value:?}")));
+        for (key, _) in &effects.values {
+            let place = FIELDS.iter().position(|field| field.key() == *key).expect("a field");
+            self.releases.push((place, now));
+        }
         self.seen.push(format!("{:?} {}", effects.decisions, effects.resent_report_count));
         self.seen.push(format!("twin {:?} {:?}", effects.twin, effects.link));
         let events = effects.take_events();
@@ -330,7 +291,7 @@ impl Plant {
             let field = self.work.state.field(&field).expect("a field");
             // All that any role of the twin reads in the field's nodes.
             let nodes = publish_effects::field_record(field);
-            self.seen.push(format!("{} {nodes:?} {}", field.key(), field.gate().is_withheld()));
+            self.seen.push(format!("{} {nodes:?}", field.key()));
         }
     }
 }
@@ -347,10 +308,6 @@ fn id_of(name: usize) -> DocumentId {
     format!("policy-{name}").parse().expect("an id")
 }
 
-fn earlier(at: DateTime, ms: u32) -> DateTime {
+pub(super) fn earlier(at: DateTime, ms: u32) -> DateTime {
     DateTime::from_unix_micros(at.unix_micros() - i64::from(ms) * 1_000)
-}
-
-const fn is_released(outcome: GateOutcome) -> bool {
-    matches!(outcome, GateOutcome::Disclosed { .. })
 }

@@ -30,17 +30,39 @@ impl RecordedTelemetry {
 
 impl Subscriber for RecordedTelemetry {
     fn enabled(&self, metadata: &tracing::Metadata<'_>) -> bool {
-        // Other crates tell how long statements take.
-        let own =
-            ["factory_connector", "connector_state", "disclosure", "ledger", "messaging", "twin"];
-        own.contains(&metadata.target().split("::").next().unwrap_or_default())
+        // All that the daemon can be told to print, at each level; libraries tell how long statements
+        // and requests take.
+        const OWN: [&str; 14] = [
+            "asi_model",
+            "connector_state",
+            "daemon",
+            "disclosure",
+            "factory_connector",
+            "ledger",
+            "mapping",
+            "mapping_engine",
+            "messaging",
+            "opcua_stack",
+            "shop_floor",
+            "spool",
+            "transparency_log",
+            "twin",
+        ];
+        OWN.contains(&metadata.target().split("::").next().unwrap_or_default())
     }
 
-    fn new_span(&self, _: &span::Attributes<'_>) -> span::Id {
+    fn new_span(&self, span: &span::Attributes<'_>) -> span::Id {
+        let mut line = Line(format!("span {}", span.metadata().name()));
+        span.record(&mut line);
+        self.0.lock().push(line.0);
         span::Id::from_u64(1)
     }
 
-    fn record(&self, _: &span::Id, _: &span::Record<'_>) {}
+    fn record(&self, _: &span::Id, values: &span::Record<'_>) {
+        let mut line = Line("span".to_owned());
+        values.record(&mut line);
+        self.0.lock().push(line.0);
+    }
 
     fn record_follows_from(&self, _: &span::Id, _: &span::Id) {}
 

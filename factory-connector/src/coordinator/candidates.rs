@@ -1,0 +1,30 @@
+//! Candidates of mappings: on their way to the gates.
+
+use asi_model::{DateTime, messages::ValueSource};
+use connector_state::use_cases::values::{self, FieldCandidate};
+use disclosure::GateOutcome;
+use mapping_engine::{Candidate, TargetKey};
+
+use super::unit_of_work::UnitOfWork;
+
+/// Offers candidates that came together to their fields. They are counted where their field's policy
+/// looks at them: how many a withheld state keeps is no figure for whoever collects metrics.
+pub(super) fn receive(
+    work: &mut UnitOfWork,
+    candidates: impl Iterator<Item = Candidate>,
+    now: DateTime,
+) -> Vec<Option<GateOutcome>> {
+    let candidates = candidates.map(|candidate| {
+        let Candidate { target: TargetKey { field, version }, value, state: transform } = candidate;
+        let (source, mapping_version) = (ValueSource::Mapping, Some(version));
+        FieldCandidate { field, source, mapping_version, value, transform }
+    });
+    let outcomes = values::receive_candidates(&mut work.state, candidates.collect(), now);
+    let is_counted =
+        |outcome: &&Option<GateOutcome>| !matches!(outcome, None | Some(GateOutcome::Suppressed));
+    let count = outcomes.iter().filter(is_counted).count();
+    if count > 0 {
+        metrics::counter!("verbund_candidates_total").increment(count as u64);
+    }
+    outcomes
+}

@@ -1,0 +1,154 @@
+//! Values that come to a plant, and what differs of them at the other one.
+
+use connector_state::{ConnectorState, use_cases::values};
+use disclosure::{AggregateFunction, DisclosurePolicy, GateOutcome};
+
+use super::{
+    acts::Coming,
+    below::differing,
+    fields::{FIELDS, STATE},
+    knower::Knower,
+    plant::{Plant, earlier},
+    *,
+};
+use crate::coordinator::candidates;
+
+/// Amount of what an act did.
+#[derive(Debug, Default)]
+pub(super) struct Varied {
+    /// Values for the other plant by their fields' places, which differ below the policies.
+    pub(super) values: Vec<(usize, DataValue)>,
+    /// Time after which they come to the other plant.
+    pub(super) later_ms: u32,
+    /// Number of those that differ.
+    pub(super) count: usize,
+    /// Number of reports that left.
+    pub(super) reports: usize,
+}
+
+impl Plant {
+    /// Offers values as mappings, OPC UA clients and operators do. The other plant gets what differs
+    /// below the policies, later: what comes and what passes meanwhile changes places.
+    pub(super) async fn offer(
+        &mut self,
+        coming: &[Coming],
+        later_ms: u32,
+        knower: &mut Knower,
+        varied: Option<&Varied>,
+    ) -> Varied {
+        if let Some(varied) = varied {
+            self.wait_meanwhile(varied.later_ms).await;
+            self.offer_values(&varied.values, knower);
+            self.commit().await;
+            return Varied::default();
+        }
+        let values: Vec<(usize, DataValue)> =
+            coming.iter().map(|coming| (coming.field, self.value(coming))).collect();
+        let policies: Vec<_> = values.iter().map(|(field, _)| self.policy(*field)).collect();
+        let mut varied =
+            Varied { later_ms: self.concealed(&values, later_ms), ..Varied::default() };
+        let outcomes = self.offer_values(&values, knower);
+        self.commit().await;
+        self.wait_meanwhile(varied.later_ms).await;
+        for (((field, value), policy), outcome) in values.iter().zip(&policies).zip(outcomes) {
+            let other = differing(*field, value, policy, outcome);
+            varied.count += usize::from(other.value != value.value || other.status != value.status);
+            // Nor does anybody learn how many values the state of another field withholds.
+            let is_of_other =
+                policy.withhold_while.iter().all(|condition| condition.field.is_some());
+            let is_withheld = outcome == Some(GateOutcome::Suppressed) && *field != STATE;
+            let count = if is_withheld && is_of_other { varied.values.len() % 3 } else { 1 };
+            varied.values.extend(std::iter::repeat_n((*field, other), count));
+        }
+        varied
+    }
+
+    /// Returns for how long, up to `later_ms`, the time steps of fields conceal when their values come.
+    fn concealed(&self, values: &[(usize, DataValue)], later_ms: u32) -> u32 {
+        let begin = self.now;
+        let of = |field: usize| {
+            let policy = self.policy(field);
+            // A mean tells for how long a value held, and a delay counts from the arrival.
+            let function = policy.aggregate.map(|aggregate| aggregate.function);
+            let is_concealed = !policy.time_step().is_zero()
+                && policy.delay().is_zero()
+                && function != Some(AggregateFunction::Mean);
+            let window =
+                policy.aggregate.map_or(policy.time_step(), |aggregate| aggregate.window());
+            // Up to the step on which they leave: within the step and the window of their arrival.
+            let step = policy.time_step().min(window);
+            let end = begin.floor_to(step).after(step);
+            if !is_concealed || field == STATE || begin.floor_to(policy.time_step()) == begin {
+                return 0;
+            }
+            u32::try_from(end.since(begin).as_millis()).unwrap_or(u32::MAX).saturating_sub(1)
+        };
+        values.iter().map(|(field, _)| of(*field)).min().unwrap_or(0).min(later_ms)
+    }
+
+    fn policy(&self, field: usize) -> Arc<DisclosurePolicy> {
+        let field = self.work.state.field(&FIELDS[field].key()).expect("a field");
+        Arc::clone(field.gate().policy())
+    }
+
+    /// Offers the values of mappings in one batch, and then each that was written.
+    fn offer_values(
+        &mut self,
+        values: &[(usize, DataValue)],
+        knower: &mut Knower,
+    ) -> Vec<Option<GateOutcome>> {
+        let now = self.now;
+        let source = |state: &ConnectorState, field: usize| {
+            let field = state.field(&FIELDS[field].key()).expect("a field");
+            (field.decision().value_source.unwrap_or(ValueSource::Manual), field.target_key())
+        };
+        let mapped: Vec<_> = (0..values.len())
+            .filter(|place| source(&self.work.state, values[*place].0).0 == ValueSource::Mapping)
+            .collect();
+        let mut outcomes = vec![None; values.len()];
+        knower.offer(mapped.iter().map(|place| (values[*place].0, &values[*place].1)), now);
+        let batch: Vec<Candidate> = mapped
+            .iter()
+            .map(|place| Candidate {
+                target: source(&self.work.state, values[*place].0).1,
+                value: values[*place].1.clone(),
+                state: None,
+            })
+            .collect();
+        let of_batch = candidates::receive(&mut self.work, batch.into_iter(), now);
+        for (place, outcome) in mapped.iter().zip(of_batch) {
+            outcomes[*place] = outcome;
+        }
+        for (place, (field, value)) in values.iter().enumerate() {
+            if !mapped.contains(&place) {
+                let (source, _) = source(&self.work.state, *field);
+                knower.offer(std::iter::once((*field, value)), now);
+                let key = FIELDS[*field].key();
+                let state = &mut self.work.state;
+                outcomes[place] = values::write_value(state, &key, source, value.clone(), now).ok();
+            }
+        }
+        // Who writes is told whether it leaves, but for what a state withholds.
+        let told = outcomes.iter().flatten().filter(|outcome| **outcome != GateOutcome::Suppressed);
+        self.seen.extend(told.map(|outcome| format!("outcome {}", is_released(*outcome))));
+        outcomes
+    }
+
+    fn value(&self, coming: &Coming) -> DataValue {
+        let other = FIELDS.len() - 1 - coming.field;
+        let field = if coming.is_of_other_type { other } else { coming.field };
+        let value = FIELDS[field].value(coming.number);
+        let value = DataValue::good(value, earlier(self.now, coming.age_ms));
+        DataValue { status: coming.status, ..value }
+    }
+
+    async fn wait_meanwhile(&mut self, ms: u32) {
+        if ms > 0 {
+            self.wait(ms).await;
+        }
+    }
+}
+
+const fn is_released(outcome: GateOutcome) -> bool {
+    matches!(outcome, GateOutcome::Disclosed { .. })
+}

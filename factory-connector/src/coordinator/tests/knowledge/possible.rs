@@ -1,0 +1,116 @@
+//! Values of which something may be told, and what may be made of them. Computed without the gate's
+//! code.
+
+use asi_model::{
+    Scalar, Variant,
+    opcua_json::{DataEncoding, encode_variant},
+    values::Array,
+};
+use disclosure::WorkingHours;
+
+use super::*;
+
+/// A candidate of which something may be told.
+#[derive(Debug, Clone)]
+pub(super) struct Possible {
+    pub(super) value: DataValue,
+    pub(super) arrived_at: DateTime,
+    /// The longest rounding step since it came; endless for bands.
+    pub(super) step: f64,
+    /// The largest part of a number that its significant digits hid since it came.
+    pub(super) hidden_part: f64,
+    /// The longest time step since it came.
+    pub(super) time_step: Duration,
+    /// True where its window ended before the clock was set back.
+    pub(super) is_window_over: bool,
+    /// True where it might be told before the clock was set back; it still may.
+    pub(super) was_due: bool,
+}
+
+impl Possible {
+    /// Returns the time from which the delay counts.
+    pub(super) fn counts_from(&self, window: Duration) -> DateTime {
+        if window.is_zero() || self.is_window_over {
+            self.arrived_at
+        } else {
+            self.arrived_at.floor_to(window).after(window)
+        }
+    }
+
+    pub(super) fn is_due(&self, window: Duration, delay: Duration, now: DateTime) -> bool {
+        self.was_due || self.counts_from(window).after(delay) <= now
+    }
+
+    pub(super) fn elements(&self) -> Vec<f64> {
+        match &self.value.value {
+            Variant::Array(array) => array.elements.iter().filter_map(Scalar::as_f64).collect(),
+            other => other.as_f64().into_iter().collect(),
+        }
+    }
+
+    /// Returns true where one number may have been made of the other.
+    pub(super) fn is_near(&self, raw: f64, told: f64) -> bool {
+        // Rounded again under each policy since it came: a half, a twentieth, ...
+        (raw - told).abs() <= 0.556 * self.step + self.hidden_part * raw.abs()
+    }
+
+    pub(super) fn explains(&self, told: f64) -> bool {
+        matches!(self.elements()[..], [raw] if self.is_near(raw, told))
+    }
+
+    /// Returns true where a value that is no number may have been made of this one.
+    pub(super) fn is_told_by(&self, body: &Value) -> bool {
+        let coarse = |scalar: &Scalar| match scalar {
+            Scalar::DateTime(at) => Scalar::DateTime(at.floor_to(self.time_step)),
+            other => other.clone(),
+        };
+        let value = match &self.value.value {
+            Variant::Null => Variant::Null,
+            Variant::Scalar(scalar) => Variant::Scalar(coarse(scalar)),
+            Variant::Array(array) => Variant::Array(Arc::new(Array {
+                elements: array.elements.iter().map(coarse).collect(),
+                ..Array::clone(array)
+            })),
+        };
+        let json = encode_variant(&value, DataEncoding::Reversible104);
+        let json: Value = serde_json::from_slice(&json).expect("JSON");
+        json["Body"] == *body
+    }
+}
+
+pub(super) fn number_of(body: &Value) -> Option<f64> {
+    body.as_f64().or_else(|| body.as_str().and_then(|text| text.parse().ok()))
+}
+
+/// Returns true for a number between the values of which it may be the mean.
+pub(super) fn is_mean(values: &[&Possible], told: f64) -> bool {
+    let numbers = || values.iter().flat_map(|possible| possible.elements());
+    let room = values.iter().map(|possible| 0.556 * possible.step).fold(0.0, f64::max);
+    let part = values.iter().map(|possible| possible.hidden_part).fold(0.0, f64::max);
+    let (least, most) = (numbers().fold(f64::MAX, f64::min), numbers().fold(f64::MIN, f64::max));
+    let room = room + part * least.abs().max(most.abs());
+    (least - room..=most + room).contains(&told)
+}
+
+/// Returns true for a number of at most the sum of all values.
+pub(super) fn is_sum(values: &[&Possible], told: f64) -> bool {
+    let room = values.iter().map(|possible| 0.556 * possible.step).fold(0.0, f64::max);
+    let part = values.iter().map(|possible| possible.hidden_part).fold(0.0, f64::max);
+    let sum: f64 = values.iter().flat_map(|possible| possible.elements()).map(f64::abs).sum();
+    told.abs() <= sum * (1.0 + part) + room
+}
+
+/// Returns true within hours, computed without the gate's code.
+pub(super) fn is_within(hours: &WorkingHours, at: DateTime) -> bool {
+    const MINUTES_PER_DAY: i64 = 24 * 60;
+    let local = at.unix_millis().div_euclid(60_000) + i64::from(hours.utc_offset_minutes);
+    // 1970-01-01 was a Thursday.
+    let day = (local.div_euclid(MINUTES_PER_DAY) + 3).rem_euclid(7);
+    let days = ["MONDAY", "TUESDAY", "WEDNESDAY", "THURSDAY", "FRIDAY", "SATURDAY", "SUNDAY"];
+    let day = json!(days[usize::try_from(day).expect("a day")]);
+    let minute = local.rem_euclid(MINUTES_PER_DAY);
+    let time = format!("{:02}:{:02}", minute / 60, minute % 60);
+    hours.days.iter().any(|known| json!(known) == day)
+        && hours.from.to_string() <= time
+        && time < hours.until.to_string()
+}
