@@ -39,6 +39,7 @@ mod status;
 mod suggestions;
 mod templates;
 mod users;
+mod values;
 mod versions;
 mod view;
 
@@ -61,6 +62,8 @@ use utoipa_axum::{
 pub use self::{
     accounts::{Principal, StoredAccounts},
     context::{Api, ApiParts, RunningConnector, ServerParts},
+    roles::{BeforeGate, Engineer, Operator, Viewer},
+    values::ShownValue,
 };
 
 /// Largest body of any request, in bytes.

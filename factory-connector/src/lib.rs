@@ -8,9 +8,9 @@
 //! - [`catalog`]: variables of the local servers.
 //! - [`clock`]: clock and random numbers of the machine.
 //! - [`lease`]: the right to send, of one among several connectors with one credential.
+//! - [`live_events`]: events for open pages.
 //! - [`ledger_export`], [`ledger_key`]: the ledger as people read it, and the key that signs it.
 //! - [`mod@print`]: pages to print.
-//! - [`values`]: values as pages show them.
 
 pub mod api;
 pub mod catalog;
@@ -24,8 +24,8 @@ pub mod lease;
 pub mod ledger_export;
 pub mod ledger_key;
 pub mod link_adapter;
+pub mod live_events;
 pub mod print;
 pub mod service;
 pub mod store;
 pub mod twin_adapter;
-pub mod values;

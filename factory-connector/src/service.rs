@@ -9,13 +9,12 @@ use std::{net::SocketAddr, path::Path, sync::Arc};
 
 use anyhow::Context as _;
 use asi_model::{DateTime, FactoryId};
-use connector_state::{ConnectorEvent, StateConfig};
+use connector_state::StateConfig;
 use daemon::{
     Confidential,
     lifecycle::{Importance, Lifecycle},
     telemetry::Metrics,
     web::{
-        events::EventLog,
         health::Readiness,
         server::{listen, serve},
         session::{PasswordHash, PasswordPolicy, random_token},
@@ -37,6 +36,7 @@ use crate::{
     coordinator::{self, Coordinator, CoordinatorConfig, CoordinatorHandle, Outputs},
     lease::LeaseStatus,
     ledger_key::{self, LEDGER_KEY_FILE},
+    live_events::LiveEvents,
     store::{Enrolment, Readers, Role, Store, StoreSession, User},
     twin_adapter::{CoordinatorWriter, StoredUsers, UserWatch},
 };
@@ -142,7 +142,7 @@ struct Opened {
     tasks: Tasks,
     metrics: Metrics,
     readers: Readers,
-    events: EventLog<ConnectorEvent>,
+    events: LiveEvents,
     /// Notified after a user was changed through the API.
     users_changed: Arc<Notify>,
     coordinator_handle: CoordinatorHandle,
@@ -178,7 +178,7 @@ async fn open(
         MappingEngine::new(config.mapping.clone(), floor_handle.clone(), changes);
     let (catalog, catalog_handle) = Catalog::new(floor_handle.clone());
     // The mark of this start: a page that comes with an id from before it loads everything.
-    let events = EventLog::new(EVENTS_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
+    let events = LiveEvents::new(EVENTS_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
     let link_config = link::link_config(enrolled, &config.broker, factory_id)?;
     let OpenedLink {
         link,

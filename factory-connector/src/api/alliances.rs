@@ -47,7 +47,7 @@ pub async fn list_alliances(
     responses((status = 200, body = DocumentVersion), Problems)
 )]
 pub async fn put_alliance(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<DocumentId>,
     headers: HeaderMap,

@@ -154,7 +154,7 @@ pub struct IssuedCertificateBody {
     responses((status = 200, body = ApplicationCertificateView), Problems)
 )]
 pub async fn install_application_certificate(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiJson(body): ApiJson<IssuedCertificateBody>,
 ) -> Result<Json<ApplicationCertificateView>, Problem> {
@@ -167,6 +167,6 @@ pub async fn install_application_certificate(
             refused(&[TrustFault { code: "NOT_A_FILE", message }])
         })?
     };
-    let (own, by) = (api.twin.application_certificate().clone(), user.principal.user_name);
+    let (own, by) = (api.twin.application_certificate().clone(), user.principal.user_name.clone());
     Ok(Json(blocking(move || own.install(&content, &by)).await?.into()))
 }

@@ -76,7 +76,7 @@ pub struct StoredCap {
     responses((status = 200, body = StoredCap), Problems)
 )]
 pub async fn put_cap(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<DocumentId>,
     headers: HeaderMap,

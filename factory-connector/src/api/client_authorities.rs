@@ -109,11 +109,11 @@ pub async fn list_client_authorities(
     responses((status = 204, description = "Removed"), Problems)
 )]
 pub async fn remove_client_authority(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(thumbprint): ApiPath<String>,
 ) -> Result<StatusCode, Problem> {
-    let (list, by) = (api.twin.trust_list().clone(), user.principal.user_name);
+    let (list, by) = (api.twin.trust_list().clone(), user.principal.user_name.clone());
     match blocking(move || list.remove_authority(&thumbprint, &by)).await? {
         true => Ok(StatusCode::NO_CONTENT),
         false => Err(Problem::not_found("such authority")),
@@ -185,11 +185,11 @@ pub async fn list_client_revocation_lists(
     responses((status = 204, description = "Removed"), Problems)
 )]
 pub async fn remove_client_revocation_list(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<String>,
 ) -> Result<StatusCode, Problem> {
-    let (list, by) = (api.twin.trust_list().clone(), user.principal.user_name);
+    let (list, by) = (api.twin.trust_list().clone(), user.principal.user_name.clone());
     match blocking(move || list.remove_revocation_list(&id, &by)).await? {
         true => Ok(StatusCode::NO_CONTENT),
         false => Err(Problem::not_found("such revocation list")),

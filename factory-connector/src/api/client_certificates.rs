@@ -152,12 +152,12 @@ pub struct ClientTrustBody {
     responses((status = 200, body = ClientCertificateView), Problems)
 )]
 pub async fn trust_client_certificate(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(thumbprint): ApiPath<String>,
     ApiJson(body): ApiJson<ClientTrustBody>,
 ) -> Result<Json<ClientCertificateView>, Problem> {
-    let (list, by) = (api.twin.trust_list().clone(), user.principal.user_name);
+    let (list, by) = (api.twin.trust_list().clone(), user.principal.user_name.clone());
     let found = blocking(move || {
         let is_meant =
             |known: &ClientCertificate| known.thumbprint.eq_ignore_ascii_case(&thumbprint);
@@ -212,12 +212,12 @@ pub struct TrustFileBody {
     responses((status = 201, description = "Added"), Problems)
 )]
 pub async fn add_client_certificate(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiJson(body): ApiJson<TrustFileBody>,
 ) -> Result<StatusCode, Problem> {
     let der = der(&body.content).map_err(|fault| refused(&[fault]))?;
-    let (list, by) = (api.twin.trust_list().clone(), user.principal.user_name);
+    let (list, by) = (api.twin.trust_list().clone(), user.principal.user_name.clone());
     blocking(move || match body.kind {
         TrustFileKind::Certificate => list.trust_new(&der, &by),
         TrustFileKind::Issuer => list.add_issuer(&der, &by),

@@ -53,7 +53,7 @@ pub struct NewComment {
     responses((status = 204, description = "Stored and queued"), Problems)
 )]
 pub async fn add_comment(
-    Operator(user): Operator,
+    user: Operator,
     State(api): State<Api>,
     ApiPath(id): ApiPath<OperationNetworkId>,
     ApiJson(new): ApiJson<NewComment>,

@@ -3,13 +3,11 @@
 use std::{path::PathBuf, sync::Arc};
 
 use asi_model::{DateTime, FactoryId, pubsub::json::Encoding};
-use connector_state::ConnectorEvent;
 use daemon::{
     configuration::Setting,
     telemetry::Metrics,
     web::{
         Problem,
-        events::EventLog,
         health::Readiness,
         session::{SessionConfig, Sessions},
     },
@@ -26,6 +24,7 @@ use crate::{
     catalog::CatalogHandle,
     coordinator::CoordinatorHandle,
     lease::LeaseStatus,
+    live_events::LiveEvents,
     store::{Readers, StoreSession},
 };
 
@@ -46,7 +45,7 @@ pub struct ApiParts {
     pub link: Option<LinkHandle>,
     pub lease: watch::Receiver<LeaseStatus>,
     /// Events for pages.
-    pub events: EventLog<ConnectorEvent>,
+    pub events: LiveEvents,
     /// Wakes the twin after a change of users.
     pub users_changed: Arc<Notify>,
     pub instance: RunningConnector,

@@ -7,8 +7,12 @@ use daemon::web::events::{ServerSentEvent, last_event_id};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::{context::Api, problems::Problems, roles::Viewer};
-use crate::values::ShownValue;
+use super::{
+    context::Api,
+    problems::Problems,
+    roles::{BeforeGate, Viewer},
+    values::ShownValue,
+};
 
 /// Live event: `event` is its name, `data` says what changed.
 #[derive(Serialize, ToSchema)]
@@ -24,7 +28,7 @@ pub enum LiveEvent {
     /// New comment on a network.
     #[serde(rename_all = "camelCase")]
     Comment { operation_network_id: OperationNetworkId },
-    /// Operation that an operator entered something about.
+    /// Operation that an operator entered something about; for operators and engineers only.
     Operator(OperationKey),
     /// End of consents.
     #[serde(rename_all = "camelCase")]
@@ -42,10 +46,12 @@ pub enum LiveEvent {
     Reset {},
 }
 
-impl From<&ConnectorEvent> for LiveEvent {
-    fn from(event: &ConnectorEvent) -> Self {
+impl LiveEvent {
+    fn new(event: &ConnectorEvent, before_gate: Option<BeforeGate>) -> Self {
         match event {
-            ConnectorEvent::Field(change) => Self::Field(Box::new((&**change).into())),
+            ConnectorEvent::Field(change) => {
+                Self::Field(Box::new(FieldChangeView::new(change, before_gate)))
+            }
             ConnectorEvent::Decisions(made) => Self::Decisions(*made),
             ConnectorEvent::Inbox(id) => Self::Inbox { operation_network_id: id.clone() },
             ConnectorEvent::Comment(id) => Self::Comment { operation_network_id: id.clone() },
@@ -68,20 +74,21 @@ pub struct FieldChangeView {
     mapping_state: MappingState,
     /// Number of the consent in force.
     consent_version: u32,
-    /// True while no value leaves.
-    is_withheld: bool,
+    /// True while no value leaves; for operators and engineers only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    is_withheld: Option<bool>,
     /// Newest disclosed value, which the partner has.
     value: Option<ShownValue>,
 }
 
-impl From<&FieldEvent> for FieldChangeView {
-    fn from(change: &FieldEvent) -> Self {
+impl FieldChangeView {
+    fn new(change: &FieldEvent, before_gate: Option<BeforeGate>) -> Self {
         Self {
             address: change.key.clone(),
             key: change.key.clone(),
             mapping_state: change.mapping_state,
             consent_version: change.consent_version,
-            is_withheld: change.is_withheld,
+            is_withheld: before_gate.map(|_| change.is_withheld),
             value: change.value.as_ref().map(ShownValue::from),
         }
     }
@@ -95,9 +102,11 @@ impl From<&FieldEvent> for FieldChangeView {
     tag = "events",
     responses((status = 200, content_type = "text/event-stream", body = LiveEvent), Problems)
 )]
-pub async fn stream_events(_: Viewer, State(api): State<Api>, headers: HeaderMap) -> Response {
+pub async fn stream_events(user: Viewer, State(api): State<Api>, headers: HeaderMap) -> Response {
     let reset = ServerSentEvent::of(&LiveEvent::Reset {});
-    api.events.stream(last_event_id(&headers), reset, api.server.shutdown.clone(), |event| {
-        std::future::ready(Ok(Some(ServerSentEvent::of(&LiveEvent::from(&*event)))))
+    let before_gate = user.before_gate();
+    let log = if before_gate.is_some() { api.events.all() } else { api.events.of_viewers() };
+    log.stream(last_event_id(&headers), reset, api.server.shutdown.clone(), move |event| {
+        std::future::ready(Ok(Some(ServerSentEvent::of(&LiveEvent::new(&event, before_gate)))))
     })
 }

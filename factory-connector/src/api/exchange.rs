@@ -110,7 +110,7 @@ pub struct ImportQuery {
     responses((status = 200, body = ImportOutcome), Problems)
 )]
 pub async fn import_mappings(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<ImportQuery>,
     headers: HeaderMap,

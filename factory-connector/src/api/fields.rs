@@ -24,7 +24,7 @@ use super::{
     context::Api,
     paths::FieldPath,
     problems::{Problems, decision_problem, engine, mapping_faults},
-    roles::{Engineer, Operator, Viewer},
+    roles::{BeforeGate, Engineer, Operator, Viewer},
     view::FieldView,
 };
 use crate::clock::{new_entry_id, now, salt};
@@ -145,7 +145,7 @@ async fn add_browse_paths(api: &Api, mapping: &mut Mapping) {
     responses((status = 200, body = FieldView), Problems)
 )]
 pub async fn decide_field(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
     ApiJson(body): ApiJson<DecisionBody>,
@@ -187,7 +187,7 @@ pub async fn decide_field(
         Ok::<_, DecisionError>(changes)
     });
     decided.await?.map_err(decision_problem)?;
-    field_view(&api, field).await
+    field_view(&api, field, Some(BeforeGate::from(&user))).await
 }
 
 /// Returns the preview that an engineer decides on, to be stored with the consent.
@@ -216,17 +216,23 @@ fn preview_row(
     responses((status = 200, body = FieldView), Problems)
 )]
 pub async fn show_field(
-    _: Viewer,
+    user: Viewer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<FieldView>, Problem> {
-    field_view(&api, path.into_key()).await
+    field_view(&api, path.into_key(), user.before_gate()).await
 }
 
-pub(super) async fn field_view(api: &Api, field: FieldKey) -> Result<Json<FieldView>, Problem> {
+pub(super) async fn field_view(
+    api: &Api,
+    field: FieldKey,
+    before_gate: Option<BeforeGate>,
+) -> Result<Json<FieldView>, Problem> {
     let view = api
         .coordinator
-        .read(move |state| state.field(&field).map(|f| FieldView::new(state, field.clone(), f)))
+        .read(move |state| {
+            state.field(&field).map(|f| FieldView::new(state, field.clone(), f, before_gate))
+        })
         .await?;
     view.map(Json).ok_or_else(|| Problem::not_found("such field"))
 }
@@ -275,7 +281,7 @@ pub struct Entered {
     responses((status = 200, body = Entered), Problems)
 )]
 pub async fn enter_value(
-    Operator(user): Operator,
+    user: Operator,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
     ApiJson(body): ApiJson<EnteredValue>,

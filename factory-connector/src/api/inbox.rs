@@ -15,7 +15,7 @@ use super::{
     context::Api,
     paths::RequestPath,
     problems::Problems,
-    roles::Viewer,
+    roles::{BeforeGate, Viewer},
     view::{REMIND_AFTER, RequestView},
 };
 use crate::clock::now;
@@ -88,7 +88,7 @@ pub struct InboxTotals {
     responses((status = 200, body = InboxPage), Problems)
 )]
 pub async fn list_inbox(
-    _: Viewer,
+    user: Viewer,
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<InboxQuery>,
 ) -> Result<Json<InboxPage>, Problem> {
@@ -99,8 +99,9 @@ pub async fn list_inbox(
     let after = after.map_err(|_| {
         Problem::bad_request("INVALID_CURSOR", "A cursor is what the page before gave.")
     })?;
-    let now = now();
-    Ok(Json(api.coordinator.read(move |state| page(state, &query, after.as_ref(), now)).await?))
+    let (now, before_gate) = (now(), user.before_gate());
+    let read = move |state: &ConnectorState| page(state, &query, after.as_ref(), now, before_gate);
+    Ok(Json(api.coordinator.read(read).await?))
 }
 
 /// Scans all requests for the totals, and builds views of those on the page only: the first ones
@@ -110,6 +111,7 @@ fn page(
     query: &InboxQuery,
     after: Option<&RequestKey>,
     now: DateTime,
+    before_gate: Option<BeforeGate>,
 ) -> InboxPage {
     let words: Vec<String> =
         query.search.as_deref().unwrap_or("").split_whitespace().map(str::to_lowercase).collect();
@@ -155,8 +157,13 @@ fn page(
                 continue;
             }
             if page.items.len() < limit {
-                page.items
-                    .push(RequestView::new(state, network, message, key, operation, request, now));
+                page.items.push(RequestView::new(
+                    state,
+                    (network, message),
+                    (key, operation, request),
+                    now,
+                    before_gate,
+                ));
             } else if page.next_cursor.is_none() {
                 let last = page.items.last().map(|last| &last.key);
                 page.next_cursor =
@@ -257,12 +264,13 @@ fn has_words(
     responses((status = 200, body = RequestView), Problems)
 )]
 pub async fn show_request(
-    _: Viewer,
+    user: Viewer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<RequestPath>,
 ) -> Result<Json<RequestView>, Problem> {
-    let key = path.into_key();
-    let view = api.coordinator.read(move |state| RequestView::of(state, &key, now())).await?;
+    let (key, before_gate) = (path.into_key(), user.before_gate());
+    let view =
+        api.coordinator.read(move |state| RequestView::of(state, &key, now(), before_gate)).await?;
     view.map(Json).ok_or_else(|| Problem::not_found("such request"))
 }
 
@@ -316,7 +324,7 @@ mod tests {
     }
 
     fn first(scene: &Scene, filter: Value, now: DateTime) -> InboxPage {
-        page(&scene.state, &query(filter), None, now)
+        page(&scene.state, &query(filter), None, now, None)
     }
 
     /// Every page, from the first on; `between` happens after each.
@@ -328,7 +336,7 @@ mod tests {
         let (mut keys, mut after) = (Vec::new(), None);
         loop {
             let found =
-                page(&scene.state, &query(json!({ "limit": limit })), after.as_ref(), at(0));
+                page(&scene.state, &query(json!({ "limit": limit })), after.as_ref(), at(0), None);
             keys.extend(found.items.into_iter().map(|request| request.key));
             let Some(cursor) = found.next_cursor else { return keys };
             after = Some(serde_json::from_str(&cursor).expect("a cursor"));

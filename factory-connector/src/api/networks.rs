@@ -99,18 +99,18 @@ pub struct NetworkView {
     responses((status = 200, body = NetworkView), Problems)
 )]
 pub async fn show_operation_network(
-    _: Viewer,
+    user: Viewer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<OperationNetworkId>,
 ) -> Result<Json<NetworkView>, Problem> {
-    let wanted = id.clone();
+    let (wanted, before_gate) = (id.clone(), user.before_gate());
     let view = api
         .coordinator
         .read(move |state| {
             state.networks().get(&wanted).map(|network| NetworkView {
                 message: network.message.as_deref().cloned(),
                 revision: network.revision,
-                requests: requests(state, &wanted, now()),
+                requests: requests(state, &wanted, now(), before_gate),
             })
         })
         .await?;

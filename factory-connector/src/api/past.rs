@@ -105,7 +105,7 @@ impl From<PastDecisionRow> for DecidedPast {
     responses((status = 201, body = DecidedPast), Problems)
 )]
 pub async fn decide_past(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiJson(body): ApiJson<PastDecisionBody>,
 ) -> Result<(StatusCode, Json<DecidedPast>), Problem> {

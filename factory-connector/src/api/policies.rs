@@ -88,7 +88,7 @@ pub async fn list_policies(
     responses((status = 200, body = DocumentVersion), Problems)
 )]
 pub async fn put_policy(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<DocumentId>,
     headers: HeaderMap,
@@ -251,7 +251,7 @@ pub struct RecipientVersion {
     responses((status = 200, body = RecipientVersion), Problems)
 )]
 pub async fn put_recipient_policy(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(recipient): ApiPath<OrganisationId>,
     headers: HeaderMap,

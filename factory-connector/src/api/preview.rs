@@ -5,18 +5,14 @@ use std::{collections::BTreeSet, sync::Arc};
 use asi_model::{
     DataValue, DateTime, FieldKey, StatusCode,
     messages::ValueSource,
-    pubsub::{
-        PayloadField,
-        json::{NetworkMessageHeader, encode_data_set_message},
-        unit_member,
-    },
+    pubsub::json::{NetworkMessageHeader, encode_data_set_message},
 };
 use axum::{Json, extract::State};
 use connector_state::{ConnectorState, operator::typed_value, queries};
 use daemon::web::{ApiJson, ApiPath, Problem};
 use disclosure::{
-    CapExcess, DisclosurePolicy, DocumentId, Effect, GateOutcome, LeakWarning, Statement,
-    VariableKey, effects, leak_warnings,
+    CapExcess, DisclosurePolicy, DocumentId, DraftGate, Effect, GateOutcome, LeakWarning,
+    Statement, VariableKey, effects, leak_warnings,
 };
 use mapping_engine::{DryRunSample, MappingDiagnostic, TraceRun};
 use serde::{Deserialize, Serialize};
@@ -28,12 +24,10 @@ use super::{
     paths::FieldPath,
     previews::ShownPreview,
     problems::{Problems, engine, shop_floor},
-    roles::Engineer,
-};
-use crate::{
-    clock::{new_message_id, new_preview_id, now},
+    roles::{BeforeGate, Engineer},
     values::ShownValue,
 };
+use crate::clock::{new_message_id, new_preview_id, now};
 
 /// Draft of a decision.
 #[derive(Deserialize, ToSchema)]
@@ -126,7 +120,7 @@ pub struct Leaks {
     responses((status = 200, body = Preview), Problems)
 )]
 pub async fn preview_decision(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
     ApiJson(draft): ApiJson<Draft>,
@@ -138,7 +132,7 @@ pub async fn preview_decision(
         &draft.disclosure,
         draft.policy_id.as_ref(),
     );
-    let preview = preview_of(&api, field.clone(), draft).await?;
+    let preview = preview_of(&api, field.clone(), draft, BeforeGate::from(&user)).await?;
     api.previews.remember(ShownPreview {
         preview_id: preview.preview_id.clone(),
         user: user.principal.user_name.clone(),
@@ -150,7 +144,12 @@ pub async fn preview_decision(
 }
 
 /// Computes the preview of a draft.
-async fn preview_of(api: &Api, field: FieldKey, draft: Draft) -> Result<Preview, Problem> {
+async fn preview_of(
+    api: &Api,
+    field: FieldKey,
+    draft: Draft,
+    before_gate: BeforeGate,
+) -> Result<Preview, Problem> {
     let now = now();
     let policy = effective(api, &field, draft.disclosure, draft.policy_id).await?;
     let is_mapping = draft.value_source == ValueSource::Mapping;
@@ -173,13 +172,13 @@ async fn preview_of(api: &Api, field: FieldKey, draft: Draft) -> Result<Preview,
     };
     let candidate = match (draft.value_source, draft.mapping) {
         (ValueSource::Mapping, Some(mapping)) => {
-            run(api, &field, mapping, &mut preview, now).await?
+            run(api, &field, mapping, (&mut preview, before_gate), now).await?
         }
         (ValueSource::Mapping, None) => None,
         _ => current(api, &field).await?,
     };
     let Some(candidate) = candidate else { return Ok(preview) };
-    preview.candidate = Some(ShownValue::from(&candidate));
+    preview.candidate = Some(ShownValue::before_gate(&candidate, before_gate));
     let shown = api
         .coordinator
         .read(move |state| {
@@ -195,7 +194,8 @@ async fn preview_of(api: &Api, field: FieldKey, draft: Draft) -> Result<Preview,
                 gate.on_time(due);
             }
             let shown = gate.shown().map(|disclosed| {
-                (ShownValue::from(disclosed), held_until, message(state, &field, disclosed, now))
+                let message = message(state, &field, &gate, now);
+                (ShownValue::before_gate(disclosed, before_gate), held_until, message)
             });
             Some((effects, is_withheld, shown))
         })
@@ -276,7 +276,7 @@ async fn run(
     api: &Api,
     field: &FieldKey,
     draft: MappingDraft,
-    preview: &mut Preview,
+    (preview, before_gate): (&mut Preview, BeforeGate),
     now: DateTime,
 ) -> Result<Option<DataValue>, Problem> {
     let mapping = mapping_of(api, field, draft).await?;
@@ -289,9 +289,8 @@ async fn run(
             .await
             .map_err(shop_floor)?;
         let Some(value) = read.into_iter().next() else { continue };
-        preview
-            .inputs
-            .push(InputView { name: input.name.clone(), value: ShownValue::from(&value) });
+        let shown = ShownValue::before_gate(&value, before_gate);
+        preview.inputs.push(InputView { name: input.name.clone(), value: shown });
         samples.push(DryRunSample { input: input.name.clone(), at: now, value });
     }
     // A counter goes on from what was published rather than from zero.
@@ -309,11 +308,7 @@ async fn run(
         .into_iter()
         .map(|step| StepView {
             function: step.function,
-            value: step.value.map(|value| ShownValue {
-                value: value.value,
-                status: StatusCode(value.status).to_string(),
-                source_timestamp: value.source_timestamp,
-            }),
+            value: step.value.map(|result| ShownValue::of_function(result, before_gate)),
             message: step.fault.map(|fault| fault.message),
         })
         .collect();
@@ -340,29 +335,14 @@ async fn current(api: &Api, field: &FieldKey) -> Result<Option<DataValue>, Probl
 }
 
 /// The message as it would be sent with the next number: the request's other open fields, and this
-/// one.
+/// one where the request has it.
 fn message(
     state: &ConnectorState,
     field: &FieldKey,
-    disclosed: &DataValue,
+    draft: &DraftGate,
     now: DateTime,
 ) -> Option<String> {
-    let writer = state.writers().id_of(&field.request)?;
-    let mut frame = queries::key_frame(state, writer, now)
-        .map_or_else(|| queries::empty_frame(state, writer, now), |(frame, _)| frame.into_draft());
-    let shown = DataValue { source_timestamp: None, server_timestamp: None, ..disclosed.clone() };
-    let name: Arc<str> = Arc::from(field.field_name.as_str());
-    match frame.fields.iter_mut().find(|payload| payload.name == name) {
-        Some(payload) => payload.value = shown,
-        None => {
-            frame.fields.push(PayloadField::with(name, shown));
-            if let Some(unit) =
-                state.field(field).and_then(|field| field.definition().unit.as_deref())
-            {
-                frame.fields.push(PayloadField::new(unit_member(field.field_name.as_str()), unit));
-            }
-        }
-    }
+    let frame = queries::draft_frame(state, field, draft, now)?;
     let message_id = new_message_id();
     let header = NetworkMessageHeader {
         message_id: Some(&message_id),

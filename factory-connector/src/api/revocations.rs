@@ -67,7 +67,7 @@ pub struct RevocationBody {
     responses((status = 201, body = StoredRevocation), Problems)
 )]
 pub async fn revoke_consents(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiJson(body): ApiJson<RevocationBody>,
 ) -> Result<(StatusCode, Json<StoredRevocation>), Problem> {

@@ -3,6 +3,8 @@
 //! A handler without one of them cannot be registered (see [`daemon::web::roles`]), and the
 //! description of the API names the role that the handler's signature asks for.
 
+use std::ops::Deref;
+
 use axum::{extract::FromRequestParts, http::request::Parts};
 use daemon::web::{Problem, roles::RequiredRole, session::SignedIn};
 
@@ -10,13 +12,104 @@ use super::accounts::Principal;
 use crate::store::Role;
 
 /// Any person who is signed in.
-pub struct Viewer(pub SignedIn<Principal>);
+pub struct Viewer(SignedIn<Principal>);
 
-/// A person who may enter values: an operator or an engineer.
-pub struct Operator(pub SignedIn<Principal>);
+/// A person who may enter values: an operator or an engineer. Only a request of such a person makes
+/// it:
+///
+/// ```compile_fail,E0423
+/// fn promote(user: daemon::web::session::SignedIn<factory_connector::api::Principal>) {
+///     let _ = factory_connector::api::Operator(user);
+/// }
+/// ```
+pub struct Operator(SignedIn<Principal>);
 
-/// A person who may decide and configure: an engineer.
-pub struct Engineer(pub SignedIn<Principal>);
+/// A person who may decide and configure: an engineer. Only a request of such a person makes it:
+///
+/// ```compile_fail,E0423
+/// fn promote(user: daemon::web::session::SignedIn<factory_connector::api::Principal>) {
+///     let _ = factory_connector::api::Engineer(user);
+/// }
+/// ```
+///
+/// ```
+/// fn name(user: &factory_connector::api::Engineer) -> &str {
+///     &user.principal.user_name
+/// }
+/// ```
+pub struct Engineer(SignedIn<Principal>);
+
+/// Proof that an answer goes to an operator or engineer, who may see what is before the gate. Only
+/// such a person's request makes it:
+///
+/// ```compile_fail,E0423
+/// let _ = factory_connector::api::BeforeGate(());
+/// ```
+///
+/// ```compile_fail,E0277
+/// fn see(user: &factory_connector::api::Viewer) -> factory_connector::api::BeforeGate {
+///     user.into()
+/// }
+/// ```
+///
+/// ```
+/// fn see(user: &factory_connector::api::Operator) -> factory_connector::api::BeforeGate {
+///     user.into()
+/// }
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct BeforeGate(());
+
+impl From<&Operator> for BeforeGate {
+    fn from(_: &Operator) -> Self {
+        Self(())
+    }
+}
+
+impl From<&Engineer> for BeforeGate {
+    fn from(_: &Engineer) -> Self {
+        Self(())
+    }
+}
+
+impl Viewer {
+    /// Returns the proof if the person is more than a viewer.
+    pub(super) fn before_gate(&self) -> Option<BeforeGate> {
+        match self.principal.role {
+            Role::Operator | Role::Engineer => Some(BeforeGate(())),
+            Role::Viewer => None,
+        }
+    }
+
+    /// Returns the person's session.
+    pub(super) fn into_session(self) -> SignedIn<Principal> {
+        self.0
+    }
+}
+
+impl Deref for Viewer {
+    type Target = SignedIn<Principal>;
+
+    fn deref(&self) -> &SignedIn<Principal> {
+        &self.0
+    }
+}
+
+impl Deref for Operator {
+    type Target = SignedIn<Principal>;
+
+    fn deref(&self) -> &SignedIn<Principal> {
+        &self.0
+    }
+}
+
+impl Deref for Engineer {
+    type Target = SignedIn<Principal>;
+
+    fn deref(&self) -> &SignedIn<Principal> {
+        &self.0
+    }
+}
 
 impl RequiredRole for Viewer {
     const ROLE: &'static str = Role::Viewer.name();

@@ -52,7 +52,7 @@ pub async fn list_rules(
     responses((status = 200, body = DocumentVersion), Problems)
 )]
 pub async fn put_rule(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<DocumentId>,
     headers: HeaderMap,
@@ -208,7 +208,7 @@ pub async fn list_rule_decisions(
     responses((status = 204, description = "Undone"), Problems)
 )]
 pub async fn undo_rule_decision(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<i64>,
 ) -> Result<axum::http::StatusCode, Problem> {

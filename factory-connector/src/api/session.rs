@@ -72,8 +72,8 @@ pub async fn sign_in(
     tag = "session",
     responses((status = 200, body = Session), Problems)
 )]
-pub async fn show_session(Viewer(user): Viewer) -> Json<Session> {
-    Json(user.into())
+pub async fn show_session(user: Viewer) -> Json<Session> {
+    Json(user.into_session().into())
 }
 
 /// Signs out.
@@ -84,7 +84,7 @@ pub async fn show_session(Viewer(user): Viewer) -> Json<Session> {
     responses((status = 204, description = "Signed out"), Problems)
 )]
 pub async fn sign_out(
-    Viewer(user): Viewer,
+    user: Viewer,
     State(api): State<Api>,
     jar: CookieJar,
 ) -> Result<(CookieJar, StatusCode), Problem> {

@@ -17,7 +17,7 @@ use super::{
     mapping_import::{ImportOptions, SubmittedMapping, import},
     paths::FieldPath,
     problems::{Problems, decision_problem, engine},
-    roles::Engineer,
+    roles::{BeforeGate, Engineer},
     view::FieldView,
 };
 
@@ -48,7 +48,7 @@ pub struct ShadowView {
     responses((status = 200, body = ShadowView), Problems)
 )]
 pub async fn start_shadow_mapping(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
     ApiJson(draft): ApiJson<MappingDraft>,
@@ -84,7 +84,7 @@ pub async fn show_shadow_mapping(
     responses((status = 204, description = "Ended"), Problems)
 )]
 pub async fn end_shadow_mapping(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<StatusCode, Problem> {
@@ -101,7 +101,7 @@ pub async fn end_shadow_mapping(
     responses((status = 200, body = FieldView), Problems)
 )]
 pub async fn publish_shadow_mapping(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<FieldView>, Problem> {
@@ -126,7 +126,7 @@ pub async fn publish_shadow_mapping(
     let options = ImportOptions { author, note: Some("tried as a shadow"), is_dry_run: false };
     import(&api, vec![submitted], options, Vec::new()).await?;
     set(&api, field.clone(), None, author).await?;
-    field_view(&api, field).await
+    field_view(&api, field, Some(BeforeGate::from(&user))).await
 }
 
 /// Starts, replaces or ends a field's shadow mapping.

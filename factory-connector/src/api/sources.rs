@@ -13,10 +13,10 @@ use utoipa::{IntoParams, ToSchema};
 use super::{
     context::Api,
     problems::{Problems, shop_floor},
-    roles::{Engineer, Viewer},
+    roles::{BeforeGate, Engineer, Viewer},
+    values::ShownValue,
     view::Page,
 };
-use crate::values::ShownValue;
 
 /// Children per page without a limit, and at most: a server may list a hundred thousand in one
 /// folder.
@@ -188,7 +188,7 @@ pub struct ValueQuery {
     responses((status = 200, body = ShownValue), Problems)
 )]
 pub async fn read_source_value(
-    _: Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<SourceId>,
     ApiQuery(query): ApiQuery<ValueQuery>,
@@ -197,7 +197,7 @@ pub async fn read_source_value(
         api.shop_floor.read(&id, std::slice::from_ref(&query.node)).await.map_err(shop_floor)?;
     values
         .first()
-        .map(|value| Json(ShownValue::from(value)))
+        .map(|value| Json(ShownValue::before_gate(value, BeforeGate::from(&user))))
         .ok_or_else(|| Problem::not_found("such variable"))
 }
 

@@ -17,9 +17,14 @@ use shop_floor::{BrowsePath, BrowsedNode, MonitorOptions, SourceId, SourceState}
 use utoipa::{IntoParams, ToSchema};
 
 use super::{
-    context::Api, fields::MappingDraft, paths::FieldPath, problems::Problems, roles::Engineer,
+    context::Api,
+    fields::MappingDraft,
+    paths::FieldPath,
+    problems::Problems,
+    roles::{BeforeGate, Engineer},
+    values::ShownValue,
 };
-use crate::{catalog::Listing, values::ShownValue};
+use crate::catalog::Listing;
 
 /// Suggestions in an answer without a limit, and at most.
 const SUGGESTIONS_DEFAULT: usize = 10;
@@ -91,7 +96,7 @@ pub struct SearchedSource {
     responses((status = 200, body = Suggestions), Problems)
 )]
 pub async fn list_suggestions(
-    _: Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
     ApiQuery(query): ApiQuery<SuggestionsQuery>,
@@ -109,7 +114,8 @@ pub async fn list_suggestions(
     let searches = states.into_iter().map(|status| {
         let is_connected =
             matches!(status.state, SourceState::Connected | SourceState::Subscribing);
-        search(&api, status.source_id, is_connected, &requested, &past)
+        let before_gate = BeforeGate::from(&user);
+        search(&api, status.source_id, is_connected, (&requested, &past), before_gate)
     });
     let (mut sources, mut variables) = (Vec::new(), Vec::new());
     let mut details = HashMap::new();
@@ -143,8 +149,8 @@ async fn search(
     api: &Api,
     source_id: SourceId,
     is_connected: bool,
-    requested: &RequestedField,
-    past: &[PastDecision],
+    (requested, past): (&RequestedField, &[PastDecision]),
+    before_gate: BeforeGate,
 ) -> (SearchedSource, Vec<(KnownVariable, Detail)>) {
     let mut searched = SearchedSource {
         source_id: source_id.clone(),
@@ -194,7 +200,7 @@ async fn search(
         })
     };
     let Ok(by_name) = by_name.await else { return (searched, Vec::new()) };
-    match look_at(api, &source_id, by_name).await {
+    match look_at(api, &source_id, by_name, before_gate).await {
         Ok(found) => (searched, found),
         Err(error) => {
             searched.problem = Some(format!("{error}."));
@@ -208,6 +214,7 @@ async fn look_at(
     api: &Api,
     source_id: &SourceId,
     variables: Vec<(KnownVariable, BrowsePath)>,
+    before_gate: BeforeGate,
 ) -> Result<Vec<(KnownVariable, Detail)>, shop_floor::ShopFloorError> {
     if variables.is_empty() {
         return Ok(Vec::new());
@@ -221,7 +228,10 @@ async fn look_at(
         let node = described.remove(&variable.node_id)?;
         let number = value.value.as_f64().filter(|_| !value.status.is_bad());
         let variable = KnownVariable { value: number, ..variable.described(&node) };
-        Some((variable, Detail { node, path, value: Some(ShownValue::from(&value)) }))
+        Some((
+            variable,
+            Detail { node, path, value: Some(ShownValue::before_gate(&value, before_gate)) },
+        ))
     });
     Ok(found.collect())
 }

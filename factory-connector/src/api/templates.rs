@@ -69,7 +69,7 @@ pub async fn list_mapping_templates(
     responses((status = 200, body = MappingTemplate), Problems)
 )]
 pub async fn put_mapping_template(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(template_id): ApiPath<String>,
     ApiJson(template): ApiJson<MappingTemplate>,
@@ -177,7 +177,7 @@ pub struct FillQuery {
     responses((status = 200, body = ImportOutcome), Problems)
 )]
 pub async fn fill_mapping_template(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(template_id): ApiPath<String>,
     ApiQuery(query): ApiQuery<FillQuery>,

@@ -66,7 +66,7 @@ pub struct UserBody {
     responses((status = 200, body = UserView), Problems)
 )]
 pub async fn put_user(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(user_name): ApiPath<String>,
     ApiJson(body): ApiJson<UserBody>,
@@ -119,7 +119,7 @@ pub async fn put_user(
     responses((status = 204, description = "Removed"), Problems)
 )]
 pub async fn remove_user(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(user_name): ApiPath<String>,
 ) -> Result<StatusCode, Problem> {

@@ -16,7 +16,7 @@ use super::{
     mapping_import::{ImportOptions, SubmittedMapping, import},
     paths::FieldPath,
     problems::Problems,
-    roles::{Engineer, Viewer},
+    roles::{BeforeGate, Engineer, Viewer},
     view::{FieldView, Page},
 };
 
@@ -127,7 +127,7 @@ pub async fn compare_mapping_versions(
     responses((status = 200, body = FieldView), Problems)
 )]
 pub async fn roll_mapping_back(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
     ApiPath(VersionPath { version }): ApiPath<VersionPath>,
@@ -143,7 +143,7 @@ pub async fn roll_mapping_back(
     let author = &user.principal.user_name;
     let options = ImportOptions { author, note: Some(&note), is_dry_run: false };
     import(&api, vec![submitted], options, Vec::new()).await?;
-    field_view(&api, field).await
+    field_view(&api, field, Some(BeforeGate::from(&user))).await
 }
 
 /// Returns the stored versions, newest first, and the present mapping of the field.

@@ -14,7 +14,8 @@ use disclosure::{
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use crate::{clock::now, values::ShownValue};
+use super::{roles::BeforeGate, values::ShownValue};
+use crate::clock::now;
 
 /// A page of a list.
 #[derive(Serialize, ToSchema)]
@@ -70,8 +71,10 @@ pub struct FieldView {
     pub basis: DecisionBasis,
     /// Decision that the standing rules offer for a pending field.
     pub offer: Option<RuleOfferView>,
-    /// True while no value leaves: the policy withholds the present state, or an unknown one.
-    pub is_withheld: bool,
+    /// True while no value leaves: the policy withholds the present state, or an unknown one. For
+    /// operators and engineers only, since it says which state it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub is_withheld: Option<bool>,
     /// Coarsening in effect in words, as in the statement to the partner.
     pub disclosure_statement: Option<String>,
     /// Coarsening in effect as codes with parameters; none while pending.
@@ -92,7 +95,12 @@ pub struct FieldView {
 
 impl FieldView {
     /// Returns the view of a field at present.
-    pub fn new(state: &ConnectorState, key: FieldKey, field: &Field) -> Self {
+    pub fn new(
+        state: &ConnectorState,
+        key: FieldKey,
+        field: &Field,
+        before_gate: Option<BeforeGate>,
+    ) -> Self {
         let (definition, decision) = (field.definition(), field.decision());
         let statement = decision
             .is_mapped()
@@ -113,7 +121,7 @@ impl FieldView {
                 .then(|| queries::rule_offer(state, &key, now()))
                 .flatten()
                 .map(|offer| RuleOfferView::new(&offer, field)),
-            is_withheld: decision.is_mapped() && field.gate().is_withheld(),
+            is_withheld: before_gate.map(|_| decision.is_mapped() && field.gate().is_withheld()),
             disclosure_statement: statement.as_ref().map(|stated| stated.statement.clone()),
             disclosure_parts: statement.map(|stated| stated.statement_parts).unwrap_or_default(),
             decision_reason: decision.reason.clone(),
@@ -219,6 +227,7 @@ pub fn requests(
     state: &ConnectorState,
     network: &asi_model::OperationNetworkId,
     now: DateTime,
+    before_gate: Option<BeforeGate>,
 ) -> Vec<RequestView> {
     let Some((network, message)) =
         state.networks().get(network).and_then(|n| n.message.as_ref().map(|m| (n, m)))
@@ -228,36 +237,39 @@ pub fn requests(
     let requests = message.operation_network.requests();
     requests
         .map(|(key, operation, request)| {
-            RequestView::new(state, network, message, key, operation, request, now)
+            RequestView::new(state, (network, message), (key, operation, request), now, before_gate)
         })
         .collect()
 }
 
 impl RequestView {
     /// Returns the view of a request of an active network; none if there is no such request.
-    pub fn of(state: &ConnectorState, key: &RequestKey, now: DateTime) -> Option<Self> {
+    pub fn of(
+        state: &ConnectorState,
+        key: &RequestKey,
+        now: DateTime,
+        before_gate: Option<BeforeGate>,
+    ) -> Option<Self> {
         let network = state.networks().get(&key.operation_network_id)?;
         let message = network.message.as_ref()?;
         let (key, operation, request) =
             message.operation_network.requests().find(|(known, ..)| known == key)?;
-        Some(Self::new(state, network, message, key, operation, request, now))
+        Some(Self::new(state, (network, message), (key, operation, request), now, before_gate))
     }
 
     /// Returns the view of a request at `now`.
     pub fn new(
         state: &ConnectorState,
-        network: &Network,
-        message: &OperationNetworkMessage,
-        key: RequestKey,
-        operation: &Operation,
-        request: &DynamicDataRequest,
+        (network, message): (&Network, &OperationNetworkMessage),
+        (key, operation, request): (RequestKey, &Operation, &DynamicDataRequest),
         now: DateTime,
+        before_gate: Option<BeforeGate>,
     ) -> Self {
         let mut short = operation.clone();
         short.dynamic_data_request_list.clear();
         let fields: Vec<FieldView> = state
             .fields_in(&key, request)
-            .map(|(key, field)| FieldView::new(state, key, field))
+            .map(|(key, field)| FieldView::new(state, key, field, before_gate))
             .collect();
         let is_open = fields.iter().any(|field| field.mapping_state == MappingState::Pending);
         let has_ended = request.valid_until.is_some_and(|until| until <= now);

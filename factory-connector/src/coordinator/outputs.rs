@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use connector_state::{ConnectorEvent, EngineCommand};
-use daemon::web::events::EventLog;
+use connector_state::EngineCommand;
 use messaging::LinkHandle;
 use tokio::sync::mpsc;
 
-use crate::{in_flight::InFlight, keep_alive_queue::KeepAliveQueue};
+use crate::{in_flight::InFlight, keep_alive_queue::KeepAliveQueue, live_events::LiveEvents};
 
 /// Receivers of the effects of committed transactions.
 pub struct Outputs {
@@ -19,5 +18,5 @@ pub struct Outputs {
     pub keep_alives: Arc<KeepAliveQueue>,
     /// Messages that the link composed.
     pub in_flight: Arc<InFlight>,
-    pub events: EventLog<ConnectorEvent>,
+    pub events: LiveEvents,
 }

@@ -39,7 +39,6 @@ use connector_state::{
         revoke::{Revocation, revoke},
     },
 };
-use daemon::web::events::EventLog;
 use disclosure::{DecisionBasis, DisclosurePolicy};
 use messaging::{
     Delivery, Envelope, RowId, RowOutcome, SendOutcome, SpoolRow, SpoolStore,
@@ -61,6 +60,7 @@ use crate::{
     lease::LeaseGate,
     ledger_key::{self, LEDGER_KEY_FILE},
     link_adapter::ConnectorSpool,
+    live_events::LiveEvents,
     store::{LedgerCursor, LedgerFilter, Readers, StoreSession},
 };
 
@@ -167,7 +167,7 @@ impl Running {
             link: None,
             keep_alives,
             in_flight,
-            events: EventLog::new(64, 1),
+            events: LiveEvents::new(64, 1),
         };
         let made = Coordinator::new(config, store, outputs, key, commands, candidates)
             .await

@@ -4,7 +4,6 @@ use std::{sync::Arc, time::Instant};
 
 use asi_model::messages::{FactoryMessage, Lease as LeaseAnswer, PlatformMessage};
 use connector_state::{ConnectorEvent, use_cases::configuration::set_lease_held};
-use daemon::web::events::EventLog;
 use messaging::{Delivery, Envelope, LinkHandle, LinkState, LogicalAddress};
 use tokio::sync::{mpsc, watch};
 use tokio_util::sync::CancellationToken;
@@ -15,6 +14,7 @@ use super::{
 use crate::{
     clock::{new_message_id, now},
     coordinator::CoordinatorHandle,
+    live_events::LiveEvents,
 };
 
 /// Most answers that wait for the client; more than a platform gives in a minute. Further ones are
@@ -36,7 +36,7 @@ pub struct LeaseClient {
     coordinator: CoordinatorHandle,
     answers: mpsc::Receiver<LeaseAnswer>,
     status: watch::Sender<LeaseStatus>,
-    events: EventLog<ConnectorEvent>,
+    events: LiveEvents,
     addresses: [LogicalAddress; 2],
     ingress: LogicalAddress,
     /// The store says that this connector has the lease.
@@ -89,7 +89,7 @@ impl LeaseClient {
         link: LinkHandle,
         coordinator: CoordinatorHandle,
         answers: mpsc::Receiver<LeaseAnswer>,
-        events: EventLog<ConnectorEvent>,
+        events: LiveEvents,
     ) -> (Self, watch::Receiver<LeaseStatus>) {
         let factory_id = instance.factory_id.clone();
         let lease = LeaseMachine::new(instance, now());
@@ -162,7 +162,7 @@ impl LeaseClient {
         if *after != before {
             log_change(&before, after);
             self.status.send_replace(after.clone());
-            self.events.publish([ConnectorEvent::Status]);
+            self.events.publish(vec![ConnectorEvent::Status]);
         }
     }
 

@@ -5,8 +5,6 @@ use std::{str::FromStr as _, sync::Arc};
 
 use anyhow::Context as _;
 use asi_model::{DateTime, FactoryId};
-use connector_state::ConnectorEvent;
-use daemon::web::events::EventLog;
 use messaging::{BrokerUrl, Link, LinkConfig, LinkError, LinkHandle, Login, Roots};
 use tokio::sync::watch;
 
@@ -17,6 +15,7 @@ use crate::{
     keep_alive_queue::KeepAliveQueue,
     lease::{self, ConnectorInstance, LeaseClient, LeaseGate, LeaseStatus},
     link_adapter::{ConnectorSpool, PlatformInbox},
+    live_events::LiveEvents,
     store::{Enrolment, Readers, StoreIdentity},
 };
 
@@ -40,7 +39,7 @@ pub(super) fn open(
     started_at: DateTime,
     readers: &Readers,
     coordinator: &CoordinatorHandle,
-    events: &EventLog<ConnectorEvent>,
+    events: &LiveEvents,
 ) -> Result<OpenedLink, LinkError> {
     let StoreIdentity { factory_id, instance_id, place, host, was_lease_held, .. } = identity;
     let keep_alives = Arc::new(KeepAliveQueue::default());

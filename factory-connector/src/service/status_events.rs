@@ -3,10 +3,11 @@
 use std::time::Duration;
 
 use connector_state::ConnectorEvent;
-use daemon::web::events::EventLog;
 use messaging::LinkState;
 use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
+
+use crate::live_events::LiveEvents;
 
 /// Shortest time between two events. A flapping link must not make every page redraw all the time.
 const PAUSE: Duration = Duration::from_millis(500);
@@ -14,7 +15,7 @@ const PAUSE: Duration = Duration::from_millis(500);
 /// Publishes an event for each change of a state, until shutdown. Counters - messages, ages, the
 /// spool - cause none: pages poll them.
 pub(super) async fn publish(
-    events: EventLog<ConnectorEvent>,
+    events: LiveEvents,
     mut link: watch::Receiver<LinkState>,
     mut sources: watch::Receiver<u64>,
     shutdown: CancellationToken,
@@ -34,7 +35,7 @@ pub(super) async fn publish(
             Ok(()) = sources.changed() => {}
             else => return,
         }
-        events.publish([ConnectorEvent::Status]);
+        events.publish(vec![ConnectorEvent::Status]);
         if shutdown.run_until_cancelled(tokio::time::sleep(PAUSE)).await.is_none() {
             return;
         }

@@ -3,10 +3,12 @@
 //! [`ROLES`] is the reviewed table. An operation that is missing in it, a description that names
 //! another role, and an answer that does not follow from the role fail the test.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, time::Duration};
 
 use reqwest::Method;
 use serde_json::{Value, json};
+use testkit::Event;
+use tokio::sync::mpsc;
 
 use crate::plant::{Plant, SignedIn, field};
 
@@ -250,7 +252,8 @@ async fn each_operation_admits_its_least_role_and_none_below() {
 /// A viewer sees what partners see: neither values before the gate, nor how many there were.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn no_viewer_sees_values_before_the_gate() {
-    let plant = Plant::start(json!([{ "name": "count", "type": 9 }])).await;
+    let plant =
+        Plant::start(json!([{ "name": "count", "type": 9 }, { "name": "state", "type": 6 }])).await;
     let node = plant.node("Mill1", "Production.PartCounter");
     let mapping = json!({ "inputs": [{ "name": "a", "sourceId": "Mill1", "nodeId": node }],
         "steps": [] });
@@ -276,4 +279,67 @@ async fn no_viewer_sees_values_before_the_gate() {
     }
     let budgets = viewer.get("/leak-budgets").await;
     assert!(budgets["items"][0]["fields"][0]["measured"]["released"].is_number(), "{budgets:#}");
+    no_viewer_hears_of_withheld_states(&plant, &viewer).await;
+}
+
+/// The newest value of a field stays what it was while a state withholds it. That it does would tell
+/// the state; and that somebody entered something, when.
+async fn no_viewer_hears_of_withheld_states(plant: &Plant, viewer: &SignedIn) {
+    let path = field("state");
+    let decision = json!({ "mappingState": "MAPPED", "valueSource": "MANUAL",
+        "disclosure": { "withholdWhile": [{ "states": [7] }] } });
+    plant.put(&format!("{path}/decision"), decision).await;
+    let enter = async |value: i32| {
+        plant.put(&format!("{path}/value"), json!({ "value": value })).await["outcome"].clone()
+    };
+    assert_eq!(enter(1).await, "DISCLOSED");
+    let network = "/operation-networks/frame";
+    let request = "/requests/frame/MakeFrame/Req";
+    let mut before = Vec::new();
+    for page in [&path, network, request] {
+        before.push(without_counter(viewer.get(page).await));
+    }
+    let (mut heard, mut told) = (viewer.events(None).await, plant.events(None).await);
+    assert_eq!(enter(7).await, "SUPPRESSED");
+    assert_eq!(plant.get(&path).await["isWithheld"], true, "the engineer sees it");
+    for (page, before) in [&path, network, request].into_iter().zip(before) {
+        assert!(!before.to_string().contains("isWithheld"), "{page}: {before:#}");
+        assert_eq!(without_counter(viewer.get(page).await), before, "{page}");
+    }
+    assert_eq!(enter(2).await, "DISCLOSED");
+    let engineers = until_field(&mut told).await;
+    assert!(engineers.iter().any(|event| event.name == "operator"), "{engineers:?}");
+    assert_eq!(engineers.last().expect("it is told").data["isWithheld"], false, "{engineers:?}");
+    let viewers = until_field(&mut heard).await;
+    assert!(viewers.iter().all(|event| event.name != "operator"), "{viewers:?}");
+    let numbers: Vec<u64> = viewers
+        .iter()
+        .filter_map(|event| event.id.as_ref()?.rsplit_once('-')?.1.parse().ok())
+        .collect();
+    let is_gap = |pair: &[u64]| pair[1] != pair[0] + 1;
+    assert!(!numbers.windows(2).any(is_gap), "a gap tells of entries: {viewers:?}");
+    assert_eq!(viewers.last().expect("it is told").data["isWithheld"], Value::Null, "{viewers:?}");
+}
+
+/// Returns the events up to the first about the field `state`.
+async fn until_field(events: &mut mpsc::UnboundedReceiver<Event>) -> Vec<Event> {
+    let mut heard = Vec::new();
+    loop {
+        let next = tokio::time::timeout(Duration::from_secs(60), events.recv()).await;
+        heard.push(next.expect("it is told").expect("the stream goes on"));
+        let event = &heard[heard.len() - 1];
+        if event.name == "field" && event.data["fieldName"] == "state" {
+            return heard;
+        }
+    }
+}
+
+/// Returns a page without the field whose machine goes on counting.
+fn without_counter(mut page: Value) -> Value {
+    for pointer in ["/fields", "/requests/0/fields"] {
+        if let Some(fields) = page.pointer_mut(pointer).and_then(Value::as_array_mut) {
+            fields.retain(|field| field["name"] != "count");
+        }
+    }
+    page
 }

@@ -117,7 +117,7 @@ pub async fn list_ledger_logs(
     responses((status = 200, body = LogView), Problems)
 )]
 pub async fn begin_ledger_log(
-    Engineer(user): Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(recipient): ApiPath<OrganisationId>,
     ApiJson(body): ApiJson<NewLogBody>,

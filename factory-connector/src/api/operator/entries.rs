@@ -130,7 +130,7 @@ pub struct FieldResult {
     responses((status = 200, body = Page<EntryResult>), Problems)
 )]
 pub async fn deliver_operator_entries(
-    Operator(user): Operator,
+    user: Operator,
     State(api): State<Api>,
     ApiJson(delivery): ApiJson<EntryDelivery>,
 ) -> Result<Json<Page<EntryResult>>, Problem> {

@@ -19,9 +19,8 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use crate::{
-    api::{context::Api, problems::Problems, roles::Operator, view::Page},
+    api::{context::Api, problems::Problems, roles::Operator, values::ShownValue, view::Page},
     clock::now,
-    values::ShownValue,
 };
 
 /// Length of a day if the page does not name its end.

@@ -1,6 +1,8 @@
 //! Ways in which a field can be written, through the real coordinator, store and twin: each passes
 //! the gate.
 
+mod places;
+
 use std::path::Path;
 
 use asi_model::{DataValue, StatusCode, Variant, messages::ValueSource};
@@ -72,7 +74,7 @@ async fn start(directory: &Path) -> Gateway {
         link: None,
         keep_alives: Arc::default(),
         in_flight: Arc::default(),
-        events: EventLog::new(64, 1),
+        events: LiveEvents::new(64, 1),
     };
     let key = crate::ledger_key::open(&directory.join("key.pem")).expect("a key");
     let readers = store.readers();
@@ -274,118 +276,4 @@ impl Gateway {
             Way::OperatorsPage => self.bring(Way::OperatorsPage, number).await,
         }
     }
-}
-
-/// Texts in sources that stand for a way of a value to a gate, for a gate, or for what is neither a
-/// gate's nor its own. Whatever leaves is of a type that a gate alone makes (`disclosure::Released`,
-/// whose documentation is tested for what does not compile); so all that remains to be counted is
-/// who has a gate, and what a gate believes: its stored state.
-const PLACES: [(&str, &[&str]); 11] = [
-    // Written values and the beginning of a request's validity come one by one.
-    (
-        "receive_candidate(",
-        &["state/src/use_cases/validity.rs 1", "state/src/use_cases/values.rs 2"],
-    ),
-    // Mappings bring candidates to the coordinator, which reads its channel in a function of
-    // the same name; operators' entries use the same function.
-    (
-        "receive_candidates(",
-        &[
-            "src/coordinator.rs 3",
-            "state/src/use_cases/enter.rs 1",
-            "state/src/use_cases/values.rs 2",
-        ],
-    ),
-    (
-        "write_value(",
-        &[
-            "src/coordinator/commands.rs 1",
-            "src/coordinator/handle.rs 1",
-            "src/twin_adapter.rs 1",
-            "state/src/use_cases/values.rs 1",
-        ],
-    ),
-    // The gate of a preview, and the one way in.
-    ("gate.on(", &["src/api/preview.rs 1", "state/src/use_cases/values.rs 1"]),
-    // Those of the fields, and the drafts of a preview, whose values are not released ones.
-    (
-        "Gate::new(",
-        &[
-            "disclosure/src/draft_gate.rs 1",
-            "state/src/fields/field.rs 2",
-            "state/src/queries/disclosed.rs 1",
-        ],
-    ),
-    // Read from the store.
-    ("gate_from_json(", &["disclosure/src/gate/document.rs 1", "state/src/load.rs 1"]),
-    // Released by a gate, read from the store, and coarsened by another policy.
-    (
-        "Released::by_gate",
-        &[
-            "disclosure/src/gate.rs 3",
-            "disclosure/src/gate/document.rs 1",
-            "disclosure/src/gate/transition.rs 1",
-        ],
-    ),
-    // The message of a preview, which cannot be queued.
-    ("into_draft(", &["disclosure/src/report_frame.rs 1", "src/api/preview.rs 1"]),
-    // Never replaced: intervals and rates go on, also for another type.
-    (".gate =", &[]),
-    (".change_type(", &["state/src/fields/field_mut.rs 1"]),
-    (
-        "through_gate(",
-        &[
-            "state/src/dependencies.rs 4",
-            "state/src/gates.rs 1",
-            "state/src/use_cases/decide.rs 1",
-            "state/src/use_cases/policies.rs 1",
-            "state/src/use_cases/values.rs 2",
-        ],
-    ),
-];
-
-/// Nothing but the listed ways brings values to a gate, and nothing but the gate decides what is
-/// disclosed.
-#[test]
-fn there_is_no_way_around_the_gate() {
-    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let texts: Vec<(String, String)> = ["src", "state/src", "disclosure/src"]
-        .iter()
-        .flat_map(|folder| {
-            let named = move |(name, text)| (format!("{folder}/{name}"), text);
-            sources(&package.join(folder)).into_iter().map(named)
-        })
-        .collect();
-    for (pattern, places) in PLACES {
-        let count = |(name, text): &(String, String)| {
-            let count = text.matches(pattern).count();
-            (count > 0).then(|| format!("{name} {count}"))
-        };
-        let mut found: Vec<String> = texts.iter().filter_map(count).collect();
-        found.sort();
-        assert_eq!(found, places, "places that contain `{pattern}`");
-    }
-}
-
-/// Returns the sources below a folder without their tests.
-fn sources(folder: &Path) -> Vec<(String, String)> {
-    let (mut folders, mut sources) = (vec![folder.to_owned()], Vec::new());
-    while let Some(below) = folders.pop() {
-        for entry in std::fs::read_dir(below).expect("a folder") {
-            let path = entry.expect("an entry").path();
-            if path.is_dir() {
-                folders.push(path);
-                continue;
-            }
-            let name = path.strip_prefix(folder).expect("below it").to_string_lossy();
-            let name = name.replace('\\', "/");
-            if name.contains("tests") || name == "scene.rs" {
-                continue;
-            }
-            let text = std::fs::read_to_string(&path).expect("a source");
-            let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
-            sources.push((name, code.to_owned()));
-        }
-    }
-    sources
 }
