@@ -9,10 +9,10 @@ use std::{
 use anyhow::Context as _;
 use asi_model::{FactoryId, pubsub::json::Encoding};
 use connector_state::{EngineCommand, StateConfig};
-use daemon::web::events::EventLog;
 use factory_connector::{
     config::{RetentionLimits, SpoolLimits},
     coordinator::{self, Coordinator, CoordinatorConfig, CoordinatorHandle, Outputs},
+    live_events::LiveEvents,
     store::Store,
 };
 use messaging::{Delivery, Envelope, Settlement};
@@ -90,7 +90,7 @@ impl Connector {
                 link: None,
                 keep_alives: Arc::default(),
                 in_flight: Arc::default(),
-                events: EventLog::new(1000, 1),
+                events: LiveEvents::new(1000, 1),
             },
             factory_connector::ledger_key::open(&folder.join("ledger-key.pem"))?,
             commands,
