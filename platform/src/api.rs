@@ -9,7 +9,6 @@ mod audit;
 mod collaborations;
 mod comments;
 mod dead_letters;
-mod departures;
 mod enrolments;
 mod factories;
 mod leases;
@@ -20,6 +19,7 @@ mod organisations;
 mod own_factory;
 mod page;
 mod problems;
+mod removals;
 mod reports;
 mod requests;
 mod revocations;
@@ -86,10 +86,10 @@ fn guarded() -> OpenApiRouter<Application> {
         .routes(routes!(status::show))
         .routes(routes!(organisations::list, organisations::add))
         .routes(routes!(users::list))
-        .routes(routes!(users::put, departures::user))
-        .routes(routes!(departures::organisation))
-        .routes(routes!(departures::factory))
-        .routes(routes!(departures::tool))
+        .routes(routes!(users::put, removals::user))
+        .routes(routes!(removals::organisation))
+        .routes(routes!(removals::factory))
+        .routes(routes!(removals::tool))
         .routes(routes!(factories::list, factories::add))
         .routes(routes!(factories::make_token))
         .routes(routes!(factories::revoke))
@@ -104,8 +104,8 @@ fn guarded() -> OpenApiRouter<Application> {
         .routes(routes!(tools::list, tools::add))
         .routes(routes!(tools::make_credential, tools::revoke))
         .routes(routes!(collaborations::list, collaborations::add))
-        .routes(routes!(collaborations::add_member, departures::member))
-        .routes(routes!(collaborations::add_factory, departures::collaboration_factory))
+        .routes(routes!(collaborations::add_member, removals::member))
+        .routes(routes!(collaborations::add_factory, removals::collaboration_factory))
         .routes(routes!(networks::list))
         .routes(routes!(networks::show, networks::put, networks::withdraw))
         .routes(routes!(requests::add))

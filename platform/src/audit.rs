@@ -1,7 +1,7 @@
 //! Record of who changed what, written in the transaction of the change.
 //!
-//! Whoever changes something for somebody does so in a [`RecordedWork`]: it commits together with its
-//! entry, or not at all. The API has a [`RecordingStore`] and no other way to write.
+//! What a person or program changes it changes in a [`RecordedWork`], which commits together with its
+//! entry or not at all. The API has a [`RecordingStore`] and no other way to write.
 
 use std::ops::{Deref, DerefMut};
 
@@ -14,7 +14,7 @@ use crate::{
     },
 };
 
-/// The platform's database for those who change it for somebody. Clones share the connections.
+/// The platform's database for changes by people and programs. Clones share the connections.
 #[derive(Debug, Clone)]
 pub struct RecordingStore {
     store: Store,

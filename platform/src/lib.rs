@@ -14,7 +14,7 @@
 //! - [`networks`]: changes of networks and the parts sent to factories. [`ingest`]: received
 //!   messages, each exactly once. [`witness`]: countersigned checkpoints of factories' ledgers.
 //! - Tasks: [`receipts`], [`retention`], [`progress_notifier`].
-//! - [`audit`]: who changes something for somebody does so with a record of it. [`accounts`],
+//! - [`audit`]: what people and programs change is changed with a record of it. [`accounts`],
 //!   [`administrator`], [`application`], [`api`]: the HTTP API.
 
 pub mod access_log_key;

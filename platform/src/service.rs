@@ -52,8 +52,7 @@ pub struct Platform {
     web_tls: Option<Arc<rustls::ServerConfig>>,
     broker: Option<Broker>,
     link: Link,
-    ingest: Ingest,
-    progress_notifier: ProgressNotifier,
+    tasks: (Ingest, ProgressNotifier),
 }
 
 /// Addresses and shared state of an opened platform.
@@ -116,10 +115,7 @@ impl Platform {
         broker_access.set_link(link_handle);
 
         let web_tls = config.web.tls.as_ref().map(server::TlsFiles::load).transpose()?;
-        let web_listener = server::listen(config.web.listen).await?;
-        let web_address = web_listener
-            .local_addr()
-            .map_err(|source| ServerError::Listen { address: config.web.listen, source })?;
+        let (web_listener, web_address) = listen(&config).await?;
         let scheme = if web_tls.is_some() { "https" } else { "http" };
         let public_url =
             config.web.public_url.clone().unwrap_or_else(|| format!("{scheme}://{web_address}"));
@@ -145,35 +141,16 @@ impl Platform {
             started_at,
             shutdown: lifecycle.shutdown(),
         });
+        let tasks = (ingest, progress_notifier);
         let handle =
             PlatformHandle { web_address, broker_addresses, application: application.clone() };
-        Ok((
-            Self {
-                application,
-                store,
-                web_listener,
-                web_tls,
-                broker,
-                link,
-                ingest,
-                progress_notifier,
-            },
-            handle,
-        ))
+        Ok((Self { application, store, web_listener, web_tls, broker, link, tasks }, handle))
     }
 
     /// Starts all tasks in the lifecycle.
     pub fn start(self, lifecycle: &Lifecycle) {
-        let Self {
-            application,
-            store,
-            web_listener,
-            web_tls,
-            broker,
-            link,
-            ingest,
-            progress_notifier,
-        } = self;
+        let Self { application, store, web_listener, web_tls, broker, link, tasks } = self;
+        let (ingest, progress_notifier) = tasks;
         let (broker_access, clock) = (application.broker_access.clone(), application.clock.clone());
         // At shutdown the link goes first, so that what it has received is still stored and
         // settled; then its two ends.
@@ -239,6 +216,14 @@ impl Platform {
             server::serve(web_listener, web_tls, router, lifecycle.shutdown()),
         );
     }
+}
+
+/// Listens for pages and callers of the API.
+async fn listen(config: &PlatformConfig) -> Result<(TcpListener, SocketAddr), ServerError> {
+    let address = config.web.listen;
+    let listener = server::listen(address).await?;
+    let bound = listener.local_addr().map_err(|source| ServerError::Listen { address, source })?;
+    Ok((listener, bound))
 }
 
 /// Opens the recorder of accesses, with the key in the data directory.

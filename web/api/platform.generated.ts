@@ -412,7 +412,8 @@ export interface paths {
         };
         /**
          * Shows what the viewer sees of a network: operations, parts, progress and fields. Its own
-         *     operations, those it drew and those it asks about are whole, their neighbours are stubs.
+         *     operations, those it drew and those of which a field is open to it are whole; those it asks about are
+         *     shown in part, its neighbours as stubs.
          */
         get: operations["showOperationNetwork"];
         /**

@@ -13,7 +13,7 @@ use super::{
     scope::Scope,
 };
 
-/// Kind of an agent.
+/// Kind of person or program that makes a change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum AuditAgentKind {

@@ -22,7 +22,7 @@ const MIGRATIONS: [(i64, &str, &str); 12] = [
     (10, "revocations", include_str!("../../migrations/sqlite/0010_revocations.sql")),
     (11, "sight", include_str!("../../migrations/sqlite/0011_sight.sql")),
     (30, "audit", include_str!("../../migrations/sqlite/0030_audit.sql")),
-    (31, "departures", include_str!("../../migrations/sqlite/0031_departures.sql")),
+    (31, "removals", include_str!("../../migrations/sqlite/0031_removals.sql")),
 ];
 
 /// Reads of pages at once; more would only share the same disk.

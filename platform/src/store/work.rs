@@ -11,7 +11,6 @@ use super::{
     credentials::Credentials,
     database::{Connection, Database},
     dead_letters::DeadLetters,
-    departures::Departures,
     error::StoreError,
     factories::Factories,
     fields::Fields,
@@ -27,6 +26,7 @@ use super::{
     past_releases::PastReleases,
     recipient_sets::RecipientSets,
     recipients::Recipients,
+    removals::Removals,
     reports::Reports,
     revocations::Revocations,
     tools::Tools,
@@ -91,9 +91,9 @@ impl Work {
         DeadLetters(self.connection())
     }
 
-    /// Returns the repository of departures.
-    pub fn departures(&mut self) -> Departures<'_> {
-        Departures(self.connection())
+    /// Returns the repository of removals.
+    pub fn removals(&mut self) -> Removals<'_> {
+        Removals(self.connection())
     }
 
     /// Returns the repository of factories.

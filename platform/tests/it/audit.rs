@@ -24,7 +24,7 @@ async fn entries(api: &Api) -> Vec<Value> {
 }
 
 /// Operation, subject and outcome of each entry, oldest first.
-async fn told(api: &Api) -> Vec<String> {
+async fn lines(api: &Api) -> Vec<String> {
     let text = |value: &Value| value.as_str().expect("a text").to_owned();
     let entries = entries(api).await;
     entries
@@ -69,7 +69,7 @@ async fn who_did_what_to_what_is_on_record_for_its_organisation() {
     munich.receive("operation-network", |_| true).await;
 
     assert_eq!(
-        told(&buyer).await,
+        lines(&buyer).await,
         [
             "addOrganisation organisations/acme-aero DONE",
             "putUser users/acme-aero-planner DONE",
@@ -94,11 +94,11 @@ async fn who_did_what_to_what_is_on_record_for_its_organisation() {
         "makeEnrolmentToken factories/FOR_MUC DONE",
         "enrol factories/FOR_MUC DONE",
     ];
-    let told_to_maker = told(&maker).await;
+    let of_maker = lines(&maker).await;
     let found: Vec<&str> =
-        told_to_maker.iter().map(String::as_str).filter(|line| line.contains("FOR_MUC")).collect();
+        of_maker.iter().map(String::as_str).filter(|line| line.contains("FOR_MUC")).collect();
     assert_eq!(found, of_factory);
-    assert!(!told_to_maker.iter().any(|line| line.contains("frame-4711")), "{told_to_maker:?}");
+    assert!(!of_maker.iter().any(|line| line.contains("frame-4711")), "{of_maker:?}");
 
     // The export is the same, oldest first.
     let request = buyer.client.request(Method::GET, "/api/v1/audit-entries/export");
@@ -108,7 +108,7 @@ async fn who_did_what_to_what_is_on_record_for_its_organisation() {
     assert_eq!(exported, entries(&buyer).await);
 
     // Administrators see all of it; viewers nothing.
-    let all = told(&admin).await;
+    let all = lines(&admin).await;
     assert!(
         all.len() > 20
             && all.contains(&"putOperationNetwork operation-networks/frame-4711 DONE".into())
@@ -117,7 +117,7 @@ async fn who_did_what_to_what_is_on_record_for_its_organisation() {
     viewer.get("/audit-entries").await.expect_problem(403, "FORBIDDEN");
     viewer.get("/audit-entries/export").await.expect_problem(403, "FORBIDDEN");
     buyer.delete("/session").await.expect_ok();
-    let last = told(&admin).await.pop().expect("an entry");
+    let last = lines(&admin).await.pop().expect("an entry");
     assert_eq!(last, "signOut users/acme-aero-planner/session DONE");
 }
 

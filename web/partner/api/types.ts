@@ -9,8 +9,8 @@ export type AccessRetentionEntry = Schemas['AccessRetentionEntry']
 export type AccessView = Schemas['AccessView']
 export type Collaboration = Schemas['Collaboration']
 export type CommentEntry = Schemas['CommentEntry']
-/** What a departure ends, and what is in its way. */
-export type Departure = Schemas['Departure']
+/** What a removal ends, and what is in its way. */
+export type Removal = Schemas['Removal']
 export type DisclosureStatement = Schemas['DisclosureStatement']
 export type DynamicDataRequest = Schemas['DynamicDataRequest']
 export type EnrolmentToken = Schemas['TokenView']

@@ -252,7 +252,7 @@ export const de: Texts = {
       removeCollaborationFactory: 'hat eine Fabrik aus einer Zusammenarbeit genommen',
     } as Record<string, string>,
   },
-  departures: {
+  removals: {
     title: 'Abgänge',
     subtitle: 'Personen, Mitglieder, Fabriken, Werkzeuge und Organisationen gehen',
     open: 'Jemanden oder etwas gehen lassen',

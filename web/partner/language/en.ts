@@ -249,10 +249,10 @@ export const en = {
       removeCollaborationFactory: 'took a factory out of a collaboration',
     } as Record<string, string>,
   },
-  departures: {
-    title: 'Departures',
+  removals: {
+    title: 'Removals',
     subtitle: 'People, members, factories, tools and organisations leave',
-    open: 'Let somebody or something leave',
+    open: 'Remove a person or partner',
     hint: 'Nothing leaves while something of it is in force. What would end is shown first.',
     ofPeople: 'People',
     ofCollaborations: 'Members and factories of collaborations',

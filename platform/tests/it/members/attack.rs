@@ -140,8 +140,7 @@ async fn no_member_changes_what_belongs_to_another() {
     let tried = attack("drawn", &admin, &members).await;
     assert!(tried.attempts > 200, "only {tried:?}");
     assert!(tried.compared > 50, "only {tried:?}");
-    assert!(tried.changes > 500 && tried.by_right > 300, "only {tried:?}");
-    eprintln!("{tried:?}");
+    assert!(tried.changes > 500 && tried.by_right > 400, "only {tried:?}");
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -28,7 +28,7 @@ const STRANGER: &str = "stranger";
 pub const ADMINISTRATOR: &str = "admin";
 const EVERYBODY: [&str; 6] = [BUYER, MAKER, INSPECTOR, CARRIER, STRANGER, ADMINISTRATOR];
 const SECOND: &str = "frame-4712";
-pub const NETWORKS: [&str; 2] = [NETWORK, SECOND];
+const NETWORKS: [&str; 2] = [NETWORK, SECOND];
 const EPOCH: u32 = 608_926_829;
 
 /// A request that FOR_MUC is asked, each with a writer of its own.

@@ -3,7 +3,7 @@
 
 use super::{
     oracle::{Door, Subject},
-    play::{ADMINISTRATOR, ALL, BUYER, INSPECTOR, MAKER, NETWORKS, OF_THE_BUYER, Play, path},
+    play::{ADMINISTRATOR, ALL, BUYER, INSPECTOR, MAKER, OF_THE_BUYER, Play, path},
 };
 use crate::{harness::World, story::NETWORK};
 

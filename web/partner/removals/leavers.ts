@@ -1,13 +1,13 @@
 import { platform } from '../api/client'
-import type { Collaboration, Departure } from '../api/types'
+import type { Collaboration, Removal } from '../api/types'
 
-/** Who or what can leave: a name for people, and the departure or its preview. */
+/** Who or what can leave: a name for people, and the removal or its preview. */
 export interface Leaver {
   key: string
   name: string
   /** More about it, for people. */
   of: string
-  leave: (dryRun: boolean) => Promise<Departure>
+  leave: (dryRun: boolean) => Promise<Removal>
 }
 
 export function person(userName: string, organisationId: string | null | undefined): Leaver {

@@ -1,4 +1,4 @@
-//! Departures of people, tools, factories, organisations and members.
+//! Removals of people, tools, factories, organisations and members.
 
 use asi_model::{CollaborationId, FactoryId, OrganisationId, ToolId};
 use axum::{Json, extract::State};
@@ -10,16 +10,16 @@ use super::{administrator_only, problems::ChangeProblems};
 use crate::{
     application::Application,
     principal::Principal,
-    store::{AuditOutcome, Departure, Leaver},
+    store::{AuditOutcome, Leaver, Removal},
 };
 
 /// Things in force that a refusal names.
 const NAMED_MAX: usize = 5;
 
-/// Choice between a departure and its preview.
+/// Choice between a removal and its preview.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
-pub struct DepartureQuery {
+pub struct RemovalQuery {
     /// True where the answer shall only say what would end and what is in force.
     #[serde(default, rename = "dryRun")]
     #[param(required = false)]
@@ -28,106 +28,106 @@ pub struct DepartureQuery {
 
 /// Removes a person: the sessions end. The last administrator stays.
 #[utoipa::path(delete, operation_id = "removeUser", path = "/users/{userName}", tag = "users", security(("session" = [])),
-    params(("userName" = String, Path), DepartureQuery), responses((status = 200, body = Departure), ChangeProblems))]
+    params(("userName" = String, Path), RemovalQuery), responses((status = 200, body = Removal), ChangeProblems))]
 pub async fn user(
     State(app): State<Application>,
     who: SignedIn<Principal>,
     ApiPath(name): ApiPath<String>,
-    ApiQuery(query): ApiQuery<DepartureQuery>,
-) -> Result<Json<Departure>, Problem> {
+    ApiQuery(query): ApiQuery<RemovalQuery>,
+) -> Result<Json<Removal>, Problem> {
     leave(&app, &who, "removeUser", Leaver::User(name), &query).await
 }
 
 /// Removes a tool: credentials and connections end, and it gets no more reports.
 #[utoipa::path(delete, operation_id = "removeTool", path = "/tools/{toolId}", tag = "tools", security(("session" = [])),
-    params(("toolId" = String, Path), DepartureQuery), responses((status = 200, body = Departure), ChangeProblems))]
+    params(("toolId" = String, Path), RemovalQuery), responses((status = 200, body = Removal), ChangeProblems))]
 pub async fn tool(
     State(app): State<Application>,
     who: SignedIn<Principal>,
     ApiPath(id): ApiPath<ToolId>,
-    ApiQuery(query): ApiQuery<DepartureQuery>,
-) -> Result<Json<Departure>, Problem> {
+    ApiQuery(query): ApiQuery<RemovalQuery>,
+) -> Result<Json<Removal>, Problem> {
     leave(&app, &who, "removeTool", Leaver::Tool(id), &query).await
 }
 
 /// Removes a factory that is in no collaboration any more: credentials, tokens and connections end.
 #[utoipa::path(delete, operation_id = "removeFactory", path = "/factories/{factoryId}", tag = "factories", security(("session" = [])),
-    params(("factoryId" = String, Path), DepartureQuery), responses((status = 200, body = Departure), ChangeProblems))]
+    params(("factoryId" = String, Path), RemovalQuery), responses((status = 200, body = Removal), ChangeProblems))]
 pub async fn factory(
     State(app): State<Application>,
     who: SignedIn<Principal>,
     ApiPath(id): ApiPath<FactoryId>,
-    ApiQuery(query): ApiQuery<DepartureQuery>,
-) -> Result<Json<Departure>, Problem> {
+    ApiQuery(query): ApiQuery<RemovalQuery>,
+) -> Result<Json<Removal>, Problem> {
     leave(&app, &who, "removeFactory", Leaver::Factory(id), &query).await
 }
 
 /// Removes an organisation of which nothing is left in force, with its people.
 #[utoipa::path(delete, operation_id = "removeOrganisation", path = "/organisations/{organisationId}", tag = "organisations", security(("session" = [])),
-    params(("organisationId" = String, Path), DepartureQuery), responses((status = 200, body = Departure), ChangeProblems))]
+    params(("organisationId" = String, Path), RemovalQuery), responses((status = 200, body = Removal), ChangeProblems))]
 pub async fn organisation(
     State(app): State<Application>,
     who: SignedIn<Principal>,
     ApiPath(id): ApiPath<OrganisationId>,
-    ApiQuery(query): ApiQuery<DepartureQuery>,
-) -> Result<Json<Departure>, Problem> {
+    ApiQuery(query): ApiQuery<RemovalQuery>,
+) -> Result<Json<Removal>, Problem> {
     leave(&app, &who, "removeOrganisation", Leaver::Organisation(id), &query).await
 }
 
 /// Takes a member out of a collaboration in which nothing of it is in force. What was released to it stays
 /// readable to it.
 #[utoipa::path(delete, operation_id = "removeMember", path = "/collaborations/{collaborationId}/members/{organisationId}", tag = "collaborations",
-    security(("session" = [])), params(("collaborationId" = String, Path), ("organisationId" = String, Path), DepartureQuery),
-    responses((status = 200, body = Departure), ChangeProblems))]
+    security(("session" = [])), params(("collaborationId" = String, Path), ("organisationId" = String, Path), RemovalQuery),
+    responses((status = 200, body = Removal), ChangeProblems))]
 pub async fn member(
     State(app): State<Application>,
     who: SignedIn<Principal>,
     ApiPath((of, id)): ApiPath<(CollaborationId, OrganisationId)>,
-    ApiQuery(query): ApiQuery<DepartureQuery>,
-) -> Result<Json<Departure>, Problem> {
+    ApiQuery(query): ApiQuery<RemovalQuery>,
+) -> Result<Json<Removal>, Problem> {
     leave(&app, &who, "removeMember", Leaver::Member(of, id), &query).await
 }
 
 /// Takes a factory out of a collaboration in which it performs nothing.
 #[utoipa::path(delete, operation_id = "removeCollaborationFactory", path = "/collaborations/{collaborationId}/factories/{factoryId}", tag = "collaborations",
-    security(("session" = [])), params(("collaborationId" = String, Path), ("factoryId" = String, Path), DepartureQuery),
-    responses((status = 200, body = Departure), ChangeProblems))]
+    security(("session" = [])), params(("collaborationId" = String, Path), ("factoryId" = String, Path), RemovalQuery),
+    responses((status = 200, body = Removal), ChangeProblems))]
 pub async fn collaboration_factory(
     State(app): State<Application>,
     who: SignedIn<Principal>,
     ApiPath((of, id)): ApiPath<(CollaborationId, FactoryId)>,
-    ApiQuery(query): ApiQuery<DepartureQuery>,
-) -> Result<Json<Departure>, Problem> {
+    ApiQuery(query): ApiQuery<RemovalQuery>,
+) -> Result<Json<Removal>, Problem> {
     let leaver = Leaver::CollaborationFactory(of, id);
     leave(&app, &who, "removeCollaborationFactory", leaver, &query).await
 }
 
-/// Says what a departure ends, and lets it happen where nothing is in its way.
+/// Says what a removal ends, and lets it happen where nothing is in its way.
 async fn leave(
     app: &Application,
     who: &SignedIn<Principal>,
     operation: &'static str,
     leaver: Leaver,
-    query: &DepartureQuery,
-) -> Result<Json<Departure>, Problem> {
+    query: &RemovalQuery,
+) -> Result<Json<Removal>, Problem> {
     administrator_only::check(who)?;
     let mut work = app.store.begin(&who.principal, operation).await?;
-    let subject = work.departures().subject(&leaver).await?;
+    let subject = work.removals().subject(&leaver).await?;
     let subject = subject.ok_or_else(|| Problem::not_found(leaver.path()))?;
-    let departure = work.departures().preview(&leaver).await?;
+    let removal = work.removals().preview(&leaver).await?;
     if query.dry_run {
-        return Ok(Json(departure));
+        return Ok(Json(removal));
     }
-    if !departure.in_force.is_empty() {
-        return Err(in_force(&departure.in_force));
+    if !removal.in_force.is_empty() {
+        return Err(in_force(&removal.in_force));
     }
-    work.departures().leave(&leaver, app.clock.now()).await?;
+    work.removals().leave(&leaver, app.clock.now()).await?;
     work.commit(subject, AuditOutcome::Done).await?;
     if let Some(holder) = leaver.holder() {
         app.broker_access.revoked(&app.store.reader(), &holder).await?;
     }
-    tracing::info!(leaver = leaver.path(), "Somebody or something has left the platform.");
-    Ok(Json(Departure { is_done: true, ..departure }))
+    tracing::info!(leaver = leaver.path(), "A person, program, plant or organisation has left.");
+    Ok(Json(Removal { is_done: true, ..removal }))
 }
 
 fn in_force(paths: &[String]) -> Problem {

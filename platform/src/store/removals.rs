@@ -1,9 +1,8 @@
-//! Departures: people, tools, factories and organisations leave the platform, members and factories a
+//! Removals: people, tools, factories and organisations leave the platform, members and factories a
 //! collaboration. Nothing leaves while something of it is in force.
 
 use asi_model::{CollaborationId, DateTime, FactoryId, OrganisationId, ToolId};
 use serde::Serialize;
-use sqlx::Row;
 use utoipa::ToSchema;
 
 use super::{
@@ -21,9 +20,7 @@ pub enum Leaver {
     Tool(ToolId),
     Factory(FactoryId),
     Organisation(OrganisationId),
-    /// A member of a collaboration.
     Member(CollaborationId, OrganisationId),
-    /// A factory of a collaboration.
     CollaborationFactory(CollaborationId, FactoryId),
 }
 
@@ -52,10 +49,10 @@ impl Leaver {
     }
 }
 
-/// Effects of a departure, and what is in its way.
+/// Effects of a removal, and what is in its way.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
-pub struct Departure {
+pub struct Removal {
     /// True once it has left.
     pub is_done: bool,
     /// Places of what is in force and has to be ended first, at most a hundred of a kind.
@@ -70,10 +67,10 @@ pub struct Departure {
     pub requests: Vec<String>,
 }
 
-/// Repository of departures.
-pub struct Departures<'w>(pub(super) &'w mut Connection);
+/// Repository of removals.
+pub struct Removals<'w>(pub(super) &'w mut Connection);
 
-impl Departures<'_> {
+impl Removals<'_> {
     /// Returns who leaves as the subject of a change; none where there is no such.
     ///
     /// # Errors
@@ -126,47 +123,47 @@ impl Departures<'_> {
         Ok(Some(AuditSubject { path: leaver.path(), concerned }))
     }
 
-    /// Returns what a departure would end, and what is in its way.
+    /// Returns what a removal would end, and what is in its way.
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn preview(&mut self, leaver: &Leaver) -> Result<Departure, StoreError> {
-        let mut departure = Departure::default();
+    pub async fn preview(&mut self, leaver: &Leaver) -> Result<Removal, StoreError> {
+        let mut removal = Removal::default();
         match leaver {
             Leaver::User(name) => {
-                departure.people.push(name.clone());
-                departure.in_force = self.list(LAST_ADMINISTRATOR, name, "").await?;
-                departure.sessions = self.count(SESSIONS_OF_USER, name, "").await?;
+                removal.people.push(name.clone());
+                removal.in_force = self.list(LAST_ADMINISTRATOR, name, "").await?;
+                removal.sessions = self.count(SESSIONS_OF_USER, name, "").await?;
             }
             Leaver::Tool(id) => {
-                departure.requests = self.list(REQUESTS_OF_TOOL, id.as_str(), "").await?;
-                departure.credentials = self.count(CREDENTIALS, "TOOL", id.as_str()).await?;
+                removal.requests = self.list(REQUESTS_OF_TOOL, id.as_str(), "").await?;
+                removal.credentials = self.count(CREDENTIALS, "TOOL", id.as_str()).await?;
             }
             Leaver::Factory(id) => {
-                departure.in_force = self.list(PERFORMED, id.as_str(), "").await?;
-                departure.in_force.extend(self.list(COLLABORATIONS, id.as_str(), "").await?);
-                departure.credentials = self.count(CREDENTIALS, "FACTORY", id.as_str()).await?;
+                removal.in_force = self.list(PERFORMED, id.as_str(), "").await?;
+                removal.in_force.extend(self.list(COLLABORATIONS, id.as_str(), "").await?);
+                removal.credentials = self.count(CREDENTIALS, "FACTORY", id.as_str()).await?;
             }
             Leaver::Organisation(id) => {
                 for sql in [MEMBERSHIPS, FACTORIES, TOOLS] {
-                    departure.in_force.extend(self.list(sql, id.as_str(), "").await?);
+                    removal.in_force.extend(self.list(sql, id.as_str(), "").await?);
                 }
-                departure.people = self.list(PEOPLE, id.as_str(), "").await?;
-                departure.sessions = self.count(SESSIONS_OF_PEOPLE, id.as_str(), "").await?;
+                removal.people = self.list(PEOPLE, id.as_str(), "").await?;
+                removal.sessions = self.count(SESSIONS_OF_PEOPLE, id.as_str(), "").await?;
             }
             Leaver::Member(of, id) => {
                 for sql in [DRAWN, ASKED, RECEIVED, OWN_FACTORIES] {
-                    departure.in_force.extend(self.list(sql, id.as_str(), of.as_str()).await?);
+                    removal.in_force.extend(self.list(sql, id.as_str(), of.as_str()).await?);
                 }
             }
             Leaver::CollaborationFactory(of, id) => {
-                departure.in_force = self.list(PERFORMED, id.as_str(), of.as_str()).await?;
+                removal.in_force = self.list(PERFORMED, id.as_str(), of.as_str()).await?;
             }
         }
-        Ok(departure)
+        Ok(removal)
     }
 
-    /// Lets somebody or something leave. What happened with it stays; it is hidden from now on, and its id
+    /// Lets a person, program, plant or organisation leave. What happened with it stays; it is hidden from now on, and its id
     /// is never given again, but for the name of a person.
     ///
     /// # Errors
@@ -227,9 +224,7 @@ impl Departures<'_> {
             .fetch_all(&mut *self.0)
             .await
             .map_err(StoreError::during("list what is in force"))?;
-        rows.iter()
-            .map(|row| row.try_get(0).map_err(StoreError::during("list what is in force")))
-            .collect()
+        rows.iter().map(|row| row.column("path")).collect()
     }
 
     async fn count(
@@ -258,7 +253,7 @@ impl Departures<'_> {
             .bind(second)
             .execute(&mut *self.0)
             .await
-            .map_err(StoreError::during("let somebody leave"))?;
+            .map_err(StoreError::during("let a person or partner leave"))?;
         Ok(())
     }
 
@@ -279,7 +274,7 @@ impl Departures<'_> {
 }
 
 /// The one administrator that there is: somebody has to run the platform.
-const LAST_ADMINISTRATOR: &str = "SELECT 'users/' || u.user_name FROM user_account u
+const LAST_ADMINISTRATOR: &str = "SELECT 'users/' || u.user_name AS path FROM user_account u
     WHERE u.user_name = $1 AND u.role = 'ADMINISTRATOR' AND $2 = '' AND NOT EXISTS (
         SELECT 1 FROM user_account o WHERE o.role = 'ADMINISTRATOR' AND o.user_name <> $1) LIMIT $3";
 const SESSIONS_OF_USER: &str = "SELECT COUNT(*) FROM session WHERE user_name = $1 AND $2 = ''";
@@ -287,45 +282,48 @@ const SESSIONS_OF_PEOPLE: &str = "SELECT COUNT(*) FROM session s
     JOIN user_account u ON u.user_name = s.user_name WHERE u.organisation_id = $1 AND $2 = ''";
 const CREDENTIALS: &str =
     "SELECT COUNT(*) FROM broker_credential WHERE holder_kind = $1 AND holder_id = $2";
-const PEOPLE: &str = "SELECT user_name FROM user_account WHERE organisation_id = $1 AND $2 = ''
+const PEOPLE: &str =
+    "SELECT user_name AS path FROM user_account WHERE organisation_id = $1 AND $2 = ''
     ORDER BY user_name LIMIT $3";
 const REQUESTS_OF_TOOL: &str =
     "SELECT 'operation-networks/' || t.operation_network_id || '/requests/'
-        || t.dynamic_data_request_id
+        || t.dynamic_data_request_id AS path
     FROM request_tool t JOIN operation_network n ON n.operation_network_id = t.operation_network_id
     WHERE t.tool_id = $1 AND $2 = '' AND n.withdrawn_at IS NULL ORDER BY 1 LIMIT $3";
 /// Networks in which a factory performs operations, in the collaboration `$2` where one is given.
-const PERFORMED: &str = "SELECT 'operation-networks/' || p.operation_network_id FROM network_part p
+const PERFORMED: &str =
+    "SELECT 'operation-networks/' || p.operation_network_id AS path FROM network_part p
     JOIN operation_network n ON n.operation_network_id = p.operation_network_id
     WHERE p.factory_id = $1 AND p.is_withdrawal = 0 AND n.withdrawn_at IS NULL
       AND ($2 = '' OR n.collaboration_id = $2) ORDER BY 1 LIMIT $3";
 const COLLABORATIONS: &str =
-    "SELECT 'collaborations/' || collaboration_id || '/factories/' || factory_id
+    "SELECT 'collaborations/' || collaboration_id || '/factories/' || factory_id AS path
     FROM collaboration_factory WHERE factory_id = $1 AND $2 = '' ORDER BY 1 LIMIT $3";
 const MEMBERSHIPS: &str =
-    "SELECT 'collaborations/' || collaboration_id || '/members/' || organisation_id
+    "SELECT 'collaborations/' || collaboration_id || '/members/' || organisation_id AS path
     FROM collaboration_member WHERE organisation_id = $1 AND $2 = '' ORDER BY 1 LIMIT $3";
-const FACTORIES: &str = "SELECT 'factories/' || factory_id FROM factory
+const FACTORIES: &str = "SELECT 'factories/' || factory_id AS path FROM factory
     WHERE organisation_id = $1 AND $2 = '' AND removed_at IS NULL ORDER BY 1 LIMIT $3";
-const TOOLS: &str = "SELECT 'tools/' || tool_id FROM tool
+const TOOLS: &str = "SELECT 'tools/' || tool_id AS path FROM tool
     WHERE organisation_id = $1 AND $2 = '' AND removed_at IS NULL ORDER BY 1 LIMIT $3";
-const DRAWN: &str = "SELECT 'operation-networks/' || operation_network_id FROM operation_network
+const DRAWN: &str =
+    "SELECT 'operation-networks/' || operation_network_id AS path FROM operation_network
     WHERE drawn_by = $1 AND collaboration_id = $2 AND withdrawn_at IS NULL ORDER BY 1 LIMIT $3";
 /// Requests in force have fields.
 const ASKED: &str =
     "SELECT DISTINCT 'operation-networks/' || f.operation_network_id || '/operations/'
-        || f.operation_id || '/requests/' || f.dynamic_data_request_id
+        || f.operation_id || '/requests/' || f.dynamic_data_request_id AS path
     FROM request_field f JOIN operation_network n ON n.operation_network_id = f.operation_network_id
     JOIN request_requester q ON q.operation_network_id = f.operation_network_id
         AND q.dynamic_data_request_id = f.dynamic_data_request_id
     WHERE q.requester_id = $1 AND n.collaboration_id = $2 ORDER BY 1 LIMIT $3";
 const RECEIVED: &str = "SELECT DISTINCT 'operation-networks/' || f.operation_network_id || '/operations/'
-        || f.operation_id || '/requests/' || f.dynamic_data_request_id || '/recipients/' || r.organisation_id
+        || f.operation_id || '/requests/' || f.dynamic_data_request_id || '/recipients/' || r.organisation_id AS path
     FROM request_field f JOIN operation_network n ON n.operation_network_id = f.operation_network_id
     JOIN request_recipient r ON r.operation_network_id = f.operation_network_id
         AND r.dynamic_data_request_id = f.dynamic_data_request_id
     WHERE r.organisation_id = $1 AND n.collaboration_id = $2 ORDER BY 1 LIMIT $3";
 const OWN_FACTORIES: &str =
-    "SELECT 'collaborations/' || c.collaboration_id || '/factories/' || c.factory_id
+    "SELECT 'collaborations/' || c.collaboration_id || '/factories/' || c.factory_id AS path
     FROM collaboration_factory c JOIN factory f ON f.factory_id = c.factory_id
     WHERE f.organisation_id = $1 AND c.collaboration_id = $2 ORDER BY 1 LIMIT $3";

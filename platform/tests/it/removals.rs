@@ -1,4 +1,4 @@
-//! Departures: what is in force ends first, the rest is told beforehand, and afterwards nobody gets in by
+//! Removals: what is in force ends first, the rest is shown beforehand, and afterwards nobody gets in by
 //! what was left.
 
 use asi_model::FactoryId;
@@ -69,8 +69,8 @@ async fn what_has_left_gets_in_no_more_and_its_id_is_never_given_again() {
     }
     maker.get(&network_path()).await.expect_problem(404, "NOT_FOUND");
 
-    let told = preview(&admin, "/factories/FOR_MUC").await;
-    assert_eq!((&told["credentials"], &told["isDone"]), (&json!(2), &json!(false)));
+    let shown = preview(&admin, "/factories/FOR_MUC").await;
+    assert_eq!((&shown["credentials"], &shown["isDone"]), (&json!(2), &json!(false)));
     admin.delete("/factories/FOR_MUC").await.expect_ok();
     let token = json!({ "token": token["token"] });
     world.anonymous().post("/enrolments", token).await.expect_problem(403, "TOKEN_REFUSED");
@@ -90,9 +90,9 @@ async fn what_has_left_gets_in_no_more_and_its_id_is_never_given_again() {
     let path = "/factories/FOR_MUC/enrolment-tokens";
     admin.post(path, json!({})).await.expect_problem(404, "NOT_FOUND");
 
-    let told = preview(&admin, "/organisations/frames-munich").await;
+    let shown = preview(&admin, "/organisations/frames-munich").await;
     let people = json!(["frames-munich-planner", "frames-munich-viewer"]);
-    assert_eq!((&told["people"], &told["sessions"]), (&people, &json!(1)));
+    assert_eq!((&shown["people"], &shown["sessions"]), (&people, &json!(1)));
     assert_eq!(maker.get("/session").await.status, 200);
     admin.delete("/organisations/frames-munich").await.expect_ok();
     assert_eq!(maker.get("/session").await.status, 401);
@@ -114,9 +114,9 @@ async fn people_and_tools_are_listed_and_removed() {
         json!([story::request_of_tool("ReqResponse1", "acme-aero", "Scheduling")]);
     story::put_network(&buyer, network).await;
 
-    let told = preview(&admin, "/tools/Scheduling").await;
+    let shown = preview(&admin, "/tools/Scheduling").await;
     let request = json!(["operation-networks/frame-4711/requests/ReqResponse1"]);
-    assert_eq!((&told["requests"], &told["credentials"]), (&request, &json!(1)));
+    assert_eq!((&shown["requests"], &shown["credentials"]), (&request, &json!(1)));
     admin.delete("/tools/Scheduling").await.expect_ok();
     assert_eq!(admin.get("/tools").await.expect_ok()["items"], json!([]));
     admin.post("/tools", tool).await.expect_problem(409, "ALREADY_EXISTS");
@@ -124,8 +124,8 @@ async fn people_and_tools_are_listed_and_removed() {
     let people = admin.get("/users").await.expect_ok().to_string();
     assert!(people.contains("\"acme-aero-planner\"") && !people.contains("password"), "{people}");
     buyer.get("/users").await.expect_problem(403, "FORBIDDEN");
-    let told = preview(&admin, "/users/acme-aero-planner").await;
-    assert_eq!((&told["sessions"], &told["people"]), (&json!(1), &json!(["acme-aero-planner"])));
+    let shown = preview(&admin, "/users/acme-aero-planner").await;
+    assert_eq!((&shown["sessions"], &shown["people"]), (&json!(1), &json!(["acme-aero-planner"])));
     admin.delete("/users/acme-aero-planner").await.expect_ok();
     assert_eq!(buyer.get("/session").await.status, 401);
     let body = json!({ "userName": "acme-aero-planner", "password": PASSWORD });

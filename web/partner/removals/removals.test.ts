@@ -2,13 +2,13 @@ import { render, screen } from '@testing-library/svelte'
 import userEvent from '@testing-library/user-event'
 import { afterEach, describe, expect, it, vi } from 'vitest'
 import { serve, type Asked } from '../../vitest.server'
-import type { Departure } from '../api/types'
+import type { Removal } from '../api/types'
 import AuditPage from '../audit/AuditPage.svelte'
 import { texts } from '../language/texts'
-import DepartureDialog from './DepartureDialog.svelte'
+import RemovalDialog from './RemovalDialog.svelte'
 import { person } from './leavers'
 
-const departure = (more: Partial<Departure> = {}): Departure => ({
+const removal = (more: Partial<Removal> = {}): Removal => ({
   isDone: false,
   inForce: [],
   people: ['anna'],
@@ -22,17 +22,16 @@ afterEach(() => {
   vi.unstubAllGlobals()
 })
 
-describe('a departure', () => {
+describe('a removal', () => {
   it('is confirmed once it was said what ends', async () => {
     const log = serve({
-      'DELETE /users/anna': ({ path }: Asked) =>
-        departure({ isDone: !path.includes('dryRun=true') }),
+      'DELETE /users/anna': ({ path }: Asked) => removal({ isDone: !path.includes('dryRun=true') }),
     })
     const onleft = vi.fn()
-    render(DepartureDialog, { leaver: person('anna', 'acme'), onclose: vi.fn(), onleft })
-    expect(await screen.findByText(texts.departures.sessions(2))).toBeTruthy()
+    render(RemovalDialog, { leaver: person('anna', 'acme'), onclose: vi.fn(), onleft })
+    expect(await screen.findByText(texts.removals.sessions(2))).toBeTruthy()
     expect(log.map(({ path }) => path)).toEqual(['/users/anna?dryRun=true'])
-    await userEvent.click(screen.getByRole('button', { name: texts.departures.remove }))
+    await userEvent.click(screen.getByRole('button', { name: texts.removals.remove }))
     await vi.waitFor(() => {
       expect(onleft).toHaveBeenCalledOnce()
     })
@@ -43,14 +42,14 @@ describe('a departure', () => {
   })
 
   it('waits for what is in force', async () => {
-    serve({ 'DELETE /users/anna': () => departure({ inForce: ['users/anna'] }) })
-    render(DepartureDialog, {
+    serve({ 'DELETE /users/anna': () => removal({ inForce: ['users/anna'] }) })
+    render(RemovalDialog, {
       leaver: person('anna', 'acme'),
       onclose: vi.fn(),
       onleft: vi.fn(),
     })
     expect(await screen.findByText('users/anna')).toBeTruthy()
-    const button = screen.getByRole<HTMLButtonElement>('button', { name: texts.departures.remove })
+    const button = screen.getByRole<HTMLButtonElement>('button', { name: texts.removals.remove })
     expect(button.disabled).toBe(true)
   })
 })
