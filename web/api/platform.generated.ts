@@ -810,7 +810,7 @@ export interface components {
         /** @description A concrete asset of a factory, as in its status data sets (OPC 10000-100 AssetId). */
         AssetId: string;
         /**
-         * @description Kind of an agent.
+         * @description Kind of person or program that makes a change.
          * @enum {string}
          */
         AuditAgentKind: "USER" | "TOOL" | "FACTORY" | "COMMAND";
@@ -964,27 +964,6 @@ export interface components {
             reason: string;
             replayedAt?: components["schemas"]["DateTime"] | null;
             subject?: string | null;
-        };
-        /** @description Effects of a departure, and what is in its way. */
-        Departure: {
-            /**
-             * Format: int64
-             * @description Number of broker credentials that end, with the connections that use them.
-             */
-            credentials: number;
-            /** @description Places of what is in force and has to be ended first, at most a hundred of a kind. */
-            inForce: string[];
-            /** @description True once it has left. */
-            isDone: boolean;
-            /** @description People whose accounts end. */
-            people: string[];
-            /** @description Places of requests whose reports no tool gets any more, at most a hundred. */
-            requests: string[];
-            /**
-             * Format: int64
-             * @description Number of sessions that end.
-             */
-            sessions: number;
         };
         /** @description In words and numbers, how a value is coarsened before it leaves. */
         DisclosureStatement: {
@@ -1869,6 +1848,27 @@ export interface components {
          * @enum {string}
          */
         RelationType: "FINISH_TO_START" | "START_TO_START" | "FINISH_TO_FINISH" | "START_TO_FINISH";
+        /** @description Effects of a removal, and what is in its way. */
+        Removal: {
+            /**
+             * Format: int64
+             * @description Number of broker credentials that end, with the connections that use them.
+             */
+            credentials: number;
+            /** @description Places of what is in force and has to be ended first, at most a hundred of a kind. */
+            inForce: string[];
+            /** @description True once it has left. */
+            isDone: boolean;
+            /** @description People whose accounts end. */
+            people: string[];
+            /** @description Places of requests whose reports no tool gets any more, at most a hundred. */
+            requests: string[];
+            /**
+             * Format: int64
+             * @description Number of sessions that end.
+             */
+            sessions: number;
+        };
         /** @description Result of a replay. */
         Replayed: {
             /** @description True if ingest accepted it this time, or if it waits in its queue again. */
@@ -2320,13 +2320,13 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Effects of a departure, and what is in its way. */
+            /** @description Effects of a removal, and what is in its way. */
             200: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Departure"];
+                    "application/json": components["schemas"]["Removal"];
                 };
             };
             400: components["responses"]["BadRequest"];
@@ -2381,13 +2381,13 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Effects of a departure, and what is in its way. */
+            /** @description Effects of a removal, and what is in its way. */
             200: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Departure"];
+                    "application/json": components["schemas"]["Removal"];
                 };
             };
             400: components["responses"]["BadRequest"];
@@ -2553,13 +2553,13 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Effects of a departure, and what is in its way. */
+            /** @description Effects of a removal, and what is in its way. */
             200: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Departure"];
+                    "application/json": components["schemas"]["Removal"];
                 };
             };
             400: components["responses"]["BadRequest"];
@@ -3200,13 +3200,13 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Effects of a departure, and what is in its way. */
+            /** @description Effects of a removal, and what is in its way. */
             200: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Departure"];
+                    "application/json": components["schemas"]["Removal"];
                 };
             };
             400: components["responses"]["BadRequest"];
@@ -3426,13 +3426,13 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Effects of a departure, and what is in its way. */
+            /** @description Effects of a removal, and what is in its way. */
             200: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Departure"];
+                    "application/json": components["schemas"]["Removal"];
                 };
             };
             400: components["responses"]["BadRequest"];
@@ -3570,13 +3570,13 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Effects of a departure, and what is in its way. */
+            /** @description Effects of a removal, and what is in its way. */
             200: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Departure"];
+                    "application/json": components["schemas"]["Removal"];
                 };
             };
             400: components["responses"]["BadRequest"];

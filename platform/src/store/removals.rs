@@ -273,7 +273,7 @@ impl Removals<'_> {
     }
 }
 
-/// The one administrator that there is: somebody has to run the platform.
+/// The one administrator that there is: without one nobody runs the platform.
 const LAST_ADMINISTRATOR: &str = "SELECT 'users/' || u.user_name AS path FROM user_account u
     WHERE u.user_name = $1 AND u.role = 'ADMINISTRATOR' AND $2 = '' AND NOT EXISTS (
         SELECT 1 FROM user_account o WHERE o.role = 'ADMINISTRATOR' AND o.user_name <> $1) LIMIT $3";
