@@ -714,7 +714,7 @@ export interface components {
         AccessCheckpointView: {
             /** @description The checkpoint, a C2SP signed note; absent in the first minute of a log. */
             checkpoint?: string | null;
-            retention?: null | components["schemas"]["AccessRetentionEntry"];
+            retention?: components["schemas"]["AccessRetentionEntry"] | null;
             /**
              * @description The key that signed it, as `name+id+key`. Note it once, and keep checkpoints where the
              *     platform cannot change them.
@@ -728,11 +728,7 @@ export interface components {
         AccessKind: "LOOKED" | "STREAMED" | "EXPORTED" | "FORWARDED";
         /** @description Statement in a log about what retention removed from it. What is missing without one is a fault. */
         AccessRetention: {
-            /**
-             * Format: date-time
-             * @description Only entries from before this time were removed; of `AGE` only.
-             */
-            before?: string | null;
+            before?: components["schemas"]["DateTime"] | null;
             /**
              * Format: int64
              * @description Number of entries that are kept; of `COUNT` only.
