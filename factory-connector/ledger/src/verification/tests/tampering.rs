@@ -112,6 +112,21 @@ fn a_store_that_was_made_to_look_like_one_of_a_former_version_is_found() {
     assert_eq!(messages(&found), ["what is signed beside the entries was deleted", emptied]);
 }
 
+/// A statement at the end of the store excuses nothing that the key of the ledger has not signed.
+#[test]
+fn a_statement_that_was_appended_without_the_key_is_found() {
+    let unstated = Sample::new(None);
+    let stated = Sample::new(Some(vec![range(0, 1)]));
+    assert!(stated.verify().is_intact());
+    let outcome = verify(&stated.entries, signed(&unstated.linked, &key()));
+    let end = "the chain's end is not the one that was signed";
+    assert!(messages(&outcome).contains(&end), "{outcome:?}");
+    let thief = LedgerKey::from_secret(&[2; 32]);
+    let trusted_key = Some(key().public());
+    let surroundings = Surroundings { trusted_key, ..signed(&stated.linked, &thief) };
+    assert!(!verify(&stated.entries, surroundings).is_intact(), "signed by another key");
+}
+
 #[test]
 fn delivery_columns_that_differ_from_the_entries_are_found() {
     type Change = fn(&mut StoredReport);
