@@ -2,7 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use crate::Audit;
+/// Number of faults that an audit of these lines finds against this checkpoint. What an audit does not
+/// begin with is a fault, too.
+pub type Audit<'a> = &'a dyn Fn(&[String], &str) -> u64;
 
 /// Kinds that were tried, each as often as there are places for it, and those that were missed.
 pub struct Kinds<'a> {

@@ -1,5 +1,5 @@
-//! Tampering with an audit file by somebody who does not have the key of its log: every kind is tried
-//! at every place, on files that tests make and on those of a real connector.
+//! Tampering with an audit file without the key of its log: every kind is tried at every
+//! place, on files that tests make and on those of a real connector.
 
 mod checkpoint;
 mod file;
@@ -11,16 +11,12 @@ mod tail;
 mod values;
 
 pub use file::AuditFile;
-pub use kinds::Kinds;
-
-/// Number of faults that an audit of these lines finds against this checkpoint. What an audit does not
-/// begin with is a fault, too.
-pub type Audit<'a> = &'a dyn Fn(&[String], &str) -> u64;
+pub use kinds::{Audit, Kinds};
 
 /// Tries every kind of tampering.
 ///
 /// # Panics
-/// Where the file is none that can be tampered with.
+/// For a file that no connector writes.
 #[must_use]
 pub fn try_all<'a>(file: &AuditFile, audit: Audit<'a>) -> Kinds<'a> {
     let mut kinds = Kinds::new(audit);

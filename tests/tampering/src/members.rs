@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::{Value, json};
 
-use crate::{AuditFile, Kinds};
+use crate::{file::AuditFile, kinds::Kinds};
 
 pub(crate) fn try_all(file: &AuditFile, kinds: &mut Kinds<'_>) {
     let mut seen = BTreeSet::new();

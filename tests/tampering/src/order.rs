@@ -1,6 +1,6 @@
 //! Lines removed, repeated, exchanged, moved and cut off, at each place.
 
-use crate::{AuditFile, Kinds};
+use crate::{file::AuditFile, kinds::Kinds};
 
 pub(crate) fn try_all(file: &AuditFile, kinds: &mut Kinds<'_>) {
     for place in 0..file.lines.len() {

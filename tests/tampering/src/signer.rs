@@ -5,7 +5,7 @@ use ed25519_dalek::SigningKey;
 use serde_json::{Value, json};
 use transparency_log::{Checkpoint, KeyKind, LeafRange, NoteKey};
 
-use crate::AuditFile;
+use crate::file::AuditFile;
 
 /// Something in the place of the checkpoint over a forged end.
 #[derive(Debug, Clone, Copy)]

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use transparency_log::leaf_hash;
 
-use crate::{AuditFile, Kinds, signer::Signer};
+use crate::{file::AuditFile, kinds::Kinds, signer::Signer};
 
 /// Time of the forged entries.
 const LATER: &str = "2100-01-01T00:00:00Z";
@@ -27,7 +27,7 @@ pub(crate) fn try_all(file: &AuditFile, kinds: &mut Kinds<'_>) {
     added(file, &mut forge);
 }
 
-/// Lines with entries that somebody appended.
+/// Lines with entries that were appended.
 struct Forged {
     lines: Vec<String>,
     events: Vec<Value>,

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::{AuditFile, Kinds};
+use crate::{file::AuditFile, kinds::Kinds};
 
 pub(crate) fn try_all(file: &AuditFile, kinds: &mut Kinds<'_>) {
     let with_values: Vec<usize> =
