@@ -223,7 +223,10 @@ fn secure(mut builder: ServerBuilder, security: &SecurityConfig) -> ServerBuilde
         users.push(user.name.clone());
     }
     if security.unprotected {
-        builder = builder.add_endpoint("none", ServerEndpoint::new_none("/", &users));
+        let mut endpoint = ServerEndpoint::new_none("/", &users);
+        // Many machines take passwords in plain where nothing is protected.
+        endpoint.password_security_policy = Some(SecurityPolicy::None.to_str().to_owned());
+        builder = builder.add_endpoint("none", endpoint);
     }
     if security.protected {
         for (id, policy) in [

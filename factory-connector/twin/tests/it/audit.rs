@@ -56,9 +56,11 @@ async fn channels_and_sessions_are_audited() {
     assert_eq!(refused[4], StatusCode::BadIdentityTokenRejected.into());
 
     let list = twin.handle.trust_list();
-    assert!(list.reject(&list.list().unwrap()[0].thumbprint, "anna").unwrap());
+    let certificate = std::fs::read(twin.folder.path().join("client-otto/own/cert.der")).unwrap();
+    list.trust_new(&certificate, "anna").unwrap();
     let changed = next_of(&mut heard, ObjectTypeId::TrustListUpdatedAuditEventType).await;
     assert_eq!((&changed[1], &changed[2]), (&"Method/UpdateTrustList".into(), &"anna".into()));
+    assert!(list.reject(&list.list().unwrap()[0].thumbprint, "anna").unwrap());
     assert!(list.trust(&list.list().unwrap()[0].thumbprint, "anna").unwrap());
 
     let (identity, pki) = (
@@ -124,9 +126,9 @@ async fn rejected_clients_are_audited() {
     );
 
     // Encrypted for another certificate, a channel does not open.
-    let mut bytes = crate::hostile::hello(&twin.url, 65_535);
-    bytes.extend(crate::hostile::framed(b"OPNF", &[0xFF; 64]));
-    crate::hostile::send(&twin, &bytes).await;
+    let mut bytes = crate::wire::hello(&twin.url, 65_535);
+    bytes.extend(crate::wire::framed(b"OPNF", &[0xFF; 64]));
+    crate::wire::send(&twin, &bytes).await;
     loop {
         let channel = next_of(&mut heard, ObjectTypeId::AuditOpenSecureChannelEventType).await;
         if channel[3] == false.into() {

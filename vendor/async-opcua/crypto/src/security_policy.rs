@@ -118,15 +118,16 @@ impl SecurityPolicy {
 
     /// Returns true if the security policy is supported. It might be recognized but be unsupported by the implementation
     pub fn is_supported(&self) -> bool {
-        matches!(
-            self,
+        match self {
             SecurityPolicy::None
-                | SecurityPolicy::Basic128Rsa15
-                | SecurityPolicy::Basic256
-                | SecurityPolicy::Basic256Sha256
-                | SecurityPolicy::Aes128Sha256RsaOaep
-                | SecurityPolicy::Aes256Sha256RsaPss
-        )
+            | SecurityPolicy::Basic256Sha256
+            | SecurityPolicy::Aes128Sha256RsaOaep
+            | SecurityPolicy::Aes256Sha256RsaPss => true,
+            SecurityPolicy::Basic128Rsa15 | SecurityPolicy::Basic256 => {
+                cfg!(feature = "legacy-crypto")
+            }
+            SecurityPolicy::Unknown => false,
+        }
     }
 
     /// Returns true if the security policy has been deprecated by the OPC UA specification

@@ -19,7 +19,9 @@ use opcua_types::{
 use opcua_types::{Error, IssuedIdentityToken, MessageSecurityMode};
 use tracing::{error, warn};
 
-use crate::policy::aes::{AesAsymmetricEncryptionAlgorithm, OaepSha1, OaepSha256, Pkcs1v15};
+use crate::policy::aes::{AesAsymmetricEncryptionAlgorithm, OaepSha1, OaepSha256};
+#[cfg(feature = "legacy-crypto")]
+use crate::policy::aes::Pkcs1v15;
 
 use super::{PrivateKey, SecurityPolicy, X509};
 
@@ -73,6 +75,7 @@ pub fn legacy_decrypt_secret(
         // Determine the padding from the algorithm.
         let encryption_algorithm = secret.encryption_algorithm().as_ref();
         match encryption_algorithm {
+            #[cfg(feature = "legacy-crypto")]
             super::algorithms::ENC_RSA_15 => {
                 legacy_secret_decrypt::<Pkcs1v15>(secret.raw_secret(), server_nonce, server_key)
             }
@@ -186,11 +189,23 @@ pub fn legacy_encrypt_secret(
                 policy: user_token_policy.policy_id.clone(),
             })
         }
+        EncryptionMode::AsymmetricFor(security_policy) if !security_policy.is_supported() => {
+            Err(Error::new(
+                StatusCode::BadSecurityPolicyRejected,
+                format!("Security policy {security_policy} of the user token is not supported"),
+            ))
+        }
         EncryptionMode::AsymmetricFor(security_policy) => {
+            let cert = cert.as_ref().ok_or_else(|| {
+                Error::new(
+                    StatusCode::BadCertificateInvalid,
+                    "A secret can only be encrypted to a server with a certificate",
+                )
+            })?;
             let password = legacy_secret_encrypt(
                 secret_to_encrypt,
                 nonce,
-                cert.as_ref().unwrap(),
+                cert,
                 security_policy,
             )?;
 
@@ -292,7 +307,10 @@ pub(crate) fn legacy_secret_decrypt<T: AesAsymmetricEncryptionAlgorithm>(
             Err(Error::decoding("Invalid plaintext size"))
         } else {
             let nonce_len = server_nonce.len();
-            let nonce_begin = actual_size - nonce_len;
+            let nonce_begin = actual_size
+                .checked_sub(nonce_len)
+                .filter(|begin| *begin >= 4)
+                .ok_or_else(|| Error::decoding("Missing nonce"))?;
             let nonce = &dst[nonce_begin..(nonce_begin + nonce_len)];
             if nonce != server_nonce {
                 Err(Error::decoding("Invalid nonce"))

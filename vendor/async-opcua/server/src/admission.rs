@@ -1,19 +1,27 @@
 //! Hooks that decide who may connect, before and while a session is created, and that are told who did.
 
-use std::{any::Any, net::SocketAddr};
+use std::{net::SocketAddr, sync::Arc};
 
 use opcua_crypto::{PrivateKey, SecurityPolicy, X509};
 use opcua_types::{
     ApplicationDescription, Error, ExtensionObject, MessageSecurityMode, NodeId, SecurityTokenRequestType, StatusCode,
 };
 
+use tokio_util::sync::CancellationToken;
+
 use crate::authenticator::UserToken;
 
 /// Decides about incoming connections, for limits per address or in total.
 pub trait ConnectionFilter: Send + Sync + 'static {
     /// Called for each accepted socket. `None` closes it at once; a permit is kept until the connection ends, so that
-    /// dropping it can count.
-    fn admit(&self, peer: SocketAddr) -> Option<Box<dyn Any + Send>>;
+    /// dropping it can count. Cancelling `close` ends the connection at any time, to make room for another one.
+    fn admit(&self, peer: SocketAddr, close: &CancellationToken) -> Option<Arc<dyn ConnectionPermit>>;
+}
+
+/// Kept while a connection is open.
+pub trait ConnectionPermit: Send + Sync + 'static {
+    /// Called when a session was activated on the connection for the first time: its client is known.
+    fn session_activated(&self);
 }
 
 /// Decides about the certificates of clients in place of the certificate store's exact file match, for example with

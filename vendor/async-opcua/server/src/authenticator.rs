@@ -1,5 +1,6 @@
 //! The [AuthManager] trait, and tooling related to this.
 
+use std::net::SocketAddr;
 use async_trait::async_trait;
 
 use opcua_crypto::{SecurityPolicy, Thumbprint};
@@ -114,6 +115,19 @@ pub trait AuthManager: Send + Sync + 'static {
             StatusCode::BadIdentityTokenRejected,
             "Username identity token unsupported",
         ))
+    }
+
+    /// Like [`Self::authenticate_username_identity_token`], with the address of the client, as far as it is known.
+    /// The default does not look at it.
+    async fn authenticate_username_identity_token_from(
+        &self,
+        endpoint: &ServerEndpoint,
+        username: &str,
+        password: &Password,
+        address: Option<SocketAddr>,
+    ) -> Result<UserToken, Error> {
+        self.authenticate_username_identity_token(endpoint, username, password)
+            .await
     }
 
     /// Validate the signing thumbprint for `endpoint`.

@@ -18,7 +18,7 @@ use opcua_core::comms::url::{hostname_from_url, url_matches_except_host};
 use opcua_core::handle::AtomicHandle;
 use opcua_core::sync::RwLock;
 use opcua_crypto::{
-    legacy_decrypt_secret, verify_x509_identity_token, PrivateKey, SecurityPolicy, X509,
+    legacy_decrypt_secret, verify_x509_identity_token, LegacySecret, PrivateKey, SecurityPolicy, X509,
 };
 use opcua_types::{
     profiles, status_code::StatusCode, ActivateSessionRequest, AnonymousIdentityToken,
@@ -164,6 +164,19 @@ impl ServerInfo {
                 security_mode,
             )
             .is_some()
+    }
+
+    /// The security policies with which a secure channel may be opened: those of the endpoints, and none at all for
+    /// discovery, which sessions cannot use.
+    pub(crate) fn channel_policies(&self) -> Vec<SecurityPolicy> {
+        let mut policies = vec![SecurityPolicy::None];
+        for endpoint in self.config.endpoints.values() {
+            let policy = endpoint.security_policy();
+            if !policies.contains(&policy) {
+                policies.push(policy);
+            }
+        }
+        policies
     }
 
     /// Make matching endpoint descriptions for the specified url.
@@ -335,6 +348,7 @@ impl ServerInfo {
         security_mode: MessageSecurityMode,
         user_identity_token: ExtensionObject,
         server_nonce: &ByteString,
+        peer_address: Option<std::net::SocketAddr>,
     ) -> Result<UserToken, Error> {
         // Get security from endpoint url
         if let Some(endpoint) = self.config.find_endpoint(
@@ -361,6 +375,7 @@ impl ServerInfo {
                         &token,
                         &identity.private_key,
                         server_nonce,
+                        peer_address,
                     )
                     .await
                 }
@@ -434,6 +449,7 @@ impl ServerInfo {
         token: &UserNameIdentityToken,
         server_key: &Option<PrivateKey>,
         server_nonce: &ByteString,
+        peer_address: Option<std::net::SocketAddr>,
     ) -> Result<UserToken, Error> {
         if !self.authenticator.supports_user_pass(endpoint) {
             Err(Error::new(
@@ -456,32 +472,20 @@ impl ServerInfo {
                 token.policy_id.as_ref(),
                 token.encryption_algorithm.as_ref()
             );
-            let token_password = if !token.encryption_algorithm.is_empty() {
-                if let Some(ref server_key) = server_key {
-                    let decrypted =
-                        legacy_decrypt_secret(token, server_nonce.as_ref(), server_key)?;
-                    String::from_utf8(decrypted.value.unwrap_or_default()).map_err(|e| {
-                        Error::new(
-                            StatusCode::BadIdentityTokenInvalid,
-                            format!("Failed to decode identity token to string: {e}"),
-                        )
-                    })?
-                } else {
-                    error!("Identity token password is encrypted but no server private key was supplied");
-                    return Err(Error::new(
-                        StatusCode::BadIdentityTokenInvalid,
-                        "Failed to decrypt identity token password",
-                    ));
-                }
-            } else {
-                token.plaintext_password()?
-            };
+            let secret = token_secret(endpoint, token, server_key, server_nonce)?;
+            let token_password = String::from_utf8(secret.value.unwrap_or_default()).map_err(|_| {
+                Error::new(
+                    StatusCode::BadIdentityTokenRejected,
+                    "The password is no UTF-8",
+                )
+            })?;
 
             self.authenticator
-                .authenticate_username_identity_token(
+                .authenticate_username_identity_token_from(
                     endpoint,
                     token.user_name.as_ref(),
                     &Password::new(token_password),
+                    peer_address,
                 )
                 .await
         }
@@ -577,19 +581,7 @@ impl ServerInfo {
                 token.policy_id.as_ref(),
                 token.encryption_algorithm.as_ref()
             );
-            let decrypted_token = if !token.encryption_algorithm.is_empty() {
-                if let Some(ref server_key) = server_key {
-                    legacy_decrypt_secret(token, server_nonce.as_ref(), server_key)?
-                } else {
-                    error!("Identity token password is encrypted but no server private key was supplied");
-                    return Err(Error::new(
-                        StatusCode::BadIdentityTokenInvalid,
-                        "Failed to decrypt identity token issued token",
-                    ));
-                }
-            } else {
-                token.token_data.clone()
-            };
+            let decrypted_token = token_secret(endpoint, token, server_key, server_nonce)?;
 
             self.authenticator
                 .authenticate_issued_identity_token(endpoint, &decrypted_token)
@@ -626,4 +618,38 @@ impl ServerInfo {
         let audit_log = trace_write_lock!(self.audit_log);
         audit_log.raise_and_log(event)
     } */
+}
+
+/// Get the secret of an identity token: the password of a user or an issued token. Encrypted with the algorithm of the
+/// endpoint and no other, since a client must not choose for what the private key is used; or in plain, where the channel
+/// encrypts or the configuration names no encryption for passwords. All failures look the same to the client.
+fn token_secret(
+    endpoint: &ServerEndpoint,
+    token: &impl LegacySecret,
+    server_key: &Option<PrivateKey>,
+    server_nonce: &ByteString,
+) -> Result<ByteString, Error> {
+    let refused = |reason: String| Error::new(StatusCode::BadIdentityTokenRejected, reason);
+    let algorithm = token.encryption_algorithm();
+    if algorithm.is_empty() {
+        let is_plain_by_name =
+            endpoint.password_security_policy.as_deref() == Some(SecurityPolicy::None.to_str());
+        return match endpoint.message_security_mode() {
+            MessageSecurityMode::SignAndEncrypt => Ok(token.raw_secret().clone()),
+            MessageSecurityMode::None if is_plain_by_name => Ok(token.raw_secret().clone()),
+            mode => Err(refused(format!(
+                "A secret without encryption on a channel with the security mode {mode:?}"
+            ))),
+        };
+    }
+    if endpoint.password_security_policy().asymmetric_encryption_algorithm() != Some(algorithm.as_ref()) {
+        return Err(refused(format!(
+            "The endpoint does not offer the encryption algorithm {algorithm}"
+        )));
+    }
+    let Some(server_key) = server_key else {
+        return Err(refused("There is no private key to decrypt a secret".to_owned()));
+    };
+    legacy_decrypt_secret(token, server_nonce.as_ref(), server_key)
+        .map_err(|e| refused(format!("A secret could not be decrypted: {e}")))
 }

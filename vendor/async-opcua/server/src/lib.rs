@@ -30,7 +30,7 @@ mod subscriptions;
 mod transport;
 
 pub use admission::{
-    CertificateBearer, CertificateValidator, ChannelDescription, ConnectionFilter, ServerIdentity, SessionEvent,
+    CertificateBearer, CertificateValidator, ChannelDescription, ConnectionFilter, ConnectionPermit, ServerIdentity, SessionEvent,
     SessionObserver,
 };
 pub use builder::ServerBuilder;

@@ -380,8 +380,9 @@ impl Server {
                 rs = listener.accept() => {
                     match rs {
                         Ok((socket, addr)) => {
+                            let close = CancellationToken::new();
                             let permit = match &self.connection_filter {
-                                Some(filter) => match filter.admit(addr) {
+                                Some(filter) => match filter.admit(addr, &close) {
                                     Some(permit) => Some(permit),
                                     None => continue,
                                 },
@@ -402,18 +403,23 @@ impl Server {
                                 self.session_manager.clone(),
                                 self.certificate_store.clone(),
                                 self.node_managers.clone(),
-                                self.subscriptions.clone()
+                                self.subscriptions.clone(),
+                                permit.clone(),
                             );
 
                             let (send, recv) = tokio::sync::mpsc::channel(5);
                             let handle = tokio::spawn(async move {
                                 let _permit = permit;
-                                if let Err(payload) =
-                                    std::panic::AssertUnwindSafe(conn.run(recv, |_| {}))
-                                        .catch_unwind()
-                                        .await
-                                {
-                                    log_connection_panic(connection_counter, payload);
+                                let run = std::panic::AssertUnwindSafe(conn.run(recv, |_| {})).catch_unwind();
+                                tokio::select! {
+                                    ended = run => {
+                                        if let Err(payload) = ended {
+                                            log_connection_panic(connection_counter, payload);
+                                        }
+                                    }
+                                    _ = close.cancelled() => {
+                                        info!("Connection {connection_counter} makes room for another one");
+                                    }
                                 }
                                 connection_counter
                             });
@@ -450,7 +456,8 @@ impl Server {
                         self.session_manager.clone(),
                         self.certificate_store.clone(),
                         self.node_managers.clone(),
-                        self.subscriptions.clone()
+                        self.subscriptions.clone(),
+                        None,
                     );
 
                     // We need to make sure that the reverse connect handle is passed

@@ -12,7 +12,7 @@ use std::{
 use base64::{engine::general_purpose::STANDARD, Engine};
 
 use crate::{
-    encoding::{process_decode_io_result, process_encode_io_result, write_i32, EncodingResult},
+    encoding::{process_encode_io_result, write_i32, EncodingResult},
     read_i32, DecodingOptions, Error, Guid, OutOfRange, SimpleBinaryDecodable,
     SimpleBinaryEncodable, UaNullable,
 };
@@ -170,9 +170,7 @@ impl SimpleBinaryDecodable for ByteString {
                 len, decoding_options.max_byte_string_length
             )))
         } else {
-            // Create a buffer filled with zeroes and read the byte string over the top
-            let mut buf: Vec<u8> = vec![0u8; len as usize];
-            process_decode_io_result(stream.read_exact(&mut buf))?;
+            let buf = crate::encoding::read_exactly(stream, len as usize)?;
             Ok(ByteString { value: Some(buf) })
         }
     }

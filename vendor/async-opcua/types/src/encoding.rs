@@ -556,13 +556,49 @@ where
                 ctx.options().max_array_length
             )))
         } else {
-            let mut values: Vec<T> = Vec::with_capacity(len as usize);
+            let mut values: Vec<T> = Vec::with_capacity((len as usize).min(MAX_RESERVED_ELEMENTS));
             for _ in 0..len {
                 values.push(T::decode(stream, ctx)?);
             }
             Ok(Some(values))
         }
     }
+}
+
+/// Most elements of an array that are reserved before any was read. A length is only a claim of the peer.
+pub(crate) const MAX_RESERVED_ELEMENTS: usize = 256;
+
+/// Most bytes that are reserved before any was read.
+const MAX_RESERVED_BYTES: usize = 4096;
+
+/// Read exactly `length` bytes. The memory taken follows what the stream really has rather than the length, which is
+/// only a claim of the peer.
+pub(crate) fn read_exactly<S: Read + ?Sized>(stream: &mut S, length: usize) -> EncodingResult<Vec<u8>> {
+    let mut bytes = vec![0u8; length.min(MAX_RESERVED_BYTES)];
+    let mut filled = 0;
+    loop {
+        process_decode_io_result(stream.read_exact(&mut bytes[filled..]))?;
+        filled = bytes.len();
+        if filled == length {
+            return Ok(bytes);
+        }
+        bytes.resize(length.min(filled.saturating_mul(2)), 0);
+    }
+}
+
+/// Read the body of an extension object of unknown type, which is a byte string with all its bounds.
+pub(crate) fn read_body<S: Read + ?Sized>(
+    stream: &mut S,
+    length: usize,
+    options: &DecodingOptions,
+) -> EncodingResult<Vec<u8>> {
+    if length > options.max_byte_string_length {
+        return Err(Error::decoding(format!(
+            "Extension object body length {} exceeds decoding limit {}",
+            length, options.max_byte_string_length
+        )));
+    }
+    read_exactly(stream, length)
 }
 
 /// Calculates the length in bytes of an array of encoded type

@@ -597,8 +597,7 @@ impl BinaryDecodable for ExtensionObject {
                 {
                     let size = i32::decode(stream, ctx)?;
                     if size > 0 {
-                        let mut bytes = vec![0u8; size as usize];
-                        stream.read_exact(&mut bytes)?;
+                        let bytes = crate::encoding::read_body(stream, size as usize, ctx.options())?;
                         Some(ExtensionObject::new(crate::type_loader::XmlBody::new(
                             bytes,
                             node_id,

@@ -356,7 +356,8 @@ impl From<u32> for StatusCode {
 
 impl From<StatusCode> for std::io::Error {
     fn from(value: StatusCode) -> Self {
-        std::io::Error::other(format!("StatusCode {value}"))
+        // As it is, so that who gets the error can find the status in it.
+        std::io::Error::other(value)
     }
 }
 

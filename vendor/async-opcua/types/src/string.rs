@@ -10,7 +10,7 @@ use std::{
 };
 
 use crate::{
-    encoding::{process_decode_io_result, process_encode_io_result, write_i32, EncodingResult},
+    encoding::{process_encode_io_result, write_i32, EncodingResult},
     read_i32, DecodingOptions, Error, OutOfRange, SimpleBinaryDecodable, SimpleBinaryEncodable,
     UaNullable,
 };
@@ -127,9 +127,7 @@ impl SimpleBinaryDecodable for UAString {
                 len, decoding_options.max_string_length
             )))
         } else {
-            // Create a buffer filled with zeroes and read the string over the top
-            let mut buf = vec![0u8; len as usize];
-            process_decode_io_result(stream.read_exact(&mut buf))?;
+            let buf = crate::encoding::read_exactly(stream, len as usize)?;
             let value = String::from_utf8(buf).map_err(|err| {
                 Error::decoding(format!("Decoded string was not valid UTF-8 - {err}"))
             })?;

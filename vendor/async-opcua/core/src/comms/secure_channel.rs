@@ -42,6 +42,10 @@ pub enum Role {
     Server,
 }
 
+/// Most blocks of asymmetric encryption in one chunk. A request to open a channel with its signature has two or three,
+/// and each costs about a millisecond with the private key.
+const MAX_ASYMMETRIC_BLOCKS: usize = 16;
+
 #[derive(Debug)]
 struct RemoteKeys {
     keys: AesDerivedKeys,
@@ -88,6 +92,8 @@ pub struct SecureChannel {
     local_keys: Option<AesDerivedKeys>,
     /// Decoding options
     encoding_context: Arc<RwLock<ContextOwned>>,
+    /// The policies with which this server opens channels, see [`SecureChannel::set_accepted_policies`]
+    accepted_policies: Option<Vec<SecurityPolicy>>,
 }
 
 impl SecureChannel {
@@ -110,6 +116,7 @@ impl SecureChannel {
             local_keys: None,
             encoding_context: Default::default(),
             remote_keys: HashMap::new(),
+            accepted_policies: None,
         }
     }
 
@@ -154,6 +161,7 @@ impl SecureChannel {
             local_keys: None,
             encoding_context,
             remote_keys: HashMap::new(),
+            accepted_policies: None,
         }
     }
 
@@ -205,6 +213,42 @@ impl SecureChannel {
     /// Set the application security policy.
     pub fn set_security_policy(&mut self, security_policy: SecurityPolicy) {
         self.security_policy = security_policy;
+    }
+
+    /// Restrict the security policies with which clients may open this channel to those that an endpoint of the server
+    /// offers. A request with another one is refused by its header, before anything is decrypted: the private key serves
+    /// nobody who asks with an encryption that the server does not offer.
+    pub fn set_accepted_policies(&mut self, policies: Vec<SecurityPolicy>) {
+        self.accepted_policies = Some(policies);
+    }
+
+    /// Check the policy in the header of an `OPN` message, before the message is decrypted.
+    fn check_policy(&self, security_header: &SecurityHeader) -> Result<(), Error> {
+        let SecurityHeader::Asymmetric(security_header) = security_header else {
+            return Err(Error::new(
+                StatusCode::BadUnexpectedError,
+                format!("Expected asymmetric security header, got {security_header:?}"),
+            ));
+        };
+        let policy = SecurityPolicy::from_uri(security_header.security_policy_uri.as_ref());
+        // A channel keeps the policy it was opened with (OPC 10000-4 §5.6.2). A client knows it from the beginning.
+        let is_settled = self.is_client_role() || self.secure_channel_id != 0;
+        let is_accepted = match &self.accepted_policies {
+            _ if is_settled => policy == self.security_policy,
+            Some(accepted) => accepted.contains(&policy),
+            None => true,
+        };
+        if is_accepted && policy.is_supported() {
+            Ok(())
+        } else {
+            Err(Error::new(
+                StatusCode::BadSecurityPolicyRejected,
+                format!(
+                    "Security policy \"{}\" is not accepted on this channel",
+                    security_header.security_policy_uri
+                ),
+            ))
+        }
     }
 
     /// Clear the configured security token.
@@ -449,20 +493,13 @@ impl SecureChannel {
             self.security_policy
                 .make_secure_channel_keys(&self.remote_nonce, &self.local_nonce),
         );
-        trace!("Remote nonce = {:?}", self.remote_nonce);
-        trace!("Local nonce = {:?}", self.local_nonce);
-        trace!(
-            "Derived remote keys = {:?}",
-            self.get_remote_keys(self.token_id)
-        );
-        trace!("Derived local keys = {:?}", self.local_keys);
     }
 
     /// Get the deadline as an [`Instant`] for token renewal, used
     /// for timeouts on the server.
     pub fn token_renewal_deadline(&self) -> Instant {
         let deadline =
-            self.token_created_at + Duration::seconds((self.token_lifetime as i64) * 4 / 3);
+            self.token_created_at + Duration::milliseconds((self.token_lifetime as i64) * 4 / 3);
         // Convert to instant by getting the time until expiration then adding that to now()
         let until_expiration = (deadline - DateTime::now()).num_milliseconds();
         if until_expiration < 0 {
@@ -793,7 +830,27 @@ impl SecureChannel {
         );
         let sender_certificate = X509::from_byte_string(&security_header.sender_certificate)?;
 
+        // The peer of a channel is settled: for a client by the endpoint it chose, whose certificate it trusts, for a server
+        // by the first request. Whoever signs with another certificate is somebody else.
+        let is_settled = self.is_client_role() || self.secure_channel_id != 0;
+        let is_peer = self.remote_cert.as_ref().is_none_or(|known| {
+            known.as_byte_string() == sender_certificate.as_byte_string()
+        });
+        if is_settled && !is_peer {
+            return Err(Error::new(
+                StatusCode::BadCertificateInvalid,
+                "The sender's certificate is not that of the channel's peer",
+            ));
+        }
+
         let verification_key = sender_certificate.public_key()?;
+        // The sizes that follow are those of the sender's key, which anybody may have made.
+        if !security_policy.is_valid_keylength(verification_key.bit_length()) {
+            return Err(Error::new(
+                StatusCode::BadCertificateInvalid,
+                "The key of the sender's certificate is too short or too long for the security policy",
+            ));
+        }
         let receiver_thumbprint = security_header.receiver_certificate_thumbprint;
         trace!("Receiver thumbprint = {:?}", receiver_thumbprint);
 
@@ -871,11 +928,18 @@ impl SecureChannel {
         // S - Padding         - E
         //     Signature       - E
         if message_header.message_type.is_open_secure_channel() {
+            self.check_policy(&security_header)?;
             let (decrypted_chunk, _) =
                 self.decrypt_open_secure_channel(src, security_header, encrypted_range)?;
             Ok(decrypted_chunk)
         } else if self.is_secure_connection() {
             let signature_size = self.security_policy.symmetric_signature_size();
+            if encrypted_data_offset + signature_size > message_size {
+                return Err(Error::new(
+                    StatusCode::BadSecurityChecksFailed,
+                    "The message is shorter than its signature",
+                ));
+            }
             let signed_range = 0..(message_size - signature_size);
             self.decrypt_chunk(src, security_header, signed_range, encrypted_range)
         } else {
@@ -907,12 +971,19 @@ impl SecureChannel {
             // The OpenSecureChannel is the first thing we receive so we must examine
             // the security policy and use it to determine if the packet must be decrypted.
 
+            self.check_policy(&security_header)?;
             let (decrypted_chunk, security_policy) =
                 self.decrypt_open_secure_channel(src, security_header, encrypted_range)?;
             self.security_policy = security_policy;
             Ok(decrypted_chunk)
         } else if self.is_secure_connection() {
             let signature_size = self.security_policy.symmetric_signature_size();
+            if encrypted_data_offset + signature_size > message_size {
+                return Err(Error::new(
+                    StatusCode::BadSecurityChecksFailed,
+                    "The message is shorter than its signature",
+                ));
+            }
             let signed_range = 0..(message_size - signature_size);
             self.decrypt_chunk(src, security_header, signed_range, encrypted_range)
         } else {
@@ -1017,13 +1088,27 @@ impl SecureChannel {
         &self,
         src: &[u8],
         key_size: usize,
+        padding_min: usize,
         padding_end: usize,
     ) -> Result<Range<usize>, Error> {
+        // Who signed the message also wrote the size of its padding.
+        let begin = |padding_size: usize| {
+            padding_end
+                .checked_sub(padding_size)
+                .filter(|begin| *begin >= padding_min)
+                .ok_or_else(|| {
+                    Error::new(
+                        StatusCode::BadSecurityChecksFailed,
+                        "The padding is longer than the message",
+                    )
+                })
+        };
+        begin(if key_size > 256 { 2 } else { 1 })?;
         let padding_range = if key_size > 256 {
             let padding_byte = src[padding_end - 2];
             let extra_padding_byte = src[padding_end - 1];
             let padding_size = ((extra_padding_byte as usize) << 8) + (padding_byte as usize);
-            let padding_range = (padding_end - padding_size - 2)..padding_end;
+            let padding_range = begin(padding_size + 2)?..padding_end;
 
             trace!("Extra padding - extra_padding_byte = {}, padding_byte = {}, padding_end = {}, padding_size = {}", extra_padding_byte, padding_byte, padding_end, padding_size);
 
@@ -1046,7 +1131,7 @@ impl SecureChannel {
         } else {
             let padding_byte = src[padding_end - 1];
             let padding_size = padding_byte as usize;
-            let padding_range = (padding_end - padding_size - 1)..padding_end;
+            let padding_range = begin(padding_size + 1)?..padding_end;
             // Check padding bytes
             Self::check_padding_bytes(
                 &src[padding_range.clone()],
@@ -1085,7 +1170,12 @@ impl SecureChannel {
         // The receiver certificate thumbprint identifies which of our certs was used by the client
         // to encrypt the message. We have to work out from the thumbprint which cert to use
 
-        let our_cert = self.cert.as_ref().unwrap();
+        let (Some(our_cert), Some(private_key)) = (&self.cert, &self.private_key) else {
+            return Err(Error::new(
+                StatusCode::BadNoValidCertificates,
+                "There is no certificate or no private key",
+            ));
+        };
         let our_thumbprint = our_cert.thumbprint();
         if our_thumbprint.value() != receiver_thumbprint.as_ref() {
             Err(Error::new(
@@ -1100,10 +1190,15 @@ impl SecureChannel {
             // Note that the unencrypted size can be less than the encrypted size due to removal
             // of padding, so the ranges that were supplied to this function must be offset to compensate.
             let encrypted_size = encrypted_range.end - encrypted_range.start;
+            if encrypted_size > MAX_ASYMMETRIC_BLOCKS * private_key.size() {
+                return Err(Error::new(
+                    StatusCode::BadSecurityChecksFailed,
+                    "The encrypted part of the message is longer than any request to open a channel",
+                ));
+            }
             trace!("Decrypting message range {:?}", encrypted_range);
             let mut decrypted_tmp = vec![0u8; encrypted_size];
 
-            let private_key = self.private_key.as_ref().unwrap();
             let decrypted_size = security_policy.asymmetric_decrypt(
                 private_key,
                 &src[encrypted_range.clone()],
@@ -1127,8 +1222,15 @@ impl SecureChannel {
                 .copy_from_slice(&decrypted_tmp[0..decrypted_size]);
 
             // The signature range is at the end of the decrypted block for the verification key's signature
-            let signature_dst_offset =
-                encrypted_range.start + decrypted_size - verification_key_signature_size;
+            let signature_dst_offset = decrypted_size
+                .checked_sub(verification_key_signature_size)
+                .map(|offset| encrypted_range.start + offset)
+                .ok_or_else(|| {
+                    Error::new(
+                        StatusCode::BadSecurityChecksFailed,
+                        "The decrypted message is shorter than its signature",
+                    )
+                })?;
             let signature_range_dst =
                 signature_dst_offset..(signature_dst_offset + verification_key_signature_size);
 
@@ -1160,7 +1262,12 @@ impl SecureChannel {
             )?;
 
             // Verify that the padding is correct
-            let padding_range = self.verify_padding(dst, key_size, signature_range_dst.start)?;
+            let padding_range = self.verify_padding(
+                dst,
+                key_size,
+                encrypted_range.start,
+                signature_range_dst.start,
+            )?;
 
             // Decrypted and verified into dst
             Ok(padding_range.start)
@@ -1400,15 +1507,22 @@ impl SecureChannel {
                 Self::log_crypto_data("Decrypted buffer", &dst[..encrypted_range.end]);
 
                 // Verify signature (after encrypted portion)
-                let signature_range = (encrypted_range.end
-                    - self.security_policy.symmetric_signature_size())
-                    ..encrypted_range.end;
+                let signature_start = encrypted_range
+                    .end
+                    .checked_sub(self.security_policy.symmetric_signature_size())
+                    .filter(|start| *start >= encrypted_range.start)
+                    .ok_or_else(|| {
+                        Error::new(
+                            StatusCode::BadSecurityChecksFailed,
+                            "The message is shorter than its signature",
+                        )
+                    })?;
+                let signature_range = signature_start..encrypted_range.end;
                 trace!(
                     "signed range = {:?}, signature range = {:?}",
                     signed_range,
                     signature_range
                 );
-                let signature_start = signature_range.start;
                 self.security_policy.symmetric_verify_signature(
                     keys,
                     &dst[signed_range],
@@ -1418,7 +1532,8 @@ impl SecureChannel {
                 let key_size = self.security_policy.encrypting_key_length();
 
                 // Verify that the padding is correct and get the padded range.
-                let padding_range = self.verify_padding(dst, key_size, signature_start)?;
+                let padding_range =
+                    self.verify_padding(dst, key_size, encrypted_range.start, signature_start)?;
 
                 // Decrypted range minus padding and signature.
                 Ok(padding_range.start)
@@ -1433,9 +1548,7 @@ impl SecureChannel {
     // Panic code which requires a policy
     fn expect_supported_security_policy(&self) {
         match self.security_policy {
-            SecurityPolicy::Basic128Rsa15
-            | SecurityPolicy::Basic256
-            | SecurityPolicy::Basic256Sha256
+            SecurityPolicy::Basic256Sha256
             | SecurityPolicy::Aes128Sha256RsaOaep
             | SecurityPolicy::Aes256Sha256RsaPss => {}
             _ => {

@@ -51,14 +51,22 @@ pub enum Message {
 /// messages so there is still some buffers within message chunks, but not at the raw socket level.
 pub struct TcpCodec {
     decoding_options: DecodingOptions,
+    max_chunk_size: usize,
 }
+
+/// Largest message chunk in bytes that is read, unless [`TcpCodec::with_max_chunk_size`] says otherwise.
+pub const DEFAULT_MAX_CHUNK_SIZE: usize = 65_536;
+
+/// Largest message in bytes of those that negotiate a connection or end it (OPC 10000-6 §7.1.2): `HEL` with an URL of
+/// 4096 bytes, `ACK`, `ERR` and `RHE`. They come before any sizes are agreed.
+pub const MAX_NEGOTIATION_MESSAGE_SIZE: usize = 8192;
 
 impl Decoder for TcpCodec {
     type Item = Message;
     type Error = io::Error;
 
     fn decode(&mut self, buf: &mut BytesMut) -> Result<Option<Self::Item>, Self::Error> {
-        if buf.len() > MESSAGE_HEADER_LEN {
+        if buf.len() >= MESSAGE_HEADER_LEN {
             // Every OPC UA message has at least 8 bytes of header to be read to see what follows
 
             // Get the message header
@@ -71,6 +79,8 @@ impl Decoder for TcpCodec {
             // the message. The buffer needs to have at least that amount of bytes in it for the
             // whole message to be extracted.
             let message_size = message_header.message_size as usize;
+            // Refused by its header: nothing more of such a message is to be buffered.
+            self.check_size(&message_header)?;
             if buf.len() >= message_size {
                 // Extract the message bytes from the buffer & decode them into a message
                 let mut buf = buf.split_to(message_size);
@@ -109,7 +119,47 @@ impl TcpCodec {
     /// Constructs a new TcpCodec. The abort flag is set to terminate the codec even while it is
     /// waiting for a frame to arrive.
     pub fn new(decoding_options: DecodingOptions) -> TcpCodec {
-        TcpCodec { decoding_options }
+        TcpCodec {
+            decoding_options,
+            max_chunk_size: DEFAULT_MAX_CHUNK_SIZE,
+        }
+    }
+
+    /// Set the size of the largest message chunk that is read: the size of the receive buffer that the peer is told.
+    pub fn with_max_chunk_size(mut self, max_chunk_size: usize) -> TcpCodec {
+        self.max_chunk_size = max_chunk_size;
+        self
+    }
+
+    /// Get the status code of an error that the codec returned.
+    pub fn status_of(error: &io::Error) -> StatusCode {
+        error
+            .get_ref()
+            .and_then(|inner| inner.downcast_ref::<StatusCode>())
+            .copied()
+            .unwrap_or(StatusCode::BadConnectionClosed)
+    }
+
+    fn check_size(&self, header: &MessageHeader) -> Result<(), io::Error> {
+        let max_size = match header.message_type {
+            MessageType::Chunk => self.max_chunk_size,
+            MessageType::Hello
+            | MessageType::Acknowledge
+            | MessageType::Error
+            | MessageType::ReverseHello => MAX_NEGOTIATION_MESSAGE_SIZE,
+            MessageType::Invalid => {
+                return Err(StatusCode::BadTcpMessageTypeInvalid.into());
+            }
+        };
+        let size = header.message_size as usize;
+        if size > max_size {
+            error!("Codec got a message of {size} bytes, {max_size} are allowed");
+            return Err(StatusCode::BadTcpMessageTooLarge.into());
+        }
+        if size < MESSAGE_HEADER_LEN {
+            return Err(StatusCode::BadDecodingError.into());
+        }
+        Ok(())
     }
 
     // Writes the encodable thing into the buffer.

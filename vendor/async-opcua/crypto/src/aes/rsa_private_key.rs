@@ -230,6 +230,10 @@ impl PrivateKey {
         dst: &mut [u8],
     ) -> Result<usize, PKeyError> {
         let cipher_text_block_size = self.cipher_text_block_size();
+        if !T::MAY_DECRYPT || !src.len().is_multiple_of(cipher_text_block_size) || dst.len() < src.len() {
+            return Err(PKeyError);
+        }
+        let mut rng = rand::thread_rng();
         // Decrypt the data
         let mut src_idx = 0;
         let mut dst_idx = 0;
@@ -244,7 +248,8 @@ impl PrivateKey {
                 let dst = &mut dst[dst_idx..(dst_idx + cipher_text_block_size)];
 
                 let padding = T::get_padding();
-                let decrypted = self.value.decrypt(padding, src)?;
+                // Blinded: without, the time of the exponentiation depends on key and message.
+                let decrypted = self.value.decrypt_blinded(&mut rng, padding, src)?;
 
                 let size = decrypted.len();
                 if size == dst.len() {

@@ -222,6 +222,8 @@ impl AesSymmetricEncryptionAlgorithm for Aes256Cbc {
 
 pub(crate) trait AesAsymmetricEncryptionAlgorithm {
     const URI: &'static str;
+    /// Whether a private key may decrypt with this padding.
+    const MAY_DECRYPT: bool = true;
     type Padding: rsa::traits::PaddingScheme;
 
     fn get_padding() -> Self::Padding;
@@ -233,6 +235,7 @@ pub(crate) trait AesAsymmetricEncryptionAlgorithm {
 pub(crate) struct Pkcs1v15;
 impl AesAsymmetricEncryptionAlgorithm for Pkcs1v15 {
     const URI: &'static str = crate::algorithms::ENC_RSA_15;
+    const MAY_DECRYPT: bool = cfg!(feature = "legacy-crypto");
     type Padding = Pkcs1v15Encrypt;
 
     fn get_padding() -> Self::Padding {

@@ -18,7 +18,7 @@ use opcua_core::{
 };
 use opcua_crypto::{CertificateStore, SecurityPolicy};
 use opcua_types::{
-    ChannelSecurityToken, DateTime, FindServersResponse, GetEndpointsResponse, MessageSecurityMode, NodeId,
+    ChannelSecurityToken, DateTime, DecodingOptions, FindServersResponse, GetEndpointsResponse, MessageSecurityMode, NodeId,
     OpenSecureChannelRequest, OpenSecureChannelResponse, ResponseHeader, SecurityTokenRequestType,
     ServiceFault, StatusCode,
 };
@@ -32,12 +32,12 @@ use crate::{
     subscriptions::SubscriptionCache,
     transport::tcp::{Request, TcpTransport, TransportPollResult},
     transport::Connector,
-    ChannelDescription, ServerIdentity, SessionEvent,
+    ChannelDescription, ConnectionPermit, ServerIdentity, SessionEvent,
 };
 
 use super::{
     instance::Session,
-    manager::{activate_session, close_session, SessionManager},
+    manager::{activate_session, check_client, close_session, SessionManager},
     message_handler::MessageHandler,
 };
 
@@ -73,6 +73,32 @@ pub(crate) enum ControllerCommand {
 /// client's send window.
 const MAX_PENDING_MESSAGES: usize = 1024;
 
+/// Longest time from an accepted connection until a session is activated on it. Whoever only looks for endpoints needs
+/// less, and anybody can connect.
+const ACTIVATION_TIMEOUT: Duration = Duration::from_secs(30);
+
+/// Longest time in which a client takes the last message of a connection.
+const CLOSE_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// Time from the arrival of a request to open a channel until its refusal, and of a refused sign-in; longer than any
+/// such request takes to check. With the same answer to all of them, nobody learns at which check one failed, so that
+/// the server's private key answers no questions about messages of others.
+const REFUSAL_DELAY: Duration = Duration::from_millis(200);
+
+/// A random part of up to this many milliseconds is added to [`REFUSAL_DELAY`], for requests that took longer.
+const REFUSAL_JITTER_MS: u8 = 64;
+
+/// Most renewals of a channel before a session is activated; each costs operations with the private key.
+const UNAUTHENTICATED_MAX_RENEWALS: usize = 4;
+
+/// Wait until a refusal may be told.
+async fn delay_refusal(received_at: Instant) {
+    let mut jitter = [0u8; 1];
+    opcua_crypto::random::bytes(&mut jitter);
+    let jitter = Duration::from_millis((jitter[0] % REFUSAL_JITTER_MS).into());
+    tokio::time::sleep_until((received_at + REFUSAL_DELAY + jitter).into()).await;
+}
+
 type PendingMessageResponse = dyn Future<Output = Result<Response, String>> + Send + Sync + 'static;
 
 /// Master type managing a single connection.
@@ -88,6 +114,9 @@ pub(crate) struct SessionController {
     /// The certificate and key of this connection.
     identity: Arc<ServerIdentity>,
     deadline: Instant,
+    /// When the connection ends unless a session was activated on it.
+    activation_deadline: Option<Instant>,
+    permit: Option<Arc<dyn ConnectionPermit>>,
 }
 
 enum RequestProcessResult {
@@ -102,6 +131,7 @@ pub(crate) struct SessionStarter<T> {
     certificate_store: Arc<RwLock<CertificateStore>>,
     node_managers: NodeManagers,
     subscriptions: Arc<SubscriptionCache>,
+    permit: Option<Arc<dyn ConnectionPermit>>,
 }
 
 impl<T: Connector> SessionStarter<T> {
@@ -112,6 +142,7 @@ impl<T: Connector> SessionStarter<T> {
         certificate_store: Arc<RwLock<CertificateStore>>,
         node_managers: NodeManagers,
         subscriptions: Arc<SubscriptionCache>,
+        permit: Option<Arc<dyn ConnectionPermit>>,
     ) -> Self {
         Self {
             connector,
@@ -120,6 +151,7 @@ impl<T: Connector> SessionStarter<T> {
             certificate_store,
             node_managers,
             subscriptions,
+            permit,
         }
     }
 
@@ -166,6 +198,7 @@ impl<T: Connector> SessionStarter<T> {
             self.info,
             self.node_managers,
             self.subscriptions,
+            self.permit,
         );
         controller.run(command).await
     }
@@ -179,6 +212,7 @@ impl SessionController {
         info: Arc<ServerInfo>,
         node_managers: NodeManagers,
         subscriptions: Arc<SubscriptionCache>,
+        permit: Option<Arc<dyn ConnectionPermit>>,
     ) -> Self {
         let mut channel = SecureChannel::new(
             certificate_store.clone(),
@@ -189,6 +223,8 @@ impl SessionController {
         let identity = info.identity.load_full();
         channel.set_cert(identity.certificate.clone());
         channel.set_private_key(identity.private_key.clone());
+        channel.set_accepted_policies(info.channel_policies());
+        channel.set_decoding_options(unauthenticated_options(info.decoding_options()));
 
         Self {
             channel,
@@ -199,9 +235,11 @@ impl SessionController {
             message_handler: MessageHandler::new(info.clone(), node_managers, subscriptions),
             deadline: Instant::now()
                 + Duration::from_secs(info.config.tcp_config.hello_timeout as u64),
+            activation_deadline: Some(Instant::now() + ACTIVATION_TIMEOUT),
             info,
             identity,
             pending_messages: FuturesUnordered::new(),
+            permit,
         }
     }
 
@@ -214,8 +252,17 @@ impl SessionController {
                 Either::Right(self.pending_messages.next())
             };
 
+            let deadline = match self.activation_deadline {
+                Some(limit) => self.deadline.min(limit),
+                None => self.deadline,
+            };
+
             tokio::select! {
-                _ = tokio::time::sleep_until(self.deadline.into()) => {
+                _ = tokio::time::sleep_until(deadline.into()) => {
+                    if self.transport.is_closing() {
+                        // The client does not take the last message either.
+                        break;
+                    }
                     warn!("Connection timed out, closing");
                     self.fatal_error(StatusCode::BadTimeout, "Connection timeout");
                 }
@@ -252,7 +299,7 @@ impl SessionController {
                     match res {
                         TransportPollResult::IncomingMessage(req) => {
                             if matches!(self.process_request(req).await, RequestProcessResult::Close) {
-                                self.transport.set_closing();
+                                self.begin_closing();
                             }
                         }
                         TransportPollResult::RecoverableError(s, id, handle) => {
@@ -262,6 +309,21 @@ impl SessionController {
                                 error!("Failed to send response: {e}");
                                 self.fatal_error(e, "Encoding error");
                             }
+                        }
+                        TransportPollResult::OpenChannelError(s, received_at) => {
+                            error!("A request to open a secure channel was refused: {s}");
+                            let event = SessionEvent::ChannelOpened {
+                                request_type: None,
+                                requested_lifetime: 0,
+                            };
+                            self.observe(event, s);
+                            self.info.diagnostics.inc_rejected_requests();
+                            self.info.diagnostics.inc_security_rejected_requests();
+                            delay_refusal(received_at).await;
+                            self.fatal_error(
+                                StatusCode::BadSecurityChecksFailed,
+                                "The secure channel was not opened",
+                            );
                         }
                         TransportPollResult::Error(s) => {
                             error!("Fatal transport error: {s}");
@@ -303,6 +365,15 @@ impl SessionController {
         if !self.transport.is_closing() {
             self.transport.enqueue_error(ErrorMessage::new(err, msg));
         }
+        self.begin_closing();
+    }
+
+    /// Close the connection once the last message is sent, or could not be sent in time.
+    fn begin_closing(&mut self) {
+        if !self.transport.is_closing() {
+            self.activation_deadline = None;
+            self.deadline = Instant::now() + CLOSE_TIMEOUT;
+        }
         self.transport.set_closing();
     }
 
@@ -332,7 +403,7 @@ impl SessionController {
                     requested_lifetime: r.requested_lifetime,
                 };
                 self.observe(event, outcome);
-                if res.is_ok() {
+                if outcome.is_good() {
                     self.deadline = self.channel.token_renewal_deadline();
                 } else {
                     self.info.diagnostics.inc_rejected_requests();
@@ -363,16 +434,28 @@ impl SessionController {
             RequestMessage::CloseSecureChannel(_r) => RequestProcessResult::Close,
 
             RequestMessage::CreateSession(request) => {
-                let _h = span.enter();
-                let mut mgr = trace_write_lock!(self.session_manager);
-                let res = mgr.create_session(
-                    &mut self.channel,
+                let received_at = Instant::now();
+                let res = check_client(
+                    &self.info,
+                    &self.channel,
                     &self.certificate_store,
-                    &self.identity,
                     self.transport.peer_address,
                     &request,
-                );
-                drop(mgr);
+                )
+                .and_then(|client_certificate| {
+                    let mut mgr = trace_write_lock!(self.session_manager);
+                    mgr.create_session(
+                        &mut self.channel,
+                        client_certificate,
+                        &self.identity,
+                        &request,
+                    )
+                });
+                if res.is_err() && !self.transport.is_authenticated() {
+                    // Whoever is not trusted may ask again, but not in a loop.
+                    delay_refusal(received_at).await;
+                }
+                let _h = span.enter();
                 let event = SessionEvent::SessionCreated {
                     session_id: res.as_ref().map_or_else(|_| NodeId::null(), |r| r.session_id.clone()),
                     session_name: request.session_name.to_string(),
@@ -383,18 +466,28 @@ impl SessionController {
             }
 
             RequestMessage::ActivateSession(request) => {
+                let received_at = Instant::now();
                 let res = activate_session(
                     &self.session_manager,
                     &mut self.channel,
                     &self.identity,
+                    self.transport.peer_address,
                     &request,
                     &mut self.message_handler,
                 )
                 .instrument(span.clone())
                 .await;
+                if res.is_err() {
+                    delay_refusal(received_at).await;
+                }
                 let _h = span.enter();
-                if res.is_ok() {
+                if res.is_ok() && !self.transport.is_authenticated() {
                     self.transport.set_authenticated();
+                    self.channel.set_decoding_options(self.info.decoding_options());
+                    self.activation_deadline = None;
+                    if let Some(permit) = &self.permit {
+                        permit.session_activated();
+                    }
                 }
                 let event = SessionEvent::SessionActivated {
                     session_id: self.session_of(&request.request_header.authentication_token).0,
@@ -729,9 +822,10 @@ impl SessionController {
         let secure_channel_id = match request.request_type {
             SecurityTokenRequestType::Issue => {
                 trace!("Request type == Issue");
-                // check to see if renew has been called before or not
-                if self.secure_channel_state.renew_count > 0 {
-                    error!("Asked to issue token on session that has called renew before");
+                // A connection has one channel, and a channel keeps its keys' owner.
+                if self.secure_channel_state.issued {
+                    error!("Asked to issue a token on a channel that has one");
+                    return Err(StatusCode::BadRequestTypeInvalid);
                 }
                 self.secure_channel_state.create_secure_channel_id()
             }
@@ -756,6 +850,19 @@ impl SessionController {
                     error!("Asked to renew token on session that has never issued token");
                     return Err(StatusCode::BadUnexpectedError);
                 }
+                // Only who opened the channel may renew it, as it was opened. The policy was checked by the header.
+                let is_same_client = self.channel.remote_cert_as_byte_string().as_ref()
+                    == security_header.sender_certificate.as_ref();
+                if !is_same_client || request.security_mode != self.channel.security_mode() {
+                    error!("Asked to renew a token with another certificate or security mode");
+                    return Err(StatusCode::BadSecurityChecksFailed);
+                }
+                if !self.transport.is_authenticated()
+                    && self.secure_channel_state.renew_count >= UNAUTHENTICATED_MAX_RENEWALS
+                {
+                    error!("Asked to renew a token again without a session");
+                    return Err(StatusCode::BadTooManyOperations);
+                }
                 self.secure_channel_state.renew_count += 1;
                 self.channel.secure_channel_id()
             }
@@ -779,17 +886,21 @@ impl SessionController {
         let security_mode = request.security_mode;
         self.channel.set_security_mode(security_mode);
         self.channel
-            .set_token_id(self.secure_channel_state.create_token_id());
-        self.channel.set_secure_channel_id(secure_channel_id);
-        self.channel
             .set_remote_cert_from_byte_string(&security_header.sender_certificate)?;
 
-        let revised_lifetime = self
-            .info
-            .config
-            .max_secure_channel_token_lifetime_ms
-            .min(request.requested_lifetime);
-        self.channel.set_token_lifetime(revised_lifetime);
+        let max_lifetime = self.info.config.max_secure_channel_token_lifetime_ms;
+        let revised_lifetime = match request.requested_lifetime {
+            0 => max_lifetime,
+            requested => max_lifetime.min(requested),
+        };
+        // With the time of this token: its keys and the channel end when it is too old, not when the connection is.
+        let token = ChannelSecurityToken {
+            channel_id: secure_channel_id,
+            token_id: self.secure_channel_state.create_token_id(),
+            created_at: DateTime::now(),
+            revised_lifetime,
+        };
+        self.channel.set_security_token(token.clone());
 
         self.channel
             .validate_secure_channel_nonce_length(&request.client_nonce)?;
@@ -808,15 +919,23 @@ impl SessionController {
         let response = OpenSecureChannelResponse {
             response_header: ResponseHeader::new_good(&request.request_header),
             server_protocol_version: 0,
-            security_token: ChannelSecurityToken {
-                channel_id: self.channel.secure_channel_id(),
-                token_id: self.channel.token_id(),
-                created_at: DateTime::now(),
-                revised_lifetime,
-            },
+            security_token: token,
             server_nonce: self.channel.local_nonce_as_byte_string(),
         };
         Ok(response.into())
+    }
+}
+
+/// The decoding limits before a session is activated: at most the defaults, which hold any request up to then.
+fn unauthenticated_options(options: DecodingOptions) -> DecodingOptions {
+    let default = DecodingOptions::default();
+    DecodingOptions {
+        max_string_length: options.max_string_length.min(default.max_string_length),
+        max_byte_string_length: options
+            .max_byte_string_length
+            .min(default.max_byte_string_length),
+        max_array_length: options.max_array_length.min(default.max_array_length),
+        ..options
     }
 }
 

@@ -9,7 +9,7 @@ use std::{
 };
 
 use opcua_core::{comms::secure_channel::SecureChannel, trace_read_lock, trace_write_lock};
-use opcua_crypto::{random, CertificateStore, SecurityPolicy};
+use opcua_crypto::{random, CertificateStore, SecurityPolicy, X509};
 use parking_lot::RwLock;
 use tokio::sync::Notify;
 use tracing::{error, info};
@@ -68,20 +68,10 @@ impl SessionManager {
     pub(crate) fn create_session(
         &mut self,
         channel: &mut SecureChannel,
-        certificate_store: &RwLock<CertificateStore>,
+        client_certificate: Option<X509>,
         identity: &ServerIdentity,
-        peer_address: Option<SocketAddr>,
         request: &CreateSessionRequest,
     ) -> Result<CreateSessionResponse, StatusCode> {
-        if !self.info.endpoint_exists(
-            request.endpoint_url.as_ref(),
-            channel.security_policy(),
-            channel.security_mode(),
-        ) {
-            // Discovery may use any channel, sessions only what an endpoint offers.
-            error!("Create session on a channel whose security no endpoint offers");
-            return Err(StatusCode::BadSecurityPolicyRejected);
-        }
         if self.sessions.len() >= self.info.config.limits.max_sessions
             && !self.close_oldest_inactive_session()
         {
@@ -113,31 +103,6 @@ impl SessionManager {
             );
             return Err(StatusCode::BadNonceInvalid);
         }
-
-        let client_certificate = if security_policy != SecurityPolicy::None {
-            let cert = opcua_crypto::X509::from_byte_string(&request.client_certificate)?;
-            match &self.info.certificate_validator {
-                Some(validator) => {
-                    let bearer = CertificateBearer {
-                        address: peer_address,
-                        application: &request.client_description,
-                    };
-                    validator.validate(&cert, security_policy, &bearer)?
-                }
-                None => {
-                    let store = trace_read_lock!(certificate_store);
-                    store.validate_or_reject_application_instance_cert(
-                        &cert,
-                        security_policy,
-                        None,
-                        None,
-                    )?;
-                }
-            }
-            Some(cert)
-        } else {
-            None
-        };
 
         let session_timeout = self
             .info
@@ -296,6 +261,58 @@ impl SessionManager {
     }
 }
 
+/// Check whether a client may create a session on its channel, with the certificate that it shows. Apart from the creation,
+/// since it may take long: the sessions of others must not wait for it.
+pub(crate) fn check_client(
+    info: &ServerInfo,
+    channel: &SecureChannel,
+    certificate_store: &RwLock<CertificateStore>,
+    peer_address: Option<SocketAddr>,
+    request: &CreateSessionRequest,
+) -> Result<Option<X509>, StatusCode> {
+    let security_policy = channel.security_policy();
+    if !info.endpoint_exists(
+        request.endpoint_url.as_ref(),
+        security_policy,
+        channel.security_mode(),
+    ) {
+        // Discovery may use any channel, sessions only what an endpoint offers.
+        error!("Create session on a channel whose security no endpoint offers");
+        return Err(StatusCode::BadSecurityPolicyRejected);
+    }
+    if security_policy == SecurityPolicy::None {
+        return Ok(None);
+    }
+    let cert = X509::from_byte_string(&request.client_certificate)?;
+    // Before the trust list is asked: whoever opened the channel must own what it shows (OPC 10000-4 §5.7.2).
+    let is_of_channel = channel
+        .remote_cert()
+        .is_some_and(|of_channel| of_channel.as_byte_string() == cert.as_byte_string());
+    if !is_of_channel {
+        error!("Create session with another certificate than that of the channel");
+        return Err(StatusCode::BadCertificateInvalid);
+    }
+    match &info.certificate_validator {
+        Some(validator) => {
+            let bearer = CertificateBearer {
+                address: peer_address,
+                application: &request.client_description,
+            };
+            validator.validate(&cert, security_policy, &bearer)?
+        }
+        None => {
+            let store = trace_read_lock!(certificate_store);
+            store.validate_or_reject_application_instance_cert(
+                &cert,
+                security_policy,
+                None,
+                None,
+            )?;
+        }
+    }
+    Ok(Some(cert))
+}
+
 // This is a non-self method to avoid holding the manager
 // across an await point.
 pub(crate) async fn close_session(
@@ -393,6 +410,7 @@ pub(crate) async fn activate_session(
     mgr_lck: &RwLock<SessionManager>,
     channel: &mut SecureChannel,
     identity: &ServerIdentity,
+    peer_address: Option<SocketAddr>,
     request: &ActivateSessionRequest,
     handler: &mut MessageHandler,
 ) -> Result<ActivateSessionResponse, StatusCode> {
@@ -444,6 +462,7 @@ pub(crate) async fn activate_session(
             security_mode,
             request.user_identity_token.clone(),
             &session_nonce,
+            peer_address,
         )
         .await?;
 

@@ -59,7 +59,9 @@ impl ReverseTcpConnector {
         })?;
 
         let (read_half, mut write_half) = tokio::io::split(stream);
-        let read = FramedRead::new(read_half, TcpCodec::new(self.decoding_options.clone()));
+        let codec = TcpCodec::new(self.decoding_options.clone())
+            .with_max_chunk_size(self.config.receive_buffer_size);
+        let read = FramedRead::new(read_half, codec);
 
         let reverse_hello =
             ReverseHelloMessage::new(self.server_uri.as_ref(), self.endpoint_url.as_ref());

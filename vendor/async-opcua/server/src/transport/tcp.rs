@@ -59,6 +59,13 @@ const MAX_UNSENT_MESSAGES: usize = 256;
 /// short, and anybody can send them.
 const UNAUTHENTICATED_MAX_CHUNK_COUNT: usize = 8;
 
+/// Longest message in bytes that a client may send before it has activated a session, in one chunk or several.
+const UNAUTHENTICATED_MAX_MESSAGE_SIZE: usize = 65_536;
+
+/// Like [`MAX_UNSENT_MESSAGES`], of clients without an activated session. They have no reason to send requests before
+/// the answer to the last one, and a description of all endpoints is long.
+const UNAUTHENTICATED_MAX_UNSENT_MESSAGES: usize = 4;
+
 enum TransportState {
     Running,
     Closing,
@@ -87,6 +94,8 @@ pub(crate) enum TransportPollResult {
     IncomingChunk,
     IncomingMessage(Request),
     Error(StatusCode),
+    /// A request to open or renew the secure channel could not be read. When it was received.
+    OpenChannelError(StatusCode, Instant),
     RecoverableError(StatusCode, u32, u32),
     Closed,
 }
@@ -118,7 +127,9 @@ impl TcpConnector {
     ) -> Self {
         let peer_address = stream.peer_addr().ok();
         let (read, write) = tokio::io::split(stream);
-        let read = FramedRead::new(read, TcpCodec::new(decoding_options.clone()));
+        let codec = TcpCodec::new(decoding_options.clone())
+            .with_max_chunk_size(config.receive_buffer_size);
+        let read = FramedRead::new(read, codec);
         TcpConnector {
             read,
             write,
@@ -149,15 +160,13 @@ impl TcpConnector {
     async fn connect_inner(&mut self, info: Arc<ServerInfo>) -> Result<SendBuffer, ErrorMessage> {
         let hello = match self.read.next().await {
             Some(Ok(Message::Hello(hello))) => Ok(hello),
-            Some(Ok(bad_msg)) => Err(ErrorMessage::new(
+            Some(Ok(_)) => Err(ErrorMessage::new(
                 StatusCode::BadCommunicationError,
-                &format!("Expected a hello message, got {bad_msg:?} instead"),
+                "Expected a hello message",
             )),
             Some(Err(communication_err)) => Err(ErrorMessage::new(
-                StatusCode::BadCommunicationError,
-                &format!(
-                    "Communication error while waiting for Hello message: {communication_err}"
-                ),
+                TcpCodec::status_of(&communication_err),
+                "Communication error while waiting for Hello message",
             )),
             None => Err(ErrorMessage::new(
                 StatusCode::BadCommunicationError,
@@ -292,6 +301,11 @@ impl TcpTransport {
         self.is_authenticated = true;
     }
 
+    /// Whether a session was activated on this connection.
+    pub(crate) fn is_authenticated(&self) -> bool {
+        self.is_authenticated
+    }
+
     /// Set the transport state to closing, once the final message is sent
     /// the connection will be closed.
     pub(crate) fn set_closing(&mut self) {
@@ -359,7 +373,12 @@ impl TcpTransport {
         // If there is something in the send buffer, write to the stream.
         // If not, wait for outgoing messages.
         // Either way, listen to incoming messages while we do this.
-        let may_read = may_read && self.unsent_messages < MAX_UNSENT_MESSAGES;
+        let max_unsent_messages = if self.is_authenticated {
+            MAX_UNSENT_MESSAGES
+        } else {
+            UNAUTHENTICATED_MAX_UNSENT_MESSAGES
+        };
+        let takes_responses = self.unsent_messages < max_unsent_messages;
         if self.send_buffer.can_read() {
             tokio::select! {
                 r = self.send_buffer.read_into_async(&mut self.write) => {
@@ -369,7 +388,7 @@ impl TcpTransport {
                     }
                     TransportPollResult::OutgoingMessageSent
                 }
-                incoming = self.read.next(), if may_read => {
+                incoming = self.read.next(), if may_read && takes_responses => {
                     self.handle_incoming_message(incoming, channel)
                 }
             }
@@ -395,12 +414,21 @@ impl TcpTransport {
         let Some(incoming) = incoming else {
             return TransportPollResult::Closed;
         };
+        let received_at = Instant::now();
+        let is_open_channel = matches!(
+            &incoming,
+            Ok(Message::Chunk(chunk)) if chunk.is_open_secure_channel(&channel.decoding_options())
+        );
         match incoming {
             Ok(message) => match self.process_message(message, channel) {
                 Ok(None) => TransportPollResult::IncomingChunk,
                 Ok(Some(message)) => {
                     self.pending_chunks.clear();
                     TransportPollResult::IncomingMessage(message)
+                }
+                Err(e) if is_open_channel => {
+                    self.pending_chunks.clear();
+                    TransportPollResult::OpenChannelError(e.status(), received_at)
                 }
                 Err(e) => {
                     self.pending_chunks.clear();
@@ -413,7 +441,7 @@ impl TcpTransport {
             },
             Err(err) => {
                 error!("Error reading from stream {:?}", err);
-                TransportPollResult::Error(StatusCode::BadConnectionClosed)
+                TransportPollResult::Error(TcpCodec::status_of(&err))
             }
         }
     }
@@ -431,6 +459,16 @@ impl TcpTransport {
                     self.pending_chunks.clear();
                     Ok(None)
                 } else {
+                    // Counted before anything is decrypted.
+                    if !self.is_authenticated {
+                        let size: usize = self.pending_chunks.iter().map(|c| c.data.len()).sum();
+                        if size + chunk.data.len() > UNAUTHENTICATED_MAX_MESSAGE_SIZE {
+                            return Err(Error::new(
+                                StatusCode::BadTcpMessageTooLarge,
+                                "Message is longer than any before a session is activated",
+                            ));
+                        }
+                    }
                     let chunk = channel.verify_and_remove_security_server(chunk.data)?;
 
                     let max_chunk_count = match self.send_buffer.max_chunk_count {
@@ -465,9 +503,9 @@ impl TcpTransport {
                     }))
                 }
             }
-            unexpected => Err(Error::new(
+            _ => Err(Error::new(
                 StatusCode::BadUnexpectedError,
-                format!("Received unexpected message: {unexpected:?}"),
+                "Received a message that is no chunk",
             )),
         }
     }

@@ -449,7 +449,8 @@ impl DynamicTypeLoader {
                         stream, ctx,
                     )?))
                 } else {
-                    // Else, load the extension object body directly.
+                    // Else, load the extension object body directly. Types may contain themselves.
+                    let _depth_lock = ctx.options().depth_lock()?;
                     Ok(Variant::from(ctx.load_from_binary(
                         &field_ty.node_id,
                         stream,
@@ -486,13 +487,15 @@ impl DynamicTypeLoader {
                         "Array has incorrect ArrayDimensions, must match value rank",
                     ));
                 }
-                let mut len = 1;
+                let mut len = 1u32;
                 let mut final_dims = Vec::with_capacity(array_dims.len());
                 for dim in &array_dims {
                     if *dim <= 0 {
                         return Err(Error::decoding("Array has incorrect ArrayDimensions, all dimensions must be greater than zero"));
                     }
-                    len *= *dim as u32;
+                    len = len
+                        .checked_mul(*dim as u32)
+                        .ok_or_else(|| Error::decoding("Array dimension overflow"))?;
                     final_dims.push(*dim as u32);
                 }
                 (len as usize, Some(final_dims))
@@ -509,7 +512,7 @@ impl DynamicTypeLoader {
                 )));
             }
 
-            let mut res = Vec::with_capacity(len);
+            let mut res = Vec::with_capacity(len.min(crate::encoding::MAX_RESERVED_ELEMENTS));
             for _ in 0..len {
                 res.push(self.decode_field_value(field, stream, ctx)?);
             }

@@ -53,15 +53,15 @@ impl TypeLoader for FallbackTypeLoader {
         &self,
         node_id: &NodeId,
         stream: &mut dyn std::io::Read,
-        _ctx: &super::Context<'_>,
+        ctx: &super::Context<'_>,
         length: Option<usize>,
     ) -> Option<crate::EncodingResult<Box<dyn crate::DynEncodable>>> {
         // If the length is unknown, there really isn't a lot we can do.
         let length = length?;
-        let mut buf = vec![0u8; length];
-        if let Err(e) = stream.read_exact(&mut buf) {
-            return Some(Err(e.into()));
-        }
+        let buf = match crate::encoding::read_body(stream, length, ctx.options()) {
+            Ok(buf) => buf,
+            Err(e) => return Some(Err(e)),
+        };
         Some(Ok(Box::new(ByteStringBody {
             raw: ByteString::from(buf),
             encoding_id: node_id.clone(),

@@ -397,7 +397,15 @@ impl BinaryDecodable for Variant {
                 )));
             }
 
-            let mut values: Vec<Variant> = Vec::with_capacity(array_length);
+            // Before the elements: those of an unknown type have no bytes, so that a length would be all that is sent.
+            let value_type_id = VariantScalarTypeId::from_encoding_mask(element_encoding_mask)
+                .ok_or_else(|| {
+                    Error::decoding(format!(
+                        "Unrecognized encoding mask: {element_encoding_mask}"
+                    ))
+                })?;
+            let mut values: Vec<Variant> =
+                Vec::with_capacity(array_length.min(crate::encoding::MAX_RESERVED_ELEMENTS));
             for _ in 0..array_length {
                 values.push(Variant::decode_variant_value(
                     stream,
@@ -405,12 +413,6 @@ impl BinaryDecodable for Variant {
                     ctx,
                 )?);
             }
-            let value_type_id = VariantScalarTypeId::from_encoding_mask(element_encoding_mask)
-                .ok_or_else(|| {
-                    Error::decoding(format!(
-                        "Unrecognized encoding mask: {element_encoding_mask}"
-                    ))
-                })?;
             if encoding_mask & EncodingMask::ARRAY_DIMENSIONS_BIT != 0 {
                 if let Some(dimensions) = <Option<Vec<_>>>::decode(stream, ctx)? {
                     if dimensions.contains(&0) {
