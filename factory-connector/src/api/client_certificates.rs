@@ -49,8 +49,10 @@ pub struct ClientCertificateView {
 pub enum ClientTrust {
     /// Its bearer may connect.
     Trusted,
-    /// Its bearer was rejected and waits for an approval.
+    /// Its bearer was rejected: it waits for an approval.
     Rejected,
+    /// Its bearer was rejected, for an engineer denied the approval.
+    Denied,
 }
 
 /// Reason of a rejection.
@@ -101,6 +103,7 @@ impl From<ClientCertificate> for ClientCertificateView {
         let state = match state {
             CertificateState::Trusted => ClientTrust::Trusted,
             CertificateState::Rejected => ClientTrust::Rejected,
+            CertificateState::Denied => ClientTrust::Denied,
         };
         Self {
             thumbprint,

@@ -287,7 +287,7 @@ async fn certificates_of_clients_are_approved_and_rejected() {
     assert_eq!(listed["state"], "TRUSTED", "{listed:#}");
     let path =
         format!("/client-certificates/{}", listed["thumbprint"].as_str().expect("a thumbprint"));
-    assert_eq!(plant.put(&path, json!({ "isTrusted": false })).await["state"], "REJECTED");
+    assert_eq!(plant.put(&path, json!({ "isTrusted": false })).await["state"], "DENIED");
     assert_eq!(plant.put(&path, json!({ "isTrusted": true })).await["state"], "TRUSTED");
     let (status, _) =
         refused(&plant, Method::PUT, "/client-certificates/00", json!({ "isTrusted": true })).await;

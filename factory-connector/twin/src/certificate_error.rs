@@ -5,8 +5,10 @@
 pub(crate) enum CertificateError {
     #[error("it cannot be read")]
     Unreadable,
-    #[error("it was rejected and waits for an approval")]
-    Rejected,
+    #[error("an engineer rejected it")]
+    Denied,
+    #[error("it still waits for an approval")]
+    Waiting,
     #[error("neither it nor its issuer is trusted; it waits for an approval now")]
     Unknown,
     #[error("it is not valid at this time")]

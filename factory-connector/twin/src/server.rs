@@ -300,8 +300,8 @@ fn warn_of_development_settings(config: &TwinConfig) {
     }
     if config.security.trust_unknown_certificates {
         tracing::warn!(
-            "DEVELOPMENT SETTING: the twin trusts every client certificate because `trust_unknown_certificates` is \
-             set. Remove it outside of development and approve certificates one by one."
+            "DEVELOPMENT SETTING: the twin trusts every client certificate that nobody denied, as long as \
+             `trust_unknown_certificates` is set. Remove it outside of development and approve certificates one by one."
         );
     }
 }

@@ -218,7 +218,7 @@ impl EventReporter {
             CertificateError::Unreadable => {
                 (ObjectTypeId::AuditCertificateInvalidEventType, StatusCode::BadCertificateInvalid)
             }
-            CertificateError::Rejected | CertificateError::Unknown => (
+            CertificateError::Denied | CertificateError::Waiting | CertificateError::Unknown => (
                 ObjectTypeId::AuditCertificateUntrustedEventType,
                 StatusCode::BadCertificateUntrusted,
             ),

@@ -13,7 +13,10 @@ use opcua_stack::opcua::{
 };
 use x509_parser::{certificate::X509Certificate, prelude::FromDer};
 
-use super::{rejected_clients, trust::faults::application_uri as application_uri_of};
+use super::{
+    rejected_clients,
+    trust::{self, faults::application_uri as application_uri_of},
+};
 use crate::{
     clock,
     config::TwinConfig,
@@ -120,9 +123,23 @@ fn is_issued(folder: &Path) -> bool {
 }
 
 pub(crate) fn prepare_folders(folder: &Path) -> Result<(), TwinError> {
-    for name in
-        ["own", "private", "trusted", "rejected", "issuers", "crl", rejected_clients::FOLDER]
-    {
+    let denied = folder.join(trust::DENIED);
+    let waiting = folder.join(trust::WAITING);
+    if waiting.exists() && !denied.exists() {
+        // Former versions had one folder for both. What an engineer rejected must stay so; which of them were is not known.
+        fs::rename(&waiting, &denied)
+            .map_err(|source| TwinError::Pki { path: waiting.clone(), source })?;
+    }
+    for name in [
+        "own",
+        "private",
+        trust::TRUSTED,
+        trust::WAITING,
+        trust::DENIED,
+        trust::ISSUERS,
+        trust::REVOCATION_LISTS,
+        rejected_clients::FOLDER,
+    ] {
         let path = folder.join(name);
         fs::create_dir_all(&path)
             .map_err(|source| TwinError::Pki { path: path.clone(), source })?;

@@ -51,7 +51,9 @@ impl From<CertificateError> for RejectionReason {
     fn from(error: CertificateError) -> Self {
         match error {
             CertificateError::Unreadable => Self::Unreadable,
-            CertificateError::Rejected | CertificateError::Unknown => Self::NotTrusted,
+            CertificateError::Denied | CertificateError::Waiting | CertificateError::Unknown => {
+                Self::NotTrusted
+            }
             CertificateError::OutOfTime => Self::OutOfTime,
             CertificateError::KeyLength => Self::KeyLength,
             CertificateError::Usage => Self::Usage,

@@ -1,8 +1,9 @@
 //! Trust list: certificates of clients that an engineer approved, those that wait for approval,
 //! authorities and their revocation lists.
 //!
-//! A certificate that is new to the twin is stored among the rejected ones; approving moves it to
-//! the trusted ones. The folders are authoritative: the server reads them at every connection.
+//! A certificate that is new to the twin is stored among those that wait; approving moves it to the
+//! trusted ones, rejecting to the denied ones. The folders are authoritative: the server reads them at
+//! every connection.
 
 mod authorities;
 pub(crate) mod faults;
@@ -27,11 +28,13 @@ use super::{
 };
 use crate::{error::TwinError, events::EventReporter, trust_fault::TrustFault};
 
-const TRUSTED: &str = "trusted";
-const REJECTED: &str = "rejected";
-const ISSUERS: &str = "issuers";
-const REVOCATION_LISTS: &str = "crl";
-/// Most certificates listed of a folder: any client may add rejected ones.
+pub(crate) const TRUSTED: &str = "trusted";
+/// Certificates that wait for an approval. The folder's name is older than the one of those that were denied one.
+pub(crate) const WAITING: &str = "rejected";
+pub(crate) const DENIED: &str = "denied";
+pub(crate) const ISSUERS: &str = "issuers";
+pub(crate) const REVOCATION_LISTS: &str = "crl";
+/// Most certificates listed of a folder: any client may add some that wait.
 const LISTED_MAX: usize = 1000;
 
 /// State of a client's certificate.
@@ -41,6 +44,8 @@ pub enum CertificateState {
     Trusted,
     /// The client is rejected and waits for an approval.
     Rejected,
+    /// The client is rejected because an engineer said so.
+    Denied,
 }
 
 /// A client's certificate in the trust list.
@@ -82,9 +87,11 @@ impl TrustList {
     /// [`TwinError::Pki`] when a folder cannot be read.
     pub fn list(&self) -> Result<Vec<ClientCertificate>, TwinError> {
         let mut all = Vec::new();
-        for (name, state) in
-            [(REJECTED, CertificateState::Rejected), (TRUSTED, CertificateState::Trusted)]
-        {
+        for (name, state) in [
+            (WAITING, CertificateState::Rejected),
+            (DENIED, CertificateState::Denied),
+            (TRUSTED, CertificateState::Trusted),
+        ] {
             for path in self.files(name, "der")?.into_iter().take(LISTED_MAX) {
                 all.extend(
                     CertificateStore::read_cert(&path)
@@ -105,7 +112,8 @@ impl TrustList {
     /// # Errors
     /// [`TwinError::Pki`] when the certificate cannot be moved.
     pub fn trust(&self, thumbprint: &str, by: &str) -> Result<bool, TwinError> {
-        let is_moved = self.shift(thumbprint, REJECTED, TRUSTED)?;
+        let is_moved =
+            self.shift(thumbprint, WAITING, TRUSTED)? || self.shift(thumbprint, DENIED, TRUSTED)?;
         if is_moved {
             self.rejected_clients.forget(thumbprint);
             self.changed(by, format!("The certificate {thumbprint} is trusted."));
@@ -113,14 +121,16 @@ impl TrustList {
         Ok(is_moved)
     }
 
-    /// Rejects a certificate from the next connection on. False when it was not trusted.
+    /// Rejects a certificate from the next connection on, whoever issued it. False when it neither was
+    /// trusted nor waited for an approval.
     ///
     /// # Errors
     /// [`TwinError::Pki`] when the certificate cannot be moved.
     pub fn reject(&self, thumbprint: &str, by: &str) -> Result<bool, TwinError> {
-        let is_moved = self.shift(thumbprint, TRUSTED, REJECTED)?;
+        let is_moved =
+            self.shift(thumbprint, TRUSTED, DENIED)? || self.shift(thumbprint, WAITING, DENIED)?;
         if is_moved {
-            self.changed(by, format!("The certificate {thumbprint} is no longer trusted."));
+            self.changed(by, format!("The certificate {thumbprint} is denied."));
         }
         Ok(is_moved)
     }

@@ -3,8 +3,9 @@
 //!
 //! In the certificate folder, `trusted` contains certificates of clients and of authorities,
 //! `issuers` those of authorities that complete chains but are not trusted themselves, `crl` the
-//! authorities' revocation lists (DER), and `rejected` certificates that wait for an approval. OPC
-//! 10000-4 §6.1.3 defines the order of the checks.
+//! authorities' revocation lists (DER), `denied` certificates that an engineer rejected, and `rejected`
+//! those that wait for an approval. What is denied stays so, whoever issued it and however many others
+//! wait. OPC 10000-4 §6.1.3 defines the order of the checks.
 
 use std::{
     fs,
@@ -26,6 +27,7 @@ use super::{
     certificate_files::files,
     issuance::{CHAIN_LENGTH_MAX, is_issued_by, is_signed_by},
     rejected_clients::{ConnectionRejection, RejectedClients, thumbprint},
+    trust::{DENIED, ISSUERS, REVOCATION_LISTS, TRUSTED, WAITING},
 };
 use crate::{certificate_error::CertificateError, clock, events::EventReporter};
 
@@ -60,13 +62,24 @@ impl Validator {
     /// Checks whether the bearer may connect at present.
     fn check(&self, der: &[u8]) -> Result<(), CertificateError> {
         let (_, leaf) = X509Certificate::from_der(der).map_err(|_| CertificateError::Unreadable)?;
-        if files(&self.folder.join("rejected"), "der").any(|(_, known)| known == der) {
-            return Err(CertificateError::Rejected);
+        if self.has(DENIED, der) {
+            return Err(CertificateError::Denied);
         }
-        let is_trusted_itself =
-            files(&self.folder.join("trusted"), "der").any(|(_, known)| known == der);
-        if !is_trusted_itself {
-            self.follow_chain(&leaf)?;
+        if self.has(TRUSTED, der) {
+            self.check_not_revoked(&leaf)?;
+        } else {
+            match self.follow_chain(&leaf) {
+                Err(CertificateError::Unknown) if self.trust_unknown => {
+                    tracing::warn!(
+                        certificate.subject = %leaf.subject(),
+                        "DEVELOPMENT SETTING: the twin accepts a certificate that nobody approved."
+                    );
+                }
+                Err(CertificateError::Unknown) if self.has(WAITING, der) => {
+                    return Err(CertificateError::Waiting);
+                }
+                followed => followed?,
+            }
         }
         if !leaf.validity().is_valid() {
             return Err(CertificateError::OutOfTime);
@@ -77,14 +90,35 @@ impl Validator {
         }
     }
 
+    fn has(&self, folder: &str, der: &[u8]) -> bool {
+        files(&self.folder.join(folder), "der").any(|(_, known)| known == der)
+    }
+
+    fn contents(&self, folder: &str, extension: &'static str) -> Vec<Vec<u8>> {
+        files(&self.folder.join(folder), extension).map(|(_, der)| der).collect()
+    }
+
+    /// Checks that no authority revoked a certificate that is trusted itself. Its trust needs no authority, so a list
+    /// need not exist; one that names it is obeyed, also when it is out of date.
+    fn check_not_revoked(&self, leaf: &X509Certificate<'_>) -> Result<(), CertificateError> {
+        let lists = self.contents(REVOCATION_LISTS, "crl");
+        for der in self.contents(TRUSTED, "der").iter().chain(&self.contents(ISSUERS, "der")) {
+            let Ok((_, authority)) = X509Certificate::from_der(der) else { continue };
+            let is_issuer = authority.is_ca()
+                && leaf.issuer().as_raw() == authority.subject().as_raw()
+                && leaf.verify_signature(Some(authority.public_key())).is_ok();
+            if is_issuer && lists_of(&authority, &lists).any(|list| names(&list, leaf)) {
+                return Err(CertificateError::Revoked);
+            }
+        }
+        Ok(())
+    }
+
     /// Follows the issuers up to a trusted one, and checks at each step that it was not revoked.
     fn follow_chain(&self, leaf: &X509Certificate<'_>) -> Result<(), CertificateError> {
-        let trusted: Vec<Vec<u8>> =
-            files(&self.folder.join("trusted"), "der").map(|(_, der)| der).collect();
-        let issuers: Vec<Vec<u8>> =
-            files(&self.folder.join("issuers"), "der").map(|(_, der)| der).collect();
-        let lists: Vec<Vec<u8>> =
-            files(&self.folder.join("crl"), "crl").map(|(_, der)| der).collect();
+        let trusted = self.contents(TRUSTED, "der");
+        let issuers = self.contents(ISSUERS, "der");
+        let lists = self.contents(REVOCATION_LISTS, "crl");
         let mut subject = leaf.clone();
         for _ in 0..CHAIN_LENGTH_MAX {
             let found = trusted
@@ -109,7 +143,7 @@ impl Validator {
 
     /// Stores an unknown certificate for the engineer to approve.
     fn store_rejected(&self, certificate: &X509, der: &[u8]) {
-        let folder = self.folder.join("rejected");
+        let folder = self.folder.join(WAITING);
         let mut waiting: Vec<_> = files(&folder, "der")
             .filter_map(|(path, _)| Some((path.metadata().ok()?.modified().ok()?, path)))
             .collect();
@@ -131,9 +165,7 @@ impl Validator {
         error: CertificateError,
         bearer: &CertificateBearer<'_>,
     ) {
-        let is_listed =
-            |folder: &str| files(&self.folder.join(folder), "der").any(|(_, known)| known == der);
-        if is_listed("rejected") || is_listed("trusted") {
+        if [WAITING, DENIED, TRUSTED].iter().any(|folder| self.has(folder, der)) {
             self.rejected_clients
                 .record(certificate, &ConnectionRejection::new(clock::now(), error.into(), bearer));
         }
@@ -148,14 +180,9 @@ impl CertificateValidator for Validator {
         bearer: &CertificateBearer<'_>,
     ) -> Result<(), Error> {
         let der = certificate.as_byte_string();
-        let mut result = self.check(der.as_ref());
+        let result = self.check(der.as_ref());
         if result == Err(CertificateError::Unknown) {
-            if self.trust_unknown {
-                store(&self.folder.join("trusted"), certificate, der.as_ref());
-                result = self.check(der.as_ref());
-            } else {
-                self.store_rejected(certificate, der.as_ref());
-            }
+            self.store_rejected(certificate, der.as_ref());
         }
         let fits = certificate
             .public_key()
@@ -186,23 +213,30 @@ fn check_revocation(
     authority: &X509Certificate<'_>,
     lists: &[Vec<u8>],
 ) -> Result<(), CertificateError> {
-    let current = lists
+    let mut is_known = false;
+    for list in lists_of(authority, lists) {
+        if names(&list, subject) {
+            return Err(CertificateError::Revoked);
+        }
+        is_known |= list.next_update().is_none_or(|next| next >= ASN1Time::now());
+    }
+    if is_known { Ok(()) } else { Err(CertificateError::RevocationUnknown) }
+}
+
+/// The revocation lists that an authority signed.
+fn lists_of<'a>(
+    authority: &'a X509Certificate<'_>,
+    lists: &'a [Vec<u8>],
+) -> impl Iterator<Item = CertificateRevocationList<'a>> {
+    lists
         .iter()
         .filter_map(|der| Some(CertificateRevocationList::from_der(der).ok()?.1))
         .filter(|list| list.issuer().as_raw() == authority.subject().as_raw())
-        .filter(|list| list.next_update().is_none_or(|next| next >= ASN1Time::now()))
-        .filter(|list| is_signed_by(list, authority));
-    let mut is_known = false;
-    for list in current {
-        is_known = true;
-        if list
-            .iter_revoked_certificates()
-            .any(|revoked| revoked.raw_serial() == subject.raw_serial())
-        {
-            return Err(CertificateError::Revoked);
-        }
-    }
-    if is_known { Ok(()) } else { Err(CertificateError::RevocationUnknown) }
+        .filter(|list| is_signed_by(list, authority))
+}
+
+fn names(list: &CertificateRevocationList<'_>, certificate: &X509Certificate<'_>) -> bool {
+    list.iter_revoked_certificates().any(|revoked| revoked.raw_serial() == certificate.raw_serial())
 }
 
 fn store(folder: &Path, certificate: &X509, der: &[u8]) {
@@ -217,3 +251,6 @@ fn remove(path: &Path) {
         tracing::warn!(%error, path = %path.display(), "An old rejected certificate could not be removed.");
     }
 }
+
+#[cfg(test)]
+mod tests;

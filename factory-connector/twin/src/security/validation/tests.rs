@@ -1,0 +1,197 @@
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should say where")]
+
+use opcua_stack::opcua::types::ApplicationDescription;
+use tempfile::TempDir;
+
+use super::*;
+use crate::security::{certificate::prepare_folders, trust::TrustList};
+
+/// An authority with its certificate.
+struct Authority {
+    issuer: rcgen::Issuer<'static, rcgen::KeyPair>,
+    certificate: Vec<u8>,
+}
+
+impl Authority {
+    fn new(name: &str) -> Self {
+        let mut params = rcgen::CertificateParams::default();
+        params.distinguished_name.push(rcgen::DnType::CommonName, name);
+        params.is_ca = rcgen::IsCa::Ca(rcgen::BasicConstraints::Unconstrained);
+        params.key_usages =
+            vec![rcgen::KeyUsagePurpose::KeyCertSign, rcgen::KeyUsagePurpose::CrlSign];
+        let key = rcgen::KeyPair::generate().unwrap();
+        let certificate = params.self_signed(&key).unwrap().der().to_vec();
+        Self { issuer: rcgen::Issuer::new(params, key), certificate }
+    }
+
+    fn issue(&self, serial: u64) -> X509 {
+        let key = rcgen::KeyPair::generate().unwrap();
+        let mut params = rcgen::CertificateParams::default();
+        params.serial_number = Some(serial.into());
+        X509::from_der(params.signed_by(&key, &self.issuer).unwrap().der()).unwrap()
+    }
+
+    /// A list that names one certificate and is to be replaced at the beginning of a year.
+    fn revoke(&self, serial: u64, next_update: i32) -> Vec<u8> {
+        let params = rcgen::CertificateRevocationListParams {
+            this_update: rcgen::date_time_ymd(2020, 1, 1),
+            next_update: rcgen::date_time_ymd(next_update, 1, 1),
+            crl_number: 1_u64.into(),
+            issuing_distribution_point: None,
+            revoked_certs: vec![rcgen::RevokedCertParams {
+                serial_number: serial.into(),
+                revocation_time: rcgen::date_time_ymd(2020, 1, 1),
+                reason_code: None,
+                invalidity_date: None,
+            }],
+            key_identifier_method: rcgen::KeyIdMethod::Sha256,
+        };
+        params.signed_by(&self.issuer).unwrap().der().to_vec()
+    }
+}
+
+fn self_signed() -> X509 {
+    let key = rcgen::KeyPair::generate().unwrap();
+    X509::from_der(rcgen::CertificateParams::default().self_signed(&key).unwrap().der()).unwrap()
+}
+
+struct Fixture {
+    folder: TempDir,
+    validator: Validator,
+    list: TrustList,
+}
+
+impl Fixture {
+    fn new(trust_unknown: bool) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        prepare_folders(folder.path()).unwrap();
+        Self::of(folder, trust_unknown)
+    }
+
+    fn of(folder: TempDir, trust_unknown: bool) -> Self {
+        let validator = Validator::new(folder.path(), trust_unknown, Arc::default());
+        let list = TrustList::new(folder.path(), Arc::default());
+        Self { folder, validator, list }
+    }
+
+    /// A client shows a certificate. (The keys of these tests are too short for any policy, so that it is never let in.)
+    fn show(&self, certificate: &X509) {
+        let application = ApplicationDescription::default();
+        let bearer = CertificateBearer { address: None, application: &application };
+        let policy = SecurityPolicy::Basic256Sha256;
+        assert!(self.validator.validate(certificate, policy, &bearer).is_err());
+    }
+
+    fn check(&self, certificate: &X509) -> Result<(), CertificateError> {
+        self.validator.check(certificate.as_byte_string().as_ref())
+    }
+
+    fn trust(&self, certificate: &X509) {
+        store(
+            &self.folder.path().join(TRUSTED),
+            certificate,
+            certificate.as_byte_string().as_ref(),
+        );
+    }
+
+    fn names(&self, folder: &str) -> usize {
+        files(&self.folder.path().join(folder), "der").count()
+    }
+}
+
+#[test]
+fn a_denied_certificate_stays_denied_whatever_knocks_and_whoever_issued_it() {
+    let fixture = Fixture::new(false);
+    let authority = Authority::new("Plant CA");
+    let client = authority.issue(7);
+    fixture.trust(&client);
+    assert_eq!(fixture.check(&client), Ok(()));
+    assert!(fixture.list.reject(&thumbprint(&client), "anna").unwrap());
+    assert_eq!(fixture.check(&client), Err(CertificateError::Denied));
+    for _ in 0..300 {
+        fixture.show(&self_signed());
+    }
+    assert_eq!(fixture.names(WAITING), REJECTED_MAX, "the waiting ones are bounded");
+    // Even now that its authority is trusted, and revokes others only.
+    fixture.list.trust_new(&authority.certificate, "anna").unwrap();
+    fixture.list.put_revocation_list(&authority.revoke(8, 2096), "anna").unwrap();
+    assert_eq!(fixture.check(&authority.issue(9)), Ok(()));
+    assert_eq!(fixture.check(&client), Err(CertificateError::Denied));
+    // Until an engineer trusts it again.
+    assert!(fixture.list.trust(&thumbprint(&client), "anna").unwrap());
+    assert_eq!(fixture.check(&client), Ok(()));
+}
+
+#[test]
+fn a_certificate_that_waits_can_be_denied_and_is_let_in_once_its_authority_is_trusted() {
+    let fixture = Fixture::new(false);
+    let authority = Authority::new("Plant CA");
+    let (wanted, unwanted) = (authority.issue(1), authority.issue(2));
+    for client in [&wanted, &unwanted] {
+        assert_eq!(fixture.check(client), Err(CertificateError::Unknown));
+        fixture.show(client);
+        assert_eq!(fixture.check(client), Err(CertificateError::Waiting));
+    }
+    assert!(fixture.list.reject(&thumbprint(&unwanted), "anna").unwrap());
+    fixture.list.trust_new(&authority.certificate, "anna").unwrap();
+    fixture.list.put_revocation_list(&authority.revoke(8, 2096), "anna").unwrap();
+    assert_eq!(fixture.check(&wanted), Ok(()));
+    assert_eq!(fixture.check(&unwanted), Err(CertificateError::Denied));
+}
+
+#[test]
+fn what_a_former_version_rejected_stays_rejected() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("rejected")).unwrap();
+    let authority = Authority::new("Plant CA");
+    let client = authority.issue(1);
+    store(&folder.path().join("rejected"), &client, client.as_byte_string().as_ref());
+    prepare_folders(folder.path()).unwrap();
+    let fixture = Fixture::of(folder, false);
+    fixture.list.trust_new(&authority.certificate, "anna").unwrap();
+    fixture.list.put_revocation_list(&authority.revoke(8, 2096), "anna").unwrap();
+    assert_eq!(fixture.check(&client), Err(CertificateError::Denied));
+    assert_eq!((fixture.names(WAITING), fixture.names(DENIED)), (0, 1));
+    // Only once: what waits later is not denied by a restart.
+    fixture.show(&self_signed());
+    prepare_folders(fixture.folder.path()).unwrap();
+    assert_eq!((fixture.names(WAITING), fixture.names(DENIED)), (1, 1));
+}
+
+#[test]
+fn development_trust_leaves_nothing_behind() {
+    let fixture = Fixture::new(true);
+    let client = self_signed();
+    fixture.show(&client);
+    assert_eq!(fixture.check(&client), Ok(()));
+    assert_eq!((fixture.names(TRUSTED), fixture.names(WAITING)), (0, 0));
+    let fixture = Fixture::of(fixture.folder, false);
+    assert_eq!(fixture.check(&client), Err(CertificateError::Unknown));
+
+    // Nor does it trust what an engineer denied.
+    fixture.trust(&client);
+    assert!(fixture.list.reject(&thumbprint(&client), "anna").unwrap());
+    let fixture = Fixture::of(fixture.folder, true);
+    assert_eq!(fixture.check(&client), Err(CertificateError::Denied));
+}
+
+#[test]
+fn a_revoked_certificate_is_refused_though_it_is_trusted_itself() {
+    let fixture = Fixture::new(false);
+    let (authority, namesake) = (Authority::new("Plant CA"), Authority::new("Plant CA"));
+    let (client, other) = (authority.issue(7), authority.issue(8));
+    for certificate in [&client, &other] {
+        fixture.trust(certificate);
+    }
+    let crl = |name: &str, list: Vec<u8>| {
+        fs::write(fixture.folder.path().join("crl").join(name), list).unwrap();
+    };
+    crl("namesake.crl", namesake.revoke(7, 2096));
+    crl("plant.crl", authority.revoke(7, 2021));
+    assert_eq!(fixture.check(&client), Ok(()), "no authority is known that signed a list");
+    fixture.list.add_issuer(&namesake.certificate, "anna").unwrap();
+    assert_eq!(fixture.check(&client), Ok(()), "an authority of the same name did not issue it");
+    fixture.list.add_issuer(&authority.certificate, "anna").unwrap();
+    assert_eq!(fixture.check(&client), Err(CertificateError::Revoked), "the list is out of date");
+    assert_eq!(fixture.check(&other), Ok(()), "it needs no list of its own");
+}
