@@ -51,10 +51,12 @@ pub struct SecurityConfig {
     /// Development only: also offers an endpoint without encryption and without a user, in the
     /// viewer role.
     pub allow_anonymous_unencrypted: bool,
-    /// Development only: trusts every client certificate instead of waiting for an approval.
+    /// Development only: trusts every client certificate instead of waiting for an approval, as long as
+    /// this is set. Nothing of that trust is stored.
     pub trust_unknown_certificates: bool,
-    /// Wrong passwords of a user within [`Self::login_window_s`] after which further attempts are
-    /// refused without a check of the password; ten times as many for all users together.
+    /// Wrong passwords of a user from one address within [`Self::login_window_s`] after which further
+    /// attempts are refused without a check of the password; ten times as many for all users of an
+    /// address, and for a user from all addresses.
     pub login_failures_max: u32,
     /// Window of [`Self::login_failures_max`], and time for which attempts are refused, in seconds.
     pub login_window_s: u32,

@@ -2,6 +2,7 @@
 //! session's token.
 
 use std::{
+    net::SocketAddr,
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -17,16 +18,21 @@ use opcua_stack::opcua::{
     types::{Error, MessageSecurityMode, StatusCode, UAString, UserTokenPolicy, UserTokenType},
 };
 use parking_lot::Mutex;
+use tokio::sync::Semaphore;
 
-use super::throttle::Throttle;
+use super::{connections::network_of, throttle::Throttle};
 use crate::{
-    access::Authenticator,
+    access::{Authenticator, Role},
     config::SecurityConfig,
     session_token::{token_of, user_of},
 };
 
-/// Time limit of a password check.
+/// Time limit of a password check, with the wait for its turn.
 const AUTHENTICATION_TIMEOUT: Duration = Duration::from_secs(10);
+/// Password checks at the same time. Each takes a core for tens of milliseconds, and 19 MiB.
+const CHECKS_AT_ONCE_MAX: usize = 2;
+/// Password checks that run or wait. Those beyond are refused at once.
+const CHECKS_MAX: usize = 32;
 /// Longest user name and password checked, in bytes. Any client may send one before it is known.
 const CREDENTIAL_BYTES_MAX: usize = 1024;
 /// The stack's id of the policy for anonymous users.
@@ -36,6 +42,8 @@ const ANONYMOUS_POLICY_ID: &str = "anonymous";
 pub(crate) struct Login {
     authenticator: Arc<dyn Authenticator>,
     throttle: Mutex<Throttle>,
+    checks: Semaphore,
+    waiting: Semaphore,
     allow_anonymous: bool,
 }
 
@@ -45,12 +53,30 @@ impl Login {
         Self {
             authenticator,
             throttle: Mutex::new(Throttle::new(config.login_failures_max, config.login_window())),
+            checks: Semaphore::new(CHECKS_AT_ONCE_MAX),
+            waiting: Semaphore::new(CHECKS_MAX),
             allow_anonymous: config.allow_anonymous_unencrypted,
         }
     }
 
-    fn refuse(user: &str, reason: &'static str) -> Error {
-        tracing::warn!(user.name = user, reason, "The twin refused a sign-in.");
+    /// Checks a password when it is its turn; `None` where that took too long or too many wait.
+    async fn check(&self, username: &str, password: &Password) -> Option<Option<Role>> {
+        let _place = self.waiting.try_acquire().ok()?;
+        let check = async {
+            let _turn = self.checks.acquire().await.expect("the semaphore is never closed");
+            self.authenticator.authenticate(username, password.get()).await
+        };
+        tokio::time::timeout(AUTHENTICATION_TIMEOUT, check).await.ok()
+    }
+
+    /// Refuses a sign-in. Its name is not logged: people type passwords into the wrong box.
+    fn refuse(user: &str, address: Option<SocketAddr>, reason: &'static str) -> Error {
+        tracing::warn!(
+            user.name_length = user.chars().count(),
+            peer.address = address.map(tracing::field::display),
+            reason,
+            "The twin refused a sign-in."
+        );
         count("refused");
         // The client does not learn whether the name or the password was wrong, or that attempts are
         // throttled.
@@ -79,31 +105,33 @@ impl AuthManager for Login {
         ))
     }
 
-    async fn authenticate_username_identity_token(
+    async fn authenticate_username_identity_token_from(
         &self,
         _endpoint: &ServerEndpoint,
         username: &str,
         password: &Password,
+        address: Option<SocketAddr>,
     ) -> Result<UserToken, Error> {
+        let refuse = |reason| Self::refuse(username, address, reason);
         if username.len() > CREDENTIAL_BYTES_MAX || password.get().len() > CREDENTIAL_BYTES_MAX {
-            return Err(Self::refuse("", "the credentials are too long"));
+            return Err(refuse("the credentials are too long"));
         }
-        if !self.throttle.lock().may_try(username, Instant::now()) {
-            return Err(Self::refuse(username, "too many wrong attempts"));
+        let network = address.map(|address| network_of(address.ip()));
+        if !self.throttle.lock().begin(username, network, Instant::now()) {
+            return Err(refuse("too many wrong attempts"));
         }
-        let authentication = self.authenticator.authenticate(username, password.get());
-        match tokio::time::timeout(AUTHENTICATION_TIMEOUT, authentication).await {
-            Ok(Some(role)) => {
-                self.throttle.lock().succeeded(username);
+        match self.check(username, password).await {
+            Some(Some(role)) => {
+                self.throttle.lock().succeeded(username, network);
                 count("accepted");
                 tracing::info!(user.name = username, %role, "A user signed in to the twin.");
                 Ok(token_of(username, role))
             }
-            Ok(None) => {
-                self.throttle.lock().failed(username, Instant::now());
-                Err(Self::refuse(username, "the user name or password is wrong"))
+            Some(None) => Err(refuse("the user name or password is wrong")),
+            None => {
+                self.throttle.lock().take_back(username, network);
+                Err(refuse("too many passwords wait for their check"))
             }
-            Err(_) => Err(Self::refuse(username, "checking the password took too long")),
         }
     }
 
@@ -129,3 +157,6 @@ impl AuthManager for Login {
         CoreServerPermissions { read_diagnostics: user_of(token).role.may_write() }
     }
 }
+
+#[cfg(test)]
+mod tests;
