@@ -1,8 +1,11 @@
 //! Client certificate, and the trust in servers' certificates.
 //!
-//! Trust is by the certificate itself, approved by a person who compares thumbprints: `trusted/`
-//! and `rejected/` hold one DER file each. A certificate chain, an authority or a host name inside
-//! it are not evaluated.
+//! Trust is by the certificate itself, byte for byte, approved by a person who compares thumbprints:
+//! `trusted/` and `rejected/` hold one DER file each. A certificate chain, an authority or a host name
+//! inside it are not evaluated; its time is, and revocation lists (`crl/`, DER) that an authority of
+//! `issuers/` or `trusted/` signed.
+
+mod revocation;
 
 use std::{
     fs, io,
@@ -20,12 +23,16 @@ const OWN_CERTIFICATE: &str = "own/cert.der";
 const OWN_PRIVATE_KEY: &str = "private/private.pem";
 const TRUSTED: &str = "trusted";
 const REJECTED: &str = "rejected";
+const ISSUERS: &str = "issuers";
+const REVOCATION_LISTS: &str = "crl";
 /// Days for which the client certificate is valid.
 const OWN_VALIDITY_DAYS: u32 = 3650;
 /// Most certificates listed per folder, and most stored as rejected.
 const CERTIFICATES_MAX: usize = 1000;
 /// Longest certificate file read.
 const CERTIFICATE_BYTES_MAX: u64 = 64 << 10;
+/// Longest revocation list read.
+const REVOCATION_LIST_BYTES_MAX: u64 = 4 << 20;
 
 /// Client certificate, which a server's administrator must trust.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
@@ -69,6 +76,18 @@ pub enum TrustState {
     Rejected,
 }
 
+/// Result of the check of a server's certificate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    Trusted,
+    /// No person has approved it.
+    NotApproved,
+    /// Approved, but expired or not valid yet.
+    OutOfTime,
+    /// Approved, but its issuer revoked it.
+    Revoked,
+}
+
 /// Directory with certificates and keys. Its methods read and write files: call them off the
 /// async threads.
 #[derive(Debug, Clone)]
@@ -95,7 +114,7 @@ impl PkiDirectory {
     pub(crate) fn own(&self) -> Result<OwnCertificate, ShopFloorError> {
         let (certificate_path, key_path) =
             (self.directory.join(OWN_CERTIFICATE), self.directory.join(OWN_PRIVATE_KEY));
-        for folder in [TRUSTED, REJECTED, "own", "private"] {
+        for folder in [TRUSTED, REJECTED, ISSUERS, REVOCATION_LISTS, "own", "private"] {
             fs::create_dir_all(self.directory.join(folder))
                 .map_err(|error| disk(&self.directory, &error))?;
         }
@@ -164,8 +183,33 @@ impl PkiDirectory {
         Ok(())
     }
 
-    /// Returns true when exactly this certificate is trusted. A new one is stored as rejected.
-    pub(crate) fn is_trusted(&self, certificate: &X509) -> Result<bool, ShopFloorError> {
+    /// Returns whether a certificate may be relied on at a time. A new one is stored as rejected.
+    pub(crate) fn verdict(
+        &self,
+        certificate: &X509,
+        now: DateTime,
+    ) -> Result<Verdict, ShopFloorError> {
+        if !self.is_approved(certificate)? {
+            return Ok(Verdict::NotApproved);
+        }
+        let (from, to) = validity(certificate);
+        if from.is_none_or(|from| now < from) || to.is_none_or(|to| to < now) {
+            return Ok(Verdict::OutOfTime);
+        }
+        let contents = |folder, bytes_max| -> Vec<Vec<u8>> {
+            self.files(folder).iter().filter_map(|path| read(path, bytes_max).ok()).collect()
+        };
+        let authorities =
+            [ISSUERS, TRUSTED].map(|folder| contents(folder, CERTIFICATE_BYTES_MAX)).concat();
+        let lists = contents(REVOCATION_LISTS, REVOCATION_LIST_BYTES_MAX);
+        if revocation::is_revoked(certificate.as_byte_string().as_ref(), &authorities, &lists) {
+            return Ok(Verdict::Revoked);
+        }
+        Ok(Verdict::Trusted)
+    }
+
+    /// Returns true when exactly this certificate is approved. A new one is stored as rejected.
+    fn is_approved(&self, certificate: &X509) -> Result<bool, ShopFloorError> {
         let name = CertificateStore::cert_file_name(certificate);
         let der = certificate.to_der().map_err(|_| {
             ShopFloorError::Certificates("the server's certificate cannot be encoded".into())
@@ -267,8 +311,12 @@ fn validity(certificate: &X509) -> (Option<DateTime>, Option<DateTime>) {
 }
 
 fn read_limited(path: &Path) -> io::Result<Vec<u8>> {
-    if fs::metadata(path)?.len() > CERTIFICATE_BYTES_MAX {
-        return Err(io::Error::other("the file is too long for a certificate"));
+    read(path, CERTIFICATE_BYTES_MAX)
+}
+
+fn read(path: &Path, bytes_max: u64) -> io::Result<Vec<u8>> {
+    if fs::metadata(path)?.len() > bytes_max {
+        return Err(io::Error::other("the file is too long"));
     }
     fs::read(path)
 }
@@ -287,3 +335,6 @@ fn restrict(path: &Path, mode: u32) -> Result<(), ShopFloorError> {
 fn restrict(_path: &Path, _mode: u32) -> Result<(), ShopFloorError> {
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;

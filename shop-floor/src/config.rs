@@ -62,6 +62,10 @@ pub struct SourceConfig {
     /// Sign-in of the client on the server.
     #[serde(default)]
     pub identity: Identity,
+    /// Sends a user's password over an unprotected connection, too, where everybody on the network can read
+    /// it. For servers that offer nothing else.
+    #[serde(default)]
+    pub sends_password_unprotected: bool,
     /// Publishing interval of the subscriptions, in milliseconds (1 to 60 000).
     #[serde(default = "default_publishing_interval_ms")]
     pub publishing_interval_ms: u32,
@@ -89,6 +93,7 @@ impl SourceConfig {
             endpoint_url: endpoint_url.to_owned(),
             security: SecurityChoice::default(),
             identity: Identity::default(),
+            sends_password_unprotected: false,
             publishing_interval_ms: default_publishing_interval_ms(),
             silence_ms_max: default_silence_ms_max(),
         }

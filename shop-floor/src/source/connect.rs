@@ -18,10 +18,13 @@ use tokio::{sync::watch, task::AbortHandle};
 
 use crate::{
     ChosenEndpoint, EndpointOffer, Identity, SecurityPolicy, ShopFloorError, SourceConfig,
-    SourceProblem, SourceProblemKind as Kind, certificates::PkiDirectory, context::SourceContext,
+    SourceProblem, SourceProblemKind as Kind,
+    certificates::{PkiDirectory, Verdict},
+    clock,
+    context::SourceContext,
 };
 
-use endpoint_choice::{choose, mode_of, offer, policy_of, reachable_url, text};
+use endpoint_choice::{choose, exposes_password, mode_of, offer, policy_of, reachable_url, text};
 use failure::session_problem;
 
 /// Longest wait for a server's list of endpoints.
@@ -81,10 +84,13 @@ pub(super) async fn open_session(
     source: &SourceConfig,
 ) -> Result<OpenSession, SourceProblem> {
     ensure_own_certificate(context).await?;
-    let client = client(context, Some(source))?;
-    let offered = endpoints(&client, &source.endpoint_url).await?;
+    let offered = endpoints(&discovery_client(context)?, &source.endpoint_url).await?;
+    let client = client(context, source)?;
     let mut endpoint = choose(&offered, source.security, &source.identity)?.clone();
     let policy = policy_of(&endpoint).unwrap_or(SecurityPolicy::None);
+    if exposes_password(&endpoint, &source.identity) {
+        allow_exposure(source)?;
+    }
     if policy != SecurityPolicy::None {
         check_trust(context, &endpoint).await?;
     }
@@ -159,7 +165,7 @@ pub(crate) async fn discover(
     endpoint_url: &str,
 ) -> Result<Vec<EndpointOffer>, ShopFloorError> {
     let unreachable = |problem: SourceProblem| ShopFloorError::Unreachable(problem.message);
-    let client = client(context, None).map_err(unreachable)?;
+    let client = discovery_client(context).map_err(unreachable)?;
     let offered = endpoints(&client, endpoint_url).await.map_err(unreachable)?;
     Ok(offered.iter().map(offer).collect())
 }
@@ -176,9 +182,34 @@ async fn ensure_own_certificate(context: &SourceContext) -> Result<(), SourcePro
     }
 }
 
-fn client(context: &SourceContext, source: Option<&SourceConfig>) -> Result<Client, SourceProblem> {
+/// Refuses to show a password to the network, unless the source says so by name; then that is said aloud.
+fn allow_exposure(source: &SourceConfig) -> Result<(), SourceProblem> {
+    if !source.sends_password_unprotected {
+        return Err(SourceProblem::new(
+            Kind::Configuration,
+            "The connection is not protected, so that everybody on the network could read the password. It was not \
+             sent. Choose a protected endpoint, or allow it for this source by \"sendsPasswordUnprotected\".",
+        ));
+    }
+    tracing::warn!(source.id = %source.source_id,
+        "The password of a source is sent over an unprotected connection, because \"sendsPasswordUnprotected\" is set.");
+    Ok(())
+}
+
+/// A client that asks a server for its endpoints. Nothing is known of the server yet, so its answer has the limits that
+/// the stack has for a client, which hold hundreds of endpoints, and not those of a trusted server.
+fn discovery_client(context: &SourceContext) -> Result<Client, SourceProblem> {
+    built(common(ClientBuilder::new(), context))
+}
+
+fn client(context: &SourceContext, source: &SourceConfig) -> Result<Client, SourceProblem> {
+    let name = format!("{} {}", context.config.application_name, source.source_id);
+    built(common(limits::raise_client(ClientBuilder::new()), context).session_name(name))
+}
+
+fn common(builder: ClientBuilder, context: &SourceContext) -> ClientBuilder {
     let session_timeout = u32::try_from(SESSION_LIFETIME.as_millis()).expect("half a minute fits");
-    let mut builder = limits::raise_client(ClientBuilder::new())
+    builder
         .application_name(&context.config.application_name)
         .application_uri(&context.config.application_uri)
         .product_uri("urn:verbund:factory-connector")
@@ -194,11 +225,10 @@ fn client(context: &SourceContext, source: Option<&SourceConfig>) -> Result<Clie
         .recreate_subscriptions(false)
         .keep_alive_interval(STACK_KEEP_ALIVE)
         .session_timeout(session_timeout)
-        .request_timeout(REQUEST_TIMEOUT);
-    if let Some(source) = source {
-        builder = builder
-            .session_name(format!("{} {}", context.config.application_name, source.source_id));
-    }
+        .request_timeout(REQUEST_TIMEOUT)
+}
+
+fn built(builder: ClientBuilder) -> Result<Client, SourceProblem> {
     builder.client().map_err(|faults| SourceProblem::new(Kind::Configuration, faults.join(", ")))
 }
 
@@ -237,14 +267,22 @@ async fn check_trust(
     })?;
     let (subject, thumbprint) =
         (certificate.subject_name(), certificate.thumbprint().as_hex_string());
-    match context.with_certificates(move |pki| pki.is_trusted(&certificate)).await {
-        Ok(Ok(true)) => Ok(()),
-        Ok(Ok(false)) => Err(SourceProblem::new(
+    let invalid = |why: &str| {
+        Err(SourceProblem::new(
+            Kind::ServerCertificateInvalid,
+            format!("The server's certificate {why}: {subject}, thumbprint {thumbprint}."),
+        ))
+    };
+    match context.with_certificates(move |pki| pki.verdict(&certificate, clock::now())).await {
+        Ok(Ok(Verdict::Trusted)) => Ok(()),
+        Ok(Ok(Verdict::NotApproved)) => Err(SourceProblem::new(
             Kind::ServerCertificateUntrusted,
             format!(
                 "The server's certificate is not trusted yet: {subject}, thumbprint {thumbprint}."
             ),
         )),
+        Ok(Ok(Verdict::OutOfTime)) => invalid("was approved but is not valid at this time"),
+        Ok(Ok(Verdict::Revoked)) => invalid("was approved but its issuer revoked it"),
         Ok(Err(error)) => Err(SourceProblem::new(Kind::Configuration, error.to_string())),
         Err(error) => Err(SourceProblem::new(
             Kind::Configuration,

@@ -96,6 +96,25 @@ async fn an_unprotected_server_is_used_only_by_explicit_choice() {
 }
 
 #[tokio::test]
+async fn a_password_is_sent_unprotected_only_where_that_is_allowed_by_name() {
+    let mut machine = protected("Press");
+    (machine.security.unprotected, machine.security.protected) = (true, false);
+    let simulation = Simulation::of(vec![machine]).await;
+    let press = simulation.machine("Press");
+    let floor = Floor::start();
+    let mut source = source(&press, "press");
+    source.security = SecurityChoice::None;
+    let id = source.source_id.clone();
+    floor.handle.put_source(source.clone()).expect("valid");
+    until("it is refused", || problem(&floor, &id) == Some(SourceProblemKind::Configuration)).await;
+    let message = floor.status(&id).problem.expect("a problem").message;
+    assert!(message.contains("It was not sent"), "{message}");
+    source.sends_password_unprotected = true;
+    floor.handle.put_source(source).expect("valid");
+    floor.until_connected(&id).await;
+}
+
+#[tokio::test]
 async fn an_address_without_server_is_unreachable() {
     let floor = Floor::start();
     let source =

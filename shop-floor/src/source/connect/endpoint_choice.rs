@@ -59,6 +59,14 @@ pub(super) fn choose<'a>(
     }
 }
 
+/// Returns whether signing in at an endpoint shows a password to everybody on the network. Encrypted with the key that an
+/// unprotected server names it is no safer: anybody may name his own.
+pub(super) fn exposes_password(endpoint: &EndpointDescription, identity: &Identity) -> bool {
+    let is_unprotected = policy_of(endpoint).is_none_or(|policy| policy == SecurityPolicy::None)
+        || mode_of(endpoint.security_mode) == MessageSecurity::None;
+    is_unprotected && matches!(identity, Identity::UserName { .. })
+}
+
 fn allows(endpoint: &EndpointDescription, token: UserTokenType) -> bool {
     endpoint.user_identity_tokens.iter().flatten().any(|policy| policy.token_type == token)
 }
@@ -174,6 +182,23 @@ mod tests {
         check(&offered, exactly(MessageSecurity::Sign), &user, Some("Basic256Sha256 Sign"));
         check(&offered[..2], SecurityChoice::Strongest, &user, Option::None);
         check(&offered[4..], SecurityChoice::Strongest, &user, Option::None);
+    }
+
+    #[test]
+    fn a_password_is_exposed_where_nothing_protects_the_connection() {
+        let user = Identity::UserName { user_name: "a".into(), password: "b".into() };
+        let tokens = [UserTokenType::UserName];
+        let unprotected = endpoint("None", MessageSecurityMode::None, &tokens);
+        let signed = endpoint("Basic256Sha256", MessageSecurityMode::Sign, &tokens);
+        let half = endpoint("Basic256Sha256", MessageSecurityMode::None, &tokens);
+        for (endpoint, identity, expected) in [
+            (&unprotected, &user, true),
+            (&half, &user, true),
+            (&signed, &user, false),
+            (&unprotected, &Identity::Anonymous, false),
+        ] {
+            assert_eq!(exposes_password(endpoint, identity), expected, "{}", offer_name(endpoint));
+        }
     }
 
     #[test]
