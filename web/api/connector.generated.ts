@@ -2284,7 +2284,7 @@ export interface components {
          * @description Trust in a client's certificate.
          * @enum {string}
          */
-        ClientTrust: "TRUSTED" | "REJECTED";
+        ClientTrust: "TRUSTED" | "REJECTED" | "DENIED";
         /** @description Approval of a client's certificate. */
         ClientTrustBody: {
             /** @description True: its bearer may connect from now on. False: it is rejected from the next connection on. */
@@ -5051,6 +5051,11 @@ export interface components {
             publishingIntervalMs?: number;
             /** @description Choice among the server's endpoints. */
             security?: components["schemas"]["SecurityChoice"];
+            /**
+             * @description Sends a user's password over an unprotected connection, too, where everybody on the network can read
+             *     it. For servers that offer nothing else.
+             */
+            sendsPasswordUnprotected?: boolean;
             /**
              * Format: int32
              * @description Milliseconds without any sign of life after which a connection is given up (500 to 600

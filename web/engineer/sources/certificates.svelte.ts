@@ -13,6 +13,8 @@ export interface ShownCertificate {
   validTo?: string | null | undefined
   keyBits?: number | null | undefined
   isTrusted: boolean
+  /** True where an engineer denied the trust. */
+  isDenied?: boolean
   /** Last rejection of its owner, with the reason and the owner's application and address. */
   rejection?:
     | { at: string; reason: string; address: string | null; applicationName: string | null }
@@ -43,6 +45,7 @@ export function ofClients(certificates: readonly ClientCertificateView[]): Shown
       validFrom: notBefore,
       validTo: notAfter,
       isTrusted: state === 'TRUSTED',
+      isDenied: state === 'DENIED',
       rejection:
         rejectedAt == null
           ? undefined

@@ -22,7 +22,7 @@ function twin(): Asked[] {
   const trust = ({ path, body }: Asked): unknown => {
     const state = (body as { isTrusted: boolean }).isTrusted
       ? ('TRUSTED' as const)
-      : ('REJECTED' as const)
+      : ('DENIED' as const)
     known = known.map((each) => (path.endsWith(each.thumbprint) ? { ...each, state } : each))
     return known[0]
   }

@@ -23,6 +23,9 @@ export const sources: typeof English = {
     userName: 'Benutzername',
     password: 'Passwort',
     passwordKept: 'Leer lassen, um das Passwort zu behalten.',
+    passwordUnprotected: 'Das Passwort ungeschützt senden',
+    passwordUnprotectedHint:
+      'Jeder im Netz kann es lesen. Ohne dies wird es nicht gesendet, und die Quelle bleibt unverbunden.',
     publishingInterval: 'Sendeintervall (ms)',
     state: {
       connected: 'Verbunden',
@@ -153,8 +156,10 @@ export const sources: typeof English = {
     tooLarge: (size: string) => `Die Datei ist größer als ${size}: Das kann kein Zertifikat sein.`,
     isTrusted: 'Vertraut',
     isRejected: 'Wartet auf Sie',
+    isDenied: 'Abgelehnt',
     trust: 'Vertrauen',
     withdraw: 'Nicht mehr vertrauen',
+    deny: 'Ablehnen',
     trusted: 'Dem Zertifikat wird vertraut.',
     rejected: 'Dem Zertifikat wird nicht mehr vertraut.',
   },

@@ -20,6 +20,9 @@ export const sources = {
     userName: 'User name',
     password: 'Password',
     passwordKept: 'Leave empty to keep the password.',
+    passwordUnprotected: 'Send the password unprotected',
+    passwordUnprotectedHint:
+      'Everybody on the network can read it. Without this it is not sent, and the source stays unconnected.',
     publishingInterval: 'Publishing interval (ms)',
     state: {
       connected: 'Connected',
@@ -148,8 +151,10 @@ export const sources = {
     tooLarge: (size: string) => `The file is larger than ${size}: it cannot be a certificate.`,
     isTrusted: 'Trusted',
     isRejected: 'Waits for you',
+    isDenied: 'Denied',
     trust: 'Trust',
     withdraw: 'Stop trusting',
+    deny: 'Deny',
     trusted: 'Certificate trusted.',
     rejected: 'Certificate no longer trusted.',
   },
