@@ -4,6 +4,7 @@
 
 mod browse;
 mod foreign;
+mod hostile;
 mod monitor;
 mod recovery;
 mod security;

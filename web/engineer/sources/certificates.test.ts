@@ -188,6 +188,17 @@ describe('certificates of OPC UA clients', () => {
     expect(changes(log)).toEqual([{ isTrusted: true }, { isTrusted: false }])
   })
 
+  it('are denied before they were ever trusted, and trusted again', async () => {
+    const log = twin()
+    render(ClientCertificates)
+    await userEvent.click(await screen.findByRole('button', { name: 'Deny: CN=Planner' }))
+    await vi.waitFor(() => expect(row('CN=Planner')).toMatch(/Denied/))
+    expect(screen.queryByRole('button', { name: 'Deny: CN=Planner' })).toBeNull()
+    await userEvent.click(screen.getByRole('button', { name: 'Trust: CN=Planner' }))
+    await screen.findByRole('button', { name: 'Stop trusting: CN=Planner' })
+    expect(changes(log)).toEqual([{ isTrusted: false }, { isTrusted: true }])
+  })
+
   it('are not for everybody to trust', async () => {
     twin()
     signIn('VIEWER')
