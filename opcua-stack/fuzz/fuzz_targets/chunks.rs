@@ -1,4 +1,4 @@
-//! Whatever a connection carries, both sides meet it without panic, and take no more of it than a chunk.
+//! Any bytes of a connection are met by both sides without panic, and no more is taken of them than a chunk.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

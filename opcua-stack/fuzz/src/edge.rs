@@ -1,4 +1,4 @@
-//! What the fuzz targets do with bytes; the tests of `opcua-stack` do the same with the corpus.
+//! Work of the fuzz targets; the tests of `opcua-stack` do the same with the corpus.
 
 use std::{
     path::Path,

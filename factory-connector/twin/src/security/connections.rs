@@ -108,7 +108,7 @@ struct OpenConnections {
 
 struct Connection {
     address: IpAddr,
-    /// Whether a session was activated on it.
+    /// True once a session was activated on it.
     is_known: bool,
     close: CancellationToken,
 }

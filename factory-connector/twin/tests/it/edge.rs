@@ -1,4 +1,4 @@
-//! What anybody on the network can send: sizes, policies, nesting and lengths, each refused before it costs anything.
+//! Messages that anybody on the network can send: sizes, policies, nesting and lengths, each refused before it costs anything.
 
 use std::time::{Duration, Instant};
 
@@ -145,7 +145,7 @@ async fn nested_values_end_a_request_and_not_the_process() {
     twin.stop().await;
 }
 
-/// Where the sequence number is in a request for a channel without security: after the headers, the policy's URI, and two
+/// Offset of the sequence number in a request for a channel without security: after the headers, the policy's URI, and two
 /// absent certificates.
 const SEQUENCE_AT: usize = 12 + 4 + 47 + 8;
 

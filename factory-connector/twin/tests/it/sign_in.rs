@@ -21,7 +21,7 @@ use opcua_stack::{
 
 use crate::harness::{DEADLINE, TestTwin};
 
-/// How a password is put into a token.
+/// Form of a password in a token.
 #[derive(Debug, Clone, Copy)]
 enum Secret {
     /// As it is.
