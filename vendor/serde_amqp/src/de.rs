@@ -14,9 +14,7 @@ use crate::{
     descriptor::PeekDescriptor,
     error::Error,
     fixed_width::{DECIMAL128_WIDTH, DECIMAL32_WIDTH, DECIMAL64_WIDTH, UUID_WIDTH},
-    format::{
-        OFFSET_ARRAY32, OFFSET_ARRAY8, OFFSET_LIST32, OFFSET_LIST8, OFFSET_MAP32, OFFSET_MAP8,
-    },
+    format::Category,
     format_code::EncodingCodes,
     read::{IoReader, Read, SliceReader},
     util::{EnumType, NonNativeType, PeekTypeCode, SequenceType, StructEncoding},
@@ -33,6 +31,25 @@ use crate::{
 /// DoS. The cap is well above any legitimate AMQP traffic seen in practice —
 /// real-world OPEN/BEGIN/ATTACH frames carry single-digit element counts.
 pub const MAX_ARRAY_COUNT: usize = 65_536;
+
+/// Maximum number of elements of all arrays, lists, maps and transparent
+/// vectors that one deserializer yields.
+///
+/// A decoded element takes tens of times the memory of its encoding (a `null`
+/// of one byte becomes a `Value`), and many small compounds may each stay below
+/// [`MAX_ARRAY_COUNT`]. The sum bounds the memory of a whole frame or message.
+pub const MAX_ELEMENTS: usize = 65_536;
+
+/// Maximum nesting of described types, lists, maps and arrays.
+///
+/// Two bytes are enough for one more level, so that a frame of a few KiB would
+/// otherwise overflow the stack of the thread that decodes it.
+pub const MAX_NESTING_DEPTH: usize = 64;
+
+/// Number of bytes that the size and the count of a compound type take each.
+const WIDTH8: usize = 1;
+/// See [`WIDTH8`].
+const WIDTH32: usize = 4;
 
 /// Deserialize an instance of type T from an IO stream
 pub fn from_reader<T: de::DeserializeOwned>(reader: impl std::io::Read) -> Result<T, Error> {
@@ -57,6 +74,13 @@ pub struct Deserializer<R> {
     enum_type: EnumType,
     struct_encoding: StructEncoding,
     elem_format_code: Option<EncodingCodes>,
+    /// Number of described types, lists, maps and arrays around the current value
+    depth: usize,
+    /// Number of elements that the compounds so far have announced
+    elements: usize,
+    /// Position, as of `Read::bytes_consumed`, at which the innermost compound
+    /// ends; none outside of all compounds
+    end: Option<usize>,
 }
 
 impl<'de, R: Read<'de>> Deserializer<R> {
@@ -69,7 +93,220 @@ impl<'de, R: Read<'de>> Deserializer<R> {
             enum_type: Default::default(),
             struct_encoding: StructEncoding::None,
             elem_format_code: None,
+            depth: 0,
+            elements: 0,
+            end: None,
         }
+    }
+
+    /// Decodes a value that contains others, and fails where the nesting
+    /// exceeds [`MAX_NESTING_DEPTH`].
+    fn nested<T>(
+        &mut self,
+        decode: impl FnOnce(&mut Self) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        if self.depth >= MAX_NESTING_DEPTH {
+            return Err(Error::NestingTooDeep);
+        }
+        let end = self.end;
+        let elem_format_code = self.elem_format_code.clone();
+        self.depth += 1;
+        let result = decode(self);
+        self.depth -= 1;
+        // What follows belongs to the enclosing compound again
+        self.end = end;
+        self.elem_format_code = elem_format_code;
+        result
+    }
+
+    /// Checks a length that the peer has sent against the bytes that are left
+    fn check_length(&self, len: usize) -> Result<(), Error> {
+        let in_compound = self
+            .end
+            .map(|end| end.saturating_sub(self.reader.bytes_consumed()));
+        let is_longer = |left: Option<usize>| left.is_some_and(|left| len > left);
+        match is_longer(in_compound) || is_longer(self.reader.bytes_left()) {
+            true => Err(Error::InvalidLength),
+            false => Ok(()),
+        }
+    }
+
+    /// Fails where more was read than the innermost compound has
+    fn check_end(&self) -> Result<(), Error> {
+        match self.end {
+            Some(end) if self.reader.bytes_consumed() > end => Err(Error::InvalidLength),
+            _ => Ok(()),
+        }
+    }
+
+    /// Counts announced elements and fails beyond [`MAX_ELEMENTS`]
+    fn count_elements(&mut self, count: usize) -> Result<(), Error> {
+        self.elements = self.elements.saturating_add(count);
+        match self.elements > MAX_ELEMENTS {
+            true => Err(Error::InvalidValue),
+            false => Ok(()),
+        }
+    }
+
+    fn read_length(&mut self, width: usize) -> Result<usize, Error> {
+        match width {
+            WIDTH8 => {
+                let byte = self.reader.next()?;
+                let byte = byte.ok_or_else(|| Error::unexpected_eof("Expecting len"))?;
+                Ok(byte as usize)
+            }
+            _ => {
+                let bytes = self.reader.read_const_bytes()?;
+                Ok(u32::from_be_bytes(bytes) as usize)
+            }
+        }
+    }
+
+    /// Reads size and count of a compound. Returns the number of bytes that
+    /// follow the count, and the count. Neither exceeds what is left.
+    fn read_compound_header(&mut self, width: usize) -> Result<(usize, usize), Error> {
+        let size = self.read_length(width)?;
+        let count = self.read_length(width)?;
+        // Account for the count
+        let body = size.checked_sub(width).ok_or(Error::InvalidLength)?;
+        if count > MAX_ARRAY_COUNT || count > size {
+            return Err(Error::InvalidValue);
+        }
+        self.check_length(body)?;
+        self.count_elements(count)?;
+        let end = self.reader.bytes_consumed().checked_add(body);
+        self.end = Some(end.ok_or(Error::InvalidLength)?);
+        Ok((body, count))
+    }
+
+    /// Decodes a list or an array
+    fn decode_seq<V>(&mut self, visitor: V) -> Result<V::Value, Error>
+    where
+        V: de::Visitor<'de>,
+    {
+        let code = self
+            .get_elem_code_or_read_format_code()
+            .ok_or_else(|| Error::unexpected_eof("Expecting format code"))??;
+        match code {
+            EncodingCodes::Array8 => self.decode_array(WIDTH8, visitor),
+            EncodingCodes::Array32 => self.decode_array(WIDTH32, visitor),
+            EncodingCodes::List0 | EncodingCodes::List8 | EncodingCodes::List32 => {
+                let count = self.read_list_header(code)?;
+                visitor.visit_seq(ListAccess::new(self, count))
+            }
+            _ => Err(Error::InvalidFormatCode),
+        }
+    }
+
+    fn decode_array<V>(&mut self, width: usize, visitor: V) -> Result<V::Value, Error>
+    where
+        V: de::Visitor<'de>,
+    {
+        let (body, count) = self.read_compound_header(width)?;
+        if count == 0 {
+            // The element format code may be missing where there are no elements
+            self.reader.read_bytes(body)?;
+            return visitor.visit_seq(ArrayAccess::new(self, 0, 0));
+        }
+        let format_code = self
+            .read_format_code()
+            .ok_or_else(|| Error::unexpected_eof("Expecting format code"))??;
+        // Account for the element format code
+        let body = body.checked_sub(1).ok_or(Error::InvalidLength)?;
+        let is_consistent = match Category::try_from(format_code.clone()) {
+            // Elements of no width (null, true, uint0 ..) are backed by no
+            // byte, so that their count has to be bounded otherwise
+            Ok(Category::Fixed(0)) => body == 0 && count <= width,
+            Ok(Category::Fixed(element)) => count.checked_mul(element) == Some(body),
+            _ => count <= body,
+        };
+        if !is_consistent {
+            return Err(Error::InvalidValue);
+        }
+        self.elem_format_code = Some(format_code);
+        visitor.visit_seq(ArrayAccess::new(self, body, count))
+    }
+
+    /// Reads the header of a list after its format code; returns the count
+    fn read_list_header(&mut self, code: EncodingCodes) -> Result<usize, Error> {
+        let width = match code {
+            EncodingCodes::List0 => {
+                self.elem_format_code = None;
+                return Ok(0);
+            }
+            EncodingCodes::List8 => WIDTH8,
+            EncodingCodes::List32 => WIDTH32,
+            _ => return Err(Error::InvalidFormatCode),
+        };
+        let (body, count) = self.read_compound_header(width)?;
+        // Each element has at least its format code
+        if count > body {
+            return Err(Error::InvalidValue);
+        }
+        // Make sure there is no other element format code
+        self.elem_format_code = None;
+        Ok(count)
+    }
+
+    /// Reads the header of a map after its format code; returns the count of
+    /// keys and values together
+    fn read_map_header(&mut self, code: EncodingCodes) -> Result<usize, Error> {
+        let width = match code {
+            EncodingCodes::Map8 => WIDTH8,
+            EncodingCodes::Map32 => WIDTH32,
+            _ => return Err(Error::InvalidFormatCode),
+        };
+        let (body, count) = self.read_compound_header(width)?;
+        // Keys and values have at least their format codes, and come in pairs
+        if count > body || count % 2 != 0 {
+            return Err(Error::InvalidLength);
+        }
+        // Make sure there is no other element format code
+        self.elem_format_code = None;
+        Ok(count)
+    }
+
+    /// Decodes a list of a known number of elements
+    fn decode_tuple<V>(&mut self, len: usize, visitor: V) -> Result<V::Value, Error>
+    where
+        V: de::Visitor<'de>,
+    {
+        // Tuple will always be deserialized as List
+        let code = self
+            .get_elem_code_or_read_format_code()
+            .ok_or_else(|| Error::unexpected_eof("Expecting format code"))??;
+        let count = self.read_list_header(code)?;
+        if count != len {
+            return Err(Error::SequenceLengthMismatch);
+        }
+        visitor.visit_seq(ListAccess::new(self, count))
+    }
+
+    /// Decodes an enum that is a list or a map of variant and value
+    fn decode_variant<V>(&mut self, width: usize, visitor: V) -> Result<V::Value, Error>
+    where
+        V: de::Visitor<'de>,
+    {
+        let _code = self
+            .reader
+            .next()?
+            .ok_or_else(|| Error::unexpected_eof("Expecting code"))?;
+        let (_, count) = self.read_compound_header(width)?;
+        if count != 2 {
+            return Err(Error::InvalidLength);
+        }
+        visitor.visit_enum(VariantAccess::new(self))
+    }
+
+    fn decode_map<V>(&mut self, visitor: V) -> Result<V::Value, Error>
+    where
+        V: de::Visitor<'de>,
+    {
+        let code = self
+            .get_elem_code_or_read_format_code()
+            .ok_or_else(|| Error::unexpected_eof("Expecting format code"))??;
+        let count = self.read_map_header(code)?;
+        visitor.visit_map(MapAccess::new(self, count))
     }
 
     fn read_format_code(&mut self) -> Option<Result<EncodingCodes, Error>> {
@@ -310,6 +547,9 @@ impl<'de, R: Read<'de>> Deserializer<R> {
             Some(Err(e)) => return Some(Err(e.into())),
             None => return None,
         };
+        if let Err(e) = self.check_length(len as usize) {
+            return Some(Err(e));
+        }
         match self.reader.read_bytes(len as usize) {
             Ok(buf) => Some(String::from_utf8(buf).map_err(Into::into)),
             Err(e) => Some(Err(e.into())),
@@ -323,6 +563,9 @@ impl<'de, R: Read<'de>> Deserializer<R> {
             Err(e) => return Some(Err(e.into())),
         };
         let len = u32::from_be_bytes(len_bytes);
+        if let Err(e) = self.check_length(len as usize) {
+            return Some(Err(e));
+        }
         match self.reader.read_bytes(len as usize) {
             Ok(buf) => Some(String::from_utf8(buf).map_err(Into::into)),
             Err(e) => Some(Err(e.into())),
@@ -361,24 +604,20 @@ impl<'de, R: Read<'de>> Deserializer<R> {
         }
     }
 
+    fn read_binary(&mut self, width: usize) -> Result<Vec<u8>, Error> {
+        let len = self.read_length(width)?;
+        self.check_length(len)?;
+        self.reader.read_bytes(len).map_err(Into::into)
+    }
+
     #[inline]
     fn parse_binary(&mut self) -> Result<Vec<u8>, Error> {
         match self
             .get_elem_code_or_read_format_code()
             .ok_or_else(|| Error::unexpected_eof("parse_byte_buf"))??
         {
-            EncodingCodes::Vbin8 => {
-                let len = self
-                    .reader
-                    .next()?
-                    .ok_or_else(|| Error::unexpected_eof("Expecting len"))?;
-                self.reader.read_bytes(len as usize).map_err(Into::into)
-            }
-            EncodingCodes::Vbin32 => {
-                let len_bytes = self.reader.read_const_bytes()?;
-                let len = u32::from_be_bytes(len_bytes);
-                self.reader.read_bytes(len as usize).map_err(Into::into)
-            }
+            EncodingCodes::Vbin8 => self.read_binary(WIDTH8),
+            EncodingCodes::Vbin32 => self.read_binary(WIDTH32),
             _ => Err(Error::InvalidFormatCode),
         }
     }
@@ -468,6 +707,7 @@ impl<'de, R: Read<'de>> Deserializer<R> {
                     .peek_bytes(3)?
                     .ok_or_else(|| Error::unexpected_eof(""))?;
                 let size = _buf[2] as usize;
+                self.check_length(3 + size)?;
                 let _buf = self
                     .reader
                     .peek_bytes(3 + size)?
@@ -486,9 +726,11 @@ impl<'de, R: Read<'de>> Deserializer<R> {
                 let mut size_bytes = [0u8; 4];
                 size_bytes.copy_from_slice(&_buf[2..]);
                 let size = u32::from_be_bytes(size_bytes) as usize;
+                let len = size.checked_add(6).ok_or(Error::InvalidLength)?;
+                self.check_length(len)?;
                 let _buf = self
                     .reader
-                    .peek_bytes(6 + size)?
+                    .peek_bytes(len)?
                     .ok_or_else(|| Error::unexpected_eof(""))?;
                 let slice = std::str::from_utf8(&_buf[6..])?;
                 visitor.visit_str(slice)
@@ -716,16 +958,11 @@ where
             .get_elem_code_or_read_format_code()
             .ok_or_else(|| Error::unexpected_eof("Expecting format code"))??
         {
-            EncodingCodes::Str8 | EncodingCodes::Sym8 => {
-                self.reader
-                    .next()?
-                    .ok_or_else(|| Error::unexpected_eof("Expecting len"))? as usize
-            }
-            EncodingCodes::Str32 | EncodingCodes::Sym32 => {
-                self.reader.read_const_bytes().map(u32::from_be_bytes)? as usize
-            }
+            EncodingCodes::Str8 | EncodingCodes::Sym8 => self.read_length(WIDTH8)?,
+            EncodingCodes::Str32 | EncodingCodes::Sym32 => self.read_length(WIDTH32)?,
             _ => return Err(Error::InvalidFormatCode),
         };
+        self.check_length(len)?;
         self.reader.forward_read_str(len, visitor)
     }
 
@@ -734,10 +971,11 @@ where
         V: de::Visitor<'de>,
     {
         // visitor.visit_byte_buf(self.parse_byte_buf()?)
-        match self.non_native_type {
+        match self.non_native_type.take() {
             None => visitor.visit_byte_buf(self.parse_binary()?),
             Some(NonNativeType::LazyValue) => self.reader.forward_read_byte_buf(visitor),
-            _ => unreachable!("Only Binary and LazyValue are expected in deserialize_byte_buf"),
+            // Only Binary and LazyValue are expected in deserialize_byte_buf
+            Some(_) => Err(Error::InvalidFormatCode),
         }
     }
 
@@ -758,24 +996,17 @@ where
                 self.non_native_type = None;
                 self.parse_uuid(visitor)
             }
-            Some(NonNativeType::LazyValue) => {
-                unreachable!()
-            }
+            Some(NonNativeType::LazyValue) => Err(Error::InvalidFormatCode),
             _ => {
                 let len = match self
                     .get_elem_code_or_read_format_code()
                     .ok_or_else(|| Error::unexpected_eof("Expecting format code"))??
                 {
-                    EncodingCodes::Vbin8 => self
-                        .reader
-                        .next()?
-                        .ok_or_else(|| Error::unexpected_eof("Expecting len"))?
-                        as usize,
-                    EncodingCodes::Vbin32 => {
-                        self.reader.read_const_bytes().map(u32::from_be_bytes)? as usize
-                    }
+                    EncodingCodes::Vbin8 => self.read_length(WIDTH8)?,
+                    EncodingCodes::Vbin32 => self.read_length(WIDTH32)?,
                     _ => return Err(Error::InvalidFormatCode),
                 };
+                self.check_length(len)?;
                 self.reader.forward_read_bytes_with_hint(len, visitor)
             }
         }
@@ -852,7 +1083,7 @@ where
             self.deserialize_i64(visitor)
         } else if name == TRANSPARENT_VEC {
             self.seq_type = Some(SequenceType::TransparentVec);
-            visitor.visit_seq(TransparentVecAccess::new(self))
+            self.nested(|de| visitor.visit_seq(TransparentVecAccess::new(de)))
         } else if name == LAZY_VALUE {
             self.non_native_type = Some(NonNativeType::LazyValue);
             self.deserialize_byte_buf(visitor)
@@ -865,237 +1096,21 @@ where
     where
         V: de::Visitor<'de>,
     {
-        let code = self
-            .get_elem_code_or_read_format_code()
-            .ok_or_else(|| Error::unexpected_eof("Expecting format code"))??;
-        match code {
-            EncodingCodes::Array8 => {
-                // Read "header" bytes
-                let len = self
-                    .reader
-                    .next()?
-                    .ok_or_else(|| Error::unexpected_eof("Expecting len"))?
-                    as usize;
-                let count = self
-                    .reader
-                    .next()?
-                    .ok_or_else(|| Error::unexpected_eof("Expecting count"))?
-                    as usize;
-
-                // Reject counts that exceed the hard cap or the encoded body
-                // length. Without these checks an attacker could supply a
-                // count larger than the bytes actually present (in particular
-                // with zero-width element format codes such as null/true/
-                // false/uint0/ulong0) and force the visitor to iterate or
-                // allocate far beyond the frame size.
-                if count > MAX_ARRAY_COUNT || count > len {
-                    return Err(Error::InvalidValue);
-                }
-
-                // If count is zero, jump to visitor
-                match count {
-                    0 => visitor.visit_seq(ArrayAccess::new(self, len, count)),
-                    _ => {
-                        let format_code = self
-                            .read_format_code()
-                            .ok_or_else(|| Error::unexpected_eof("Expecting format code"))??;
-                        self.elem_format_code = Some(format_code);
-
-                        // Account for offset
-                        let len = len - OFFSET_ARRAY8;
-                        // let buf = self.reader.read_bytes(len)?;
-
-                        visitor.visit_seq(ArrayAccess::new(self, len, count))
-                    }
-                }
-            }
-            EncodingCodes::Array32 => {
-                // Read "header" bytes
-                let len_bytes = self.reader.read_const_bytes()?;
-                let len = u32::from_be_bytes(len_bytes) as usize;
-
-                let count_bytes = self.reader.read_const_bytes()?;
-                let count = u32::from_be_bytes(count_bytes) as usize;
-
-                // See `Array8` arm above: cap the count so that a malformed
-                // frame cannot trick the visitor into iterating 2^31 times.
-                if count > MAX_ARRAY_COUNT || count > len {
-                    return Err(Error::InvalidValue);
-                }
-
-                // If count is zero, jump to visitor
-                match count {
-                    0 => visitor.visit_seq(ArrayAccess::new(self, len, count)),
-                    _ => {
-                        let format_code = self
-                            .read_format_code()
-                            .ok_or_else(|| Error::unexpected_eof("Expecting format code"))??;
-                        self.elem_format_code = Some(format_code);
-
-                        // Account for offset
-                        let len = len - OFFSET_ARRAY32;
-                        // let buf = self.reader.read_bytes(len)?;
-
-                        visitor.visit_seq(ArrayAccess::new(self, len, count))
-                    }
-                }
-            }
-            EncodingCodes::List0 => {
-                let len = 0;
-                let count = 0;
-                visitor.visit_seq(ListAccess::new(self, len, count))
-            }
-            EncodingCodes::List8 => {
-                let len = self
-                    .reader
-                    .next()?
-                    .ok_or_else(|| Error::unexpected_eof("Expecting len"))?
-                    as usize;
-                let count = self
-                    .reader
-                    .next()?
-                    .ok_or_else(|| Error::unexpected_eof("Expecting count"))?
-                    as usize;
-
-                // Account for offset
-                let len = len - OFFSET_LIST8;
-
-                // Make sure there is no other element format code
-                self.elem_format_code = None;
-                visitor.visit_seq(ListAccess::new(self, len, count))
-            }
-            EncodingCodes::List32 => {
-                let len_bytes = self.reader.read_const_bytes()?;
-                let count_bytes = self.reader.read_const_bytes()?;
-                let len = u32::from_be_bytes(len_bytes) as usize;
-                let count = u32::from_be_bytes(count_bytes) as usize;
-
-                // Defense in depth: each list element carries its own format
-                // code (>=1 byte), so a valid `list32` is implicitly bounded
-                // by frame size. We still cap `count` to keep allocation and
-                // iteration costs in check for unauthenticated frames.
-                if count > MAX_ARRAY_COUNT {
-                    return Err(Error::InvalidValue);
-                }
-
-                // Account for offset
-                let len = len - OFFSET_LIST32;
-
-                // Make sure there is no other element format code
-                self.elem_format_code = None;
-                visitor.visit_seq(ListAccess::new(self, len, count))
-            }
-            _ => Err(Error::InvalidFormatCode),
-        }
+        self.nested(|de| de.decode_seq(visitor))
     }
 
     fn deserialize_tuple<V>(self, len: usize, visitor: V) -> Result<V::Value, Self::Error>
     where
         V: de::Visitor<'de>,
     {
-        // Tuple will always be deserialized as List
-        let code = self
-            .get_elem_code_or_read_format_code()
-            .ok_or_else(|| Error::unexpected_eof("Expecting format code"))??;
-
-        let (size, count) = match code {
-            EncodingCodes::List0 => {
-                let size = 0;
-                let count = 0;
-                (size, count)
-            }
-            EncodingCodes::List8 => {
-                let size = self
-                    .reader
-                    .next()?
-                    .ok_or_else(|| Error::unexpected_eof("Expecting size"))?
-                    as usize;
-                let count = self
-                    .reader
-                    .next()?
-                    .ok_or_else(|| Error::unexpected_eof("Expecting count"))?
-                    as usize;
-
-                // Account for offset
-                let size = size - OFFSET_LIST8;
-
-                // Make sure there is no other element format code
-                self.elem_format_code = None;
-                (size, count)
-            }
-            EncodingCodes::List32 => {
-                let size_bytes = self.reader.read_const_bytes()?;
-                let count_bytes = self.reader.read_const_bytes()?;
-                let size = u32::from_be_bytes(size_bytes) as usize;
-                let count = u32::from_be_bytes(count_bytes) as usize;
-
-                // Account for offset
-                let size = size - OFFSET_LIST32;
-
-                // Make sure there is no other element format code
-                self.elem_format_code = None;
-                (size, count)
-            }
-            _ => return Err(Error::InvalidFormatCode),
-        };
-
-        if count != len {
-            return Err(Error::SequenceLengthMismatch);
-        }
-
-        visitor.visit_seq(ListAccess::new(self, size, count))
+        self.nested(|de| de.decode_tuple(len, visitor))
     }
 
     fn deserialize_map<V>(self, visitor: V) -> Result<V::Value, Self::Error>
     where
         V: de::Visitor<'de>,
     {
-        let code = self
-            .get_elem_code_or_read_format_code()
-            .ok_or_else(|| Error::unexpected_eof("Expecting format code"))??;
-        let (size, count) = match code {
-            EncodingCodes::Map8 => {
-                let size = self
-                    .reader
-                    .next()?
-                    .ok_or_else(|| Error::unexpected_eof("Expecting size"))?
-                    as usize;
-                let count = self
-                    .reader
-                    .next()?
-                    .ok_or_else(|| Error::unexpected_eof("Expecting count"))?
-                    as usize;
-
-                // Account for offset
-                let size = size - OFFSET_MAP8;
-
-                (size, count)
-            }
-            EncodingCodes::Map32 => {
-                let size_bytes = self.reader.read_const_bytes()?;
-                let count_bytes = self.reader.read_const_bytes()?;
-
-                let size = u32::from_be_bytes(size_bytes) as usize;
-                let count = u32::from_be_bytes(count_bytes) as usize;
-
-                // Cap the count for the same reasons as in the array path:
-                // a `map32` whose count is larger than any plausible
-                // legitimate frame is treated as malformed.
-                if count > MAX_ARRAY_COUNT {
-                    return Err(Error::InvalidValue);
-                }
-
-                // Account for offset
-                let size = size - OFFSET_MAP32;
-
-                (size, count)
-            }
-            _ => return Err(Error::InvalidFormatCode),
-        };
-
-        // // AMQP map count includes both key and value, should be halfed
-        // let count = count / 2;
-        visitor.visit_map(MapAccess::new(self, size, count))
+        self.nested(|de| de.decode_map(visitor))
     }
 
     fn deserialize_tuple_struct<V>(
@@ -1109,17 +1124,19 @@ where
     {
         if name == DESCRIBED_BASIC {
             self.struct_encoding = StructEncoding::DescribedBasic;
-            visitor.visit_seq(DescribedAccess::basic(self, len as u32))
+            self.nested(|de| visitor.visit_seq(DescribedAccess::basic(de, len as u32)))
         } else if name == DESCRIBED_LIST {
             self.struct_encoding = StructEncoding::DescribedList;
-            visitor.visit_seq(DescribedAccess::list(self))
+            self.nested(|de| visitor.visit_seq(DescribedAccess::list(de)))
         } else {
             match self
                 .get_elem_code_or_peek_byte()
                 .ok_or_else(|| Error::unexpected_eof("Expecting format code"))??
                 .try_into()?
             {
-                EncodingCodes::DescribedType => visitor.visit_seq(DescribedAccess::list(self)),
+                EncodingCodes::DescribedType => {
+                    self.nested(|de| visitor.visit_seq(DescribedAccess::list(de)))
+                }
                 _ => self.deserialize_tuple(len, visitor),
             }
         }
@@ -1138,13 +1155,13 @@ where
         let cur_encoding = self.struct_encoding.clone();
         let result = if name == DESCRIBED_BASIC {
             self.struct_encoding = StructEncoding::DescribedBasic;
-            visitor.visit_seq(DescribedAccess::basic(self, fields.len() as u32))
+            self.nested(|de| visitor.visit_seq(DescribedAccess::basic(de, fields.len() as u32)))
         } else if name == DESCRIBED_LIST {
             self.struct_encoding = StructEncoding::DescribedList;
-            visitor.visit_seq(DescribedAccess::list(self))
+            self.nested(|de| visitor.visit_seq(DescribedAccess::list(de)))
         } else if name == DESCRIBED_MAP {
             self.struct_encoding = StructEncoding::DescribedMap;
-            visitor.visit_map(DescribedAccess::map(self))
+            self.nested(|de| visitor.visit_map(DescribedAccess::map(de)))
         } else {
             self.struct_encoding = StructEncoding::None;
             match self
@@ -1156,7 +1173,9 @@ where
                     self.deserialize_tuple(fields.len(), visitor)
                 }
                 EncodingCodes::Map32 | EncodingCodes::Map8 => self.deserialize_map(visitor),
-                EncodingCodes::DescribedType => visitor.visit_seq(DescribedAccess::list(self)),
+                EncodingCodes::DescribedType => {
+                    self.nested(|de| visitor.visit_seq(DescribedAccess::list(de)))
+                }
                 _ => Err(Error::InvalidFormatCode),
             }
         };
@@ -1204,39 +1223,10 @@ where
                 }
                 EncodingCodes::List0 => Err(Error::InvalidFormatCode),
                 EncodingCodes::List8 | EncodingCodes::Map8 => {
-                    let _code = self
-                        .reader
-                        .next()?
-                        .ok_or_else(|| Error::unexpected_eof("Expecting code"))?;
-                    let _size = self
-                        .reader
-                        .next()?
-                        .ok_or_else(|| Error::unexpected_eof("Expecting code"))?
-                        as usize;
-                    let count = self
-                        .reader
-                        .next()?
-                        .ok_or_else(|| Error::unexpected_eof("Expecting count"))?
-                        as usize;
-                    if count != 2 {
-                        return Err(Error::InvalidLength);
-                    }
-                    visitor.visit_enum(VariantAccess::new(self))
+                    self.nested(|de| de.decode_variant(WIDTH8, visitor))
                 }
                 EncodingCodes::List32 | EncodingCodes::Map32 => {
-                    let _code = self
-                        .reader
-                        .next()?
-                        .ok_or_else(|| Error::unexpected_eof("Expecting code"))?;
-                    let size_bytes = self.reader.read_const_bytes()?;
-                    let _size = u32::from_be_bytes(size_bytes);
-                    let count_bytes = self.reader.read_const_bytes()?;
-                    let count = u32::from_be_bytes(count_bytes);
-
-                    if count != 2 {
-                        return Err(Error::InvalidLength);
-                    }
-                    visitor.visit_enum(VariantAccess::new(self))
+                    self.nested(|de| de.decode_variant(WIDTH32, visitor))
                 }
                 // Symbols appears in the transport errors
                 EncodingCodes::Sym32 | EncodingCodes::Sym8 => {
@@ -1350,7 +1340,7 @@ pub struct ArrayAccess<'a, R> {
     de: &'a mut Deserializer<R>,
     /// Number of bytes the array body is allowed to span past `start_pos`.
     /// For `array8`/`array32` bodies this is the size field with the
-    /// `OFFSET_ARRAY*` (count + element format code) header subtracted.
+    /// header (count + element format code) subtracted.
     size: usize,
     /// Remaining elements to yield from `next_element_seed`.
     count: usize,
@@ -1420,17 +1410,12 @@ impl<'de, R: Read<'de>> de::SeqAccess<'de> for ArrayAccess<'_, R> {
 #[derive(Debug)]
 pub struct ListAccess<'a, R> {
     de: &'a mut Deserializer<R>,
-    _size: usize,
     count: usize,
 }
 
 impl<'a, R> ListAccess<'a, R> {
-    pub(crate) fn new(de: &'a mut Deserializer<R>, size: usize, count: usize) -> Self {
-        Self {
-            de,
-            _size: size,
-            count,
-        }
+    pub(crate) fn new(de: &'a mut Deserializer<R>, count: usize) -> Self {
+        Self { de, count }
     }
 }
 
@@ -1451,7 +1436,9 @@ impl<'de, R: Read<'de>> de::SeqAccess<'de> for ListAccess<'_, R> {
             0 => Ok(None),
             _ => {
                 self.count -= 1;
-                seed.deserialize(self.as_mut()).map(Some)
+                let element = seed.deserialize(self.as_mut())?;
+                self.de.check_end()?;
+                Ok(Some(element))
             }
         }
     }
@@ -1510,6 +1497,7 @@ impl<'de, R: Read<'de>> de::SeqAccess<'de> for TransparentVecAccess<'_, R> {
             None => return Ok(None),
         }
 
+        self.de.count_elements(1)?;
         seed.deserialize(self.as_mut()).map(Some)
     }
 }
@@ -1518,17 +1506,12 @@ impl<'de, R: Read<'de>> de::SeqAccess<'de> for TransparentVecAccess<'_, R> {
 #[derive(Debug)]
 pub struct MapAccess<'a, R> {
     de: &'a mut Deserializer<R>,
-    _size: usize,
     count: usize,
 }
 
 impl<'a, R> MapAccess<'a, R> {
-    pub(crate) fn new(de: &'a mut Deserializer<R>, size: usize, count: usize) -> Self {
-        Self {
-            de,
-            _size: size,
-            count,
-        }
+    pub(crate) fn new(de: &'a mut Deserializer<R>, count: usize) -> Self {
+        Self { de, count }
     }
 }
 
@@ -1558,8 +1541,10 @@ impl<'de, R: Read<'de>> de::MapAccess<'de> for MapAccess<'_, R> {
     where
         V: de::DeserializeSeed<'de>,
     {
-        self.count -= 1;
-        seed.deserialize(self.as_mut())
+        self.count = self.count.checked_sub(1).ok_or(Error::InvalidLength)?;
+        let value = seed.deserialize(self.as_mut())?;
+        self.de.check_end()?;
+        Ok(value)
     }
 
     fn next_entry_seed<K, V>(
@@ -1575,9 +1560,10 @@ impl<'de, R: Read<'de>> de::MapAccess<'de> for MapAccess<'_, R> {
             0 => Ok(None),
             _ => {
                 // AMQP map count includes both key and value
-                self.count -= 2;
+                self.count = self.count.checked_sub(2).ok_or(Error::InvalidLength)?;
                 let key = kseed.deserialize(self.as_mut())?;
                 let val = vseed.deserialize(self.as_mut())?;
+                self.de.check_end()?;
                 Ok(Some((key, val)))
             }
         }
@@ -1685,31 +1671,13 @@ impl<'a, 'de, R: Read<'de>> DescribedAccess<'a, R> {
 
     pub(crate) fn consume_list_header(&mut self) -> Result<u32, Error> {
         // consume the list headers if
-        match self
+        let code = self
             .as_mut()
             .get_elem_code_or_read_format_code()
-            .ok_or_else(|| Error::unexpected_eof("Expecting format code"))??
-        {
-            EncodingCodes::List0 => Ok(0),
-            EncodingCodes::List8 => {
-                let _size = self
-                    .as_mut()
-                    .reader
-                    .next()?
-                    .ok_or_else(|| Error::unexpected_eof("Expecting size"))?;
-                let count = self
-                    .as_mut()
-                    .reader
-                    .next()?
-                    .ok_or_else(|| Error::unexpected_eof("Expecting count"))?;
-                Ok(count as u32)
-            }
-            EncodingCodes::List32 => {
-                let bytes = self.as_mut().reader.read_const_bytes()?;
-                let _size = u32::from_be_bytes(bytes);
-                let bytes = self.as_mut().reader.read_const_bytes()?;
-                let count = u32::from_be_bytes(bytes);
-                Ok(count)
+            .ok_or_else(|| Error::unexpected_eof("Expecting format code"))??;
+        match code {
+            EncodingCodes::List0 | EncodingCodes::List8 | EncodingCodes::List32 => {
+                Ok(self.as_mut().read_list_header(code)? as u32)
             }
             _ => Err(de::Error::custom("Invalid format code. Expecting a list")),
         }
@@ -1717,30 +1685,13 @@ impl<'a, 'de, R: Read<'de>> DescribedAccess<'a, R> {
 
     pub(crate) fn consume_map_header(&mut self) -> Result<u32, Error> {
         // consume the list headers if
-        match self
+        let code = self
             .as_mut()
             .get_elem_code_or_read_format_code()
-            .ok_or_else(|| Error::unexpected_eof("Expecting format code"))??
-        {
-            EncodingCodes::Map8 => {
-                let _size = self
-                    .as_mut()
-                    .reader
-                    .next()?
-                    .ok_or_else(|| Error::unexpected_eof("Expecting size"))?;
-                let count = self
-                    .as_mut()
-                    .reader
-                    .next()?
-                    .ok_or_else(|| Error::unexpected_eof("Expecting count"))?;
-                Ok(count as u32)
-            }
-            EncodingCodes::Map32 => {
-                let bytes = self.as_mut().reader.read_const_bytes()?;
-                let _size = u32::from_be_bytes(bytes);
-                let bytes = self.as_mut().reader.read_const_bytes()?;
-                let count = u32::from_be_bytes(bytes);
-                Ok(count)
+            .ok_or_else(|| Error::unexpected_eof("Expecting format code"))??;
+        match code {
+            EncodingCodes::Map8 | EncodingCodes::Map32 => {
+                Ok(self.as_mut().read_map_header(code)? as u32)
             }
             _ => Err(de::Error::custom("Invalid format code. Expecting a list")),
         }
@@ -1786,7 +1737,9 @@ impl<'de, R: Read<'de>> de::SeqAccess<'de> for DescribedAccess<'_, R> {
 
         self.counter += 1;
 
-        result
+        let element = result?;
+        self.de.check_end()?;
+        Ok(element)
     }
 }
 
@@ -1826,7 +1779,9 @@ impl<'de, R: Read<'de>> de::MapAccess<'de> for DescribedAccess<'_, R> {
 
         self.counter += 1;
 
-        result
+        let key = result?;
+        self.de.check_end()?;
+        Ok(key)
     }
 
     fn next_value_seed<V>(&mut self, seed: V) -> Result<V::Value, Self::Error>
@@ -1837,7 +1792,9 @@ impl<'de, R: Read<'de>> de::MapAccess<'de> for DescribedAccess<'_, R> {
             return Err(de::Error::custom("Invalid length. Expecting value"));
         }
         self.counter += 1;
-        seed.deserialize(self.as_mut())
+        let value = seed.deserialize(self.as_mut())?;
+        self.de.check_end()?;
+        Ok(value)
     }
 
     fn next_entry_seed<K, V>(

@@ -35,6 +35,11 @@ pub enum Error {
     /// Length is invalid
     #[error("Invalid length")]
     InvalidLength,
+
+    /// Described types, lists, maps and arrays are nested deeper than
+    /// [`MAX_NESTING_DEPTH`](crate::de::MAX_NESTING_DEPTH)
+    #[error("Nesting is too deep")]
+    NestingTooDeep,
 }
 
 impl Error {

@@ -1,4 +1,4 @@
-use std::io;
+use std::io::{self, Read as _};
 
 use crate::error::Error;
 
@@ -32,15 +32,28 @@ impl<R: io::Read> IoReader<R> {
     }
 
     /// Fill the internal buffer with the given length
+    ///
+    /// The buffer grows with the bytes that were read, since `len` may be what a
+    /// peer claims. Bytes that were read before an error stay in the buffer.
     pub fn fill_buffer(&mut self, len: usize) -> Result<(), io::Error> {
-        let l = self.buf.len();
-        if l < len {
-            self.buf.resize(len, 0);
-            self.reader.read_exact(&mut self.buf[l..])?;
-            Ok(())
-        } else {
-            Ok(())
-        }
+        let missing = len.saturating_sub(self.buf.len());
+        read_to_vec(&mut self.reader, missing, &mut self.buf)
+    }
+}
+
+/// Appends `n` bytes of the reader to `buf`, which grows with what was read
+fn read_to_vec(
+    reader: &mut impl io::Read,
+    n: usize,
+    buf: &mut Vec<u8>,
+) -> Result<(), io::Error> {
+    if n == 0 {
+        return Ok(());
+    }
+    let read = io::Read::take(reader, n as u64).read_to_end(buf)?;
+    match read < n {
+        true => Err(io::ErrorKind::UnexpectedEof.into()),
+        false => Ok(()),
     }
 }
 
@@ -90,6 +103,18 @@ impl<'de, R: io::Read + 'de> Read<'de> for IoReader<R> {
                 Ok(Some(buf[0]))
             }
         }
+    }
+
+    fn bytes_left(&self) -> Option<usize> {
+        None
+    }
+
+    fn read_bytes(&mut self, n: usize) -> Result<Vec<u8>, io::Error> {
+        let mut bytes: Vec<u8> = self.buf.drain(..n.min(self.buf.len())).collect();
+        let missing = n - bytes.len();
+        read_to_vec(&mut self.reader, missing, &mut bytes)?;
+        self.consumed += n;
+        Ok(bytes)
     }
 
     fn read_exact(&mut self, buf: &mut [u8]) -> Result<(), io::Error> {

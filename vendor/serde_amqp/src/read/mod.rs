@@ -46,12 +46,14 @@ pub trait Read<'de>: private::Sealed {
     /// Peek `n` number of bytes without consuming
     fn peek_bytes(&mut self, n: usize) -> Result<Option<&[u8]>, io::Error>;
 
+    /// Number of bytes that are left; none where the reader cannot know
+    fn bytes_left(&self) -> Option<usize>;
+
     /// Consuming `n` number of bytes
-    fn read_bytes(&mut self, n: usize) -> Result<Vec<u8>, io::Error> {
-        let mut buf = vec![0u8; n];
-        self.read_exact(&mut buf)?;
-        Ok(buf)
-    }
+    ///
+    /// `n` often comes from the peer: an implementation allocates for the bytes
+    /// that are there, not for those that are claimed.
+    fn read_bytes(&mut self, n: usize) -> Result<Vec<u8>, io::Error>;
 
     /// Read to buffer
     fn read_exact(&mut self, buf: &mut [u8]) -> Result<(), io::Error>;
@@ -111,8 +113,10 @@ fn read_encoded_len_bytes<'de, R>(reader: &mut R, width: usize) -> Result<Vec<u8
 where
     R: Read<'de>,
 {
-    let len = peek_encoded_len(reader, width)?;
-    let bytes = reader.read_bytes(1 + width + len)?;
+    let len = peek_encoded_len(reader, width)?
+        .checked_add(1 + width)
+        .ok_or(Error::InvalidLength)?;
+    let bytes = reader.read_bytes(len)?;
     Ok(bytes)
 }
 

@@ -47,6 +47,14 @@ impl<'s> Read<'s> for SliceReader<'s> {
         Ok(self.slice.get(..n))
     }
 
+    fn bytes_left(&self) -> Option<usize> {
+        Some(self.slice.len())
+    }
+
+    fn read_bytes(&mut self, n: usize) -> Result<Vec<u8>, io::Error> {
+        self.get_byte_slice(n).map(<[u8]>::to_vec)
+    }
+
     fn next(&mut self) -> Result<Option<u8>, io::Error> {
         match self.slice.len() {
             0 => Ok(None), // EOF
