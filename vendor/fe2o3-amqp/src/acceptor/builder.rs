@@ -383,6 +383,12 @@ where
     FS: Fn(Source) -> Option<Source>,
     FT: Fn(Target) -> Option<Target>,
 {
+    /// Number of frames that may wait for the link
+    pub fn buffer_size(mut self, buffer_size: usize) -> Self {
+        self.inner.shared.buffer_size = buffer_size;
+        self
+    }
+
     /// Settlement policy for the sender
     pub fn supported_sender_settle_modes(mut self, modes: SupportedSenderSettleModes) -> Self {
         self.inner.shared.supported_snd_settle_modes = modes;

@@ -20,7 +20,7 @@ use crate::{
     acceptor::sasl_acceptor::SaslServerFrame,
     connection::{
         self, engine::ConnectionEngine, ConnectionHandle, ConnectionStopReason, OpenError,
-        DEFAULT_CONTROL_CHAN_BUF, DEFAULT_OUTGOING_BUFFER_SIZE,
+        DEFAULT_CONTROL_CHAN_BUF,
     },
     endpoint::{self, IncomingChannel, OutgoingChannel},
     frames::{
@@ -203,6 +203,7 @@ impl<Tls, Sasl> ConnectionAcceptor<Tls, Sasl> {
         let listener_connection = ListenerConnection {
             connection,
             session_listener: begin_tx,
+            buffer_size: self.buffer_size,
         };
 
         let engine = ConnectionEngine::open(transport, listener_connection, control_rx, outgoing_rx)
@@ -478,6 +479,8 @@ cfg_rustls! {
 pub struct ListenerConnection {
     pub(crate) connection: connection::Connection,
     pub(crate) session_listener: mpsc::Sender<IncomingSession>,
+    /// Frames that wait for the engine of a remotely initiated session
+    pub(crate) buffer_size: usize,
 }
 
 
@@ -551,8 +554,7 @@ impl endpoint::Connection for ListenerConnection {
                 // incoming channel so that pipelined Attach frames arriving
                 // before the user code accepts the session are buffered
                 // instead of triggering a `NotFound` connection error.
-                let (incoming_tx, incoming_rx) =
-                    mpsc::channel(DEFAULT_OUTGOING_BUFFER_SIZE);
+                let (incoming_tx, incoming_rx) = mpsc::channel(self.buffer_size);
                 let outgoing_channel = self
                     .connection
                     .allocate_session(incoming_tx)

@@ -384,6 +384,13 @@ where
     }
 }
 
+/// Handles for which flows are buffered before their links are accepted. A peer
+/// may send flows for links that it never attaches.
+const MAX_PENDING_FLOW_HANDLES: usize = 64;
+
+/// Flows buffered for each of these handles
+const MAX_PENDING_FLOWS: usize = 4;
+
 /// A session on the listener side
 #[derive(Debug)]
 pub struct ListenerSession {
@@ -557,10 +564,16 @@ impl endpoint::Session for ListenerSession {
                 // when the link is eventually accepted.
                 if let Some(link_flow) = link_flow_backup {
                     let input_handle = InputHandle::from(link_flow.handle.clone());
-                    self.pending_link_flows
-                        .entry(input_handle)
-                        .or_default()
-                        .push(link_flow);
+                    let is_known = self.pending_link_flows.contains_key(&input_handle);
+                    if !is_known && self.pending_link_flows.len() >= MAX_PENDING_FLOW_HANDLES {
+                        return Err(SessionInnerError::UnattachedHandle);
+                    }
+                    let pending = self.pending_link_flows.entry(input_handle).or_default();
+                    if pending.len() >= MAX_PENDING_FLOWS {
+                        // A flow has the whole state of the link: the last ones count
+                        pending.remove(0);
+                    }
+                    pending.push(link_flow);
                 } else {
                     // Session-level flow with no link handle — nothing to buffer.
                 }

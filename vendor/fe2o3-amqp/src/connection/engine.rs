@@ -511,7 +511,26 @@ where
         error: &ConnectionInnerError,
     ) -> Result<Running, ConnectionInnerError> {
         match error {
-            ConnectionInnerError::TransportError(_) => Ok(Running::Stop),
+            ConnectionInnerError::TransportError(error) => {
+                // The peer is told why its frame was refused. It is not waited
+                // for: what it sends is of no use any more.
+                let condition = match error {
+                    transport::Error::DecodeError(_) | transport::Error::FramingError => {
+                        AmqpError::DecodeError
+                    }
+                    transport::Error::NotImplemented(_) => AmqpError::NotImplemented,
+                    transport::Error::Io(_) | transport::Error::IdleTimeoutElapsed => {
+                        return Ok(Running::Stop)
+                    }
+                };
+                if let ConnectionState::Opened = self.connection.local_state() {
+                    let error = definitions::Error::new(condition, error.to_string(), None);
+                    self.connection
+                        .send_close(&mut self.transport, Some(error))
+                        .await?;
+                }
+                Ok(Running::Stop)
+            }
             ConnectionInnerError::IllegalState => {
                 let error = definitions::Error::new(AmqpError::IllegalState, None, None);
                 self.close_connection(Some(error)).await?;

@@ -10,7 +10,7 @@ use tokio_util::codec::{Decoder, Encoder};
 
 use crate::{link::clear_continuation_fields, Payload};
 
-use super::{Error, FRAME_TYPE_AMQP};
+use super::{Error, FRAME_TYPE_AMQP, HEADER_BYTES};
 
 /// AMQP frame
 #[derive(Debug)]
@@ -231,6 +231,12 @@ impl Decoder for FrameDecoder {
     type Error = Error;
 
     fn decode(&mut self, src: &mut BytesMut) -> Result<Option<Self::Item>, Self::Error> {
+        // A peer may claim a size that has no room for the header
+        if src.len() < HEADER_BYTES {
+            return Err(Error::DecodeError(String::from(
+                "the frame is shorter than its header",
+            )));
+        }
         let doff = src.get_u8();
         let ftype = src.get_u8();
         let channel = src.get_u16();
@@ -357,6 +363,14 @@ mod tests {
         let mut encoder = FrameEncoder::new(512);
         let mut dst = BytesMut::new();
         encoder.encode(empty, &mut dst).unwrap();
+    }
+
+    #[test]
+    fn frames_shorter_than_their_header_are_errors() {
+        for len in 0..4 {
+            let mut src = BytesMut::from(&[0x02, 0x00, 0x00, 0x00][..len]);
+            assert!(FrameDecoder {}.decode(&mut src).is_err());
+        }
     }
 
     #[test]

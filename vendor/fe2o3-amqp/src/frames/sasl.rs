@@ -9,7 +9,7 @@ use fe2o3_amqp_types::sasl::{SaslChallenge, SaslInit, SaslMechanisms, SaslOutcom
 use serde_amqp::read::IoReader;
 use tokio_util::codec::{Decoder, Encoder};
 
-use super::{Error, FRAME_TYPE_SASL};
+use super::{Error, FRAME_TYPE_SASL, HEADER_BYTES};
 
 /// SASL frame
 #[derive(Debug)]
@@ -62,6 +62,12 @@ impl Decoder for FrameCodec {
         use bytes::Buf;
         use serde_amqp::de::Deserializer;
 
+        // A peer may claim a size that has no room for the header
+        if src.len() < HEADER_BYTES {
+            return Err(Error::DecodeError(String::from(
+                "the frame is shorter than its header",
+            )));
+        }
         let doff = src.get_u8();
         let ftype = src.get_u8();
         let _ignored = src.get_u16();
@@ -221,6 +227,15 @@ impl<'de> de::Deserialize<'de> for Frame {
 mod tests {
     use fe2o3_amqp_types::{primitives::Symbol, sasl::SaslMechanisms};
     use serde_amqp::{from_slice, to_vec};
+    use tokio_util::codec::Decoder;
+
+    #[test]
+    fn frames_shorter_than_their_header_are_errors() {
+        for len in 0..4 {
+            let mut src = bytes::BytesMut::from(&[0x02, 0x01, 0x00, 0x00][..len]);
+            assert!(super::FrameCodec {}.decode(&mut src).is_err());
+        }
+    }
 
     #[test]
     fn test_serialize_sasl_mechanisms() {

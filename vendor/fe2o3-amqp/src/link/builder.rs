@@ -360,6 +360,12 @@ impl<Role, T, NameState, SS, TS> Builder<Role, T, NameState, SS, TS> {
         }
     }
 
+    /// Number of frames that may wait for the link
+    pub fn buffer_size(mut self, buffer_size: usize) -> Self {
+        self.buffer_size = buffer_size;
+        self
+    }
+
     /// The maximum message size supported by the link endpoint
     pub fn max_message_size(mut self, max_size: impl Into<Ulong>) -> Self {
         self.max_message_size = Some(max_size.into());

@@ -7,6 +7,9 @@ use super::{
     ReceiverTransferError,
 };
 
+/// Chunks of a delivery are merged up to this number of bytes
+const MIN_CHUNK_SIZE: usize = 4096;
+
 macro_rules! or_assign {
     ($self:ident, $other:ident, $field:ident) => {
         match &$self.performative.$field {
@@ -185,7 +188,19 @@ impl IncompleteTransfer {
         }
 
         self.accumulated_payload_size += other.len() as u64;
-        self.buffer.push(other);
+        // The memory of a chunk is that of its frame and of its place in the
+        // buffer. Without merging, a peer multiplies the size of a delivery by
+        // sending it byte by byte, or grows the buffer by frames without any.
+        match self.buffer.last_mut() {
+            _ if other.is_empty() => {}
+            Some(last) if last.len() + other.len() <= MIN_CHUNK_SIZE => {
+                let mut merged = bytes::BytesMut::with_capacity(last.len() + other.len());
+                merged.extend_from_slice(last);
+                merged.extend_from_slice(&other);
+                *last = merged.freeze();
+            }
+            _ => self.buffer.push(other),
+        }
     }
 
     fn position_of_section_number_and_offset(
@@ -361,6 +376,21 @@ mod tests {
         let extra = Payload::from(vec![0u8; 17]);
         incomplete.append(extra);
         assert_eq!(incomplete.accumulated_payload_size, len + 17);
+    }
+
+    #[test]
+    fn small_and_empty_chunks_do_not_grow_the_buffer() {
+        let mut incomplete =
+            IncompleteTransfer::start(test_transfer(true), encoded_message()).unwrap();
+        let len = incomplete.accumulated_payload_size;
+        for _ in 0..10_000 {
+            incomplete.append(Payload::from_static(b"x"));
+            incomplete.append(Payload::new());
+        }
+        assert_eq!(incomplete.accumulated_payload_size, len + 10_000);
+        assert!(incomplete.buffer.len() <= 4, "{}", incomplete.buffer.len());
+        let bytes: usize = incomplete.buffer.iter().map(|chunk| chunk.len()).sum();
+        assert_eq!(bytes as u64, incomplete.accumulated_payload_size);
     }
 
     #[test]
