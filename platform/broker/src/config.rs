@@ -3,6 +3,7 @@
 use std::{fmt, net::SocketAddr, path::PathBuf, time::Duration};
 
 use bytes::Bytes;
+use serde::{Deserialize, Serialize};
 
 use crate::address::AddressPattern;
 
@@ -70,7 +71,7 @@ impl fmt::Debug for TlsIdentity {
 }
 
 /// Bounds of one queue. Changes take effect with the next declaration.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct QueueOptions {
     /// Bound on messages, unsettled ones included; beyond it publishers get
     /// `amqp:resource-limit-exceeded`.
@@ -99,6 +100,11 @@ impl Default for QueueOptions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BrokerLimits {
     pub connections_max: usize,
+    /// Connections that have not signed in.
+    pub unauthenticated_max: usize,
+    /// Connections of one address that have not signed in: of one IPv4 address, or of one IPv6
+    /// network of 64 bits.
+    pub unauthenticated_per_address_max: usize,
     /// Concurrent connections of one user.
     pub connections_per_user_max: usize,
     /// Sessions of one connection.
@@ -110,6 +116,11 @@ pub struct BrokerLimits {
     pub message_bytes_max: u64,
     /// Unsettled messages of one consumer.
     pub unsettled_per_link_max: usize,
+    /// Bytes of unsettled messages of one consumer; the last message may exceed it.
+    pub unsettled_bytes_per_link_max: u64,
+    /// Bytes of messages of one user that wait for their commit. A user who sends faster waits,
+    /// while others are served. At least `message_bytes_max`.
+    pub uncommitted_bytes_per_user_max: u32,
     /// Link credit of a publisher: messages in flight.
     pub publisher_credit: u32,
     /// Bound on the body cache of all queues.
@@ -126,6 +137,8 @@ impl Default for BrokerLimits {
     fn default() -> Self {
         Self {
             connections_max: 4096,
+            unauthenticated_max: 512,
+            unauthenticated_per_address_max: 16,
             connections_per_user_max: 16,
             sessions_max: 64,
             links_max: 2048,
@@ -133,6 +146,8 @@ impl Default for BrokerLimits {
             // The limit of the link on both sides: a message must fit on its whole way.
             message_bytes_max: 2 * 1024 * 1024,
             unsettled_per_link_max: 1000,
+            unsettled_bytes_per_link_max: 32 * 1024 * 1024,
+            uncommitted_bytes_per_user_max: 32 * 1024 * 1024,
             publisher_credit: 1000,
             cache_bytes_max: 64 * 1024 * 1024,
             handshake_timeout: Duration::from_secs(10),

@@ -7,6 +7,7 @@ mod transport;
 use std::{
     net::SocketAddr,
     sync::{Arc, OnceLock},
+    time::Instant,
 };
 
 use fe2o3_amqp::{
@@ -19,21 +20,54 @@ use tracing::{debug, info, warn};
 
 use self::{
     sasl::SaslExchange,
-    session::{ATTACH_TIMEOUT, CLOSE_TIMEOUT, Peer, serve_session},
-    transport::FRAME_BYTES_MAX,
+    session::{ATTACH_TIMEOUT, CLOSE_TIMEOUT, FRAMES_BUFFERED, Peer, serve_session},
+    transport::{Allowance, FRAME_BYTES_MAX, Measured},
 };
-use crate::{amqp_error::amqp_error, core::Core};
+use crate::{amqp_error::amqp_error, core::Core, waiting::Place};
 
-pub(crate) use transport::Accepted;
+pub(crate) use transport::{Accepted, Stream};
 
-/// Frames that may wait between the tasks of a connection.
-const FRAMES_BUFFERED: usize = 256;
+/// Bytes that a peer may send before it has signed in, those of TLS and of a WebSocket included.
+/// Frames of SASL have at most 512 bytes.
+const UNAUTHENTICATED_BYTES_MAX: u64 = 64 * 1024;
 /// Transfers that a peer may have in flight in one session.
 const SESSION_WINDOW: u32 = 4096;
 
 /// Serves one accepted TCP connection to its end.
-pub(crate) async fn serve(core: Arc<Core>, accepted: Accepted, shutdown: CancellationToken) {
+pub(crate) async fn serve(
+    core: Arc<Core>,
+    accepted: Accepted,
+    place: Place,
+    shutdown: CancellationToken,
+) {
     let peer = accepted.peer;
+    let allowance = Allowance::new(UNAUTHENTICATED_BYTES_MAX);
+    let opening = accepted.open(allowance.clone());
+    serve_opening(core, peer, opening, allowance, place, shutdown).await;
+}
+
+/// Serves a peer over a stream that is open to its end.
+pub(crate) async fn serve_stream(
+    core: Arc<Core>,
+    stream: impl Stream,
+    shutdown: CancellationToken,
+) {
+    let peer = SocketAddr::from(([127, 0, 0, 1], 0));
+    let Ok(place) = core.waiting.enter(peer.ip(), Instant::now()) else { return };
+    let allowance = Allowance::new(UNAUTHENTICATED_BYTES_MAX);
+    let stream = Measured::new(stream, allowance.clone());
+    let opening = async { Ok(Box::new(stream) as Box<dyn Stream>) };
+    serve_opening(core, peer, opening, allowance, place, shutdown).await;
+}
+
+async fn serve_opening(
+    core: Arc<Core>,
+    peer: SocketAddr,
+    opening: impl Future<Output = Result<Box<dyn Stream>, String>>,
+    allowance: Allowance,
+    place: Place,
+    shutdown: CancellationToken,
+) {
     let sasl = SaslExchange::new(Arc::clone(&core.credentials));
     let acceptor = ConnectionAcceptor::builder()
         .container_id("verbund-broker")
@@ -45,11 +79,15 @@ pub(crate) async fn serve(core: Arc<Core>, accepted: Accepted, shutdown: Cancell
     // No idle timeout of our own: peers that send heartbeats only at the full period would be cut.
     // A dead peer is found by TCP keep-alive and by unacknowledged bytes.
     let handshake = async {
-        let stream = accepted.open().await?;
+        let stream = opening.await?;
         acceptor.accept(stream).await.map_err(|e| e.to_string())
     };
     let opened = tokio::select! {
         () = shutdown.cancelled() => return,
+        () = place.displaced.cancelled() => {
+            count_failed_handshake("displaced");
+            return info!(%peer, "a peer that had not signed in makes room for another");
+        }
         opened = timeout(core.config.limits.handshake_timeout, handshake) => opened,
     };
     let connection = match opened {
@@ -66,6 +104,8 @@ pub(crate) async fn serve(core: Arc<Core>, accepted: Accepted, shutdown: Cancell
     let Some(user_name) = sasl.user_name() else {
         return debug!(%peer, "a peer skipped SASL");
     };
+    allowance.lift();
+    drop(place);
     serve_signed_in(core, connection, peer, user_name, shutdown).await;
 }
 
@@ -90,6 +130,7 @@ async fn serve_signed_in(
         links: Arc::new(Semaphore::new(core.config.limits.links_max)),
         core,
         user_name: Arc::clone(&user_name),
+        uncommitted: Arc::clone(&registration.uncommitted),
         cut: registration.cut.clone(),
         close_error: Arc::new(OnceLock::new()),
     };

@@ -11,6 +11,7 @@ use std::{
 
 use parking_lot::Mutex;
 use sqlx::sqlite::SqlitePool;
+use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use tracing::warn;
 
@@ -26,6 +27,7 @@ use crate::{
     queue::{Queue, QueueEntry},
     status::{ConnectionStatus, QueueStatus},
     store::{self, DeadLettering, StoreCommand, WriterHandle},
+    waiting::WaitingRoom,
 };
 
 /// Bodies read in one query when one is not in the cache.
@@ -45,12 +47,14 @@ pub(crate) struct Core {
     declaring: tokio::sync::Mutex<()>,
     next_queue_id: AtomicI64,
     next_message_id: AtomicI64,
+    pub waiting: Arc<WaitingRoom>,
     connections: Mutex<HashMap<u64, RegisteredConnection>>,
     next_connection: AtomicU64,
 }
 
 struct RegisteredConnection {
     status: ConnectionStatus,
+    uncommitted: Arc<Semaphore>,
     /// Cancelled to close the connection.
     cut: CancellationToken,
 }
@@ -59,6 +63,9 @@ struct RegisteredConnection {
 pub(crate) struct Registration {
     core: Arc<Core>,
     id: u64,
+    /// One permit per byte of the user's messages that wait for their commit, shared by all
+    /// connections of the user.
+    pub uncommitted: Arc<Semaphore>,
     /// Cancelled to close the connection.
     pub cut: CancellationToken,
 }
@@ -76,6 +83,10 @@ impl Core {
         let next_queue_id = queues.values().map(|q| q.id).max().unwrap_or(0) + 1;
         Self {
             cache: BodyCache::new(config.limits.cache_bytes_max),
+            waiting: Arc::new(WaitingRoom::new(
+                config.limits.unauthenticated_max,
+                config.limits.unauthenticated_per_address_max,
+            )),
             config,
             credentials,
             writer,
@@ -277,15 +288,26 @@ impl Core {
         cut: CancellationToken,
     ) -> Option<Registration> {
         let mut connections = self.connections.lock();
-        let of_user = connections.values().filter(|c| c.status.user_name == user_name).count();
-        if of_user >= self.config.limits.connections_per_user_max {
+        let limits = &self.config.limits;
+        let of_user: Vec<_> =
+            connections.values().filter(|c| c.status.user_name == user_name).collect();
+        if of_user.len() >= limits.connections_per_user_max {
             return None;
         }
+        let uncommitted = of_user.first().map_or_else(
+            || Arc::new(Semaphore::new(limits.uncommitted_bytes_per_user_max as usize)),
+            |other| Arc::clone(&other.uncommitted),
+        );
         let id = self.next_connection.fetch_add(1, Ordering::Relaxed);
         let status =
             ConnectionStatus { user_name: user_name.to_owned(), peer, since: clock::now() };
-        connections.insert(id, RegisteredConnection { status, cut: cut.clone() });
-        Some(Registration { core: Arc::clone(self), id, cut })
+        let registered = RegisteredConnection {
+            status,
+            uncommitted: Arc::clone(&uncommitted),
+            cut: cut.clone(),
+        };
+        connections.insert(id, registered);
+        Some(Registration { core: Arc::clone(self), id, uncommitted, cut })
     }
 
     pub(crate) fn connections(&self) -> Vec<ConnectionStatus> {

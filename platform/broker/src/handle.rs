@@ -2,16 +2,19 @@
 
 use std::{
     collections::{HashMap, HashSet},
+    fmt::Debug,
     net::SocketAddr,
     sync::Arc,
 };
 
 use bytes::Bytes;
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio_util::sync::CancellationToken;
 
 use crate::{
     address::QueueName,
     config::{BrokerConfig, QueueOptions},
+    connection,
     core::Core,
     credentials::CredentialSource,
     dead_letter::BrokerDeadLetter,
@@ -111,6 +114,15 @@ impl BrokerHandle {
     #[must_use]
     pub fn local_addresses(&self) -> &[SocketAddr] {
         &self.addresses
+    }
+
+    /// Serves a peer over a stream that is open already, to its end; as strictly as one that came
+    /// by a listener.
+    pub async fn serve_stream(
+        &self,
+        stream: impl AsyncRead + AsyncWrite + Debug + Send + Unpin + 'static,
+    ) {
+        connection::serve_stream(Arc::clone(&self.core), stream, CancellationToken::new()).await;
     }
 
     /// Creates a queue, or changes the bounds of an existing one.

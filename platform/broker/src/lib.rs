@@ -29,6 +29,7 @@ mod message;
 mod queue;
 mod status;
 mod store;
+mod waiting;
 
 pub use address::{AddressPattern, InvalidPattern, InvalidQueueName, QueueName};
 pub use config::{BrokerConfig, BrokerLimits, Carrier, Listener, QueueOptions, TlsIdentity};

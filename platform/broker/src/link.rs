@@ -16,7 +16,7 @@ use crate::{
 };
 
 pub(crate) use dispatch::dispatch;
-pub(crate) use ingest::ingest;
+pub(crate) use ingest::{Publisher, ingest};
 
 /// Authorises an attach and returns its queue, created if the configuration says so. The error is
 /// the one to detach the link with.

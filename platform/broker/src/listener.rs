@@ -1,6 +1,10 @@
 //! Listeners: accept TCP connections within bounds, and sweep expired messages meanwhile.
 
-use std::{net::SocketAddr, sync::Arc, time::Duration};
+use std::{
+    net::SocketAddr,
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use rustls::ServerConfig;
 use rustls_pki_types::{CertificateDer, PrivateKeyDer, pem::PemObject};
@@ -21,6 +25,7 @@ use crate::{
     connection::{self, Accepted},
     core::Core,
     error::BrokerError,
+    waiting::Taken,
 };
 
 /// Interval of the search for expired messages.
@@ -133,8 +138,19 @@ async fn accept(
         };
         // Refused at once: peers that wait here would hold descriptors and know no reason.
         let Ok(permit) = Arc::clone(&permits).try_acquire_owned() else {
-            metrics::counter!("broker_connections_refused_total").increment(1);
+            count_refused("connections");
             continue;
+        };
+        let place = match core.waiting.enter(peer.ip(), Instant::now()) {
+            Ok(place) => place,
+            Err(Taken::Address) => {
+                count_refused("unauthenticated-of-address");
+                continue;
+            }
+            Err(Taken::InAll) => {
+                count_refused("unauthenticated");
+                continue;
+            }
         };
         if let Err(error) = tune(&tcp, core.config.limits.stall_timeout) {
             warn!(%peer, %error, "a connection's socket options could not be set");
@@ -142,11 +158,15 @@ async fn accept(
         let (core, tls, shutdown) = (Arc::clone(&core), bound.tls.clone(), shutdown.clone());
         let carrier = bound.carrier;
         connections.spawn(async move {
-            connection::serve(core, Accepted { tcp, peer, tls, carrier }, shutdown).await;
+            connection::serve(core, Accepted { tcp, peer, tls, carrier }, place, shutdown).await;
             drop(permit);
         });
     }
     while connections.join_next().await.is_some() {}
+}
+
+fn count_refused(reason: &'static str) {
+    metrics::counter!("broker_connections_refused_total", "reason" => reason).increment(1);
 }
 
 /// Sets socket options by which a dead peer is found: keep-alive when idle, unacknowledged bytes

@@ -6,7 +6,7 @@ use std::time::Duration;
 use asi_model::MessageId;
 use bytes::Bytes;
 use fe2o3_amqp::types::{
-    definitions::ErrorCondition,
+    definitions::{ErrorCondition, LinkError},
     messaging::{
         self, ApplicationProperties, Body, Data, Header, Message, Properties, annotations::OwnedKey,
     },
@@ -69,10 +69,11 @@ pub(super) fn to_message(envelope: &Envelope, now: OffsetDateTime) -> Message<Da
 }
 
 /// Converts a received message for the inbox; fails for encodings and bodies that are not
-/// supported.
+/// supported, and for bodies larger than `bytes_max`.
 pub(super) fn to_delivery(
     message: Message<Body<Value>>,
     now: OffsetDateTime,
+    bytes_max: u64,
 ) -> Result<Delivery, Rejection> {
     let Message { header, message_annotations, properties, application_properties, body, .. } =
         message;
@@ -104,6 +105,14 @@ pub(super) fn to_delivery(
             return Err(unsupported("the body is a sequence; send one data section".to_owned()));
         }
     };
+    if body.len() as u64 > bytes_max {
+        let reason =
+            format!("the body has {} bytes, and at most {bytes_max} are taken", body.len());
+        return Err(Rejection {
+            code: condition_text(&LinkError::MessageSizeExceeded.into()),
+            reason,
+        });
+    }
     let principal = message_annotations.as_ref().and_then(|annotations| {
         match annotations.0.get(&OwnedKey::Symbol(Symbol::from(PRINCIPAL))) {
             Some(Value::String(name)) => Some(name.clone()),
@@ -177,6 +186,8 @@ mod tests {
 
     use super::*;
 
+    const BYTES_MAX: u64 = 1000;
+
     fn received(body: Body<Value>) -> Message<Body<Value>> {
         Message::from(body)
     }
@@ -191,7 +202,7 @@ mod tests {
         (envelope.replay, envelope.lease) = (true, Some(7));
         let sent = to_message(&envelope, now);
         let arrived = sent.map_body(|data| Body::Data(Batch::new(vec![data])));
-        let delivery = to_delivery(arrived, now).expect("a delivery");
+        let delivery = to_delivery(arrived, now, BYTES_MAX).expect("a delivery");
         assert_eq!(delivery.envelope, envelope);
         assert!(delivery.is_redelivered, "the first acquirer is marked by the broker");
     }
@@ -211,12 +222,22 @@ mod tests {
             ),
             (Body::Empty, ""),
         ] {
-            let delivery = to_delivery(received(body), now).expect("a delivery");
+            let delivery = to_delivery(received(body), now, BYTES_MAX).expect("a delivery");
             assert_eq!(delivery.envelope.body, expected);
             assert_eq!(delivery.envelope.message_id, None);
         }
         let number = received(Body::Value(AmqpValue(Value::Int(1))));
-        assert_eq!(to_delivery(number, now).expect_err("a number").code, "amqp:not-implemented");
+        let rejection = to_delivery(number, now, BYTES_MAX).expect_err("a number");
+        assert_eq!(rejection.code, "amqp:not-implemented");
+    }
+
+    #[test]
+    fn bodies_beyond_the_bound_are_rejected() {
+        let body = |bytes| Body::Data(Batch::new(vec![Data::from(vec![b'x'; bytes].as_slice())]));
+        let now = OffsetDateTime::UNIX_EPOCH;
+        assert!(to_delivery(received(body(10)), now, 10).is_ok());
+        let rejection = to_delivery(received(body(11)), now, 10).expect_err("eleven bytes");
+        assert_eq!(rejection.code, "amqp:link:message-size-exceeded");
     }
 
     #[test]

@@ -34,9 +34,17 @@ use crate::{
 /// storing and settling cost little more for many messages than for one.
 const TURNS: u32 = 3;
 
+/// Times the largest message accepted that a broker may send. What is larger than accepted is
+/// rejected with its reason, so that the broker need not offer it again; what is larger than this
+/// ends the link.
+const OVERSIZE_FACTOR: u64 = 4;
+/// Frames that may wait for a receiver.
+const FRAMES_BUFFERED: usize = 256;
+
 /// A receiver link with its session.
 pub(super) struct AmqpReceiver {
     receiver: Receiver,
+    message_bytes_max: u64,
     /// Messages that are not settled yet.
     unsettled: HashMap<DeliveryToken, DeliveryInfo>,
     next_token: u64,
@@ -59,7 +67,8 @@ impl AmqpReceiver {
             .name(link_name("from", terminus))
             .source(source)
             .receiver_settle_mode(ReceiverSettleMode::First)
-            .max_message_size(limits.message_bytes_max)
+            .max_message_size(limits.message_bytes_max.saturating_mul(OVERSIZE_FACTOR))
+            .buffer_size(FRAMES_BUFFERED)
             .credit_mode(CreditMode::Auto(limits.credit))
             .attach(&mut session);
         let receiver = timeout(limits.outcome_timeout, attaching)
@@ -68,7 +77,9 @@ impl AmqpReceiver {
                 EndpointFault::Stalled("the broker did not answer an attach in time".to_owned())
             })?
             .map_err(receiver_attach_fault)?;
-        Ok(Self { receiver, unsettled: HashMap::new(), next_token: 0, _session: session })
+        let message_bytes_max = limits.message_bytes_max;
+        let unsettled = HashMap::new();
+        Ok(Self { receiver, message_bytes_max, unsettled, next_token: 0, _session: session })
     }
 
     /// Converts a message, or rejects it at once when it cannot be read.
@@ -79,7 +90,7 @@ impl AmqpReceiver {
         let rejected = match received {
             Ok(delivery) => {
                 let (info, message) = delivery.into_parts();
-                match codec::to_delivery(message, clock::now()) {
+                match codec::to_delivery(message, clock::now(), self.message_bytes_max) {
                     Ok(delivery) => {
                         self.next_token += 1;
                         let token = DeliveryToken(self.next_token);

@@ -8,7 +8,7 @@ use std::{
 use fe2o3_amqp::{
     acceptor::{LinkAcceptor, LinkEndpoint, ListenerSessionHandle},
     types::{
-        definitions::{self, AmqpError},
+        definitions::{self, AmqpError, ErrorCondition},
         performatives::Attach,
     },
 };
@@ -20,8 +20,15 @@ use tokio::{
 use tokio_util::sync::CancellationToken;
 use tracing::{debug, warn};
 
-use crate::{amqp_error::amqp_error, core::Core, link, queue::Queue};
+use crate::{
+    amqp_error::amqp_error,
+    core::Core,
+    link::{self, Publisher},
+    queue::Queue,
+};
 
+/// Frames that may wait between the tasks of a connection, and for each of its links.
+pub(super) const FRAMES_BUFFERED: usize = 256;
 /// Time for a peer to answer a close.
 pub(super) const CLOSE_TIMEOUT: Duration = Duration::from_secs(2);
 /// Time for a peer to finish a begin or an attach.
@@ -32,6 +39,8 @@ pub(super) const ATTACH_TIMEOUT: Duration = Duration::from_secs(10);
 pub(super) struct Peer {
     pub(super) core: Arc<Core>,
     pub(super) user_name: Arc<str>,
+    /// One permit per byte of the user's messages that wait for their commit.
+    pub(super) uncommitted: Arc<Semaphore>,
     /// One permit per link of the connection.
     pub(super) links: Arc<Semaphore>,
     /// Cancelled to end the connection.
@@ -82,8 +91,10 @@ async fn serve_attach(
     };
     // A refused link is attached all the same: AMQP has no other answer to an attach than an attach
     // that is closed with the error at once.
-    let acceptor =
-        LinkAcceptor::builder().max_message_size(peer.core.config.limits.message_bytes_max).build();
+    let acceptor = LinkAcceptor::builder()
+        .max_message_size(peer.core.config.limits.message_bytes_max)
+        .buffer_size(FRAMES_BUFFERED)
+        .build();
     let attached = timeout(ATTACH_TIMEOUT, acceptor.accept_incoming_attach(attach, session)).await;
     let endpoint = match attached {
         Ok(Ok(endpoint)) => endpoint,
@@ -106,9 +117,21 @@ async fn serve_attach(
         Err(error) => {
             let reason = error.description.as_deref().unwrap_or_default();
             warn!(user = %peer.user_name, condition = ?error.condition, reason, "a link is refused");
-            metrics::counter!("broker_links_refused_total").increment(1);
+            let label = refusal_label(&error.condition);
+            metrics::counter!("broker_links_refused_total", "reason" => label).increment(1);
             links.spawn(close_refused(endpoint, error));
         }
+    }
+}
+
+/// Returns the value of the metric label `reason` for a refused link.
+fn refusal_label(condition: &ErrorCondition) -> &'static str {
+    match condition {
+        ErrorCondition::AmqpError(AmqpError::UnauthorizedAccess) => "rights",
+        ErrorCondition::AmqpError(AmqpError::NotFound) => "unknown-queue",
+        ErrorCondition::AmqpError(AmqpError::ResourceLimitExceeded) => "limit",
+        ErrorCondition::AmqpError(AmqpError::NotImplemented) => "not-implemented",
+        _ => "failed",
     }
 }
 
@@ -118,10 +141,11 @@ async fn serve_link(
     endpoint: LinkEndpoint,
     permit: OwnedSemaphorePermit,
 ) {
-    let Peer { core, user_name, cut, .. } = peer;
+    let Peer { core, user_name, uncommitted, cut, .. } = peer;
     match endpoint {
         LinkEndpoint::Receiver(receiver) => {
-            link::ingest(core, queue, user_name, receiver, cut).await;
+            let publisher = Publisher { user_name, uncommitted };
+            link::ingest(core, queue, publisher, receiver, cut).await;
         }
         LinkEndpoint::Sender(sender) => link::dispatch(core, queue, sender, cut).await,
     }

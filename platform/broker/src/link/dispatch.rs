@@ -6,7 +6,7 @@ use fe2o3_amqp::{
     Sendable, Sender,
     link::{SendError, delivery::DeliveryFut},
     types::{
-        definitions::AmqpError,
+        definitions::{AmqpError, LinkError},
         messaging::{Body, Outcome},
         primitives::Value,
     },
@@ -42,6 +42,8 @@ struct Delivered {
 #[derive(Default)]
 struct Unsettled {
     delivered: HashMap<i64, Delivered>,
+    /// Stored bytes of the delivered messages.
+    bytes: u64,
     outcomes: FuturesUnordered<BoxFuture<'static, (i64, Result<Outcome, SendError>)>>,
 }
 
@@ -51,6 +53,7 @@ impl Unsettled {
         loop {
             let (id, outcome) = self.outcomes.next().await?;
             if let Some(delivered) = self.delivered.remove(&id) {
+                self.bytes = self.bytes.saturating_sub(delivered.entry.bytes);
                 return Some((delivered, outcome));
             }
         }
@@ -97,10 +100,11 @@ struct Consumer<'a> {
 impl Consumer<'_> {
     /// Delivers until the link ends; returns true when it ends because the queue was deleted.
     async fn serve(&self, sender: &mut Sender, unsettled: &mut Unsettled) -> bool {
-        let window = self.core.config.limits.unsettled_per_link_max;
+        let limits = &self.core.config.limits;
         let mut is_yielding = false;
         loop {
-            let has_room = unsettled.delivered.len() < window;
+            let has_room = unsettled.delivered.len() < limits.unsettled_per_link_max
+                && unsettled.bytes < limits.unsettled_bytes_per_link_max;
             if !has_room {
                 self.subscription.pause();
             }
@@ -176,7 +180,7 @@ impl Consumer<'_> {
     ) -> Sent {
         let mut sending = Box::pin(sender.send_batchable(sendable));
         if let Some(result) = (&mut sending).now_or_never() {
-            return self.sent(unsettled, delivered, result);
+            return self.sent(unsettled, delivered, result).await;
         }
         self.subscription.hold();
         let result = loop {
@@ -191,7 +195,7 @@ impl Consumer<'_> {
         drop(sending);
         self.subscription.release_hold();
         match result {
-            Some(result) => self.sent(unsettled, delivered, result),
+            Some(result) => self.sent(unsettled, delivered, result).await,
             None => {
                 self.queue.requeue(delivered.entry);
                 Sent::Requeued
@@ -199,7 +203,7 @@ impl Consumer<'_> {
         }
     }
 
-    fn sent(
+    async fn sent(
         &self,
         unsettled: &mut Unsettled,
         delivered: Delivered,
@@ -209,8 +213,20 @@ impl Consumer<'_> {
             Ok(outcome) => {
                 metrics::counter!("broker_messages_delivered_total").increment(1);
                 let id = delivered.entry.id;
+                unsettled.bytes += delivered.entry.bytes;
                 unsettled.delivered.insert(id, delivered);
                 unsettled.outcomes.push(outcome.map(move |outcome| (id, outcome)).boxed());
+                Sent::Done
+            }
+            // A consumer that takes smaller messages only would be offered it again and again, and
+            // none of those behind it.
+            Err(SendError::MessageSizeExceeded(exceeded))
+                if self.queue.id != self.core.dead_letters.id =>
+            {
+                let Delivered { entry, message } = delivered;
+                let code = condition_text(&LinkError::MessageSizeExceeded.into());
+                let reason = format!("a consumer takes no message of this size: {exceeded}");
+                self.core.dead_letter(self.queue, entry, &message, code, reason).await;
                 Sent::Done
             }
             Err(problem) => {

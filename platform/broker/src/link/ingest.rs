@@ -16,7 +16,7 @@ use fe2o3_amqp::{
     },
 };
 use futures::{FutureExt, StreamExt, stream::FuturesOrdered};
-use tokio::sync::oneshot;
+use tokio::sync::{Semaphore, oneshot};
 use tokio_util::sync::CancellationToken;
 use tracing::debug;
 
@@ -46,11 +46,18 @@ type Pending = futures::future::Map<
     >,
 >;
 
+/// User who sends.
+pub(crate) struct Publisher {
+    pub user_name: Arc<str>,
+    /// One permit per byte of the user's messages that wait for their commit.
+    pub uncommitted: Arc<Semaphore>,
+}
+
 /// Serves a publisher until it detaches.
 pub(crate) async fn ingest(
     core: Arc<Core>,
     queue: Arc<Queue>,
-    user_name: Arc<str>,
+    publisher: Publisher,
     mut receiver: Receiver,
     cut: CancellationToken,
 ) {
@@ -72,9 +79,10 @@ pub(crate) async fn ingest(
             received = receiver.recv::<Body<Value>>() => received,
         };
         let answered = match received {
-            Ok(delivery) => {
-                take(&core, &queue, &user_name, &receiver, delivery, &mut pending).await
-            }
+            Ok(delivery) => tokio::select! {
+                () = cut.cancelled() => return,
+                taken = take(&core, &queue, &publisher, &receiver, delivery, &mut pending) => taken,
+            },
             Err(RecvError::MessageDecode(undecodable)) => {
                 count_refused("decode", 1);
                 let error = amqp_error(AmqpError::DecodeError, "the message cannot be decoded");
@@ -85,7 +93,7 @@ pub(crate) async fn ingest(
                     count_refused("size", 1);
                 }
                 return debug!(
-                    queue = %queue.name, user = %user_name, error = %problem,
+                    queue = %queue.name, user = %publisher.user_name, error = %problem,
                     "a publisher's link has ended"
                 );
             }
@@ -100,13 +108,13 @@ pub(crate) async fn ingest(
 async fn take(
     core: &Core,
     queue: &Arc<Queue>,
-    user_name: &str,
+    publisher: &Publisher,
     receiver: &Receiver,
     delivery: Delivery<Body<Value>>,
     pending: &mut FuturesOrdered<Pending>,
 ) -> Result<(), ()> {
     let (info, body) = delivery.into_parts();
-    match store(core, queue, user_name, body).await {
+    match store(core, queue, publisher, body).await {
         Ok(reply) => {
             let is_stored = move |answer| (info, matches!(answer, Ok(Ok(()))));
             pending.push_back(reply.map(Box::new(is_stored)));
@@ -171,10 +179,10 @@ impl Rejection {
 async fn store(
     core: &Core,
     queue: &Arc<Queue>,
-    user_name: &str,
+    publisher: &Publisher,
     mut received: AnyMessage,
 ) -> Result<Reply, Rejection> {
-    message::stamp(&mut received, user_name);
+    message::stamp(&mut received, &publisher.user_name);
     let wire = message::encode(&received).map_err(|_| {
         Rejection::new("decode", AmqpError::DecodeError, "the message cannot be encoded again")
     })?;
@@ -184,6 +192,13 @@ async fn store(
         let reason = format!("the message exceeds {bytes_max} bytes");
         return Err(Rejection::new("size", LinkError::MessageSizeExceeded, reason));
     }
+    let stopping =
+        || Rejection::new("store", AmqpError::ResourceLimitExceeded, "the broker is stopping");
+    // The writer gives them back, so this waits for the disk and for nothing that waits for it.
+    let permits = u32::try_from(bytes).unwrap_or(u32::MAX);
+    let permits = permits.min(core.config.limits.uncommitted_bytes_per_user_max);
+    let uncommitted = Arc::clone(&publisher.uncommitted).acquire_many_owned(permits).await;
+    let uncommitted = uncommitted.map_err(|_| stopping())?;
     queue.reserve(bytes).map_err(|refusal| match refusal {
         Refusal::Full => {
             let reason = format!("the queue {} is full", queue.name);
@@ -204,12 +219,12 @@ async fn store(
     // Before the insert: the consumer that the commit wakes finds the body in the cache.
     core.cache.insert(id, bytes, Arc::new(received));
     let (done, stored) = oneshot::channel();
-    let command = StoreCommand::Insert(NewMessage { queue: Arc::clone(queue), entry, wire, done });
-    if core.writer.send(command).await.is_err() {
+    let queue = Arc::clone(queue);
+    let new = NewMessage { queue: Arc::clone(&queue), entry, wire, uncommitted, done };
+    if core.writer.send(StoreCommand::Insert(new)).await.is_err() {
         queue.release_reservation(bytes);
         core.cache.remove(id);
-        let reason = "the broker is stopping";
-        return Err(Rejection::new("store", AmqpError::ResourceLimitExceeded, reason));
+        return Err(stopping());
     }
     Ok(stored)
 }

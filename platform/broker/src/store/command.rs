@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use tokio::sync::{mpsc, oneshot};
+use tokio::sync::{OwnedSemaphorePermit, mpsc, oneshot};
 
 use crate::{
     config::QueueOptions,
@@ -17,6 +17,8 @@ pub(crate) struct NewMessage {
     pub entry: QueueEntry,
     /// Message as AMQP bytes, in the form in which it is stored.
     pub wire: Vec<u8>,
+    /// Share of what the user may have uncommitted, given back with the command.
+    pub uncommitted: OwnedSemaphorePermit,
     /// Notified after the commit.
     pub done: oneshot::Sender<Result<(), WriteFailed>>,
 }

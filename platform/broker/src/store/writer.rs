@@ -120,6 +120,7 @@ impl StoreWriter {
                 // Only now: no consumer gets what a failed transaction takes away again.
                 new.queue.add([new.entry]);
                 // The publisher may have left; its message is stored all the same.
+                drop(new.uncommitted);
                 let _ = new.done.send(Ok(()));
             }
             StoreCommand::DeadLetter(letter) => {
@@ -146,6 +147,7 @@ impl StoreWriter {
         match command {
             StoreCommand::Insert(new) => {
                 new.queue.release_reservation(new.entry.bytes);
+                drop(new.uncommitted);
                 let _ = new.done.send(Err(WriteFailed));
             }
             StoreCommand::DeclareQueue { done, .. }

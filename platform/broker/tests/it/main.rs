@@ -3,10 +3,14 @@
 #![allow(clippy::disallowed_methods, reason = "tests run by the machine's clock")]
 
 mod broker;
+mod corpus;
 mod foreign;
+mod hostile;
+mod hostile_broker;
 mod link;
 mod outage;
 mod process;
 mod proxy;
+mod raw;
 mod support;
 mod websocket;

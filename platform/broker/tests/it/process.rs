@@ -4,6 +4,10 @@ use std::{
     io::{BufRead, BufReader},
     path::Path,
     process::{Child, Command, Stdio},
+    sync::{
+        Arc,
+        atomic::{AtomicUsize, Ordering},
+    },
 };
 
 use messaging::{Settlement, spool::memory::AcceptedReports};
@@ -15,19 +19,21 @@ const FOLDER: &str = "BROKER_TEST_FOLDER";
 const PORT: &str = "BROKER_TEST_PORT";
 
 /// A broker process, killed when dropped.
-struct BrokerProcess {
+pub struct BrokerProcess {
     child: Child,
-    port: u16,
+    pub port: u16,
+    panics: Arc<AtomicUsize>,
 }
 
 impl BrokerProcess {
     /// Starts this very test program again, as a broker.
-    fn start(folder: &Path, port: u16) -> Self {
+    pub fn start(folder: &Path, port: u16) -> Self {
         let mut child = Command::new(std::env::current_exe().expect("this program"))
             .args(["--exact", "process::child_serves_until_it_is_killed", "--nocapture"])
             .env(FOLDER, folder)
             .env(PORT, port.to_string())
             .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
             .spawn()
             .expect("a broker process");
         let out = BufReader::new(child.stdout.take().expect("its output"));
@@ -41,10 +47,38 @@ impl BrokerProcess {
             }
         });
         let port = port.recv().expect("its port");
-        Self { child, port }
+        let errors = BufReader::new(child.stderr.take().expect("its errors"));
+        let panics = Arc::new(AtomicUsize::new(0));
+        let seen = Arc::clone(&panics);
+        std::thread::spawn(move || {
+            for line in errors.lines().map_while(Result::ok) {
+                if line.contains("panicked at") {
+                    seen.fetch_add(1, Ordering::Relaxed);
+                }
+            }
+        });
+        Self { child, port, panics }
     }
 
-    fn kill(mut self) {
+    pub fn url(&self) -> String {
+        format!("amqp://127.0.0.1:{}", self.port)
+    }
+
+    /// Largest memory that the process has had, in KB.
+    pub fn peak_kb(&self) -> u64 {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id()));
+        let status = status.expect("the process lives");
+        let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let peak = peak.and_then(|peak| peak.trim().strip_suffix("kB"));
+        peak.expect("its peak").trim().parse().expect("a number")
+    }
+
+    /// Number of panics that the process has reported so far.
+    pub fn panics(&self) -> usize {
+        self.panics.load(Ordering::Relaxed)
+    }
+
+    pub fn kill(mut self) {
         self.child.kill().expect("killed");
         self.child.wait().expect("reaped");
     }
