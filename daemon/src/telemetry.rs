@@ -1,14 +1,18 @@
 //! Logs on stderr and metrics for Prometheus.
 
-use std::{sync::OnceLock, time::Duration};
+use std::{
+    sync::{Arc, OnceLock},
+    time::Duration,
+};
 
 use metrics_exporter_prometheus::{PrometheusBuilder, PrometheusHandle};
-use serde::Deserialize;
+use parking_lot::Mutex;
+use serde::{Deserialize, Serialize};
 use tokio_util::sync::CancellationToken;
 use tracing_subscriber::{EnvFilter, Layer, layer::SubscriberExt, util::SubscriberInitExt};
 
 /// Format and level of the log.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LogConfig {
     /// Lines for people or JSON for collectors.
@@ -24,7 +28,7 @@ impl Default for LogConfig {
 }
 
 /// The form of a log line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LogFormat {
     /// One line for people.
@@ -82,7 +86,11 @@ const UPKEEP_INTERVAL: Duration = Duration::from_secs(5);
 
 /// The process's metrics, ready to be scraped.
 #[derive(Clone)]
-pub struct Metrics(PrometheusHandle);
+pub struct Metrics {
+    recorder: PrometheusHandle,
+    /// Metrics of other processes of the daemon, in the text format.
+    others: Arc<Mutex<Vec<Arc<Mutex<String>>>>>,
+}
 
 impl Metrics {
     /// The recorder of this process, installed at the first call. The `metrics` facade allows one
@@ -92,29 +100,40 @@ impl Metrics {
     /// [`TelemetryError::InstallMetrics`] when another recorder is installed.
     pub fn install() -> Result<Self, TelemetryError> {
         static RECORDER: OnceLock<PrometheusHandle> = OnceLock::new();
-        static GUARD: parking_lot::Mutex<()> = parking_lot::Mutex::new(());
+        static GUARD: Mutex<()> = Mutex::new(());
         let _one_at_a_time = GUARD.lock();
-        if let Some(handle) = RECORDER.get() {
-            return Ok(Self(handle.clone()));
+        if let Some(recorder) = RECORDER.get() {
+            return Ok(Self { recorder: recorder.clone(), others: Arc::default() });
         }
         let handle = PrometheusBuilder::new()
             .set_buckets(&BUCKETS_SECONDS)
             .and_then(PrometheusBuilder::install_recorder)
             .map_err(TelemetryError::InstallMetrics)?;
-        Ok(Self(RECORDER.get_or_init(|| handle).clone()))
+        let recorder = RECORDER.get_or_init(|| handle).clone();
+        Ok(Self { recorder, others: Arc::default() })
+    }
+
+    /// Shows the metrics of another process of this daemon, too, as they are in the text. Their names
+    /// are not those of this process.
+    pub fn include(&self, text: Arc<Mutex<String>>) {
+        self.others.lock().push(text);
     }
 
     /// All metrics in the Prometheus text format.
     #[must_use]
     pub fn render(&self) -> String {
-        self.0.render()
+        let mut text = self.recorder.render();
+        for other in self.others.lock().iter() {
+            text.push_str(&other.lock());
+        }
+        text
     }
 
     /// Folds histograms from time to time, so that they do not grow without being scraped.
     pub async fn run(self, shutdown: CancellationToken) {
         let mut ticks = tokio::time::interval(UPKEEP_INTERVAL);
         while shutdown.run_until_cancelled(ticks.tick()).await.is_some() {
-            self.0.run_upkeep();
+            self.recorder.run_upkeep();
         }
     }
 }

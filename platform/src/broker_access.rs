@@ -6,16 +6,14 @@
 use std::{collections::HashMap, sync::Arc, time::Duration};
 
 use asi_model::{FactoryId, ToolId};
-use broker::{
-    AddressPattern, BrokerError, BrokerHandle, BrokerUser, CredentialTable, QueueName,
-    QueueOptions, SecretHash,
-};
+use broker::{AddressPattern, BrokerUser, CredentialTable, QueueName, QueueOptions, SecretHash};
 use daemon::web::session::random_token;
 use messaging::{LinkHandle, LogicalAddress};
 use parking_lot::Mutex;
 use tokio_util::sync::CancellationToken;
 
 use crate::{
+    broker_process::{EmbeddedBroker, EmbeddedBrokerError},
     config::BrokerUserConfig,
     store::{BrokerCredential, Holder, Scope, StoreError, StoreReader},
 };
@@ -32,6 +30,8 @@ pub struct BrokerAccess(Arc<Inner>);
 
 struct Inner {
     users: Arc<CredentialTable>,
+    /// Serialises reading the users from the store and saying them to the broker.
+    loading: tokio::sync::Mutex<()>,
     configured: Vec<BrokerUserConfig>,
     /// The platform's own secret on the embedded broker: new at every start, never stored.
     secret: String,
@@ -40,7 +40,7 @@ struct Inner {
 
 #[derive(Default)]
 struct Parts {
-    broker: Option<BrokerHandle>,
+    broker: Option<EmbeddedBroker>,
     link: Option<LinkHandle>,
 }
 
@@ -51,7 +51,7 @@ pub enum BrokerAccessError {
     Store(#[from] StoreError),
     /// The embedded broker failed.
     #[error("the embedded broker failed")]
-    Broker(#[from] BrokerError),
+    Broker(#[from] EmbeddedBrokerError),
 }
 
 impl std::fmt::Debug for BrokerAccess {
@@ -66,6 +66,7 @@ impl BrokerAccess {
     pub fn new(configured: Vec<BrokerUserConfig>) -> Self {
         Self(Arc::new(Inner {
             users: Arc::new(CredentialTable::new()),
+            loading: tokio::sync::Mutex::default(),
             configured,
             secret: random_token(),
             parts: Mutex::default(),
@@ -85,7 +86,7 @@ impl BrokerAccess {
     }
 
     /// Sets the handle of the embedded broker, once it runs.
-    pub fn set_broker(&self, broker: BrokerHandle) {
+    pub fn set_broker(&self, broker: EmbeddedBroker) {
         self.0.parts.lock().broker = Some(broker);
     }
 
@@ -96,7 +97,7 @@ impl BrokerAccess {
 
     /// Returns the embedded broker, if there is one.
     #[must_use]
-    pub fn broker(&self) -> Option<BrokerHandle> {
+    pub fn broker(&self) -> Option<EmbeddedBroker> {
         self.0.parts.lock().broker.clone()
     }
 
@@ -118,9 +119,19 @@ impl BrokerAccess {
     ///
     /// # Errors
     /// [`BrokerAccessError::Store`].
+<<<<<<< HEAD
     pub async fn load_users(&self, store: &StoreReader) -> Result<(), BrokerAccessError> {
+=======
+    pub async fn load_users(&self, store: &Store) -> Result<(), BrokerAccessError> {
+        // What was read later is said later.
+        let _turn = self.0.loading.lock().await;
+>>>>>>> 813c97a9 (feat(platform): the embedded broker runs in a process of its own)
         let credentials = store.read().await?.credentials().list().await?;
-        self.0.users.replace(self.users_of(&credentials));
+        let users = self.users_of(&credentials);
+        self.0.users.replace(users.clone());
+        if let Some(broker) = self.broker() {
+            broker.set_users(&users).await;
+        }
         Ok(())
     }
 
@@ -188,7 +199,10 @@ impl BrokerAccess {
         holder: &Holder,
     ) -> Result<usize, BrokerAccessError> {
         self.reconcile(store).await?;
-        Ok(self.broker().map_or(0, |broker| broker.disconnect_user(&holder.user_name())))
+        match self.broker() {
+            Some(broker) => Ok(broker.disconnect_user(&holder.user_name()).await),
+            None => Ok(0),
+        }
     }
 
     fn users_of(&self, credentials: &[BrokerCredential]) -> HashMap<String, BrokerUser> {

@@ -34,7 +34,11 @@ enum Command {
     /// Run the platform until SIGINT or SIGTERM.
     Serve,
     /// Run the embedded broker alone, with the same users and queues.
-    Broker,
+    Broker {
+        /// Do what the platform says over standard input; for the platform itself.
+        #[arg(long, hide = true)]
+        supervised: bool,
+    },
     /// Print the definitions for another broker: users, rights, queues, limits. Contains secrets.
     Definitions {
         /// Product that the definitions are for.
@@ -117,6 +121,7 @@ struct SetUser {
 pub fn run(arguments: Arguments) -> ExitCode {
     let result = match arguments.command {
         Command::Config(ConfigCommand::Example) => print(EXAMPLE.trim_end()),
+        Command::Broker { supervised: true } => run_supervised(),
         Command::Config(ConfigCommand::Check) => {
             load(arguments.config.as_deref()).and_then(|_| print("The configuration is valid."))
         }
@@ -130,15 +135,24 @@ pub fn run(arguments: Arguments) -> ExitCode {
     }
 }
 
+fn run_supervised() -> anyhow::Result<()> {
+    let runtime = start_runtime()?;
+    let ended = runtime.block_on(platform::broker_process::run_supervised());
+    // Not waiting for the thread that reads the platform's lines.
+    runtime.shutdown_background();
+    Ok(ended?)
+}
+
+fn start_runtime() -> anyhow::Result<tokio::runtime::Runtime> {
+    let mut builder = tokio::runtime::Builder::new_multi_thread();
+    builder.enable_all().build().context("starting the runtime")
+}
+
 fn run_command(command: Command, config: PlatformConfig) -> anyhow::Result<()> {
-    let runtime = tokio::runtime::Builder::new_multi_thread()
-        .enable_all()
-        .build()
-        .context("starting the runtime")?;
-    runtime.block_on(async {
+    start_runtime()?.block_on(async {
         match command {
             Command::Serve => serve::serve(config).await,
-            Command::Broker => serve::broker(config).await,
+            Command::Broker { .. } => serve::broker(config).await,
             Command::Definitions { kind } => definitions::print(&config, kind).await,
             Command::Organisation(OrganisationCommand::Add { organisation, name }) => {
                 administration::add_organisation(&config, &organisation, name).await

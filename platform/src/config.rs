@@ -83,6 +83,8 @@ pub struct BrokerSettings {
     /// Address of a listener for AMQP in WebSockets, in addition; with TLS and the same
     /// certificate.
     pub websocket_listen: Option<SocketAddr>,
+    /// Run the embedded broker in the platform's own process, not in one that it watches.
+    pub in_process: bool,
     /// URL of the broker for connectors, handed out at enrolment.
     pub public_url: Option<BrokerUrl>,
     /// Names and addresses that the embedded broker's certificate is for, beside localhost.
@@ -99,6 +101,7 @@ impl Default for BrokerSettings {
             listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 5671)),
             plain_listen: None,
             websocket_listen: None,
+            in_process: false,
             public_url: None,
             host_names: Vec::new(),
             users: Vec::new(),
@@ -134,8 +137,7 @@ fn patterns<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<AddressPat
 pub struct ExternalBrokerConfig {
     /// Its addresses; the next one is tried when one fails.
     pub urls: Vec<BrokerUrl>,
-    /// Names of logical addresses at this broker: `rabbitmq-3`, `rabbitmq-4`, `activemq` or own
-    /// templates.
+    /// Names of logical addresses there: `rabbitmq-3`, `rabbitmq-4`, `activemq` or own templates.
     pub profile: BrokerProfile,
     /// The platform's user there.
     pub user_name: String,
@@ -143,8 +145,7 @@ pub struct ExternalBrokerConfig {
     /// PEM file with the authorities that may vouch for it; the system's where absent.
     #[serde(default)]
     pub root_certificates: Option<PathBuf>,
-    /// The accounts that its administration has made for connectors and tools; enrolment hands them
-    /// out.
+    /// The accounts of connectors and tools there; enrolment hands them out.
     #[serde(default)]
     pub accounts: Vec<ExternalAccountConfig>,
 }

@@ -9,6 +9,7 @@
 //! - [`accesses`]: values leave only with a record of who got them. [`access_log_key`]: signs that.
 //! - [`store`]: the database, one repository per noun. [`principal`]: rights of the signed-in user.
 //! - [`progress`] (pure): progress of operations. [`live`]: events for pages.
+//! - [`broker_process`]: the embedded broker, in a process of its own or in this one.
 //! - [`broker_access`], [`certificates`], [`enrolment`]: users, queues and certificates of the
 //!   broker, and credentials of connectors. [`spool`]: outgoing messages for the link.
 //! - [`networks`]: changes of networks and the parts sent to factories. [`ingest`]: received
@@ -25,6 +26,7 @@ pub mod api;
 pub mod application;
 pub mod audit;
 pub mod broker_access;
+pub mod broker_process;
 pub mod certificates;
 pub mod clock;
 pub mod config;

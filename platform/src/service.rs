@@ -4,9 +4,8 @@ mod brokers;
 mod data_directory;
 mod error;
 
-use std::{convert::Infallible, net::SocketAddr, sync::Arc, time::Duration};
+use std::{convert::Infallible, net::SocketAddr, path::Path, sync::Arc, time::Duration};
 
-use broker::Broker;
 use daemon::{
     lifecycle::{Importance, Lifecycle},
     telemetry::Metrics,
@@ -28,6 +27,7 @@ use crate::{
     application::{Application, ApplicationParts},
     audit::RecordingStore,
     broker_access::BrokerAccess,
+    broker_process::{BrokerProcessHandle, EmbeddedBroker},
     clock::Clock,
     config::PlatformConfig,
     ingest::{Ingest, IngestConfig},
@@ -41,6 +41,7 @@ use crate::{
     witness::WitnessKey,
 };
 
+use brokers::OpenedBroker;
 pub use brokers::start_broker_alone;
 pub use error::StartError;
 
@@ -50,7 +51,7 @@ pub struct Platform {
     store: Store,
     web_listener: TcpListener,
     web_tls: Option<Arc<rustls::ServerConfig>>,
-    broker: Option<Broker>,
+    broker: Option<OpenedBroker>,
     link: Link,
     tasks: (Ingest, ProgressNotifier),
 }
@@ -68,7 +69,8 @@ pub struct PlatformHandle {
 
 impl Platform {
     /// Opens everything that can fail: database, listeners, broker, certificates. `lifecycle` gives
-    /// the shutdown that live streams end with.
+    /// the shutdown that live streams end with; `program` is the platform's program, for the process
+    /// of the broker.
     ///
     /// # Errors
     /// [`StartError`].
@@ -76,6 +78,7 @@ impl Platform {
         config: PlatformConfig,
         clock: Clock,
         lifecycle: &Lifecycle,
+        program: &Path,
     ) -> Result<(Self, PlatformHandle), StartError> {
         data_directory::create(&config)?;
         let metrics = Metrics::install()?;
@@ -102,11 +105,17 @@ impl Platform {
         .await?;
 
         let (broker, access, link_config) =
+<<<<<<< HEAD
             brokers::open(&config, &broker_access, &store.reader(), started_at).await?;
         let broker_addresses = broker_access
             .broker()
             .map(|broker| broker.local_addresses().to_vec())
             .unwrap_or_default();
+=======
+            brokers::open(&config, &broker_access, &store, started_at, program).await?;
+        let broker_addresses =
+            broker_access.broker().map(|broker| broker.addresses().to_vec()).unwrap_or_default();
+>>>>>>> 813c97a9 (feat(platform): the embedded broker runs in a process of its own)
         let (link, link_handle) = Link::new(
             link_config,
             Arc::new(StoredSpool::new(store.clone())),
@@ -156,7 +165,10 @@ impl Platform {
         // settled; then its two ends.
         let after_link = CancellationToken::new();
         if let Some(broker) = broker {
-            lifecycle.spawn("broker", Importance::Essential, broker.run(after_link.clone()));
+            broker.start(lifecycle, after_link.clone());
+        }
+        if let Some(EmbeddedBroker::Process(process)) = broker_access.broker() {
+            start_watching(&process, &application, lifecycle);
         }
         lifecycle.spawn("ingest", Importance::Essential, ingest.run(after_link.clone()));
         // Queues can only be declared once the broker runs, so this is the first task's work and
@@ -241,6 +253,31 @@ fn ingest_config(config: &PlatformConfig, witness: Arc<WitnessKey>) -> IngestCon
         resend_after: Duration::from_millis(config.parts.resend_after_ms),
         silence: config.lease_silence(),
         witness,
+    }
+}
+
+/// Shows state and metrics of the broker's process beside those of this one.
+fn start_watching(process: &BrokerProcessHandle, application: &Application, lifecycle: &Lifecycle) {
+    application.metrics.include(process.metrics());
+    let watching = watch_broker(process.is_up(), application.clone());
+    let watching = lifecycle.shutdown().run_until_cancelled_owned(watching);
+    lifecycle.spawn("broker watch", Importance::Optional, async move {
+        watching.await;
+        Ok::<(), Infallible>(())
+    });
+}
+
+/// Keeps `/readyz` in line with the process of the broker.
+async fn watch_broker(mut states: watch::Receiver<bool>, application: Application) {
+    loop {
+        if *states.borrow_and_update() {
+            application.readiness.ready("broker");
+        } else {
+            application.readiness.waiting("broker", "the broker has died and is started again");
+        }
+        if states.changed().await.is_err() {
+            return;
+        }
     }
 }
 

@@ -135,6 +135,12 @@ impl CredentialTable {
         self.users.write().remove(name)
     }
 
+    /// Returns all users.
+    #[must_use]
+    pub fn all(&self) -> HashMap<String, BrokerUser> {
+        self.users.read().clone()
+    }
+
     /// Replaces all users at once.
     pub fn replace(&self, users: HashMap<String, BrokerUser>) {
         *self.users.write() = users;

@@ -1,6 +1,6 @@
 //! Dead letters: messages that were rejected or delivered too often.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use time::OffsetDateTime;
 
 use crate::address::QueueName;
@@ -9,7 +9,7 @@ use crate::address::QueueName;
 pub(crate) const TOO_MANY_DELIVERIES: &str = "verbund:too-many-deliveries";
 
 /// A message in the queue `dead-letters`, without its body.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct BrokerDeadLetter {
     /// Number of the message; grows with the order of arrival at the broker.

@@ -39,13 +39,17 @@ pub struct Status {
 pub async fn show(State(app): State<Application>, who: SignedIn<Principal>) -> Json<Status> {
     let is_administrator = who.principal.is_administrator();
     let broker = app.broker_access.broker().filter(|_| is_administrator);
+    let (queues, connections) = match &broker {
+        Some(broker) => tokio::join!(broker.queues(), broker.connections()),
+        None => (None, None),
+    };
     let link = app.broker_access.link().filter(|_| is_administrator);
     Json(Status {
         version: env!("CARGO_PKG_VERSION"),
         started_at: app.started_at,
         now: app.clock.now(),
         link: link.map(|link| link.state().borrow().clone()),
-        queues: broker.as_ref().map(|broker| broker.queues()),
-        connections: broker.map(|broker| broker.connections()),
+        queues,
+        connections,
     })
 }

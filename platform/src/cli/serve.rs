@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use anyhow::Context;
 use daemon::{lifecycle::Lifecycle, telemetry};
 use platform::{clock::Clock, config::PlatformConfig, service::Platform};
 
@@ -12,7 +13,8 @@ const DRAIN_TIMEOUT: Duration = Duration::from_secs(15);
 pub async fn serve(config: PlatformConfig) -> anyhow::Result<()> {
     telemetry::install_logs(&config.log)?;
     let lifecycle = Lifecycle::new();
-    let (platform, handle) = Platform::open(config, Clock::system(), &lifecycle).await?;
+    let program = std::env::current_exe().context("finding the platform's own program")?;
+    let (platform, handle) = Platform::open(config, Clock::system(), &lifecycle, &program).await?;
     platform.start(&lifecycle);
     tracing::info!(
         web.url = handle.application.public_url, web.address = %handle.web_address,

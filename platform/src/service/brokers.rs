@@ -1,6 +1,9 @@
 //! The embedded broker with its users and certificates, or the way to one of another make.
 
-use std::{net::SocketAddr, path::PathBuf};
+use std::{
+    net::SocketAddr,
+    path::{Path, PathBuf},
+};
 
 use asi_model::DateTime;
 use broker::{Broker, Carrier, Listener, TlsIdentity};
@@ -9,11 +12,13 @@ use daemon::{
     web::session::random_token,
 };
 use messaging::{BrokerProfile, BrokerUrl, LinkConfig, LinkError, Login, Roots};
+use tokio_util::sync::CancellationToken;
 
 use super::{data_directory, error::StartError};
 use crate::{
     application::BrokerEndpoint,
     broker_access::{BrokerAccess, PLATFORM_USER},
+    broker_process::{BrokerProcess, EmbeddedBroker, Setup},
     certificates::CertificateAuthority,
     clock::Clock,
     config::{BrokerSettings, ExternalBrokerConfig, PlatformConfig},
@@ -34,33 +39,65 @@ pub async fn start_broker_alone(
     let store = Store::open(&config.database_path()).await?;
     let broker_access = BrokerAccess::new(config.broker.users.clone());
     let embedded = PlatformConfig {
-        broker: BrokerSettings { external: None, ..config.broker.clone() },
+        broker: BrokerSettings { external: None, in_process: true, ..config.broker.clone() },
         ..config.clone()
     };
+<<<<<<< HEAD
     let (broker, _, _) = open(&embedded, &broker_access, &store.reader(), clock.now()).await?;
+=======
+    let program = Path::new("");
+    let (broker, _, _) = open(&embedded, &broker_access, &store, clock.now(), program).await?;
+>>>>>>> 813c97a9 (feat(platform): the embedded broker runs in a process of its own)
     if let Some(broker) = broker {
-        lifecycle.spawn("broker", Importance::Essential, broker.run(lifecycle.shutdown()));
+        broker.start(lifecycle, lifecycle.shutdown());
     }
+<<<<<<< HEAD
     broker_access.reconcile(&store.reader()).await?;
     Ok(broker_access.broker().map(|broker| broker.local_addresses().to_vec()).unwrap_or_default())
+=======
+    broker_access.reconcile(&store).await?;
+    Ok(broker_access.broker().map(|broker| broker.addresses().to_vec()).unwrap_or_default())
+}
+
+/// The embedded broker, opened to be run.
+pub(super) enum OpenedBroker {
+    Here(Box<Broker>),
+    Process(Box<BrokerProcess>),
+}
+
+impl OpenedBroker {
+    /// Runs it in the lifecycle until `shutdown`.
+    pub(super) fn start(self, lifecycle: &Lifecycle, shutdown: CancellationToken) {
+        match self {
+            Self::Here(broker) => {
+                lifecycle.spawn("broker", Importance::Essential, broker.run(shutdown));
+            }
+            Self::Process(process) => {
+                lifecycle.spawn("broker", Importance::Essential, process.run(shutdown));
+            }
+        }
+    }
+>>>>>>> 813c97a9 (feat(platform): the embedded broker runs in a process of its own)
 }
 
 /// A broker to be used: the embedded one, or none when another one is configured, with its endpoint
 /// for others and the configuration of our own link.
-type Opened = (Option<Broker>, BrokerEndpoint, LinkConfig);
+type Opened = (Option<OpenedBroker>, BrokerEndpoint, LinkConfig);
 
-/// Opens the embedded broker, or prepares the link to an external one.
+/// Opens the embedded broker, in a process of `program` if it has its own, or prepares the link to
+/// an external one.
 pub(super) async fn open(
     config: &PlatformConfig,
     broker_access: &BrokerAccess,
     store: &StoreReader,
     now: DateTime,
+    program: &Path,
 ) -> Result<Opened, StartError> {
     // Unique per running instance, so that a broker's log distinguishes them.
     let container = format!("platform-{}", &random_token()[..8]);
     match &config.broker.external {
         Some(external) => open_external(&config.broker, external, container),
-        None => open_embedded(config, broker_access, store, now, container).await,
+        None => open_embedded(config, broker_access, store, now, container, program).await,
     }
 }
 
@@ -96,6 +133,7 @@ async fn open_embedded(
     store: &StoreReader,
     now: DateTime,
     container: String,
+    program: &Path,
 ) -> Result<Opened, StartError> {
     // Before the listeners open: a peer that is refused stays away for minutes, so one that waits
     // for the broker's start must be known from the first connection on.
@@ -114,8 +152,16 @@ async fn open_embedded(
         let carrier = Carrier::WebSocket;
         embedded.listeners.push(Listener { address, tls: Some(tls), carrier });
     }
-    let (broker, handle) = Broker::new(embedded, broker_access.users()).await?;
-    let address = handle.local_addresses().first().copied().unwrap_or(config.broker.listen);
+    let users = broker_access.users();
+    let (broker, handle) = if config.broker.in_process {
+        let (broker, handle) = Broker::new(embedded, users).await?;
+        (OpenedBroker::Here(Box::new(broker)), EmbeddedBroker::Here(handle))
+    } else {
+        let setup = Setup::new(&embedded, config.log.clone());
+        let started = BrokerProcess::start(program.to_owned(), setup, &users.all()).await?;
+        (OpenedBroker::Process(Box::new(started.0)), EmbeddedBroker::Process(started.1))
+    };
+    let address = handle.addresses().first().copied().unwrap_or(config.broker.listen);
     broker_access.set_broker(handle);
 
     let own_url = own_url(address);
@@ -175,7 +221,7 @@ mod tests {
         drop(rustls::crypto::ring::default_provider().install_default());
         let folder = tempfile::tempdir().expect("a folder");
         let text = format!(
-            "data_directory = {:?}\n[broker]\nlisten = \"127.0.0.1:0\"\n[[broker.users]]\nuser_name = \"observer\"\n\
+            "data_directory = {:?}\n[broker]\nlisten = \"127.0.0.1:0\"\nin_process = true\n[[broker.users]]\nuser_name = \"observer\"\n\
              password = \"of the broker alone\"\nconsume = []\nproduce = []\n",
             folder.path()
         );
@@ -183,9 +229,16 @@ mod tests {
             daemon::configuration::parse(None, &text, "NOTHING", []).expect("valid");
         let store = Store::open(&config.database_path()).await.expect("a database");
         let broker_access = BrokerAccess::new(config.broker.users.clone());
+<<<<<<< HEAD
         let (broker, ..) = open(&config, &broker_access, &store.reader(), Clock::system().now())
             .await
             .expect("it opens");
+=======
+        let (broker, ..) =
+            open(&config, &broker_access, &store, Clock::system().now(), Path::new(""))
+                .await
+                .expect("it opens");
+>>>>>>> 813c97a9 (feat(platform): the embedded broker runs in a process of its own)
         assert!(broker.is_some(), "it is embedded, and does not run yet");
         for user in ["observer", PLATFORM_USER] {
             assert!(broker_access.users().user(user).is_some(), "{user}");

@@ -11,8 +11,8 @@ use messaging::LinkError;
 
 use crate::{
     access_log_key::AccessLogKeyError, administrator::AdministratorError,
-    broker_access::BrokerAccessError, certificates::CertificateError, store::StoreError,
-    witness::WitnessError,
+    broker_access::BrokerAccessError, broker_process::BrokerProcessError,
+    certificates::CertificateError, store::StoreError, witness::WitnessError,
 };
 
 /// Failure to start the platform.
@@ -30,6 +30,9 @@ pub enum StartError {
     /// The embedded broker cannot start.
     #[error("the embedded broker cannot start")]
     Broker(#[from] BrokerError),
+    /// The embedded broker's process cannot start.
+    #[error("the embedded broker's process cannot start")]
+    BrokerProcess(#[from] BrokerProcessError),
     /// The certificate authority cannot be used.
     #[error("the certificate authority cannot be used")]
     Certificates(#[from] CertificateError),

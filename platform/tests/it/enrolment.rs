@@ -8,7 +8,7 @@ use crate::{
     story,
 };
 
-async fn is_up(peer: &Peer) {
+pub async fn is_up(peer: &Peer) {
     eventually("the link is up", || async {
         let state = peer.link.state().borrow().clone();
         if state.is_up() { Ok(()) } else { Err(format!("{:?}", state.reason)) }
@@ -16,7 +16,7 @@ async fn is_up(peer: &Peer) {
     .await;
 }
 
-async fn is_down(peer: &Peer) {
+pub async fn is_down(peer: &Peer) {
     eventually("the link is down", || async {
         let is_up = peer.link.state().borrow().is_up();
         if is_up { Err("up".to_owned()) } else { Ok(()) }

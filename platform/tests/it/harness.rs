@@ -1,6 +1,6 @@
 //! A whole platform on free ports, in a folder of its own, and clients of its API.
 
-use std::{future::Future, sync::Arc, time::Duration};
+use std::{future::Future, path::Path, sync::Arc, time::Duration};
 
 use access_log::{AccessKind, AccessLogKey, AgentKind};
 use asi_model::DateTime;
@@ -26,20 +26,33 @@ const ANSWER_MAX: Duration = Duration::from_secs(60);
 pub struct World {
     folder: tempfile::TempDir,
     running: Option<(Lifecycle, PlatformHandle)>,
+    /// True for a broker in the process of the test.
+    in_process: bool,
 }
 
 impl World {
     pub async fn start() -> Self {
+        Self::start_with(true).await
+    }
+
+    /// Starts with a broker in a process of its own, as the platform has it by default.
+    pub async fn start_with_broker_process() -> Self {
+        Self::start_with(false).await
+    }
+
+    async fn start_with(in_process: bool) -> Self {
         drop(rustls::crypto::ring::default_provider().install_default());
-        let mut world = Self { folder: tempfile::tempdir().expect("a folder"), running: None };
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut world = Self { folder, running: None, in_process };
         world.open().await;
         world
     }
 
     async fn open(&mut self) {
         let lifecycle = Lifecycle::new();
-        let (platform, handle) =
-            Platform::open(self.config(), Clock::system(), &lifecycle).await.expect("it opens");
+        let program = Path::new(env!("CARGO_BIN_EXE_platform"));
+        let opened = Platform::open(self.config(), Clock::system(), &lifecycle, program).await;
+        let (platform, handle) = opened.expect("it opens");
         platform.start(&lifecycle);
         self.running = Some((lifecycle, handle));
     }
@@ -47,9 +60,10 @@ impl World {
     fn config(&self) -> PlatformConfig {
         let text = format!(
             "data_directory = {:?}\n[web]\nlisten = \"127.0.0.1:0\"\n[broker]\nlisten = \"127.0.0.1:0\"\n\
-             [admin]\npassword = \"{PASSWORD}\"\n[receipts]\ninterval_ms = 20\n[parts]\nresend_after_ms = 300\n\
+             in_process = {}\n[admin]\npassword = \"{PASSWORD}\"\n[receipts]\ninterval_ms = 20\n[parts]\nresend_after_ms = 300\n\
              [leases]\nsilence_ms = 5000\n",
-            self.folder.path()
+            self.folder.path(),
+            self.in_process
         );
         daemon::configuration::parse(None, &text, "NOTHING", []).expect("valid")
     }

@@ -1,0 +1,122 @@
+//! The process: a broker that does what the platform says over standard input.
+
+use std::{io, sync::Arc};
+
+use broker::{Broker, BrokerError, BrokerHandle, CredentialTable};
+use daemon::telemetry::{self, Metrics, TelemetryError};
+use tokio::{
+    io::{AsyncBufReadExt, AsyncWriteExt, BufReader, Stdout},
+    signal::unix::{SignalKind, signal},
+};
+use tokio_util::sync::CancellationToken;
+
+use super::wire::{self, Answer, Line, Order, Request, Setup};
+
+/// The process of the broker ends without having been told to.
+#[derive(Debug, thiserror::Error)]
+pub enum SupervisedError {
+    /// Standard input or output failed, or signals cannot be received.
+    #[error("talking with the platform failed")]
+    Talk(#[from] io::Error),
+    /// A line is not one of the platform's.
+    #[error(
+        "a line of the platform is not understood; the command is meant for the platform itself"
+    )]
+    NotUnderstood(#[from] serde_json::Error),
+    #[error("the platform has ended")]
+    Orphaned,
+    #[error("the platform named no address to listen on")]
+    NoListener,
+    #[error("the broker failed")]
+    Broker(#[from] BrokerError),
+    #[error("telemetry cannot be set up")]
+    Telemetry(#[from] TelemetryError),
+}
+
+/// Serves until the platform says stop, or ends.
+///
+/// # Errors
+/// [`SupervisedError`].
+pub async fn run_supervised() -> Result<(), SupervisedError> {
+    ignore_signals()?;
+    let mut lines = BufReader::new(tokio::io::stdin()).lines();
+    let first = lines.next_line().await?.ok_or(SupervisedError::Orphaned)?;
+    let setup: Setup = serde_json::from_str(&first)?;
+    telemetry::install_logs(&setup.log)?;
+    let metrics = Metrics::install()?;
+    let config = setup.broker_config().ok_or(SupervisedError::NoListener)?;
+    let users = Arc::new(CredentialTable::new());
+    users.replace(wire::from_wire(setup.users));
+    let credentials: Arc<CredentialTable> = Arc::clone(&users);
+    let (broker, handle) = Broker::new(config, credentials).await?;
+    let stop = CancellationToken::new();
+    let mut running = tokio::spawn(broker.run(stop.clone()));
+    tokio::spawn(metrics.clone().run(stop.clone()));
+    let mut out = tokio::io::stdout();
+    write(&mut out, &Line::Listening(handle.local_addresses().to_vec())).await?;
+    loop {
+        let line = tokio::select! {
+            ended = &mut running => {
+                ended.map_err(|_| BrokerError::Stopped)??;
+                return Err(BrokerError::Stopped.into());
+            }
+            line = lines.next_line() => line?,
+        };
+        // At once: what was accepted is committed, and nobody is left to do anything for.
+        let line = line.ok_or(SupervisedError::Orphaned)?;
+        let Order { id, request } = serde_json::from_str(&line)?;
+        if matches!(request, Request::Stop) {
+            stop.cancel();
+            return Ok(running.await.map_err(|_| BrokerError::Stopped)??);
+        }
+        let answer = carry_out(&handle, &users, &metrics, request).await;
+        write(&mut out, &Line::Answer { id, answer }).await?;
+    }
+}
+
+async fn carry_out(
+    handle: &BrokerHandle,
+    users: &CredentialTable,
+    metrics: &Metrics,
+    request: Request,
+) -> Answer {
+    let failed = |error: BrokerError| Answer::Failed(error.to_string());
+    match request {
+        Request::SetUsers(all) => {
+            users.replace(wire::from_wire(all));
+            Answer::Done
+        }
+        Request::DeclareQueue { queue, options } => {
+            handle.declare_queue(&queue, options).await.map_or_else(failed, |()| Answer::Done)
+        }
+        Request::Disconnect { user_name } => {
+            Answer::Count(handle.disconnect_user(&user_name) as u64)
+        }
+        Request::Queues => Answer::Queues(handle.queues()),
+        Request::Connections => Answer::Connections(handle.connections()),
+        Request::DeadLetters { after, limit } => {
+            handle.dead_letters(after, limit).await.map_or_else(failed, Answer::DeadLetters)
+        }
+        Request::ReplayDeadLetters { ids } => {
+            handle.replay_dead_letters(&ids).await.map_or_else(failed, Answer::Count)
+        }
+        Request::Metrics => Answer::Metrics(metrics.render()),
+        Request::Stop => Answer::Done,
+    }
+}
+
+async fn write(out: &mut Stdout, line: &Line) -> Result<(), SupervisedError> {
+    let mut text = serde_json::to_vec(line)?;
+    text.push(b'\n');
+    out.write_all(&text).await?;
+    Ok(out.flush().await?)
+}
+
+/// Leaves signals to the platform, which gets them as well and ends the broker last.
+fn ignore_signals() -> io::Result<()> {
+    for kind in [SignalKind::interrupt(), SignalKind::terminate()] {
+        let mut signals = signal(kind)?;
+        tokio::spawn(async move { while signals.recv().await.is_some() {} });
+    }
+    Ok(())
+}
