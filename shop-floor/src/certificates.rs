@@ -78,7 +78,7 @@ pub enum TrustState {
 
 /// Result of the check of a server's certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Verdict {
+pub(crate) enum TrustFinding {
     Trusted,
     /// No person has approved it.
     NotApproved,
@@ -184,17 +184,17 @@ impl PkiDirectory {
     }
 
     /// Returns whether a certificate may be relied on at a time. A new one is stored as rejected.
-    pub(crate) fn verdict(
+    pub(crate) fn examine(
         &self,
         certificate: &X509,
         now: DateTime,
-    ) -> Result<Verdict, ShopFloorError> {
+    ) -> Result<TrustFinding, ShopFloorError> {
         if !self.is_approved(certificate)? {
-            return Ok(Verdict::NotApproved);
+            return Ok(TrustFinding::NotApproved);
         }
         let (from, to) = validity(certificate);
         if from.is_none_or(|from| now < from) || to.is_none_or(|to| to < now) {
-            return Ok(Verdict::OutOfTime);
+            return Ok(TrustFinding::OutOfTime);
         }
         let contents = |folder, bytes_max| -> Vec<Vec<u8>> {
             self.files(folder).iter().filter_map(|path| read(path, bytes_max).ok()).collect()
@@ -203,9 +203,9 @@ impl PkiDirectory {
             [ISSUERS, TRUSTED].map(|folder| contents(folder, CERTIFICATE_BYTES_MAX)).concat();
         let lists = contents(REVOCATION_LISTS, REVOCATION_LIST_BYTES_MAX);
         if revocation::is_revoked(certificate.as_byte_string().as_ref(), &authorities, &lists) {
-            return Ok(Verdict::Revoked);
+            return Ok(TrustFinding::Revoked);
         }
-        Ok(Verdict::Trusted)
+        Ok(TrustFinding::Trusted)
     }
 
     /// Returns true when exactly this certificate is approved. A new one is stored as rejected.

@@ -58,14 +58,14 @@ fn pki() -> (TempDir, PkiDirectory) {
     (folder, pki)
 }
 
-fn verdict(pki: &PkiDirectory, certificate: &X509) -> Verdict {
+fn examine(pki: &PkiDirectory, certificate: &X509) -> TrustFinding {
     // The first of July 2030.
     let now = DateTime::from_unix_micros(1_909_094_400_000_000);
-    pki.verdict(certificate, now).expect("the folders are readable")
+    pki.examine(certificate, now).expect("the folders are readable")
 }
 
 fn approve(pki: &PkiDirectory, certificate: &X509) {
-    assert_eq!(verdict(pki, certificate), Verdict::NotApproved);
+    assert_eq!(examine(pki, certificate), TrustFinding::NotApproved);
     let thumbprint = certificate.thumbprint().as_hex_string();
     pki.set_trust(&thumbprint, TrustState::Trusted).expect("it waits for an approval");
 }
@@ -75,13 +75,13 @@ fn an_approved_certificate_is_trusted_in_its_time_only() {
     let (_folder, pki) = pki();
     let authority = Authority::new();
     for (years, expected) in [
-        (2029..2031, Verdict::Trusted),
-        (2020..2030, Verdict::OutOfTime),
-        (2031..2040, Verdict::OutOfTime),
+        (2029..2031, TrustFinding::Trusted),
+        (2020..2030, TrustFinding::OutOfTime),
+        (2031..2040, TrustFinding::OutOfTime),
     ] {
         let certificate = authority.issue(1, years.clone());
         approve(&pki, &certificate);
-        assert_eq!(verdict(&pki, &certificate), expected, "{years:?}");
+        assert_eq!(examine(&pki, &certificate), expected, "{years:?}");
     }
 }
 
@@ -99,10 +99,10 @@ fn an_approved_certificate_that_its_issuer_revoked_is_not_trusted() {
     write("crl/namesake.crl", &namesake.revoke(7));
     write("issuers/namesake.der", &namesake.certificate);
     write("crl/machines.crl", &authority.revoke(7));
-    assert_eq!(verdict(&pki, &revoked), Verdict::Trusted, "its issuer is not known here");
+    assert_eq!(examine(&pki, &revoked), TrustFinding::Trusted, "its issuer is not known here");
     write("issuers/machines.der", &authority.certificate);
-    assert_eq!(verdict(&pki, &revoked), Verdict::Revoked);
-    assert_eq!(verdict(&pki, &other), Verdict::Trusted);
+    assert_eq!(examine(&pki, &revoked), TrustFinding::Revoked);
+    assert_eq!(examine(&pki, &other), TrustFinding::Trusted);
 }
 
 #[test]
@@ -114,5 +114,5 @@ fn trust_is_in_the_bytes_and_not_in_the_name_of_a_file() {
     // As if both had the same SHA-1 thumbprint, which names the file.
     let name = folder.path().join(TRUSTED).join(CertificateStore::cert_file_name(&other));
     fs::write(name, approved.as_byte_string().as_ref()).expect("written");
-    assert_eq!(verdict(&pki, &other), Verdict::NotApproved);
+    assert_eq!(examine(&pki, &other), TrustFinding::NotApproved);
 }

@@ -19,7 +19,7 @@ use tokio::{sync::watch, task::AbortHandle};
 use crate::{
     ChosenEndpoint, EndpointOffer, Identity, SecurityPolicy, ShopFloorError, SourceConfig,
     SourceProblem, SourceProblemKind as Kind,
-    certificates::{PkiDirectory, Verdict},
+    certificates::{PkiDirectory, TrustFinding},
     clock,
     context::SourceContext,
 };
@@ -273,16 +273,16 @@ async fn check_trust(
             format!("The server's certificate {why}: {subject}, thumbprint {thumbprint}."),
         ))
     };
-    match context.with_certificates(move |pki| pki.verdict(&certificate, clock::now())).await {
-        Ok(Ok(Verdict::Trusted)) => Ok(()),
-        Ok(Ok(Verdict::NotApproved)) => Err(SourceProblem::new(
+    match context.with_certificates(move |pki| pki.examine(&certificate, clock::now())).await {
+        Ok(Ok(TrustFinding::Trusted)) => Ok(()),
+        Ok(Ok(TrustFinding::NotApproved)) => Err(SourceProblem::new(
             Kind::ServerCertificateUntrusted,
             format!(
                 "The server's certificate is not trusted yet: {subject}, thumbprint {thumbprint}."
             ),
         )),
-        Ok(Ok(Verdict::OutOfTime)) => invalid("was approved but is not valid at this time"),
-        Ok(Ok(Verdict::Revoked)) => invalid("was approved but its issuer revoked it"),
+        Ok(Ok(TrustFinding::OutOfTime)) => invalid("was approved but is not valid at this time"),
+        Ok(Ok(TrustFinding::Revoked)) => invalid("was approved but its issuer revoked it"),
         Ok(Err(error)) => Err(SourceProblem::new(Kind::Configuration, error.to_string())),
         Err(error) => Err(SourceProblem::new(
             Kind::Configuration,

@@ -121,7 +121,7 @@ impl TrustList {
         Ok(is_moved)
     }
 
-    /// Rejects a certificate from the next connection on, whoever issued it. False when it neither was
+    /// Rejects a certificate from the next connection on, also where its authority is trusted. False when it neither was
     /// trusted nor waited for an approval.
     ///
     /// # Errors

@@ -4,8 +4,8 @@
 //! In the certificate folder, `trusted` contains certificates of clients and of authorities,
 //! `issuers` those of authorities that complete chains but are not trusted themselves, `crl` the
 //! authorities' revocation lists (DER), `denied` certificates that an engineer rejected, and `rejected`
-//! those that wait for an approval. What is denied stays so, whoever issued it and however many others
-//! wait. OPC 10000-4 §6.1.3 defines the order of the checks.
+//! those that wait for an approval. What is denied stays so, also where its authority is trusted, and however many
+//! others wait. OPC 10000-4 §6.1.3 defines the order of the checks.
 
 use std::{
     fs,

@@ -55,7 +55,7 @@ async fn a_thousand_half_open_and_a_thousand_slow_connections_leave_an_honest_cl
         }
         if number % 100 == 99 {
             assert_served(&client).await;
-            // Somebody who was not there before gets in, too.
+            // A client that was not there before gets in, too.
             let newcomer = tokio::time::timeout(DEADLINE, twin.client("otto")).await;
             newcomer.expect("a new client is served").close().await;
         }

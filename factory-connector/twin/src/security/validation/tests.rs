@@ -100,7 +100,7 @@ impl Fixture {
 }
 
 #[test]
-fn a_denied_certificate_stays_denied_whatever_knocks_and_whoever_issued_it() {
+fn a_denied_certificate_stays_denied_however_many_others_come_and_if_its_authority_is_trusted() {
     let fixture = Fixture::new(false);
     let authority = Authority::new("Plant CA");
     let client = authority.issue(7);

@@ -379,6 +379,9 @@ impl TcpTransport {
             UNAUTHENTICATED_MAX_UNSENT_MESSAGES
         };
         let takes_responses = self.unsent_messages < max_unsent_messages;
+        // Nothing more is read once the last message is enqueued: after an error the stream ends, which would end the
+        // connection before the client learns of the error.
+        let is_closing = self.is_closing();
         if self.send_buffer.can_read() {
             tokio::select! {
                 r = self.send_buffer.read_into_async(&mut self.write) => {
@@ -388,7 +391,7 @@ impl TcpTransport {
                     }
                     TransportPollResult::OutgoingMessageSent
                 }
-                incoming = self.read.next(), if may_read && takes_responses => {
+                incoming = self.read.next(), if may_read && takes_responses && !is_closing => {
                     self.handle_incoming_message(incoming, channel)
                 }
             }
