@@ -10,7 +10,7 @@ use crate::AccessEntry;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum AccessRetentionRule {
-    /// They were recorded before the time that the statement names.
+    /// Age: recorded before the time that the statement names.
     Age,
     /// The log had more entries than are kept.
     Count,
