@@ -10,6 +10,7 @@ use std::{
 use house_rules::{Finding, Package, PublicTypes};
 use serde_json::Value;
 
+mod journeys;
 mod tables;
 
 /// Licences that may be in the product: permissive ones, and MPL-2.0 file by file.
@@ -255,16 +256,19 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
+/// Returns the paths of all committed files that a pattern of git fits.
+fn committed(pattern: &str) -> Vec<String> {
+    let out =
+        Command::new("git").args(["ls-files", "-z", pattern]).current_dir(root()).output().unwrap();
+    let files = String::from_utf8(out.stdout).unwrap();
+    files.split('\0').filter(|file| !file.is_empty()).map(str::to_owned).collect()
+}
+
 /// Returns the folders of all packages that are committed, those outside the workspace as well; not
 /// the patched copies of others.
 fn package_folders() -> Vec<String> {
-    let out = Command::new("git")
-        .args(["ls-files", "-z", "*/Cargo.toml"])
-        .current_dir(root())
-        .output()
-        .unwrap();
-    let manifests = String::from_utf8(out.stdout).unwrap();
-    let folders = manifests.split('\0').filter_map(|file| file.strip_suffix("/Cargo.toml"));
+    let manifests = committed("*/Cargo.toml");
+    let folders = manifests.iter().filter_map(|file| file.strip_suffix("/Cargo.toml"));
     folders.filter(|folder| !folder.starts_with("vendor/")).map(str::to_owned).collect()
 }
 

@@ -209,12 +209,12 @@ impl Ingest {
         work.commit().await?;
         self.accesses.written(&entries, counted);
         // After the commit: pages and tools hear of nothing that may still be rolled back.
-        self.tell(effects).await;
+        self.publish(effects).await;
         Ok(())
     }
 
     /// Publishes the effects of a committed batch: to pages, link, decoder and metrics.
-    async fn tell(&self, effects: Effects) {
+    async fn publish(&self, effects: Effects) {
         if effects.has_outgoing {
             self.broker_access.wake_link();
         }
