@@ -1,10 +1,9 @@
 //! Commands: each becomes part of the transaction that is being made.
 
-use connector_state::use_cases::values::write_value;
 use messaging::Settlement;
 
 use super::{
-    handle::{CommandKind, CoordinatorCommand, Reply, WriteOutcome},
+    handle::{CommandKind, CoordinatorCommand, Reply},
     incoming, outcomes,
     unit_of_work::UnitOfWork,
     witnessing,
@@ -31,11 +30,6 @@ pub(super) async fn handle_command(
         CommandKind::RecordOutcomes(outcomes, sent, reply) => {
             outcomes::record(work, &outcomes, sent, now).await?;
             Box::new(move |is_written| _ = reply.send(is_written))
-        }
-        CommandKind::WriteValue(field, source, value, reply) => {
-            let written = write_value(&mut work.state, &field, source, value, now);
-            let outcome = written.map_or_else(WriteOutcome::Rejected, WriteOutcome::Accepted);
-            Box::new(move |is_written| _ = reply.send(is_written.then_some(outcome)))
         }
         CommandKind::BeginLog(decision, reply) => {
             let is_begun = witnessing::begin_log(work, &decision, now).await?;

@@ -1,7 +1,10 @@
 //! Handle: the way to the coordinator, the same for production and tests.
 
 use asi_model::{DataValue, DateTime, FieldKey, StatusCode, messages::ValueSource};
-use connector_state::{ChangeSet, ConnectorState, IntoChanges, use_cases::witness::NewLogDecision};
+use connector_state::{
+    ChangeSet, ConnectorState, IntoChanges,
+    use_cases::{values::write_value, witness::NewLogDecision},
+};
 use disclosure::GateOutcome;
 use messaging::{Delivery, RowOutcome, Settlement};
 use tokio::sync::{mpsc, oneshot};
@@ -45,9 +48,8 @@ pub(super) enum CommandKind {
     Deliver(Vec<Delivery>, oneshot::Sender<Vec<Settlement>>),
     /// Outcomes of sending, and the messages that were sent.
     RecordOutcomes(Vec<RowOutcome>, Vec<SentMessage>, oneshot::Sender<bool>),
-    /// A value of a person or an OPC UA client.
-    WriteValue(FieldKey, ValueSource, DataValue, oneshot::Sender<Option<WriteOutcome>>),
-    /// A new log in place of one about which the platform is in conflict.
+    /// A new log in place of one about which the platform is in conflict. No use case for
+    /// `Execute`: it is made of all entries of a chain, which are read from the store.
     BeginLog(NewLogDecision, oneshot::Sender<Option<bool>>),
     /// A question about the state.
     Read(StateQuery),
@@ -96,9 +98,14 @@ impl CoordinatorHandle {
         source: ValueSource,
         value: DataValue,
     ) -> Result<WriteOutcome, CoordinatorError> {
-        let outcome =
-            self.ask(|reply| CommandKind::WriteValue(field, source, value, reply)).await?;
-        outcome.ok_or(CoordinatorError::NotWritten)
+        self.execute(move |state, now| {
+            let written = write_value(state, &field, source, value, now);
+            let outcome = written.map_or_else(WriteOutcome::Rejected, WriteOutcome::Accepted);
+            // The transaction collects what the gate released. A rejected value waits for it, too:
+            // one that came before its request is valid is kept in the field.
+            (outcome, ChangeSet::default())
+        })
+        .await
     }
 
     /// Begins a new log in place of one about which the platform is in conflict. Returns when it is

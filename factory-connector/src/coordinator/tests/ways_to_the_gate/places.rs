@@ -26,8 +26,7 @@ const PLACES: [(&str, &[&str]); 16] = [
     (
         "write_value(",
         &[
-            "src/coordinator/commands.rs 1",
-            "src/coordinator/handle.rs 1",
+            "src/coordinator/handle.rs 2",
             "src/twin_adapter.rs 1",
             "state/src/use_cases/values.rs 1",
         ],
