@@ -85,7 +85,7 @@ fn decision_request(
     };
     let policy_id = policy_id.filter(|_| decision.mapping_state == MappingState::Mapped);
     let basis = DecisionBasis { policy_id, ..DecisionBasis::default() };
-    Some(DecisionRequest { command, reason: decision.reason, decided_by, basis })
+    Some(DecisionRequest { command, reason: decision.reason, decided_by, basis, preview: None })
 }
 
 const fn status_of(outcome: GateOutcome) -> StatusCode {

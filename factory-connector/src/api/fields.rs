@@ -9,7 +9,7 @@ use axum::{Json, extract::State};
 use connector_state::{
     operator::{Action, EntryFault, OperationKey, OperatorEntry},
     use_cases::{
-        decide::{DecisionCommand, DecisionError, DecisionRequest, decide},
+        decide::{DecisionCommand, DecisionRequest, decide},
         enter::{EntryOutcome, enter},
     },
     writes::PreviewRow,
@@ -174,18 +174,11 @@ pub async fn decide_field(
         command,
         reason: body.reason,
         decided_by: user.principal.user_name.clone(),
-        basis: DecisionBasis {
-            policy_id: body.policy_id,
-            preview: preview.as_ref().map(|preview| preview.hash.clone()),
-            ..DecisionBasis::default()
-        },
+        basis: DecisionBasis { policy_id: body.policy_id, ..DecisionBasis::default() },
+        preview,
     };
     let key = field.clone();
-    let decided = api.coordinator.execute(move |state, now| {
-        let mut changes = decide(state, &key, request, now)?;
-        changes.writes.fields.previews.extend(preview);
-        Ok::<_, DecisionError>(changes)
-    });
+    let decided = api.coordinator.execute(move |state, now| decide(state, &key, request, now));
     decided.await?.map_err(decision_problem)?;
     field_view(&api, field, Some(BeforeGate::from(&user))).await
 }

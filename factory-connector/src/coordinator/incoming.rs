@@ -41,7 +41,7 @@ pub(super) async fn deliver(
         work.store.read().received_messages().known_of(&ids).await?.into_iter().collect();
     // A repetition may be part of the same transaction, so the store does not know the first one
     // yet.
-    let pending = work.pending.writes.messages.seen.iter();
+    let pending = work.pending.writes().messages.seen.iter();
     seen.extend(pending.map(|(id, _)| id.to_string()));
     for delivery in deliveries {
         let envelope = &delivery.envelope;
@@ -127,7 +127,7 @@ async fn handle_message(
 async fn record(work: &mut UnitOfWork, receipt: Receipt, now: DateTime) -> Result<(), StoreError> {
     let sent_before = time::OffsetDateTime::from(now) - UNDER_WAY;
     for writer in receipt.receipt_list {
-        let moves = &work.pending.writes.reports.moves;
+        let moves = &work.pending.writes().reports.moves;
         let (id, epoch) = (writer.data_set_writer_id, Some(writer.epoch));
         // As they are after the moves of this transaction, which the store does not know yet.
         let rows = reports_of(&mut work.store, moves, id, epoch).await?;

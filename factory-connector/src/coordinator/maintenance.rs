@@ -133,7 +133,7 @@ async fn retain(
     let mut is_done = true;
     if let Some(limit) = limit(value_days) {
         let old = work.store.read().reports().old(limit.before, schedule.emptied_through).await?;
-        let moves = &work.pending.writes.reports.moves;
+        let moves = &work.pending.writes().reports.moves;
         // What this transaction sends again keeps its values until it has left.
         let is_moved =
             |old: &OldReport| moves.iter().any(|change| change.concerns(old.id, old.message));

@@ -39,7 +39,7 @@ async fn sent_reports(
     let sent: HashMap<i64, SentMessage> =
         sent.into_iter().map(|message| (message.row, message)).collect();
     let rows = work.store.read().reports().unsent_in(accepted).await?;
-    let rows = after_moves(rows, &work.pending.writes.reports.moves);
+    let rows = after_moves(rows, &work.pending.writes().reports.moves);
     let left = rows.into_iter().filter(|waiting| waiting.row.sent_at.is_none());
     let left = left.filter_map(|waiting| match sent.get(&waiting.message) {
         // A message may be sent again without the reports that were taken back meanwhile.

@@ -369,7 +369,7 @@ fn fresh_entry_id() -> EntryId {
 
 async fn decide_field(coordinator: &CoordinatorHandle, key: FieldKey, command: DecisionCommand) {
     let (decided_by, basis) = ("eve".to_owned(), DecisionBasis::default());
-    let request = DecisionRequest { command, reason: None, decided_by, basis };
+    let request = DecisionRequest { command, reason: None, decided_by, basis, preview: None };
     let decided = coordinator.execute(move |state, now| decide(state, &key, request, now)).await;
     decided.expect("written").expect("decided");
 }

@@ -135,7 +135,7 @@ fn pending_entries<'w>(
     recipient: &OrganisationId,
     after: u64,
 ) -> impl Iterator<Item = &'w str> {
-    let entries = work.pending.writes.ledger.entries.iter();
+    let entries = work.pending.writes().ledger.entries.iter();
     let later =
         entries.filter(move |(entry, _)| entry.recipient == *recipient && entry.number > after);
     later.map(|(entry, _)| entry.content.as_str())

@@ -13,9 +13,9 @@ use crate::{Effects, Field, FieldEvent, Writes, effects::TwinUpdate};
 /// transaction does once for all its use cases.
 #[derive(Debug, Default)]
 pub struct ChangeSet {
-    pub writes: Writes,
+    pub(crate) writes: Writes,
     /// Effects to publish after the commit.
-    pub effects: Effects,
+    pub(crate) effects: Effects,
     /// Consents that ended, grouped by receipt.
     pub(crate) ended: Vec<EndedConsents>,
     /// Writers whose waiting reports are taken back.
@@ -36,6 +36,12 @@ pub(crate) struct Purge {
 }
 
 impl ChangeSet {
+    /// Returns the rows to store so far. Use cases alone put them.
+    #[must_use]
+    pub const fn writes(&self) -> &Writes {
+        &self.writes
+    }
+
     /// Returns true where something is to be committed without waiting for the publishing interval.
     #[must_use]
     pub fn is_urgent(&self) -> bool {

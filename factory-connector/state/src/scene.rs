@@ -64,7 +64,7 @@ pub fn network(revision: u64, change: impl FnOnce(&mut Value)) -> OperationNetwo
 #[must_use]
 pub fn decision(command: DecisionCommand) -> DecisionRequest {
     let basis = DecisionBasis::default();
-    DecisionRequest { command, reason: None, decided_by: "eve".to_owned(), basis }
+    DecisionRequest { command, reason: None, decided_by: "eve".to_owned(), basis, preview: None }
 }
 
 /// State with the changes of the transaction that is being made.

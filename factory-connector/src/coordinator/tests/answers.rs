@@ -27,7 +27,7 @@ async fn the_caller_of_a_failed_use_case_hears_it_at_once() {
     let failed = async {
         let command = DecisionCommand::Refuse;
         let (decided_by, basis) = ("eve".to_owned(), DecisionBasis::default());
-        let request = DecisionRequest { command, reason: None, decided_by, basis };
+        let request = DecisionRequest { command, reason: None, decided_by, basis, preview: None };
         let key = field("made");
         let refused =
             running.coordinator.execute(move |state, now| decide(state, &key, request, now)).await;

@@ -73,5 +73,6 @@ fn decision(state: &ConnectorState, excesses: Vec<CapExcess>) -> DecisionRequest
         reason: Some(HELD_BACK.to_owned()),
         decided_by,
         basis: DecisionBasis { caps, ..DecisionBasis::default() },
+        preview: None,
     }
 }

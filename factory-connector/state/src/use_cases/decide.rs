@@ -17,6 +17,7 @@ use crate::{
     endings,
     gates::through_gate,
     queries::{cap_usage, effective_policy, opening, variables_of, withholding_faults},
+    writes::PreviewRow,
 };
 
 /// A decision about a field.
@@ -47,6 +48,8 @@ pub struct DecisionRequest {
     pub decided_by: String,
     /// Named policy and rules that the decision rests on.
     pub basis: DecisionBasis,
+    /// The preview that the author saw; the consent names its hash.
+    pub preview: Option<PreviewRow>,
 }
 
 /// Reason for which a decision is not taken.
@@ -151,7 +154,9 @@ fn take(
     let Some(field) = state.field(key) else { return Err(DecisionError::UnknownField) };
     let (was_mapped, writer, version) =
         (field.decision().is_mapped(), field.writer(), field.decision().version);
-    let DecisionRequest { command, reason, decided_by, basis } = request;
+    let DecisionRequest { command, reason, decided_by, mut basis, preview } = request;
+    basis.preview = preview.as_ref().map(|preview| preview.hash.clone());
+    changes.writes.fields.previews.extend(preview);
     let policy_id = basis.policy_id.clone();
     match command {
         DecisionCommand::Map { value_source, mapping, policy } => {

@@ -59,6 +59,7 @@ pub fn revoke(
             reason: reason.map(str::to_owned),
             decided_by: revoked_by.clone(),
             basis: DecisionBasis::default(),
+            preview: None,
         };
         decide_in(state, &mut changes, &key, request, &mut course, now)?;
     }

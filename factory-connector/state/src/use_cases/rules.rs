@@ -116,6 +116,7 @@ fn apply_offer(
             rules: rules.clone(),
             ..DecisionBasis::default()
         },
+        preview: None,
     };
     if let Err(error) = decide_in(state, changes, key, request, course, now) {
         let reason = error.to_string();
@@ -157,6 +158,7 @@ pub fn undo_rule_decision(
         reason: Some(UNDONE.to_owned()),
         decided_by: by.to_owned(),
         basis: DecisionBasis::default(),
+        preview: None,
     };
     decide_in(state, &mut changes, key, request, &mut Course::of_ending(), now)?;
     changes.writes.policies.undone_rule_decisions.push((id, by.to_owned(), now));

@@ -197,7 +197,7 @@ impl Plant {
 
     fn take(&mut self, field: usize, command: DecisionCommand) -> bool {
         let (decided_by, basis) = ("eve".to_owned(), DecisionBasis::default());
-        let request = DecisionRequest { command, reason: None, decided_by, basis };
+        let request = DecisionRequest { command, reason: None, decided_by, basis, preview: None };
         let decided = decide(&mut self.work.state, &FIELDS[field].key(), request, self.now);
         decided.map(|changes| self.work.pending.merge(changes)).is_ok()
     }

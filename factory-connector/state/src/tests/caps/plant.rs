@@ -155,7 +155,13 @@ impl Plant {
     ) -> Result<(), DecisionError> {
         let (key, now) = (self.key(name), self.now());
         let basis = DecisionBasis { policy_id: named.map(id), ..DecisionBasis::default() };
-        let request = DecisionRequest { command, reason: None, decided_by: "eve".into(), basis };
+        let request = DecisionRequest {
+            command,
+            reason: None,
+            decided_by: "eve".into(),
+            basis,
+            preview: None,
+        };
         self.scene.attempt(|state| Ok(((), decide(state, &key, request, now)?)))
     }
 
