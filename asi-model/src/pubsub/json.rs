@@ -10,7 +10,7 @@ mod encode;
 pub use decode::{Decoded, PubSubError, decode, decode_described};
 pub use encode::{
     NetworkMessageHeader, encode, encode_data_set_message, encode_described, encode_message,
-    encode_meta_data, encode_status,
+    encode_meta_data,
 };
 
 use std::{fmt, str::FromStr};

@@ -44,7 +44,8 @@ use crate::WriterRegistry;
 pub struct FieldRegistry {
     /// Fields by number, so that a candidate's field is found without hashing a text.
     entries: HashMap<i64, Box<FieldEntry>, foldhash::fast::RandomState>,
-    /// The numbers, by key. Partners choose the keys, so this hasher must withstand chosen ones.
+    /// The numbers, by key. Partners choose the keys, so this hasher must withstand chosen ones: it
+    /// draws a key of its own, as that of the entries does. Nothing is published in their order.
     numbers: HashTable<i64>,
     hasher: RandomState,
     last_id: i64,

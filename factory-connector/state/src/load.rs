@@ -117,10 +117,13 @@ fn publish_everything(state: &ConnectorState, changes: &mut ChangeSet) {
         let id = message.operation_network.operation_network_id.clone();
         effects.twin.push(TwinUpdate::Apply(id));
     }
-    let open = state.fields.iter().filter(|f| f.decision().is_open_for(ValueSource::Mapping));
-    effects.engine.extend(open.filter_map(Field::publish_mapping));
-    let with_shadow = state.fields.iter().filter(|field| field.versions().shadow.is_some());
-    effects.engine.extend(with_shadow.map(Field::publish_shadow));
+    // By number: the registry hands its fields out in the order of its hashes, another one each time.
+    let mut fields: Vec<&Field> = state.fields.iter().collect();
+    fields.sort_unstable_by_key(|field| field.id());
+    let open = fields.iter().filter(|field| field.decision().is_open_for(ValueSource::Mapping));
+    effects.engine.extend(open.filter_map(|field| field.publish_mapping()));
+    let with_shadow = fields.iter().filter(|field| field.versions().shadow.is_some());
+    effects.engine.extend(with_shadow.map(|field| field.publish_shadow()));
 }
 
 fn load_field(

@@ -73,8 +73,7 @@ pub fn encode_message(message: &PubSubMessage, encoding: Encoding) -> Vec<u8> {
 }
 
 /// Encodes a status message; alike in all encodings.
-#[must_use]
-pub fn encode_status(message: &StatusMessage) -> Vec<u8> {
+fn encode_status(message: &StatusMessage) -> Vec<u8> {
     let mut out = Vec::with_capacity(256);
     out.push(b'{');
     message_header(
