@@ -277,9 +277,9 @@ describe('a precision', () => {
       },
       'In Bändern ab -5; 0,5 PIECE; nur Mo, Fr von 06:00 bis 22:00; in bestimmten Zuständen zurückgehalten; mit jedem Statuscode, wie er ist.',
     ],
-  ])('%j is said in the language of the reader', (told, text) => {
+  ])('%j is said in the language of the reader', (statement, text) => {
     language.choose('de')
-    expect(precisionText(told, 'PIECE')).toBe(text)
+    expect(precisionText(statement, 'PIECE')).toBe(text)
   })
   it.each([
     {
@@ -291,8 +291,8 @@ describe('a precision', () => {
       description: 'The median per 1 h.',
       aggregate: { function: 'the median', windowMs: 3_600_000 },
     },
-  ])('%j stays as it came: its members do not say all of it', (told) => {
+  ])('%j stays as it came: its members do not say all of it', (statement) => {
     language.choose('de')
-    expect(precisionText(told, 'PIECE')).toBe(told.description)
+    expect(precisionText(statement, 'PIECE')).toBe(statement.description)
   })
 })

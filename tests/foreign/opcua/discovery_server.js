@@ -12,7 +12,7 @@ const path = require('node:path');
 const { parseArgs } = require('node:util');
 const opcua = require('node-opcua');
 
-function tell(event) {
+function emit(event) {
   process.stdout.write(`${JSON.stringify(event)}\n`);
 }
 
@@ -53,19 +53,19 @@ async function main() {
     serverInfo: { applicationUri: 'urn:verbund:test:discovery' },
   });
   server.on('onRegisterServer', ({ serverUri, discoveryUrls }) => {
-    tell({ event: 'registered', service, serverUri, discoveryUrls });
+    emit({ event: 'registered', service, serverUri, discoveryUrls });
   });
   server.on('onUnregisterServer', ({ serverUri }, isForced) => {
-    if (!isForced) tell({ event: 'unregistered', serverUri });
+    if (!isForced) emit({ event: 'unregistered', serverUri });
   });
   server.on('onRegistrationRefused', (_server, { statusCode }) => {
-    tell({ event: 'refused', status: statusCode.name });
+    emit({ event: 'refused', status: statusCode.name });
   });
   await server.start();
-  tell({ event: 'listening' });
+  emit({ event: 'listening' });
 }
 
 main().catch((error) => {
-  tell({ event: 'failed', message: error.message });
+  emit({ event: 'failed', message: error.message });
   process.exit(1);
 });

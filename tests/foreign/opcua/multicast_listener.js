@@ -16,14 +16,14 @@ const { values, positionals } = parseArgs({
 });
 setTimeout(() => process.exit(1), 1000 * Number(values.timeout));
 
-function tell(event) {
+function emit(event) {
   process.stdout.write(`${JSON.stringify(event)}\n`);
 }
 
-const bonjour = new Bonjour({ interface: positionals[0], bind: '0.0.0.0' }, (error) => tell({ event: 'failed', message: error.message }));
+const bonjour = new Bonjour({ interface: positionals[0], bind: '0.0.0.0' }, (error) => emit({ event: 'failed', message: error.message }));
 const browser = bonjour.find({ protocol: 'tcp', type: 'opcua-tcp' });
 for (const event of ['up', 'down']) {
-  browser.on(event, ({ name, port, host, txt, addresses }) => tell({ event, name, port, host, text: txt, addresses }));
+  browser.on(event, ({ name, port, host, txt, addresses }) => emit({ event, name, port, host, text: txt, addresses }));
 }
 if (values['ask-for']) {
   const port = Number(values['ask-for']);
@@ -33,9 +33,9 @@ if (values['ask-for']) {
     if (additionals.some(({ type, data }) => type === 'SRV' && data.port === port)) {
       clearInterval(asking);
       bonjour.server.mdns.off('response', hear);
-      tell({ event: 'answered', port });
+      emit({ event: 'answered', port });
     }
   };
   bonjour.server.mdns.on('response', hear);
 }
-tell({ event: 'listening' });
+emit({ event: 'listening' });

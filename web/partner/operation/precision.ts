@@ -10,39 +10,39 @@ import type { DisclosureStatement } from '../api/types'
  * otherwise.
  */
 export function precisionText(
-  told: DisclosureStatement | null | undefined,
+  statement: DisclosureStatement | null | undefined,
   unit: string | null | undefined,
 ): string {
-  const parts = partsOf(told ?? {}, unit)
+  const parts = partsOf(statement ?? {}, unit)
   const said = sentence(parts, language.code) ?? ''
-  return told == null || sentence(parts, 'en') === told.description ? said : told.description
+  return statement == null || sentence(parts, 'en') === statement.description ? said : statement.description
 }
 
 function partsOf(
-  told: Partial<DisclosureStatement>,
+  statement: Partial<DisclosureStatement>,
   unit: string | null | undefined,
 ): StatementPart[] {
   const parts: StatementPart[] = []
-  const aggregate = told.aggregate && aggregateOf(told.aggregate.function)
-  if (told.aggregate && aggregate)
+  const aggregate = statement.aggregate && aggregateOf(statement.aggregate.function)
+  if (statement.aggregate && aggregate)
     parts.push({
       code: 'AGGREGATED',
       function: aggregate,
-      windowMs: told.aggregate.windowMs,
+      windowMs: statement.aggregate.windowMs,
     })
-  if (told.roundingStep != null) parts.push({ code: 'ROUNDED', step: told.roundingStep, unit })
-  if (told.bandList && told.bandList.length > 0)
-    parts.push({ code: 'BANDED', bounds: told.bandList, unit })
-  if (told.significantDigits != null) parts.push({ code: 'DIGITS', digits: told.significantDigits })
-  if (told.minimumIntervalMs != null)
-    parts.push({ code: 'INTERVAL', periodMs: told.minimumIntervalMs })
-  for (const limit of told.rateLimitList ?? []) parts.push({ code: 'RATE', ...limit })
-  if (told.timeStepMs != null) parts.push({ code: 'TIME_STEP', periodMs: told.timeStepMs })
-  if (told.delayMs != null) parts.push({ code: 'DELAYED', periodMs: told.delayMs })
-  for (const { dayList, from, until } of told.hoursList ?? [])
+  if (statement.roundingStep != null) parts.push({ code: 'ROUNDED', step: statement.roundingStep, unit })
+  if (statement.bandList && statement.bandList.length > 0)
+    parts.push({ code: 'BANDED', bounds: statement.bandList, unit })
+  if (statement.significantDigits != null) parts.push({ code: 'DIGITS', digits: statement.significantDigits })
+  if (statement.minimumIntervalMs != null)
+    parts.push({ code: 'INTERVAL', periodMs: statement.minimumIntervalMs })
+  for (const limit of statement.rateLimitList ?? []) parts.push({ code: 'RATE', ...limit })
+  if (statement.timeStepMs != null) parts.push({ code: 'TIME_STEP', periodMs: statement.timeStepMs })
+  if (statement.delayMs != null) parts.push({ code: 'DELAYED', periodMs: statement.delayMs })
+  for (const { dayList, from, until } of statement.hoursList ?? [])
     parts.push({ code: 'HOURS', hours: { days: dayList.filter(isDay), from, until } })
-  if (told.isWithheldInStates === true) parts.push({ code: 'WITHHELD' })
-  if (told.statusCodes != null) parts.push({ code: 'STATUS_CODES', resolution: told.statusCodes })
+  if (statement.isWithheldInStates === true) parts.push({ code: 'WITHHELD' })
+  if (statement.statusCodes != null) parts.push({ code: 'STATUS_CODES', resolution: statement.statusCodes })
   return parts.length === 0 ? [{ code: 'UNCHANGED' }] : parts
 }
 

@@ -138,7 +138,7 @@ export const disclosure: typeof English = {
     rate: 'Häufigkeit',
     precision: 'Genauigkeit',
     time: 'Zeitauflösung',
-    told: 'Beschreibung für den Partner',
+    description: 'Beschreibung für den Partner',
     perHour: (n: string) => `${n} je Stunde`,
     measured: (rate: string) => `gemessen ${rate}`,
     noLimit: 'unbegrenzt',

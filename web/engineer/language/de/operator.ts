@@ -35,7 +35,7 @@ export const operator: typeof English = {
       'Werkzeug verschlissen oder gebrochen',
       'Qualität fraglich',
     ],
-    tell: 'Festhalten',
+    record: 'Festhalten',
     quantityTitle: 'Wie viele Teile?',
     piece: 'Art der Teile',
     addNow: 'Zählen',

@@ -135,7 +135,7 @@ export const disclosure = {
     rate: 'Rate',
     precision: 'Precision',
     time: 'Time resolution',
-    told: 'Description for the partner',
+    description: 'Description for the partner',
     perHour: (n: string) => `${n} per hour`,
     measured: (rate: string) => `measured ${rate}`,
     noLimit: 'no limit',

@@ -27,7 +27,7 @@ export const operator = {
     problemHint:
       'This text stays in the factory. Partners see only that the operation is interrupted.',
     problems: ['Machine stopped', 'Material missing', 'Tool worn or broken', 'Quality in doubt'],
-    tell: 'Record',
+    record: 'Record',
     quantityTitle: 'How many pieces?',
     piece: 'Kind of pieces',
     addNow: 'Count them',

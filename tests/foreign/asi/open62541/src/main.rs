@@ -84,7 +84,7 @@ fn through_open62541(
     }
 }
 
-/// As text, since NaN is no equal of itself.
+/// Writes it as text, since NaN is no equal of itself.
 fn canonical(value: &DecodedValue) -> String {
     let text = match value {
         DecodedValue::Variant(value) | DecodedValue::Bare(value) => {
