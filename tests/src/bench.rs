@@ -9,6 +9,7 @@ mod links;
 mod mappings;
 pub mod part;
 pub mod part_runner;
+mod reports;
 mod subject;
 mod throughput;
 mod twin;
@@ -42,6 +43,7 @@ pub async fn run(subjects: &[Subject]) -> anyhow::Result<()> {
     let mut results = Vec::new();
     for subject in subjects {
         results.extend(match subject {
+            Subject::Reports => reports::measure()?,
             Subject::Path => path().await?,
             Subject::Twin => twin::measure().await?,
             Subject::Mappings => mappings::measure().await?,

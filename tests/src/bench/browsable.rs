@@ -1,4 +1,5 @@
-//! From a request sent to its nodes in the address space, as an OPC UA client of the plant sees it.
+//! Time from a request sent to its nodes in the address space, as an OPC UA client of the plant
+//! sees it.
 
 use std::time::{Duration, Instant};
 

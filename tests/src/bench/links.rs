@@ -83,7 +83,7 @@ fn rate(took: Duration) -> f64 {
     MESSAGES as f64 / took.as_secs_f64()
 }
 
-/// From before the connection to the last outcome, as of the bare client.
+/// Measures from before the connection to the last outcome, as of the bare client.
 async fn link_send(broker: &BrokerUnderTest) -> anyhow::Result<Duration> {
     let spool = Arc::new(MadeUpSpool::new(MESSAGES, broker.address.clone()));
     let began = Instant::now();
@@ -95,7 +95,7 @@ async fn link_send(broker: &BrokerUnderTest) -> anyhow::Result<Duration> {
     Ok(finished.duration_since(began))
 }
 
-/// From before the connection to the last message, as of the bare client.
+/// Measures from before the connection to the last message, as of the bare client.
 async fn link_receive(broker: &BrokerUnderTest) -> anyhow::Result<Duration> {
     let inbox = Arc::new(Counting::expecting(MESSAGES));
     let began = Instant::now();

@@ -3,6 +3,8 @@
 /// Part of the product that is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Subject {
+    /// Reports as text, encoded and decoded.
+    Reports,
     /// The whole path: from the machine to the buyer's page.
     Path,
     /// The OPC UA server alone, and beside one written with node-opcua.

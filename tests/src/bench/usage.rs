@@ -37,8 +37,8 @@ impl Usage {
         // The name may contain anything; what follows its closing parenthesis is numbers.
         let (_, rest) = stat.rsplit_once(')').context("a process has a name")?;
         let numbers: Vec<&str> = rest.split_whitespace().collect();
-        let number = |place: usize| {
-            numbers.get(place).and_then(|text| text.parse::<u64>().ok()).unwrap_or_default()
+        let number = |index: usize| {
+            numbers.get(index).and_then(|text| text.parse::<u64>().ok()).unwrap_or_default()
         };
         // Linux counts user and system time in hundredths of seconds, and memory in pages of 4096
         // bytes.
