@@ -14,11 +14,11 @@ const OVERHEAD: u64 = size_of::<AnyMessage>() as u64 + 512;
 /// Bodies by message id.
 pub(crate) struct BodyCache {
     bytes_max: u64,
-    state: Mutex<State>,
+    state: Mutex<CacheState>,
 }
 
 #[derive(Default)]
-struct State {
+struct CacheState {
     bytes: u64,
     /// Estimated size and message by id.
     messages: HashMap<i64, (u64, Arc<AnyMessage>)>,

@@ -30,7 +30,7 @@ pub(crate) struct QueueEntry {
 
 /// Reason for which a queue accepts no message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Refusal {
+pub(crate) enum QueueRefusal {
     /// Its bound on messages or bytes is reached.
     Full,
     Deleted,
@@ -41,11 +41,11 @@ pub(crate) enum Refusal {
 pub(crate) struct Queue {
     pub id: i64,
     pub name: QueueName,
-    state: Mutex<State>,
+    state: Mutex<QueueState>,
 }
 
 #[derive(Debug)]
-struct State {
+struct QueueState {
     options: QueueOptions,
     ready: BTreeMap<i64, QueueEntry>,
     /// Messages delivered and not settled.
@@ -74,7 +74,7 @@ struct Consumer {
 
 impl Queue {
     pub(crate) fn new(id: i64, name: QueueName, options: QueueOptions) -> Self {
-        let state = State {
+        let state = QueueState {
             options,
             ready: BTreeMap::new(),
             leased: 0,
@@ -100,15 +100,15 @@ impl Queue {
     }
 
     /// Reserves space for a message that a publisher has sent, before it is stored.
-    pub(crate) fn reserve(&self, bytes: u64) -> Result<(), Refusal> {
+    pub(crate) fn reserve(&self, bytes: u64) -> Result<(), QueueRefusal> {
         let mut state = self.state.lock();
         if state.is_deleted {
-            return Err(Refusal::Deleted);
+            return Err(QueueRefusal::Deleted);
         }
         if state.messages + 1 > state.options.messages_max
             || state.bytes + bytes > state.options.bytes_max
         {
-            return Err(Refusal::Full);
+            return Err(QueueRefusal::Full);
         }
         // Counted before the write: several publishers must not exceed the bound together.
         state.messages += 1;
@@ -220,7 +220,7 @@ impl Queue {
     }
 }
 
-impl State {
+impl QueueState {
     /// Takes a removed message off the bounds.
     fn uncount(&mut self, entry: &QueueEntry) {
         self.messages = self.messages.saturating_sub(1);
@@ -328,13 +328,13 @@ mod tests {
         let queue =
             queue(QueueOptions { messages_max: 2, bytes_max: 25, ..QueueOptions::default() });
         assert_eq!(queue.reserve(20), Ok(()));
-        assert_eq!(queue.reserve(10), Err(Refusal::Full));
+        assert_eq!(queue.reserve(10), Err(QueueRefusal::Full));
         assert_eq!(queue.reserve(5), Ok(()));
-        assert_eq!(queue.reserve(0), Err(Refusal::Full));
+        assert_eq!(queue.reserve(0), Err(QueueRefusal::Full));
         queue.release_reservation(20);
         assert_eq!(queue.reserve(0), Ok(()));
         queue.delete();
-        assert_eq!(queue.reserve(0), Err(Refusal::Deleted));
+        assert_eq!(queue.reserve(0), Err(QueueRefusal::Deleted));
     }
 
     #[test]

@@ -77,7 +77,8 @@ pub(crate) async fn dispatch(
 ) {
     let subscription = Subscription::new(Arc::clone(&queue));
     let mut unsettled = Unsettled::default();
-    let consumer = Consumer { core: &core, queue: &queue, subscription: &subscription, cut: &cut };
+    let consumer =
+        Dispatcher { core: &core, queue: &queue, subscription: &subscription, cut: &cut };
     let is_deleted = consumer.serve(&mut sender, &mut unsettled).await;
     if is_deleted {
         let error = amqp_error(AmqpError::ResourceDeleted, "the queue was deleted");
@@ -90,14 +91,14 @@ pub(crate) async fn dispatch(
     settle_rest(&core, &queue, unsettled).await;
 }
 
-struct Consumer<'a> {
+struct Dispatcher<'a> {
     core: &'a Arc<Core>,
     queue: &'a Arc<Queue>,
     subscription: &'a Subscription,
     cut: &'a CancellationToken,
 }
 
-impl Consumer<'_> {
+impl Dispatcher<'_> {
     /// Delivers until the link ends; returns true when it ends because the queue was deleted.
     async fn serve(&self, sender: &mut Sender, unsettled: &mut Unsettled) -> bool {
         let limits = &self.core.config.limits;

@@ -25,7 +25,7 @@ use crate::{
     clock,
     core::Core,
     message::{self, AnyMessage},
-    queue::{Queue, QueueEntry, Refusal},
+    queue::{Queue, QueueEntry, QueueRefusal},
     store::{NewMessage, StoreCommand, WriteFailed},
 };
 
@@ -120,7 +120,7 @@ async fn take(
             pending.push_back(reply.map(Box::new(is_stored)));
             Ok(())
         }
-        Err(Rejection { reason, error }) => {
+        Err(RejectedTransfer { reason, error }) => {
             count_refused(reason, 1);
             receiver.reject(info, error).await.map_err(drop)
         }
@@ -160,12 +160,12 @@ async fn settle(
 }
 
 /// Refusal of a message: the label of the metric, and the error for the publisher.
-struct Rejection {
+struct RejectedTransfer {
     reason: &'static str,
     error: definitions::Error,
 }
 
-impl Rejection {
+impl RejectedTransfer {
     fn new(
         reason: &'static str,
         condition: impl Into<definitions::ErrorCondition>,
@@ -181,31 +181,35 @@ async fn store(
     queue: &Arc<Queue>,
     publisher: &Publisher,
     mut received: AnyMessage,
-) -> Result<Reply, Rejection> {
+) -> Result<Reply, RejectedTransfer> {
     message::stamp(&mut received, &publisher.user_name);
     let wire = message::encode(&received).map_err(|_| {
-        Rejection::new("decode", AmqpError::DecodeError, "the message cannot be encoded again")
+        RejectedTransfer::new(
+            "decode",
+            AmqpError::DecodeError,
+            "the message cannot be encoded again",
+        )
     })?;
     let bytes = wire.len() as u64;
     let bytes_max = core.config.limits.message_bytes_max;
     if bytes > bytes_max {
         let reason = format!("the message exceeds {bytes_max} bytes");
-        return Err(Rejection::new("size", LinkError::MessageSizeExceeded, reason));
+        return Err(RejectedTransfer::new("size", LinkError::MessageSizeExceeded, reason));
     }
     let stopping =
-        || Rejection::new("store", AmqpError::ResourceLimitExceeded, "the broker is stopping");
+        || RejectedTransfer::new("store", AmqpError::ResourceLimitExceeded, "the broker is stopping");
     // The writer gives them back, so this waits for the disk and for nothing that waits for it.
     let permits = u32::try_from(bytes).unwrap_or(u32::MAX);
     let permits = permits.min(core.config.limits.uncommitted_bytes_per_user_max);
     let uncommitted = Arc::clone(&publisher.uncommitted).acquire_many_owned(permits).await;
     let uncommitted = uncommitted.map_err(|_| stopping())?;
     queue.reserve(bytes).map_err(|refusal| match refusal {
-        Refusal::Full => {
+        QueueRefusal::Full => {
             let reason = format!("the queue {} is full", queue.name);
-            Rejection::new("full", AmqpError::ResourceLimitExceeded, reason)
+            RejectedTransfer::new("full", AmqpError::ResourceLimitExceeded, reason)
         }
-        Refusal::Deleted => {
-            Rejection::new("deleted", AmqpError::ResourceDeleted, "the queue was deleted")
+        QueueRefusal::Deleted => {
+            RejectedTransfer::new("deleted", AmqpError::ResourceDeleted, "the queue was deleted")
         }
     })?;
     let id = core.next_message_id();
