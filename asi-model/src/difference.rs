@@ -47,11 +47,11 @@ pub struct NetworkDifference {
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct Changes<T> {
-    /// Only in the new revision.
+    /// Elements only in the new revision.
     pub added: Vec<T>,
-    /// In both, but not alike.
+    /// Elements in both, but not alike.
     pub changed: Vec<T>,
-    /// Only in the old revision.
+    /// Elements only in the old revision.
     pub removed: Vec<T>,
 }
 

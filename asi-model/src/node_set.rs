@@ -121,14 +121,14 @@ impl Node {
         }
     }
 
-    /// With a forward reference.
+    /// Adds a forward reference.
     #[must_use]
     pub fn with(mut self, reference_type: NodeId, target: NodeId) -> Self {
         self.references.push(Reference { reference_type, target, is_forward: true });
         self
     }
 
-    /// With an inverse reference.
+    /// Adds an inverse reference.
     #[must_use]
     pub fn with_inverse(mut self, reference_type: NodeId, target: NodeId) -> Self {
         self.references.push(Reference { reference_type, target, is_forward: false });

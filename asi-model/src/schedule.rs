@@ -34,16 +34,16 @@ pub struct Schedule {
 #[serde(rename_all = "camelCase")]
 pub struct OperationTimes {
     pub operation_id: OperationId,
-    /// Not before this.
+    /// Time before which it cannot start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub earliest_start: Option<DateTime>,
-    /// Not done before this.
+    /// Time before which it cannot be done.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub earliest_finish: Option<DateTime>,
-    /// To be begun by then, or the whole is late.
+    /// Time at which it must have begun, or the whole is late.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub latest_start: Option<DateTime>,
-    /// To be done by then, or the whole is late.
+    /// Time at which it must be done, or the whole is late.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub latest_finish: Option<DateTime>,
     /// Longest delay of the operation that does not delay the whole.
@@ -56,14 +56,14 @@ pub struct OperationTimes {
 /// A bound that cannot hold together with the others.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Conflict {
-    pub place: ConflictPlace,
+    pub origin: ConflictOrigin,
     /// A sentence that names the operations and times.
     pub message: String,
 }
 
 /// Position of a bound in the lists of the network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ConflictPlace {
+pub enum ConflictOrigin {
     PlannedStart { operation: usize },
     PlannedEnd { operation: usize },
     Condition { relation: usize, condition: usize },

@@ -94,7 +94,7 @@ pub fn parse_platform_message(
     platform_message(bytes, Some(expected))
 }
 
-/// As [`parse_platform_message`], for the factory that the message names.
+/// Parses like [`parse_platform_message`], for the factory that the message names.
 ///
 /// # Errors
 /// [`InvalidMessage`] with all faults.
@@ -178,8 +178,8 @@ pub fn validate_network(network: &OperationNetwork) -> Vec<Fault> {
     reader.faults.into_list()
 }
 
-/// As [`validate_network`], for the part of one factory: its operations are its own, all others
-/// stubs.
+/// Validates like [`validate_network`], for the part of one factory: its operations are its own,
+/// all others stubs.
 #[must_use]
 pub fn validate_factory_part(network: &OperationNetwork, factory_id: &FactoryId) -> Vec<Fault> {
     let mut reader = Reader::default();

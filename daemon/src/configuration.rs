@@ -62,7 +62,7 @@ fn variables_over(
     }
 }
 
-/// As [`load`], from a text and variables given. `path` only names the text in errors.
+/// Parses like [`load`], from a text and variables given. `path` only names the text in errors.
 ///
 /// # Errors
 /// As [`load`].

@@ -58,16 +58,16 @@ pub struct CatalogHandle {
     requests: mpsc::Sender<ListRequest>,
 }
 
-type Answer = watch::Receiver<Option<Listing>>;
+type ListingReceiver = watch::Receiver<Option<Listing>>;
 
 struct ListRequest {
     source: SourceId,
-    reply: tokio::sync::oneshot::Sender<Answer>,
+    reply: tokio::sync::oneshot::Sender<ListingReceiver>,
 }
 
 /// One server's list, or the browse that makes it.
 struct CachedList {
-    answer: Answer,
+    answer: ListingReceiver,
     begun: Instant,
     /// Number of the session with the server in which it was made.
     sessions: u64,
@@ -100,7 +100,7 @@ impl Catalog {
         browses.shutdown().await;
     }
 
-    fn answer(&mut self, source: SourceId, browses: &mut JoinSet<()>) -> Answer {
+    fn answer(&mut self, source: SourceId, browses: &mut JoinSet<()>) -> ListingReceiver {
         let states = self.shop_floor.states();
         self.lists.retain(|id, _| states.iter().any(|status| status.source_id == *id));
         let sessions = states

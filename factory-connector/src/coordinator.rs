@@ -32,7 +32,7 @@ use connector_state::{
 use handle::Reply;
 pub use handle::{CoordinatorCommand, CoordinatorError, CoordinatorHandle, WriteOutcome};
 use ledger::LedgerKey;
-use maintenance::Schedule;
+use maintenance::MaintenanceSchedule;
 use mapping_engine::Candidate;
 pub use outputs::Outputs;
 use tokio::{sync::mpsc, time::Instant};
@@ -64,7 +64,7 @@ pub struct Coordinator {
     candidates: mpsc::Receiver<Vec<Candidate>>,
     /// Answers to give when the transaction has ended.
     replies: Vec<Reply>,
-    schedule: Schedule,
+    schedule: MaintenanceSchedule,
     timing: Timing,
     /// The store was restored, moved or copied, and the new epochs of its writers are not
     /// committed yet.
@@ -117,7 +117,7 @@ impl Coordinator {
             commands,
             candidates,
             replies: Vec::new(),
-            schedule: Schedule::default(),
+            schedule: MaintenanceSchedule::default(),
             timing: Timing {
                 next_publish: instant,
                 clock: now(),

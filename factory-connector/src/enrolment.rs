@@ -15,7 +15,7 @@ use crate::{
 /// The platform's answer: address of the broker, and the credential there.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct Answer {
+struct EnrolmentAnswer {
     factory_id: FactoryId,
     broker_url: String,
     profile: BrokerProfile,
@@ -47,7 +47,7 @@ pub async fn enrol(
         let detail = problem["detail"].as_str().unwrap_or("it gave no reason");
         anyhow::bail!("the platform refused to enrol this connector ({status}): {detail}");
     }
-    let answer: Answer = answer.json().await.context("reading the platform's answer")?;
+    let answer: EnrolmentAnswer = answer.json().await.context("reading the platform's answer")?;
     std::fs::create_dir_all(data_directory)
         .with_context(|| format!("making the data directory {}", data_directory.display()))?;
     let mut session = Store::connect(data_directory).await?;

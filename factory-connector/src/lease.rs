@@ -55,7 +55,7 @@ pub struct ConnectorInstance {
 pub struct LeaseStatus {
     pub state: LeaseState,
     pub since: DateTime,
-    /// This connector's machine and folder, as the platform knows it.
+    /// Machine and folder, as the platform knows it.
     pub host: String,
     /// Number of the lease that it has; `None` unless granted.
     pub lease_number: Option<u64>,

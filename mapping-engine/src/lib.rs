@@ -1,4 +1,4 @@
-//! From local variables to the value a requested field may get.
+//! Engine that leads from local variables to the value a requested field may get.
 //!
 //! A [`Mapping`] names inputs, a chain of functions and a target field. The engine takes changes of
 //! inputs from the shop floor, runs the chains - built-in functions in its own task, scripts in

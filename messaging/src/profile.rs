@@ -181,7 +181,7 @@ impl fmt::Display for Percent<'_> {
     }
 }
 
-/// In configuration a profile is a name, or a table of templates.
+/// Profile in a configuration: a name, or a table of templates.
 #[derive(Serialize, Deserialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(untagged)]

@@ -38,8 +38,8 @@ impl std::fmt::Debug for Inner {
 }
 
 impl NamespaceTable {
-    /// From the URIs in the order of their indexes. The first is taken as namespace 0 whatever it
-    /// says; where a URI stands twice, the lower index is used.
+    /// Makes a table of the URIs in the order of their indexes. The first is taken as namespace 0
+    /// whatever it says; where a URI stands twice, the lower index is used.
     pub fn new<I>(uris: I) -> Self
     where
         I: IntoIterator,
@@ -48,8 +48,8 @@ impl NamespaceTable {
         Self::build(uris.into_iter().map(|uri| Arc::from(uri.as_ref())).collect(), None)
     }
 
-    /// From the value of a server's NamespaceArray (`i=2255`); `None` if it is not an array of
-    /// strings.
+    /// Makes a table of the value of a server's NamespaceArray (`i=2255`); `None` if it is not an
+    /// array of strings.
     #[must_use]
     pub fn from_namespace_array(value: &Variant) -> Option<Self> {
         let Variant::Array(array) = value else { return None };

@@ -75,7 +75,7 @@ impl DataChanges {
     }
 }
 
-/// From now on a session decodes data changes as [`DataChanges`].
+/// Makes a session decode data changes as [`DataChanges`] from now on.
 pub fn decode_data_changes(loaders: &mut TypeLoaderCollection) {
     // The first that knows a type decodes it: all others come after ours.
     let mut ours = TypeLoaderCollection::new_empty();

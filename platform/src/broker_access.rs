@@ -35,11 +35,11 @@ struct Inner {
     configured: Vec<BrokerUserConfig>,
     /// The platform's own secret on the embedded broker: new at every start, never stored.
     secret: String,
-    parts: Mutex<Parts>,
+    parts: Mutex<BrokerParts>,
 }
 
 #[derive(Default)]
-struct Parts {
+struct BrokerParts {
     broker: Option<EmbeddedBroker>,
     link: Option<LinkHandle>,
 }
@@ -119,13 +119,7 @@ impl BrokerAccess {
     ///
     /// # Errors
     /// [`BrokerAccessError::Store`].
-<<<<<<< HEAD
     pub async fn load_users(&self, store: &StoreReader) -> Result<(), BrokerAccessError> {
-=======
-    pub async fn load_users(&self, store: &Store) -> Result<(), BrokerAccessError> {
-        // What was read later is said later.
-        let _turn = self.0.loading.lock().await;
->>>>>>> 813c97a9 (feat(platform): the embedded broker runs in a process of its own)
         let credentials = store.read().await?.credentials().list().await?;
         let users = self.users_of(&credentials);
         self.0.users.replace(users.clone());

@@ -71,7 +71,7 @@ pub enum LiveEvent {
     #[serde(rename_all = "camelCase")]
     Factory {
         factory_id: FactoryId,
-        /// As `GET /factories` shows it to the same viewer.
+        /// Time as `GET /factories` shows it to the same viewer.
         last_seen_at: DateTime,
         /// State that its publisher reported last.
         publisher_state: Option<String>,

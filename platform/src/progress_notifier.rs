@@ -29,17 +29,17 @@ const REMEMBERED_MAX: usize = 50_000;
 pub struct ProgressNotifier {
     store: Store,
     live: LiveLog,
-    changed: Arc<Changed>,
+    changed: Arc<ChangedNetworks>,
     published:
         HashMap<(OrganisationId, OperationNetworkId, OperationId), Withheld<OperationProgress>>,
 }
 
 /// Announces networks that may have changed.
 #[derive(Clone)]
-pub struct ProgressNotifierHandle(Arc<Changed>);
+pub struct ProgressNotifierHandle(Arc<ChangedNetworks>);
 
 #[derive(Default)]
-struct Changed {
+struct ChangedNetworks {
     networks: Mutex<HashSet<OperationNetworkId>>,
     wake: Notify,
 }
@@ -58,7 +58,7 @@ impl ProgressNotifier {
     /// Makes the service, which has published nothing yet, and its handle.
     #[must_use]
     pub fn new(store: Store, live: LiveLog) -> (Self, ProgressNotifierHandle) {
-        let changed = Arc::new(Changed::default());
+        let changed = Arc::new(ChangedNetworks::default());
         let handle = ProgressNotifierHandle(Arc::clone(&changed));
         (Self { store, live, changed, published: HashMap::new() }, handle)
     }
@@ -72,7 +72,7 @@ impl ProgressNotifier {
             // Taken before they are read: a change that comes meanwhile counts for the next round.
             let networks = std::mem::take(&mut *self.changed.networks.lock());
             for network in networks {
-                if let Err(error) = self.tell(&network).await {
+                if let Err(error) = self.publish_progress(&network).await {
                     tracing::warn!(operation_network.id = %network, %error, "Progress could not be read.");
                 }
             }
@@ -84,7 +84,7 @@ impl ProgressNotifier {
         Ok(())
     }
 
-    async fn tell(&mut self, id: &OperationNetworkId) -> Result<(), StoreError> {
+    async fn publish_progress(&mut self, id: &OperationNetworkId) -> Result<(), StoreError> {
         let mut work = self.store.read().await?;
         let Some(row) = work.networks().lookup(&Scope::Platform, id).await? else { return Ok(()) };
         let recipients: BTreeSet<&OrganisationId> =

@@ -50,7 +50,7 @@ pub enum SourceState {
     Subscribing,
     /// Connected, all inputs are live or tried.
     Connected,
-    /// Not connected; tried again after a pause.
+    /// Disconnected; tried again after a pause.
     Waiting,
 }
 

@@ -62,10 +62,10 @@ pub struct MachineConfig {
     /// The asset id that a robot shows. Default: its name.
     #[serde(default)]
     pub asset_id: Option<String>,
-    /// Only for a bank: how many variables.
+    /// Number of variables of a bank.
     #[serde(default)]
     pub variables: u32,
-    /// Only for a bank: how many changes per second over all variables.
+    /// Changes per second over all variables of a bank.
     #[serde(default)]
     pub changes_per_second: f64,
     /// False takes the relay away that network faults need: a little faster, for measurements.

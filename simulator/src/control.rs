@@ -34,15 +34,15 @@ pub fn router(simulator: SimulatorHandle) -> Router {
         .with_state(simulator)
 }
 
-struct Problem(SimulatorError);
+struct ControlProblem(SimulatorError);
 
-impl From<SimulatorError> for Problem {
+impl From<SimulatorError> for ControlProblem {
     fn from(error: SimulatorError) -> Self {
         Self(error)
     }
 }
 
-impl IntoResponse for Problem {
+impl IntoResponse for ControlProblem {
     fn into_response(self) -> Response {
         let status = match self.0 {
             SimulatorError::UnknownMachine(_) | SimulatorError::UnknownVariable(_) => {
@@ -61,7 +61,10 @@ impl IntoResponse for Problem {
     }
 }
 
-fn machine<'a>(simulator: &'a SimulatorHandle, name: &str) -> Result<&'a MachineHandle, Problem> {
+fn machine<'a>(
+    simulator: &'a SimulatorHandle,
+    name: &str,
+) -> Result<&'a MachineHandle, ControlProblem> {
     Ok(simulator.machine(name).ok_or_else(|| SimulatorError::UnknownMachine(name.to_owned()))?)
 }
 
@@ -80,7 +83,7 @@ async fn machines(State(simulator): State<SimulatorHandle>) -> Json<Value> {
 async fn variables(
     State(simulator): State<SimulatorHandle>,
     Path(name): Path<String>,
-) -> Result<Json<Value>, Problem> {
+) -> Result<Json<Value>, ControlProblem> {
     let machine = machine(&simulator, &name)?;
     let values = machine.values().await?;
     let variables = values.into_iter().map(|(key, built_in, value)| {
@@ -108,7 +111,7 @@ async fn set(
     State(simulator): State<SimulatorHandle>,
     Path((name, key)): Path<(String, String)>,
     Json(new): Json<NewValue>,
-) -> Result<Json<Value>, Problem> {
+) -> Result<Json<Value>, ControlProblem> {
     let machine = machine(&simulator, &name)?;
     let known = machine.values().await?;
     let built_in =
@@ -123,7 +126,7 @@ async fn set(
 async fn release(
     State(simulator): State<SimulatorHandle>,
     Path((name, key)): Path<(String, String)>,
-) -> Result<HttpStatus, Problem> {
+) -> Result<HttpStatus, ControlProblem> {
     machine(&simulator, &name)?.release(&key).await?;
     Ok(HttpStatus::NO_CONTENT)
 }
@@ -132,7 +135,7 @@ async fn inject(
     State(simulator): State<SimulatorHandle>,
     Path(name): Path<String>,
     Json(fault): Json<MachineFault>,
-) -> Result<HttpStatus, Problem> {
+) -> Result<HttpStatus, ControlProblem> {
     machine(&simulator, &name)?.inject(fault).await?;
     Ok(HttpStatus::NO_CONTENT)
 }

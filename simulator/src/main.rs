@@ -16,11 +16,11 @@ struct Arguments {
     #[arg(long, env = "SIMULATOR_CONFIG")]
     config: Option<PathBuf>,
     #[command(subcommand)]
-    command: Option<Command>,
+    command: Option<SimulatorCommand>,
 }
 
 #[derive(Subcommand)]
-enum Command {
+enum SimulatorCommand {
     /// Prints a commented example of the configuration.
     ExampleConfig,
 }
@@ -28,7 +28,7 @@ enum Command {
 #[tokio::main]
 async fn main() -> anyhow::Result<()> {
     let arguments = Arguments::parse();
-    if let Some(Command::ExampleConfig) = arguments.command {
+    if let Some(SimulatorCommand::ExampleConfig) = arguments.command {
         std::io::stdout().write_all(EXAMPLE.as_bytes())?;
         return Ok(());
     }

@@ -161,7 +161,7 @@ impl MachineServer {
         }
     }
 
-    /// From now on existing monitored items are told nothing; or all are told again.
+    /// Mutes the notifications of existing monitored items, or ends that.
     pub(crate) fn mute(&self, is_muted: bool) {
         self.nodes.inner().mute(is_muted);
     }

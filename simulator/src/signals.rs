@@ -74,7 +74,7 @@ pub struct Progress {
     pub running_seconds: f64,
     /// Parts finished in all.
     pub parts: u64,
-    /// Those of them that were no good.
+    /// Parts that were no good.
     pub scrap: u64,
     /// Completed fraction of the current part, 0..1.
     pub cycle_progress: f64,

@@ -1,4 +1,4 @@
-//! From nodes back to the message they came from.
+//! Conversion of nodes back to the message they came from.
 
 use std::collections::{HashMap, HashSet};
 
@@ -18,7 +18,7 @@ use crate::{
 /// from the caller.
 #[must_use]
 pub fn to_json(node_set: &NodeSet, message_id: &str) -> Option<Value> {
-    let graph = Graph::of(node_set);
+    let graph = NodeGraph::of(node_set);
     let interface = graph.of_type(asi_types::INTERFACE_TYPE)?;
     let factory_id = match &interface.node_id.namespace {
         Namespace::Uri(uri) => uri.strip_prefix(INSTANCE_NAMESPACE_PREFIX).unwrap_or(uri),
@@ -43,7 +43,7 @@ pub fn to_json(node_set: &NodeSet, message_id: &str) -> Option<Value> {
 }
 
 /// Nodes with their children, whichever side lists a reference.
-struct Graph<'n> {
+struct NodeGraph<'n> {
     nodes: Vec<&'n Node>,
     children: HashMap<&'n NodeId, Vec<&'n Node>>,
 }
@@ -61,7 +61,7 @@ const CONDITION_KINDS: [&str; 6] = [
 ];
 const FREQUENCY_UNITS: [&str; 5] = ["SECOND", "MINUTE", "HOUR", "DAY", "WEEK"];
 
-impl<'n> Graph<'n> {
+impl<'n> NodeGraph<'n> {
     fn of(node_set: &'n NodeSet) -> Self {
         let by_id: HashMap<&NodeId, &Node> =
             node_set.nodes.iter().map(|node| (&node.node_id, node)).collect();
@@ -339,7 +339,12 @@ impl<'n> Graph<'n> {
 }
 
 /// Copies the values of parts that are there.
-fn copy(object: &mut Map<String, Value>, graph: &Graph<'_>, node: &Node, members: &[(&str, &str)]) {
+fn copy(
+    object: &mut Map<String, Value>,
+    graph: &NodeGraph<'_>,
+    node: &Node,
+    members: &[(&str, &str)],
+) {
     for (member, part) in members {
         if let Some(value) = graph.value(node, part).and_then(plain) {
             object.insert((*member).to_owned(), value);

@@ -11,7 +11,7 @@ use super::{
 /// Most repeated member names that are remembered.
 const DUPLICATES_MAX: usize = 64;
 
-pub(super) struct Reader<'a> {
+pub(super) struct TapeReader<'a> {
     bytes: &'a [u8],
     at: usize,
     limits: Limits,
@@ -21,7 +21,7 @@ pub(super) struct Reader<'a> {
     open: Vec<u32>,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> TapeReader<'a> {
     pub(super) fn new(bytes: &'a [u8], limits: Limits) -> Self {
         Self {
             bytes,

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::{
     error::{JsonError, Limits},
     escapes::unescape,
-    reader::Reader,
+    reader::TapeReader,
     token::{Kind, Token},
 };
 
@@ -30,7 +30,7 @@ impl<'a> Tape<'a> {
         }
         let text = std::str::from_utf8(bytes)
             .map_err(|error| JsonError::NotUtf8 { offset: error.valid_up_to() })?;
-        let mut reader = Reader::new(bytes, limits);
+        let mut reader = TapeReader::new(bytes, limits);
         reader.read()?;
         Ok(Self { text, tokens: reader.tokens, duplicates: reader.duplicates })
     }

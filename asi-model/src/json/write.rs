@@ -75,7 +75,7 @@ pub fn double(out: &mut Vec<u8>, value: f64) {
     }
 }
 
-/// As [`double`], in single precision.
+/// Writes like [`double`], in single precision.
 pub fn float(out: &mut Vec<u8>, value: f32) {
     if !write_not_finite(out, f64::from(value)) {
         finite(out, format_args!("{value:?}"));

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// In words and numbers, how a value is coarsened before it leaves.
+/// Coarsening of a value before it leaves, in words and numbers.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
@@ -37,7 +37,7 @@ pub struct DisclosureStatement {
     /// Values leave within these hours only; all of them hold.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub hours_list: Vec<HoursStatement>,
-    /// Nothing leaves in certain states; the states themselves are not disclosed.
+    /// True where no value leaves in certain states; the states themselves are not disclosed.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_withheld_in_states: bool,
     /// Resolution of status codes; when absent, a small fixed set.
@@ -52,7 +52,7 @@ pub struct DisclosureStatement {
 pub enum StatusResolution {
     /// Every status code as it is.
     Full,
-    /// Only Good, Uncertain and Bad.
+    /// One of Good, Uncertain and Bad.
     Severity,
 }
 

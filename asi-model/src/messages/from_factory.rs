@@ -95,7 +95,7 @@ impl FactoryMessage {
     }
 }
 
-/// Something wrong with a message, as a partner can mend it.
+/// Fault of a message that a partner can mend.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
@@ -138,7 +138,7 @@ pub struct Acknowledgement {
 pub enum AcknowledgementResult {
     /// The message is in effect.
     Accepted,
-    /// Nothing new in it.
+    /// A repetition, without anything new.
     Unchanged,
     /// Wrong; nothing was changed.
     Rejected,
@@ -149,7 +149,7 @@ pub enum AcknowledgementResult {
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum MappingState {
-    /// Not yet decided.
+    /// Undecided so far.
     #[default]
     Pending,
     /// Decided: values flow from the named source.

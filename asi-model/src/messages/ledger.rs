@@ -67,7 +67,8 @@ pub struct LedgerCosignature {
 pub enum LedgerCheckpointResult {
     /// Countersigned, and the newest one now.
     Cosigned,
-    /// Not countersigned: its proof does not begin at the newest checkpoint that the platform holds.
+    /// Without a countersignature: its proof does not begin at the newest checkpoint that the
+    /// platform holds.
     Stale,
     /// Refused: the log is not an extension of the one that the platform holds.
     Inconsistent,

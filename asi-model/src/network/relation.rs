@@ -149,13 +149,14 @@ fn parse(text: &str) -> Option<Duration> {
 }
 
 impl IsoDuration {
-    /// As OPC UA's Duration: milliseconds.
+    /// Converts to OPC UA's Duration: milliseconds.
     #[must_use]
     pub fn as_milliseconds(self) -> f64 {
         self.0.as_micros() as f64 / 1000.0
     }
 
-    /// From OPC UA's Duration; `None` where it is negative, not finite or beyond what is accepted.
+    /// Converts OPC UA's Duration; `None` where it is negative, not finite or beyond what is
+    /// accepted.
     #[must_use]
     pub fn from_milliseconds(milliseconds: f64) -> Option<Self> {
         let micros = (milliseconds * 1000.0).round();

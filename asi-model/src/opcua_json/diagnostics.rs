@@ -16,7 +16,7 @@ pub enum Leniency {
     Strict,
 }
 
-/// Something noteworthy about an input that was taken nevertheless.
+/// Finding about an input that was taken nevertheless.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
     /// JSON pointer to it.

@@ -62,7 +62,7 @@ impl<'e> Encoder<'e> {
         Self { encoding, namespaces, types, enum_types: &[] }
     }
 
-    /// With the enumerations that the receiver knows from metadata: where forms for people are
+    /// Takes the enumerations that the receiver knows from metadata: where forms for people are
     /// written, their values inside structures have their names.
     #[must_use]
     pub const fn with_enum_types(self, enum_types: &'e [EnumType]) -> Self {
@@ -118,7 +118,8 @@ impl<'e> Encoder<'e> {
         out.push(b'}');
     }
 
-    /// As [`Self::data_value`] in 1.05, without the type, which the receiver knows from metadata.
+    /// Writes like [`Self::data_value`] in 1.05, without the type, which the receiver knows from
+    /// metadata.
     pub fn data_value_without_type(&self, out: &mut Vec<u8>, value: &DataValue) {
         out.push(b'{');
         match &value.value {

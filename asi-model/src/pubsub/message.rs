@@ -84,7 +84,7 @@ pub enum DataSetMessageKind {
     /// All fields. Where a message does not say, this is meant.
     #[default]
     KeyFrame,
-    /// Only the fields that changed.
+    /// Fields that changed.
     DeltaFrame,
     Event,
     /// "I am still here": no fields; the sequence number is the next expected one.

@@ -1,7 +1,7 @@
 //! Earliest times, with the bounds that they break.
 
 use super::{
-    Conflict, ConflictPlace,
+    Conflict, ConflictOrigin,
     graph::{Edge, Graph, Time, ends, gaps},
 };
 use crate::{network::ConditionKind, values::DateTime};
@@ -15,7 +15,7 @@ const PASSES_MAX: usize = 64;
 
 /// The least that the ends of an operation may be, as the maximum gaps after it demand.
 #[derive(Debug, Clone, Copy)]
-struct Floor {
+struct LowerBound {
     start: Time,
     finish: Time,
 }
@@ -23,7 +23,7 @@ struct Floor {
 /// The earliest times while they are found.
 pub(super) struct Earliest<'g, 'n> {
     graph: &'g Graph<'n>,
-    floor: Vec<Floor>,
+    lower_bounds: Vec<LowerBound>,
     pub(super) start: Vec<Time>,
     pub(super) finish: Vec<Time>,
     pub(super) conflicts: Vec<Conflict>,
@@ -35,7 +35,7 @@ impl<'g, 'n> Earliest<'g, 'n> {
         let count = graph.network.operation_list.len();
         let mut earliest = Self {
             graph,
-            floor: Vec::new(),
+            lower_bounds: Vec::new(),
             start: vec![None; count],
             finish: vec![None; count],
             conflicts: Vec::new(),
@@ -60,14 +60,14 @@ impl<'g, 'n> Earliest<'g, 'n> {
     /// Passes forward until no maximum gap is broken, with nothing before `base`. Returns the
     /// edges whose maximum gaps never are.
     fn settle(&mut self, base: Time) -> Vec<usize> {
-        self.floor = vec![Floor { start: base, finish: base }; self.start.len()];
+        self.lower_bounds = vec![LowerBound { start: base, finish: base }; self.start.len()];
         let gaps = self.graph.edges.iter().filter(|edge| edge.maximum_gap.is_some()).count();
         let mut raised = Vec::new();
         for _ in 0..(gaps + 1).min(PASSES_MAX) {
             for &at in &self.graph.order {
                 self.forward(at, false);
             }
-            raised = self.raise_floors();
+            raised = self.raise_lower_bounds();
             if raised.is_empty() {
                 break;
             }
@@ -78,7 +78,7 @@ impl<'g, 'n> Earliest<'g, 'n> {
 
     /// Lets each predecessor be no earlier than the maximum gap to its successor allows. Returns
     /// the edges that did.
-    fn raise_floors(&mut self) -> Vec<usize> {
+    fn raise_lower_bounds(&mut self) -> Vec<usize> {
         let mut raised = Vec::new();
         for (index, edge) in self.graph.edges.iter().enumerate() {
             let Some((maximum, _)) = edge.maximum_gap else { continue };
@@ -88,14 +88,22 @@ impl<'g, 'n> Earliest<'g, 'n> {
                 continue;
             };
             let predecessor = self.graph.operation(edge.from);
-            let (planned, found, floor) = if by_finish {
-                (predecessor.planned_end, self.finish[edge.from], &mut self.floor[edge.from].finish)
+            let (planned, found, lower_bound) = if by_finish {
+                (
+                    predecessor.planned_end,
+                    self.finish[edge.from],
+                    &mut self.lower_bounds[edge.from].finish,
+                )
             } else {
-                (predecessor.planned_start, self.start[edge.from], &mut self.floor[edge.from].start)
+                (
+                    predecessor.planned_start,
+                    self.start[edge.from],
+                    &mut self.lower_bounds[edge.from].start,
+                )
             };
             // A plan does not give way; that it breaks the gap is found later.
             if planned.is_none() && found.is_none_or(|found| found < least) {
-                *floor = (*floor).max(Some(least));
+                *lower_bound = (*lower_bound).max(Some(least));
                 raised.push(index);
             }
         }
@@ -112,8 +120,8 @@ impl<'g, 'n> Earliest<'g, 'n> {
                 "The relations between {} and {} need more time than their maximum gap leaves.",
                 relation.predecessor_operation_id, relation.successor_operation_id
             );
-            let place = ConflictPlace::Condition { relation: edge.relation, condition };
-            self.conflict(place, message);
+            let origin = ConflictOrigin::Condition { relation: edge.relation, condition };
+            self.conflict(origin, message);
         }
     }
 
@@ -138,7 +146,7 @@ impl<'g, 'n> Earliest<'g, 'n> {
                 DateTime::from_ticks(planned),
                 DateTime::from_ticks(forced)
             );
-            self.conflict(ConflictPlace::PlannedStart { operation: at }, message);
+            self.conflict(ConflictOrigin::PlannedStart { operation: at }, message);
         }
         // A conflict is reported where it arises; what follows is judged by the plan, lest one
         // fault breeds many.
@@ -156,7 +164,7 @@ impl<'g, 'n> Earliest<'g, 'n> {
                 DateTime::from_ticks(planned),
                 DateTime::from_ticks(earliest)
             );
-            self.conflict(ConflictPlace::PlannedEnd { operation: at }, message);
+            self.conflict(ConflictOrigin::PlannedEnd { operation: at }, message);
         }
         self.start[at] = start;
         self.finish[at] = planned_end.or(earliest_finish);
@@ -164,7 +172,7 @@ impl<'g, 'n> Earliest<'g, 'n> {
 
     /// The least start and finish that floors, relations and conditions leave an operation.
     fn bounds(&self, at: usize) -> (Time, Time) {
-        let Floor { mut start, mut finish } = self.floor[at];
+        let LowerBound { mut start, mut finish } = self.lower_bounds[at];
         for &index in &self.graph.incoming[at] {
             let edge = &self.graph.edges[index];
             let relation = self.graph.relation(edge);
@@ -185,9 +193,9 @@ impl<'g, 'n> Earliest<'g, 'n> {
         (start, finish)
     }
 
-    fn conflict(&mut self, place: ConflictPlace, message: String) {
+    fn conflict(&mut self, origin: ConflictOrigin, message: String) {
         if self.conflicts.len() < CONFLICTS_MAX {
-            self.conflicts.push(Conflict { place, message });
+            self.conflicts.push(Conflict { origin, message });
         }
     }
 
@@ -208,8 +216,9 @@ impl<'g, 'n> Earliest<'g, 'n> {
                 let message = format!(
                     "{successor} must {what} by {bound}, but cannot {what} before {earliest}."
                 );
-                let place = ConflictPlace::Condition { relation: edge.relation, condition: index };
-                self.conflict(place, message);
+                let origin =
+                    ConflictOrigin::Condition { relation: edge.relation, condition: index };
+                self.conflict(origin, message);
             }
         }
     }
@@ -231,8 +240,9 @@ impl<'g, 'n> Earliest<'g, 'n> {
                     relation.successor_operation_id,
                     DateTime::from_ticks(reached)
                 );
-                let place = ConflictPlace::Condition { relation: edge.relation, condition: index };
-                self.conflict(place, message);
+                let origin =
+                    ConflictOrigin::Condition { relation: edge.relation, condition: index };
+                self.conflict(origin, message);
             }
         }
     }

@@ -92,34 +92,34 @@ fn conflicts_are_found() {
         (
             [("a", Some(0), Some(4)), ("b", Some(3), Some(7))],
             ("FINISH_TO_START", json!([])),
-            Some(ConflictPlace::PlannedStart { operation: 1 }),
+            Some(ConflictOrigin::PlannedStart { operation: 1 }),
         ),
         ([("a", Some(0), Some(4)), ("b", Some(3), Some(7))], ("START_TO_START", json!([])), None),
         // Only the end is planned, and too early.
         (
             [("a", Some(0), Some(4)), ("b", None, Some(3))],
             ("FINISH_TO_START", json!([])),
-            Some(ConflictPlace::PlannedEnd { operation: 1 }),
+            Some(ConflictOrigin::PlannedEnd { operation: 1 }),
         ),
         (
             [("a", Some(0), Some(4)), ("b", Some(2), Some(3))],
             ("FINISH_TO_FINISH", json!([])),
-            Some(ConflictPlace::PlannedStart { operation: 1 }),
+            Some(ConflictOrigin::PlannedStart { operation: 1 }),
         ),
         (
             [("a", Some(0), Some(4)), ("b", Some(4), Some(5))],
             ("FINISH_TO_START", duration("MINIMUM_GAP", "PT1H")),
-            Some(ConflictPlace::PlannedStart { operation: 1 }),
+            Some(ConflictOrigin::PlannedStart { operation: 1 }),
         ),
         (
             [("a", Some(0), Some(4)), ("b", Some(9), Some(10))],
             ("FINISH_TO_START", duration("MAXIMUM_GAP", "PT4H")),
-            Some(ConflictPlace::Condition { relation: 0, condition: 0 }),
+            Some(ConflictOrigin::Condition { relation: 0, condition: 0 }),
         ),
         (
             [("a", Some(0), Some(4)), ("b", None, None)],
             ("FINISH_TO_START", start_by("2026-01-01T03:00:00Z")),
-            Some(ConflictPlace::Condition { relation: 0, condition: 0 }),
+            Some(ConflictOrigin::Condition { relation: 0, condition: 0 }),
         ),
         // Without a planned end, an operation may last until its predecessor is done.
         ([("a", Some(0), Some(4)), ("b", Some(3), None)], ("FINISH_TO_FINISH", json!([])), None),
@@ -127,9 +127,13 @@ fn conflicts_are_found() {
         ([("a", None, None), ("b", Some(1), Some(2))], ("START_TO_FINISH", json!([])), None),
     ] {
         let network = network(&operations, &[("a", "b", relation.0, relation.1.clone())]);
-        let places: Vec<_> =
-            Schedule::of(&network).conflicts.into_iter().map(|conflict| conflict.place).collect();
-        assert_eq!(places, expected.into_iter().collect::<Vec<_>>(), "{operations:?} {relation:?}");
+        let origins: Vec<_> =
+            Schedule::of(&network).conflicts.into_iter().map(|conflict| conflict.origin).collect();
+        assert_eq!(
+            origins,
+            expected.into_iter().collect::<Vec<_>>(),
+            "{operations:?} {relation:?}"
+        );
     }
 }
 
@@ -141,11 +145,11 @@ fn maximum_gaps_bind_backwards() {
     let late = ("a", "b", "FINISH_TO_START", duration("MAXIMUM_GAP", "PT1H"));
     let conflicts = |relations: &[(&str, &str, &str, Value)], operations| {
         let found = Schedule::of(&network(operations, relations)).conflicts;
-        found.into_iter().map(|conflict| conflict.place).collect::<Vec<_>>()
+        found.into_iter().map(|conflict| conflict.origin).collect::<Vec<_>>()
     };
-    let place = |relation| vec![ConflictPlace::Condition { relation, condition: 0 }];
+    let origin = |relation| vec![ConflictOrigin::Condition { relation, condition: 0 }];
     let early = ("x", "a", "FINISH_TO_START", by("FINISH_NO_LATER_THAN", 5));
-    assert_eq!(conflicts(&[early, late.clone()], &operations), place(0));
+    assert_eq!(conflicts(&[early, late.clone()], &operations), origin(0));
     let early = ("x", "a", "FINISH_TO_START", by("FINISH_NO_LATER_THAN", 9));
     assert_eq!(conflicts(&[early, late], &operations), []);
     // The way round takes longer than the direct one may, whenever that is.
@@ -157,7 +161,7 @@ fn maximum_gaps_bind_backwards() {
             ("a", "c", "START_TO_START", duration("MAXIMUM_GAP", maximum)),
         ]
     };
-    assert_eq!(conflicts(&round("PT9H"), &operations), place(2));
+    assert_eq!(conflicts(&round("PT9H"), &operations), origin(2));
     assert_eq!(conflicts(&round("PT10H"), &operations), []);
 }
 

@@ -3,7 +3,7 @@
 use super::{FaultCode, reader::Reader};
 use crate::{
     network::{ConditionKind, OperationNetwork, OperationRelation},
-    schedule::{Conflict, ConflictPlace, Schedule},
+    schedule::{Conflict, ConflictOrigin, Schedule},
 };
 
 /// An absolute kind needs a time, a gap a duration, and neither the other.
@@ -51,12 +51,12 @@ pub(super) fn check_bound(
 /// The bounds of each condition, and that a relation's conditions do not exclude each other.
 pub(super) fn check(relation: &OperationRelation, pointer: &str, reader: &mut Reader) {
     for (index, condition) in relation.condition_list.iter().enumerate() {
-        let place = format!("{pointer}/conditionList/{index}");
+        let origin = format!("{pointer}/conditionList/{index}");
         // Read from a text, this was judged where the text is; an unreadable bound is no missing
         // one.
         if reader.faults.is_empty() {
             let (has_time, has_duration) = (condition.time.is_some(), condition.duration.is_some());
-            check_bound(condition.condition_kind, has_time, has_duration, &place, reader);
+            check_bound(condition.condition_kind, has_time, has_duration, &origin, reader);
         }
     }
     use ConditionKind as K;
@@ -103,18 +103,18 @@ pub(super) fn check(relation: &OperationRelation, pointer: &str, reader: &mut Re
 
 /// Relations, conditions and planned times together.
 pub(super) fn check_feasible(network: &OperationNetwork, pointer: &str, reader: &mut Reader) {
-    for Conflict { place, message } in Schedule::of(network).conflicts {
-        let place = match place {
-            ConflictPlace::PlannedStart { operation } => {
+    for Conflict { origin, message } in Schedule::of(network).conflicts {
+        let origin = match origin {
+            ConflictOrigin::PlannedStart { operation } => {
                 format!("{pointer}/operationList/{operation}/plannedStart")
             }
-            ConflictPlace::PlannedEnd { operation } => {
+            ConflictOrigin::PlannedEnd { operation } => {
                 format!("{pointer}/operationList/{operation}/plannedEnd")
             }
-            ConflictPlace::Condition { relation, condition } => {
+            ConflictOrigin::Condition { relation, condition } => {
                 format!("{pointer}/operationRelationList/{relation}/conditionList/{condition}")
             }
         };
-        reader.faults.push(place, FaultCode::TimeFrameInfeasible, message);
+        reader.faults.push(origin, FaultCode::TimeFrameInfeasible, message);
     }
 }

@@ -106,20 +106,20 @@ pub(super) fn check(
         .map(|(index, operation)| (&operation.operation_id, index))
         .collect();
     for (index, operation) in network.operation_list.iter().enumerate() {
-        let place = format!("{pointer}/operationList/{index}");
-        check_operation(operation, &place, part_of, &operations, reader);
+        let pointer = format!("{pointer}/operationList/{index}");
+        check_operation(operation, &pointer, part_of, &operations, reader);
         for (number, request) in operation.dynamic_data_request_list.iter().enumerate() {
             report_format::check(
                 request,
-                &format!("{place}/dynamicDataRequestList/{number}"),
+                &format!("{pointer}/dynamicDataRequestList/{number}"),
                 reader,
             );
         }
     }
     for (index, relation) in network.operation_relation_list.iter().enumerate() {
-        let place = format!("{pointer}/operationRelationList/{index}");
-        check_relation(relation, &place, &operations, reader);
-        conditions::check(relation, &place, reader);
+        let pointer = format!("{pointer}/operationRelationList/{index}");
+        check_relation(relation, &pointer, &operations, reader);
+        conditions::check(relation, &pointer, reader);
     }
     let is_acyclic = acyclic::check(network, &operations, pointer, reader);
     if is_acyclic && reader.faults.is_empty() {
@@ -134,38 +134,38 @@ fn check_ids(network: &OperationNetwork, pointer: &str, reader: &mut Reader) {
     let mut requirements = Unique::new("equipment requirement");
     let mut requests = Unique::new("dynamic data request");
     for (index, operation) in network.operation_list.iter().enumerate() {
-        let place = format!("{pointer}/operationList/{index}");
+        let pointer = format!("{pointer}/operationList/{index}");
         operations.check(
             operation.operation_id.as_str(),
-            || format!("{place}/operationId"),
+            || format!("{pointer}/operationId"),
             reader,
         );
         for (number, requirement) in operation.equipment_requirement_list.iter().enumerate() {
             requirements.check(
                 requirement.equipment_requirement_id.as_str(),
-                || format!("{place}/equipmentRequirementList/{number}/equipmentRequirementId"),
+                || format!("{pointer}/equipmentRequirementList/{number}/equipmentRequirementId"),
                 reader,
             );
         }
         for (number, request) in operation.dynamic_data_request_list.iter().enumerate() {
             requests.check(
                 request.dynamic_data_request_id.as_str(),
-                || format!("{place}/dynamicDataRequestList/{number}/dynamicDataRequestId"),
+                || format!("{pointer}/dynamicDataRequestList/{number}/dynamicDataRequestId"),
                 reader,
             );
         }
     }
     for (index, relation) in network.operation_relation_list.iter().enumerate() {
-        let place = format!("{pointer}/operationRelationList/{index}");
+        let pointer = format!("{pointer}/operationRelationList/{index}");
         relations.check(
             relation.operation_relation_id.as_str(),
-            || format!("{place}/operationRelationId"),
+            || format!("{pointer}/operationRelationId"),
             reader,
         );
         for (number, condition) in relation.condition_list.iter().enumerate() {
             conditions.check(
                 condition.condition_id.as_str(),
-                || format!("{place}/conditionList/{number}/conditionId"),
+                || format!("{pointer}/conditionList/{number}/conditionId"),
                 reader,
             );
         }
@@ -195,7 +195,7 @@ impl<'n> Unique<'n> {
 
 fn check_operation(
     operation: &Operation,
-    place: &str,
+    pointer: &str,
     part_of: Option<&FactoryId>,
     operations: &HashMap<&OperationId, usize>,
     reader: &mut Reader,
@@ -205,16 +205,16 @@ fn check_operation(
     {
         let message = "The operation ends before it begins: \
                        plannedEnd must not be earlier than plannedStart.";
-        reader.faults.push(format!("{place}/plannedEnd"), FaultCode::TimeFrameInverted, message);
+        reader.faults.push(format!("{pointer}/plannedEnd"), FaultCode::TimeFrameInverted, message);
     }
     if let Some(unit) = &operation.quantity_unit {
-        report_format::check_unit(unit, || format!("{place}/quantityUnit"), reader);
+        report_format::check_unit(unit, || format!("{pointer}/quantityUnit"), reader);
     }
-    check_owner(operation, place, part_of, reader);
+    check_owner(operation, pointer, part_of, reader);
     if let OperationKind::Inspection { inspected_operation_id: Some(inspected), .. } =
         &operation.kind
     {
-        let pointer = || format!("{place}/inspectedOperationId");
+        let pointer = || format!("{pointer}/inspectedOperationId");
         if *inspected == operation.operation_id {
             reader.faults.push(
                 pointer(),
@@ -229,7 +229,7 @@ fn check_operation(
 
 fn check_owner(
     operation: &Operation,
-    place: &str,
+    pointer: &str,
     part_of: Option<&FactoryId>,
     reader: &mut Reader,
 ) {
@@ -239,7 +239,7 @@ fn check_owner(
             let message =
                 format!("The operation {id} is a stub and must name its owningFactoryId.");
             reader.faults.push(
-                format!("{place}/owningFactoryId"),
+                format!("{pointer}/owningFactoryId"),
                 FaultCode::OwnerMissing,
                 message,
             );
@@ -250,7 +250,7 @@ fn check_owner(
         ];
         for (member, _) in details.into_iter().filter(|(_, is_empty)| !is_empty) {
             let message = format!("The operation {id} is a stub and must not have a {member}.");
-            reader.faults.push(format!("{place}/{member}"), FaultCode::StubTooDetailed, message);
+            reader.faults.push(format!("{pointer}/{member}"), FaultCode::StubTooDetailed, message);
         }
     } else if let (Some(factory), Some(owner)) = (part_of, &operation.owning_factory_id)
         && owner != factory
@@ -258,13 +258,13 @@ fn check_owner(
         let message = format!(
             "The operation {id} belongs to {owner}; in this factory's part it must be a stub."
         );
-        reader.faults.push(format!("{place}/owningFactoryId"), FaultCode::WrongOwner, message);
+        reader.faults.push(format!("{pointer}/owningFactoryId"), FaultCode::WrongOwner, message);
     }
 }
 
 fn check_relation(
     relation: &OperationRelation,
-    place: &str,
+    pointer: &str,
     operations: &HashMap<&OperationId, usize>,
     reader: &mut Reader,
 ) {
@@ -273,12 +273,12 @@ fn check_relation(
         ("successorOperationId", &relation.successor_operation_id),
     ];
     for (member, id) in ends {
-        check_known(id, || format!("{place}/{member}"), operations, reader);
+        check_known(id, || format!("{pointer}/{member}"), operations, reader);
     }
     if relation.predecessor_operation_id == relation.successor_operation_id {
         let message = "A relation must connect two different operations.";
         reader.faults.push(
-            format!("{place}/successorOperationId"),
+            format!("{pointer}/successorOperationId"),
             FaultCode::SelfReference,
             message,
         );

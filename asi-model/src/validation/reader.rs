@@ -111,7 +111,7 @@ impl Reader {
         list.unwrap_or_default()
     }
 
-    /// As [`Self::list`], of a list that may be absent.
+    /// Reads like [`Self::list`], of a list that may be absent.
     pub(super) fn optional_list<'t, 'a, T>(
         &mut self,
         object: JsonNode<'t, 'a>,

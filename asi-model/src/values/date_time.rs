@@ -38,13 +38,13 @@ impl DateTime {
     /// The latest instant, "never ends".
     pub const MAX: Self = Self::within(MAX_TICKS);
 
-    /// From ticks of 100 ns since 1601; clamped to [`Self::MIN`]..=[`Self::MAX`].
+    /// Converts ticks of 100 ns since 1601; clamped to [`Self::MIN`]..=[`Self::MAX`].
     #[must_use]
     pub fn from_ticks(ticks: i64) -> Self {
         Self::within(ticks.clamp(0, MAX_TICKS))
     }
 
-    /// From ticks that lie within the bounds.
+    /// Converts ticks that lie within the bounds.
     const fn within(ticks: i64) -> Self {
         Self(NonZeroI64::new(ticks + 1).expect("ticks within the bounds are not negative"))
     }
@@ -55,7 +55,7 @@ impl DateTime {
         self.0.get() - 1
     }
 
-    /// From microseconds since 1970-01-01T00:00:00Z.
+    /// Converts microseconds since 1970-01-01T00:00:00Z.
     #[must_use]
     pub fn from_unix_micros(micros: i64) -> Self {
         Self::from_ticks(micros.saturating_mul(10).saturating_add(UNIX_EPOCH_TICKS))

@@ -22,7 +22,7 @@ pub enum Namespace {
 pub const UA_NAMESPACE_URI: &str = "http://opcfoundation.org/UA/";
 
 impl Namespace {
-    /// From a URI; namespace 0's own URI yields [`Namespace::Ua`].
+    /// Makes one of a URI; namespace 0's own URI yields [`Namespace::Ua`].
     #[must_use]
     pub fn uri(uri: &str) -> Self {
         if uri == UA_NAMESPACE_URI { Self::Ua } else { Self::Uri(Arc::from(uri)) }

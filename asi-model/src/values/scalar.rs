@@ -34,7 +34,7 @@ pub enum Scalar {
     LocalizedText(Box<LocalizedText>),
     ExtensionObject(Box<ExtensionObject>),
     DataValue(Box<DataValue>),
-    /// Only as an element of an array of variants.
+    /// Element of an array of variants.
     Variant(Box<Variant>),
     DiagnosticInfo(Box<DiagnosticInfo>),
 }
@@ -176,9 +176,9 @@ pub enum ExtensionBody {
 pub struct StructureValue {
     /// Field name to value; an absent optional field is absent here.
     pub fields: IndexMap<Arc<str>, Variant>,
-    /// For a union: the 1-based index of the selected field (0: none).
+    /// 1-based index of a union's selected field (0: none).
     pub switch_field: Option<u32>,
-    /// For a structure with optional fields: its encoding mask.
+    /// Encoding mask of a structure with optional fields.
     pub encoding_mask: Option<u32>,
 }
 

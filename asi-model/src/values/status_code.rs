@@ -67,11 +67,11 @@ codes! {
     UNCERTAIN_SUB_NORMAL UncertainSubNormal = 0x4095_0000;
     /// Quality is bad.
     BAD Bad = 0x8000_0000;
-    /// Something unforeseen happened.
+    /// An unforeseen event.
     BAD_UNEXPECTED_ERROR BadUnexpectedError = 0x8001_0000;
     /// An internal error.
     BAD_INTERNAL_ERROR BadInternalError = 0x8002_0000;
-    /// Not enough memory, disk or another resource.
+    /// Lack of memory, disk or another resource.
     BAD_RESOURCE_UNAVAILABLE BadResourceUnavailable = 0x8004_0000;
     /// Communication failed.
     BAD_COMMUNICATION_ERROR BadCommunicationError = 0x8005_0000;
@@ -95,9 +95,9 @@ codes! {
     BAD_ATTRIBUTE_ID_INVALID BadAttributeIdInvalid = 0x8035_0000;
     /// An index range is malformed.
     BAD_INDEX_RANGE_INVALID BadIndexRangeInvalid = 0x8036_0000;
-    /// Not readable.
+    /// Value that cannot be read.
     BAD_NOT_READABLE BadNotReadable = 0x803A_0000;
-    /// Not writable.
+    /// Value that cannot be written.
     BAD_NOT_WRITABLE BadNotWritable = 0x803B_0000;
     /// The value is out of range.
     BAD_OUT_OF_RANGE BadOutOfRange = 0x803C_0000;

@@ -46,7 +46,7 @@ fn read(bytes: &[u8]) -> Result<OperationNetworkMessage, TestCaseError> {
     }
 }
 
-/// As text, since NaN is no equal of itself.
+/// Writes it as text, since NaN is no equal of itself.
 fn as_text(value: &Variant) -> String {
     String::from_utf8(encode_variant(value, DataEncoding::Reversible104)).unwrap()
 }

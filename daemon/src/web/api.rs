@@ -34,9 +34,9 @@ const API: &str = "/api/v1";
 
 /// The operations of an API.
 pub struct Operations<S> {
-    /// Those that need a session.
+    /// Routes that need a session.
     pub guarded: OpenApiRouter<S>,
-    /// Those that do not.
+    /// Routes that do not.
     pub open: OpenApiRouter<S>,
 }
 

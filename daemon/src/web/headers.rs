@@ -10,7 +10,8 @@ use axum::{
 
 use super::problem::Problem;
 
-/// Nothing from elsewhere, no framing, no inline scripts; style attributes are what charts need.
+/// Policy that allows nothing from elsewhere, no framing, no inline scripts; style attributes are
+/// what charts need.
 const CONTENT_SECURITY_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; \
      style-src-attr 'unsafe-inline'; img-src 'self' data:; font-src 'self'; connect-src 'self'; manifest-src 'self'; \
      worker-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'";

@@ -18,7 +18,7 @@ use crate::telemetry::Metrics;
 pub struct Readiness(Arc<Mutex<BTreeMap<&'static str, Option<String>>>>);
 
 impl Readiness {
-    /// Nothing to wait for yet.
+    /// Makes one with nothing to wait for yet.
     #[must_use]
     pub fn new() -> Self {
         Self::default()

@@ -66,7 +66,7 @@ impl<'de> Deserialize<'de> for DocumentId {
 #[serde(rename_all = "camelCase")]
 pub struct DocumentVersion {
     pub id: DocumentId,
-    /// From 1, increases by one with every change.
+    /// Number from 1, which increases by one with every change.
     pub version: u32,
 }
 

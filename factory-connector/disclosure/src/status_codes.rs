@@ -26,7 +26,7 @@ pub enum StatusCodes {
     /// A small fixed set; any other code is replaced by its severity.
     #[default]
     Common,
-    /// Only Good, Uncertain and Bad.
+    /// One of Good, Uncertain and Bad.
     Severity,
 }
 

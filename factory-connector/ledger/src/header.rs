@@ -15,7 +15,7 @@ pub(crate) struct EntryHeader<'t> {
     pub(crate) recipient: Cow<'t, str>,
     pub(crate) number: u64,
     pub(crate) recorded_at: DateTime,
-    event: Kind,
+    event: EntryKind,
     data_set_writer_id: Option<u16>,
     epoch: Option<u32>,
     first_sequence: Option<u32>,
@@ -27,7 +27,7 @@ pub(crate) struct EntryHeader<'t> {
 
 #[derive(Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
-enum Kind {
+enum EntryKind {
     Consent,
     Queued,
     Sent,
@@ -43,12 +43,18 @@ enum Kind {
 impl EntryHeader<'_> {
     /// Returns whether the entry commits to the values of a report.
     pub(crate) fn is_queued(&self) -> bool {
-        self.event == Kind::Queued
+        self.event == EntryKind::Queued
     }
 
     /// Returns whether the entry has more than a header.
     pub(crate) const fn is_rare(&self) -> bool {
-        matches!(self.event, Kind::Consent | Kind::Revoked | Kind::Retention | Kind::PastReleased)
+        matches!(
+            self.event,
+            EntryKind::Consent
+                | EntryKind::Revoked
+                | EntryKind::Retention
+                | EntryKind::PastReleased
+        )
     }
 
     /// Returns the root over the values of a report, hexadecimal.
@@ -71,15 +77,19 @@ impl EntryHeader<'_> {
     pub(crate) fn event(&self) -> Option<ReportEvent> {
         let range = self.range()?;
         Some(match self.event {
-            Kind::Sent => {
+            EntryKind::Sent => {
                 let message_id = self.message_id.as_deref().map(Box::from);
                 ReportEvent::Sent { range, message_id }
             }
-            Kind::Receipted => ReportEvent::Receipted(range),
-            Kind::Coalesced | Kind::Expired | Kind::Purged => ReportEvent::Ended(range),
-            Kind::Consent | Kind::Queued | Kind::Revoked | Kind::Retention | Kind::PastReleased => {
-                ReportEvent::Other
+            EntryKind::Receipted => ReportEvent::Receipted(range),
+            EntryKind::Coalesced | EntryKind::Expired | EntryKind::Purged => {
+                ReportEvent::Ended(range)
             }
+            EntryKind::Consent
+            | EntryKind::Queued
+            | EntryKind::Revoked
+            | EntryKind::Retention
+            | EntryKind::PastReleased => ReportEvent::Other,
         })
     }
 }

@@ -18,8 +18,8 @@ type ReportId = (u16, u32, u32);
 
 /// Delivery of a report.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(crate) struct Delivery {
-    /// In microseconds since 1970, as are all times beside entries.
+pub(crate) struct EntryDelivery {
+    /// Microseconds since 1970, as are all times beside entries.
     pub(crate) sent_at: Option<i64>,
     pub(crate) message_id: Option<Box<str>>,
     pub(crate) receipted_at: Option<i64>,
@@ -34,7 +34,7 @@ pub(crate) enum ReportEvent {
     Queued {
         range: SequenceRange,
         /// Delivery as it is said beside the entry.
-        stated: Delivery,
+        stated: EntryDelivery,
         is_emptied: bool,
     },
     Sent {
@@ -52,15 +52,15 @@ pub(crate) enum ReportEvent {
 struct OpenReport {
     /// Number of its entry.
     number: u64,
-    stated: Delivery,
-    entered: Delivery,
+    stated: EntryDelivery,
+    entered: EntryDelivery,
 }
 
 /// Report without values of which no statement of retention was found so far.
 #[derive(Debug)]
 struct EmptiedReport {
     number: u64,
-    /// In microseconds since 1970.
+    /// Microseconds since 1970.
     queued_at: i64,
 }
 
@@ -139,7 +139,7 @@ impl ReportHistory {
         number: u64,
         at: i64,
         range: &SequenceRange,
-        stated: Delivery,
+        stated: EntryDelivery,
         is_emptied: bool,
     ) -> Result<(), &'static str> {
         let SequenceRange { data_set_writer_id: writer, epoch, first_sequence, last_sequence } =
@@ -151,7 +151,7 @@ impl ReportHistory {
             return Err("the report was queued twice");
         }
         let id = (writer, epoch, first_sequence);
-        let entered = Delivery::default();
+        let entered = EntryDelivery::default();
         if stated != entered {
             self.open.insert(id, OpenReport { number, stated, entered });
         }
@@ -164,7 +164,7 @@ impl ReportHistory {
     fn deliver(
         &mut self,
         range: &SequenceRange,
-        change: impl Fn(&mut Delivery),
+        change: impl Fn(&mut EntryDelivery),
     ) -> Result<(), &'static str> {
         let queued = self.count(range)?;
         let mut open = 0;

@@ -29,7 +29,7 @@ pub struct RetentionStatement {
     /// Configured number of days; none for what was found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub days: Option<u32>,
-    /// Only reports and entries from before this time are affected.
+    /// Time before which reports and entries are affected.
     pub before: DateTime,
     /// Reports whose values were emptied.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

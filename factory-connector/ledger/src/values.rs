@@ -41,7 +41,7 @@ pub(crate) enum CheckedValues {
 pub fn values_root(report: &str, salt: &[u8]) -> Result<Hash, ValuesError> {
     let mut root = Root { salt, index: 0, hasher: Sha256::new() };
     let mut text = serde_json::Deserializer::from_str(report);
-    Members { root: &mut root, path: "" }.deserialize(&mut text)?;
+    MessageMembers { root: &mut root, path: "" }.deserialize(&mut text)?;
     text.end()?;
     Ok(root.hasher.finalize().into())
 }
@@ -70,7 +70,7 @@ impl Root<'_> {
 }
 
 /// The members of the message, or of its payload, read once and not stored.
-struct Members<'r, 'a> {
+struct MessageMembers<'r, 'a> {
     root: &'r mut Root<'a>,
     path: &'static str,
 }
@@ -80,7 +80,7 @@ const PAYLOAD: &str = "Payload";
 #[derive(Deserialize)]
 struct Name<'t>(#[serde(borrow)] Cow<'t, str>);
 
-impl<'de> DeserializeSeed<'de> for Members<'_, '_> {
+impl<'de> DeserializeSeed<'de> for MessageMembers<'_, '_> {
     type Value = ();
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
@@ -88,7 +88,7 @@ impl<'de> DeserializeSeed<'de> for Members<'_, '_> {
     }
 }
 
-impl<'de> Visitor<'de> for Members<'_, '_> {
+impl<'de> Visitor<'de> for MessageMembers<'_, '_> {
     type Value = ();
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -103,7 +103,7 @@ impl<'de> Visitor<'de> for Members<'_, '_> {
                 if std::mem::replace(&mut has_payload, true) {
                     return Err(de::Error::duplicate_field(PAYLOAD));
                 }
-                members.next_value_seed(Members { root: self.root, path: PAYLOAD })?;
+                members.next_value_seed(MessageMembers { root: self.root, path: PAYLOAD })?;
             } else {
                 self.root.add(self.path, &name, members.next_value::<&RawValue>()?.get());
             }

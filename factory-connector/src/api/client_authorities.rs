@@ -44,9 +44,9 @@ pub struct ClientAuthorityView {
 pub enum RevocationListState {
     /// Valid at present.
     Current,
-    /// Not replaced in time.
+    /// Past the time at which it was to be replaced.
     Outdated,
-    /// Not in the trust list.
+    /// Absent from the trust list.
     Missing,
 }
 

@@ -38,11 +38,11 @@ pub struct LedgerSelection {
     /// Entries about this network: decisions about its fields, reports that carried them, and the
     /// delivery of those.
     operation_network_id: Option<OperationNetworkId>,
-    /// Of them, those about this operation.
+    /// Restriction to entries about this operation.
     operation_id: Option<OperationId>,
-    /// Of them, those about this request.
+    /// Restriction to entries about this request.
     dynamic_data_request_id: Option<DynamicDataRequestId>,
-    /// Of them, those about this field.
+    /// Restriction to entries about this field.
     field_name: Option<FieldName>,
 }
 

@@ -91,7 +91,8 @@ pub struct Preview {
     effects: Vec<Effect>,
     #[serde(flatten)]
     leaks: Leaks,
-    /// Nothing would leave now: the policy withholds the present state, or one that is not known.
+    /// True where nothing would leave now: the policy withholds the present state, or one that is
+    /// not known.
     is_withheld: bool,
     /// The NetworkMessage that the partner would receive, byte for byte but for its id, numbers and
     /// times.

@@ -45,9 +45,9 @@ pub struct RevocationBody {
     fields: Vec<FieldKey>,
     /// All fields of this network.
     operation_network_id: Option<OperationNetworkId>,
-    /// Of them, those about this operation.
+    /// Restriction to receipts about this operation.
     operation_id: Option<OperationId>,
-    /// Of them, those of this request.
+    /// Restriction to receipts of this request.
     dynamic_data_request_id: Option<DynamicDataRequestId>,
     /// All fields that this organisation may see.
     recipient_id: Option<OrganisationId>,

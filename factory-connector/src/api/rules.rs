@@ -99,7 +99,7 @@ pub struct RuleMatch {
 pub struct RulePreview {
     /// All fields it means.
     count: usize,
-    /// Of them, those it would decide now.
+    /// Number of these that it would decide now.
     would_decide_count: usize,
     /// At most 500 of them, those it would decide first.
     items: Vec<RuleMatch>,

@@ -183,17 +183,17 @@ async fn search(
                 .map(|variable| KnownVariable::listed(&source_id, variable))
                 .collect();
             let best = suggest(&requested, &variables, &past, DESCRIBED_MAX);
-            let places: HashMap<&NodeId, usize> = variables
+            let positions: HashMap<&NodeId, usize> = variables
                 .iter()
                 .enumerate()
-                .map(|(place, variable)| (&variable.node_id, place))
+                .map(|(position, variable)| (&variable.node_id, position))
                 .collect();
             best.iter()
                 .filter_map(|found| {
-                    let place = *places.get(&found.node_id)?;
+                    let position = *positions.get(&found.node_id)?;
                     Some((
-                        variables.get(place)?.clone(),
-                        list.variables.get(place)?.browse_path.clone(),
+                        variables.get(position)?.clone(),
+                        list.variables.get(position)?.browse_path.clone(),
                     ))
                 })
                 .collect::<Vec<_>>()

@@ -57,7 +57,7 @@ pub(super) enum LedgerCommand {
     Export {
         /// Form of the file.
         #[arg(long, value_enum, default_value = "jsonl")]
-        format: Format,
+        format: FormatArgument,
         /// Restrict to this recipient's chain.
         #[arg(long)]
         recipient: Option<OrganisationId>,
@@ -77,7 +77,7 @@ pub(super) enum LedgerCommand {
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub(super) enum Format {
+pub(super) enum FormatArgument {
     /// One JSON object per line, with the exact hashed text.
     Jsonl,
     /// A table for spreadsheets.
@@ -114,9 +114,9 @@ pub(super) async fn run(command: LedgerCommand, config: &ConnectorConfig) -> any
         }
         LedgerCommand::Export { format, recipient, from, until, language, output } => {
             let format = match format {
-                Format::Jsonl => ExportFormat::Jsonl,
-                Format::Csv => ExportFormat::Csv,
-                Format::Html => ExportFormat::Html,
+                FormatArgument::Jsonl => ExportFormat::Jsonl,
+                FormatArgument::Csv => ExportFormat::Csv,
+                FormatArgument::Html => ExportFormat::Html,
             };
             let language = match language {
                 PageLanguage::En => Language::En,

@@ -33,7 +33,7 @@ const LOG_CHECKPOINT_INTERVAL: Duration = Duration::from_secs(60);
 const DAY_MICROS: i64 = 86_400_000_000;
 
 /// Times of the next rounds.
-pub(super) struct Schedule {
+pub(super) struct MaintenanceSchedule {
     next: Instant,
     next_spool: Instant,
     next_retention: Instant,
@@ -42,7 +42,7 @@ pub(super) struct Schedule {
     emptied_through: i64,
 }
 
-impl Default for Schedule {
+impl Default for MaintenanceSchedule {
     fn default() -> Self {
         let now = Instant::now();
         Self {
@@ -55,7 +55,7 @@ impl Default for Schedule {
     }
 }
 
-impl Schedule {
+impl MaintenanceSchedule {
     pub(super) const fn next(&self) -> Instant {
         self.next
     }
@@ -69,7 +69,7 @@ impl Schedule {
 /// Runs the rounds that are due.
 pub(super) async fn run_maintenance(
     work: &mut UnitOfWork,
-    schedule: &mut Schedule,
+    schedule: &mut MaintenanceSchedule,
 ) -> Result<(), StoreError> {
     let instant = Instant::now();
     if instant < schedule.next {
@@ -122,7 +122,7 @@ fn send_keep_alives(work: &mut UnitOfWork, now: DateTime) {
 /// Empties old values and removes old entries, a bounded number at a time.
 async fn retain(
     work: &mut UnitOfWork,
-    schedule: &mut Schedule,
+    schedule: &mut MaintenanceSchedule,
     now: DateTime,
 ) -> Result<(), StoreError> {
     let RetentionLimits { value_days, entry_days } = work.config.retention;

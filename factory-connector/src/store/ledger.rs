@@ -32,7 +32,7 @@ pub(super) use logs::write as write_logs;
 use precision::Precisions;
 pub(super) use pruning::remove as remove_entries;
 pub(super) use seal::write as write_seal;
-use selection::Window;
+use selection::EntryRange;
 pub use selection::{LedgerFilter, LedgerSubject};
 use sqlx::{QueryBuilder, Sqlite, SqliteConnection};
 pub use verification::Trusted;
@@ -173,7 +173,7 @@ impl Ledger<'_> {
     ) -> Result<Vec<LedgerRow>, StoreError> {
         let before = before.map_or(i64::MAX, super::row::signed);
         let mut precisions = Precisions::default();
-        let window = Window::Before(before);
+        let window = EntryRange::Before(before);
         entries::read(self.0, recipient, filter, window, limit, &mut precisions).await
     }
 

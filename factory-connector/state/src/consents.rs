@@ -64,7 +64,7 @@ pub(crate) fn record(
     };
     changes.put_field(field);
     changes.count_decision(field);
-    tell(state, changes, key, now, now);
+    send_decision(state, changes, key, now, now);
     let recipients = state.networks.recipients(&key.request);
     state.ledger.append(&mut changes.writes.ledger, recipients, now, None, &event);
     if let Some(mut field) = state.fields.get_mut(key) {
@@ -91,12 +91,12 @@ pub(crate) fn confirm(
     });
     let in_force: Vec<(FieldKey, DateTime)> = in_force.collect();
     for (key, decided_at) in in_force {
-        tell(state, changes, &key, decided_at, now);
+        send_decision(state, changes, &key, decided_at, now);
     }
 }
 
 /// Sends the decision about a field to the platform.
-fn tell(
+fn send_decision(
     state: &mut ConnectorState,
     changes: &mut ChangeSet,
     key: &FieldKey,

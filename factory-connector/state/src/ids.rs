@@ -50,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ids_follow_the_seed_and_tell_no_time() {
+    fn ids_follow_the_seed_and_show_no_time() {
         let mut ids = IdSource::new([1; 32]);
         let (one, two) = (ids.next_uuid(), ids.next_uuid());
         assert_ne!(one, two);

@@ -30,7 +30,7 @@ pub struct Past {
     pub request: RequestKey,
     /// The recipient that has none of them.
     pub recipient: OrganisationId,
-    /// In the order of their numbers.
+    /// Reports in the order of their numbers.
     pub reports: Vec<PastReport>,
     /// Policy that was in force under each consent, by field and number.
     pub policies: BTreeMap<(FieldName, u32), DisclosurePolicy>,

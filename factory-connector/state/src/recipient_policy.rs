@@ -8,7 +8,7 @@ use serde::Serialize;
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RecipientPolicy {
-    /// From 1, one more with every change.
+    /// Number from 1, one more with every change.
     pub version: u32,
     /// The named policy; none after it was taken away.
     pub policy_id: Option<DocumentId>,

@@ -69,7 +69,7 @@ impl Refreshed {
         take_back::purge_all(state, &mut changes, &mut delivery.purged, now);
         for ended in std::mem::take(&mut changes.ended) {
             let receipt = take_back::receipt(state, &mut changes, ended, &delivery.ended, now);
-            take_back::tell_partners(state, &mut changes, &receipt, key, now);
+            take_back::notify_partners(state, &mut changes, &receipt, key, now);
             let content = receipt.canonical();
             changes.writes.ledger.revocations.push(RevocationRow {
                 revocation_id: receipt.revocation_id,

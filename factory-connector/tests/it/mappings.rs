@@ -1,4 +1,4 @@
-//! From a request to values: suggestions, mappings, their versions and files.
+//! Way from a request to values: suggestions, mappings, their versions and files.
 
 use serde_json::json;
 

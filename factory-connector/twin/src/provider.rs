@@ -115,7 +115,7 @@ pub struct MethodOutcome {
     pub status: StatusCode,
     /// The output arguments, in their order.
     pub outputs: Vec<Variant>,
-    /// With `BadInvalidArgument`: a status for every input argument.
+    /// Status for every input argument, with `BadInvalidArgument`.
     pub argument_statuses: Vec<StatusCode>,
 }
 

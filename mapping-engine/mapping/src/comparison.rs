@@ -79,9 +79,12 @@ fn compare_lists(old: &[Json], new: &[Json], pointer: &str, changes: &mut Vec<Ma
             let Some(element) = new.get(index) else { continue };
             let partner = left
                 .iter()
-                .position(|place| old.get(*place).is_some_and(|was| is_same_kind(was, element)));
+                .position(|at| old.get(*at).is_some_and(|was| is_same_kind(was, element)));
             let pointer = format!("{pointer}/{index}");
-            match partner.map(|place| left.remove(place)).and_then(|place| old.get(place)) {
+            match partner
+                .map(|position| left.remove(position))
+                .and_then(|position| old.get(position))
+            {
                 Some(was) => compare_json(was, element, &pointer, changes),
                 None => changes.push(MappingChange {
                     pointer,
@@ -90,10 +93,10 @@ fn compare_lists(old: &[Json], new: &[Json], pointer: &str, changes: &mut Vec<Ma
                 }),
             }
         }
-        changes.extend(left.into_iter().filter_map(|place| {
+        changes.extend(left.into_iter().filter_map(|position| {
             Some(MappingChange {
-                pointer: format!("{pointer}/{place}"),
-                before: Some(old.get(place)?.clone()),
+                pointer: format!("{pointer}/{position}"),
+                before: Some(old.get(position)?.clone()),
                 after: None,
             })
         }));
@@ -106,7 +109,7 @@ fn is_same_kind(before: &Json, after: &Json) -> bool {
     ["function", "name"].iter().all(|member| before.get(member) == after.get(member))
 }
 
-/// The places of a longest common subsequence. Lists of a mapping have at most 32 elements.
+/// The positions of a longest common subsequence. Lists of a mapping have at most 32 elements.
 fn common(old: &[Json], new: &[Json]) -> Vec<(usize, usize)> {
     let mut lengths = vec![vec![0_usize; new.len() + 1]; old.len() + 1];
     for (i, a) in old.iter().enumerate().rev() {
@@ -118,10 +121,10 @@ fn common(old: &[Json], new: &[Json]) -> Vec<(usize, usize)> {
             };
         }
     }
-    let (mut i, mut j, mut places) = (0, 0, Vec::new());
+    let (mut i, mut j, mut positions) = (0, 0, Vec::new());
     while i < old.len() && j < new.len() {
         if old[i] == new[j] {
-            places.push((i, j));
+            positions.push((i, j));
             (i, j) = (i + 1, j + 1);
         } else if lengths[i + 1][j] >= lengths[i][j + 1] {
             i += 1;
@@ -129,7 +132,7 @@ fn common(old: &[Json], new: &[Json]) -> Vec<(usize, usize)> {
             j += 1;
         }
     }
-    places
+    positions
 }
 
 fn escaped(name: &str) -> String {

@@ -1,4 +1,4 @@
-//! From one built-in type to another, exactly or with a stated loss.
+//! Conversion of one built-in type to another, exactly or with a stated loss.
 
 mod integer;
 

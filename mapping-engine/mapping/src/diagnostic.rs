@@ -44,7 +44,7 @@ pub enum Severity {
 pub enum DiagnosticCode {
     /// More of something than allowed.
     TooMany,
-    /// Nothing where something is needed.
+    /// Absence of what is needed.
     Missing,
     /// A name that breaks the rules or stands twice.
     InvalidName,

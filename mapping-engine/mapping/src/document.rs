@@ -98,7 +98,7 @@ impl<'de> Deserialize<'de> for MappingId {
     }
 }
 
-/// From local variables to a requested field.
+/// Document that leads from local variables to a requested field.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Mapping {

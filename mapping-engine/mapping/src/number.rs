@@ -36,7 +36,7 @@ impl Number {
         }
     }
 
-    /// As double; integers beyond 2^53 lose digits.
+    /// Converts to a double; integers beyond 2^53 lose digits.
     #[must_use]
     #[allow(clippy::cast_precision_loss)]
     pub const fn as_f64(self) -> f64 {
@@ -57,7 +57,7 @@ impl Number {
         }
     }
 
-    /// As scalar: Int64 or UInt64 where an integer fits, else Double.
+    /// Converts to a scalar: Int64 or UInt64 where an integer fits, else Double.
     #[must_use]
     pub fn to_scalar(self) -> Scalar {
         match self {

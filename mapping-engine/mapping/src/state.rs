@@ -25,7 +25,7 @@ impl TransformState {
     /// that a corrected script continues to count.
     #[must_use]
     pub fn carried_over(&self, before: &[Step], after: &[Step]) -> Self {
-        let is_same = |place: usize| match (before.get(place), after.get(place)) {
+        let is_same = |index: usize| match (before.get(index), after.get(index)) {
             (Some(Step::Script(_)), Some(Step::Script(_))) => true,
             (Some(before), Some(after)) => before == after,
             _ => false,
@@ -34,7 +34,7 @@ impl TransformState {
             .0
             .iter()
             .enumerate()
-            .map(|(place, state)| if is_same(place) { state.clone() } else { StepState::None });
+            .map(|(index, state)| if is_same(index) { state.clone() } else { StepState::None });
         Self::new(kept.collect())
     }
 

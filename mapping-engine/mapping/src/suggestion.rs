@@ -37,7 +37,8 @@ pub struct Suggestion {
     /// Node id with its namespace's URI.
     pub node_id: NodeId,
     /// Names down to the variable, joined by `/`.
-    pub place: String,
+    #[serde(rename = "place")]
+    pub path: String,
     /// 20 to 100.
     pub score: u8,
     /// Evidence, the weightiest first.
@@ -80,7 +81,7 @@ fn judge(
     if evidence.score() <= 0 {
         return None;
     }
-    evidence.place(requested, variable);
+    evidence.surroundings(requested, variable);
     evidence.descriptions(requested, variable);
     evidence.types(requested, variable, &steps);
     evidence.units(requested, variable);
@@ -90,7 +91,7 @@ fn judge(
     if score < SCORE_MIN {
         return None;
     }
-    let place = variable
+    let path = variable
         .path
         .iter()
         .map(String::as_str)
@@ -100,7 +101,7 @@ fn judge(
     Some(Suggestion {
         source_id: variable.source_id.clone(),
         node_id: variable.node_id.clone(),
-        place,
+        path,
         score: u8::try_from(score).unwrap_or(100),
         reasons: evidence.into_reasons(),
         steps,

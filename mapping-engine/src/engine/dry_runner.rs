@@ -58,8 +58,11 @@ pub(super) async fn serve(
             Ok(Some(request)) => request,
         };
         let mut transform = Transform::new(Arc::clone(&plan), state, None);
-        let mut running =
-            Running { plan, worker: &mut worker, trace: Trace { diagnostics, runs: Vec::new() } };
+        let mut running = RunningDryRun {
+            plan,
+            worker: &mut worker,
+            trace: Trace { diagnostics, runs: Vec::new() },
+        };
         tokio::select! {
             () = shutdown.cancelled() => break,
             // Nobody waits for it any more, but others wait for their turn.
@@ -74,13 +77,13 @@ pub(super) async fn serve(
     worker.take_down().await;
 }
 
-struct Running<'a> {
+struct RunningDryRun<'a> {
     plan: Arc<Plan>,
     worker: &'a mut ScriptWorker,
     trace: Trace,
 }
 
-impl Running<'_> {
+impl RunningDryRun<'_> {
     async fn run(&mut self, transform: &mut Transform, samples: &[DryRunSample]) {
         let scripts: Vec<usize> = self.plan.script_steps().collect();
         self.load(transform, &scripts).await;

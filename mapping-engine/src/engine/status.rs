@@ -71,9 +71,10 @@ pub struct InputStatus {
 pub enum CircuitState {
     /// All breakers are closed, or the mapping has no script.
     Closed,
-    /// One rests because it did not keep to its budget.
-    Resting {
-        /// End of the rest, by the local clock.
+    /// One is open: its script did not keep to its budget.
+    #[serde(rename = "resting")]
+    Open {
+        /// Time at which it is closed for one call, by the local clock.
         until: DateTime,
     },
     /// One was let run again to see whether it works.
@@ -129,9 +130,9 @@ pub(super) fn clock_ahead_ms(value: &DataValue, received_at: DateTime) -> Option
 impl RunningMapping {
     /// State of the circuit breakers of its scripts.
     pub(super) fn circuit(&self) -> CircuitState {
-        let resting = self.scripts.iter().filter_map(|script| script.breaker.resting_until()).max();
-        match resting {
-            Some(until) => CircuitState::Resting { until },
+        let open_until = self.scripts.iter().filter_map(|script| script.breaker.open_until()).max();
+        match open_until {
+            Some(until) => CircuitState::Open { until },
             None if self.scripts.iter().all(|script| script.breaker.is_closed()) => {
                 CircuitState::Closed
             }

@@ -21,9 +21,10 @@ const CLOCK_AHEAD_MS_MAX: i64 = 60_000;
 )]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum MappingHealth {
-    /// A script of it did not keep to its budget: it rests, or was let run again and has yet to
-    /// prove itself.
-    Resting,
+    /// A script of it did not keep to its budget: its circuit is open, or was closed for one call
+    /// that has yet to succeed.
+    #[serde(rename = "RESTING")]
+    CircuitOpen,
     /// Its last result was a fault.
     Failing,
     /// An input has had no value yet.
@@ -41,7 +42,8 @@ pub enum MappingHealth {
 #[serde(rename_all = "camelCase")]
 pub struct HealthCounts {
     /// Number of mappings that are `RESTING`.
-    pub resting: usize,
+    #[serde(rename = "resting")]
+    pub circuit_open: usize,
     /// Number of mappings that are `FAILING`.
     pub failing: usize,
     /// Number of mappings that are `WAITING`.
@@ -80,7 +82,7 @@ impl MappingHealth {
         let transform = &running.transform;
         let inputs = || (0..running.mapping.inputs.len()).map(|index| transform.input(index));
         if running.circuit() != CircuitState::Closed {
-            return Self::Resting;
+            return Self::CircuitOpen;
         }
         // Values of one batch have one time: of a fault and a candidate at the same time the status
         // says which was last.
@@ -106,7 +108,7 @@ impl MappingHealth {
 impl HealthCounts {
     fn add(&mut self, health: MappingHealth) {
         *match health {
-            MappingHealth::Resting => &mut self.resting,
+            MappingHealth::CircuitOpen => &mut self.circuit_open,
             MappingHealth::Failing => &mut self.failing,
             MappingHealth::Waiting => &mut self.waiting,
             MappingHealth::Doubtful => &mut self.doubtful,

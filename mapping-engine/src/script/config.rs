@@ -53,10 +53,11 @@ pub struct ScriptConfig {
     pub script_memory_bytes: u64,
     /// Address space of a worker, in bytes.
     pub address_space_bytes: u64,
-    /// After so many calls in a row that used up time or memory a script rests. One that took its
-    /// worker down rests at once.
+    /// Number of calls in a row that used up time or memory after which a script's circuit opens.
+    /// It opens at once for one that took its worker down.
     pub exhausted_in_a_row_max: u32,
-    /// First rest of a script, in seconds; each further rest is twice as long, up to an hour.
+    /// Time for which a script's circuit opens first, in seconds; each further time is twice as long,
+    /// up to an hour.
     pub rest_s: u64,
 }
 
@@ -99,7 +100,7 @@ impl ScriptConfig {
         Duration::from_millis(self.call_budget_ms.max(1)) * 32 + Duration::from_secs(1)
     }
 
-    pub(crate) fn rest(&self) -> Duration {
+    pub(crate) fn first_backoff(&self) -> Duration {
         Duration::from_secs(self.rest_s.max(1))
     }
 

@@ -87,7 +87,7 @@ impl Process {
     }
 
     /// Sends a message that has no answer.
-    pub async fn tell(&mut self, message: &HostMessage) -> Result<(), ProcessError> {
+    pub async fn send(&mut self, message: &HostMessage) -> Result<(), ProcessError> {
         let bytes = frame::framed(&message.encode()).map_err(ProcessError::TooLong)?;
         self.input.write_all(&bytes).await.map_err(ProcessError::Ended)
     }

@@ -57,7 +57,7 @@ impl ScriptWorker {
     pub async fn unload(&mut self, script: ScriptId) {
         if self.scripts.remove(&script).is_some()
             && let Some(process) = &mut self.process
-            && process.tell(&HostMessage::Unload(script)).await.is_err()
+            && process.send(&HostMessage::Unload(script)).await.is_err()
         {
             self.take_down().await;
         }

@@ -8,7 +8,7 @@ use serde_json::json;
 
 use crate::bench::{Bench, Worker, mapping_id, published, script_mapping, target_of};
 
-/// These tests need no scripts.
+/// Worker that is not there: no test of this kind needs a script.
 pub fn no_worker() -> Worker {
     Worker { engine: ScriptRuntime::QuickJs, path: "/nonexistent".into() }
 }

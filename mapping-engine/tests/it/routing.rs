@@ -1,4 +1,4 @@
-//! From the shop floor to the mappings, also when nobody takes what they yield.
+//! Way from the shop floor to the mappings, also when nobody takes what they yield.
 
 use std::{collections::HashMap, time::Duration};
 
@@ -81,7 +81,7 @@ async fn many_mappings_are_put_at_once() {
     bench.stop().await;
 }
 
-/// With the real shop floor: a source that is not there is a status, not a silence.
+/// Runs on the real shop floor: a source that is not there is a status, not a silence.
 #[tokio::test]
 async fn a_source_that_is_not_there_is_said() {
     let folder = tempfile::tempdir().expect("a folder");

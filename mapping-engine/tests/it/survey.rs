@@ -90,7 +90,7 @@ async fn a_survey_returns_at_most_as_many_as_asked_for() {
     let bench = seven().await;
     assert_eq!(bench.ids(None, 3).await, ["often", "failing", "waiting"]);
     assert_eq!(bench.ids(Some(MappingHealth::Well), 1).await, ["well-2"]);
-    assert_eq!(bench.ids(Some(MappingHealth::Resting), 9).await, Vec::<String>::new());
+    assert_eq!(bench.ids(Some(MappingHealth::CircuitOpen), 9).await, Vec::<String>::new());
     let none = bench.handle.survey(Some(MappingHealth::Failing), 0).await.expect("the engine runs");
     assert_eq!((none.items.len(), none.counts.failing), (0, 2), "all are counted nevertheless");
     bench.stop().await;

@@ -108,7 +108,7 @@ pub enum InvalidBrokerUrl {
         "the broker's address {found:?} has no host, or a port that is not a number up to 65535"
     )]
     Authority { found: String },
-    /// Only a WebSocket has a path.
+    /// A path stands in the address of a WebSocket alone.
     #[error(
         "the broker's address {found:?} has a path, but only amqp+wss:// and mqtt+wss:// have \
          one; remove it"

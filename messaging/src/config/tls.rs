@@ -19,10 +19,10 @@ pub struct TlsConfig {
 /// Certificate authorities whose signatures on the broker's certificate are trusted.
 #[derive(Debug, Clone, Default)]
 pub enum Roots {
-    /// Those of the operating system.
+    /// Authorities of the operating system.
     #[default]
     System,
-    /// Only these, as PEM.
+    /// Authorities of this text, as PEM.
     Pem(Bytes),
 }
 

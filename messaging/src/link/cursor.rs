@@ -22,14 +22,14 @@ enum Source {
 }
 
 #[derive(Debug)]
-struct Reader {
+struct LaneReader {
     /// The last row that was fetched.
     after: RowId,
     is_drained: bool,
     rows: VecDeque<SpoolRow>,
 }
 
-impl Reader {
+impl LaneReader {
     const fn new(after: RowId) -> Self {
         Self { after, is_drained: false, rows: VecDeque::new() }
     }
@@ -43,10 +43,10 @@ impl Reader {
 #[derive(Debug)]
 pub(crate) struct Cursor {
     watermark: RowId,
-    control: Reader,
-    newest: Reader,
-    live: Reader,
-    replay: Reader,
+    control: LaneReader,
+    newest: LaneReader,
+    live: LaneReader,
+    replay: LaneReader,
     lanes: LaneScheduler,
     /// Open rows; true for rows with reports.
     open: HashMap<RowId, bool>,
@@ -57,10 +57,10 @@ impl Cursor {
     pub(crate) fn new(last: RowId, share: ReplayShare) -> Self {
         Self {
             watermark: last,
-            control: Reader::new(RowId(0)),
-            newest: Reader::new(RowId(0)),
-            live: Reader::new(last),
-            replay: Reader::new(RowId(0)),
+            control: LaneReader::new(RowId(0)),
+            newest: LaneReader::new(RowId(0)),
+            live: LaneReader::new(last),
+            replay: LaneReader::new(RowId(0)),
             lanes: LaneScheduler::new(share),
             open: HashMap::new(),
         }
@@ -334,8 +334,8 @@ mod tests {
     }
 
     proptest! {
-        /// For any order of events every row is sent, none twice without a rewind or while in
-        /// flight, and each lane keeps its order.
+        /// Property of any order of events: every row is sent, none twice without a rewind or while
+        /// in flight, and each lane keeps its order.
         #[test]
         fn every_row_is_sent(
             first in proptest::collection::vec(proptest::option::of(0u16..3), 0..300),

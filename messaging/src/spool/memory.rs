@@ -26,12 +26,12 @@ pub enum AcceptedReports {
 struct Row {
     row: SpoolRow,
     writer: Option<u16>,
-    state: State,
+    state: RowState,
     created_at: OffsetDateTime,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
-enum State {
+enum RowState {
     Waiting,
     Sent,
     Parked(Rejection),
@@ -64,13 +64,13 @@ impl MemorySpool {
     /// Returns the number of waiting rows.
     #[must_use]
     pub fn waiting(&self) -> usize {
-        self.count(|state| *state == State::Waiting)
+        self.count(|state| *state == RowState::Waiting)
     }
 
     /// Returns the number of rows that are sent and wait for a receipt.
     #[must_use]
     pub fn sent(&self) -> usize {
-        self.count(|state| *state == State::Sent)
+        self.count(|state| *state == RowState::Sent)
     }
 
     /// Returns the parked rows, with the reason.
@@ -80,7 +80,7 @@ impl MemorySpool {
         rows.1
             .iter()
             .filter_map(|(id, row)| match &row.state {
-                State::Parked(rejection) => Some((*id, rejection.clone())),
+                RowState::Parked(rejection) => Some((*id, rejection.clone())),
                 _ => None,
             })
             .collect()
@@ -91,12 +91,12 @@ impl MemorySpool {
         let mut rows = self.rows.lock();
         for id in ids {
             if let Some(row) = rows.1.get_mut(id) {
-                row.state = State::Waiting;
+                row.state = RowState::Waiting;
             }
         }
     }
 
-    fn count(&self, predicate: impl Fn(&State) -> bool) -> usize {
+    fn count(&self, predicate: impl Fn(&RowState) -> bool) -> usize {
         self.rows.lock().1.values().filter(|r| predicate(&r.state)).count()
     }
 
@@ -105,7 +105,7 @@ impl MemorySpool {
         rows.0 += 1;
         let id = RowId(rows.0);
         let row = SpoolRow { id, address, envelope, attempts: 0 };
-        rows.1.insert(id, Row { row, writer, state: State::Waiting, created_at: clock::now() });
+        rows.1.insert(id, Row { row, writer, state: RowState::Waiting, created_at: clock::now() });
         id
     }
 }
@@ -116,7 +116,7 @@ impl SpoolStore for MemorySpool {
         let rows = self.rows.lock();
         let from = RowId(fetch.after.0 + 1);
         let in_range = rows.1.range(from..).map(|(_, row)| row).filter(|r| {
-            r.state == State::Waiting
+            r.state == RowState::Waiting
                 && fetch.through.is_none_or(|through| r.row.id <= through)
                 && r.writer.is_none() == (fetch.lane == Lane::Control)
         });
@@ -124,11 +124,11 @@ impl SpoolStore for MemorySpool {
             return Ok(in_range.take(fetch.limit).map(|r| r.row.clone()).collect());
         }
         let all_waiting = rows.1.values().filter(|r| {
-            r.state == State::Waiting && fetch.through.is_none_or(|through| r.row.id <= through)
+            r.state == RowState::Waiting && fetch.through.is_none_or(|through| r.row.id <= through)
         });
         let newest: BTreeMap<_, _> =
             all_waiting.filter_map(|r| Some((r.writer?, r.row.id))).collect();
-        let sent = rows.1.values().filter(|r| r.state != State::Waiting);
+        let sent = rows.1.values().filter(|r| r.state != RowState::Waiting);
         let newest_sent: BTreeMap<_, _> =
             sent.filter_map(|r| Some((r.writer?, r.row.id))).collect();
         Ok(in_range
@@ -148,13 +148,13 @@ impl SpoolStore for MemorySpool {
                     if row.writer.is_some()
                         && self.accepted_reports == AcceptedReports::WaitForReceipt =>
                 {
-                    row.state = State::Sent;
+                    row.state = RowState::Sent;
                 }
                 SendOutcome::Accepted | SendOutcome::Expired => {
                     rows.1.remove(&outcome.id);
                 }
                 SendOutcome::Rejected(_) => row.row.attempts += 1,
-                SendOutcome::Parked(rejection) => row.state = State::Parked(rejection),
+                SendOutcome::Parked(rejection) => row.state = RowState::Parked(rejection),
             }
         }
         Ok(())
@@ -166,11 +166,11 @@ impl SpoolStore for MemorySpool {
 
     async fn backlog(&self) -> Result<Backlog, SpoolError> {
         let rows = self.rows.lock();
-        let stored = rows.1.values().filter(|r| !matches!(r.state, State::Parked(_)));
+        let stored = rows.1.values().filter(|r| !matches!(r.state, RowState::Parked(_)));
         let mut backlog = Backlog::default();
         for row in stored {
             match row.state {
-                State::Waiting => backlog.waiting += 1,
+                RowState::Waiting => backlog.waiting += 1,
                 _ => backlog.sent += 1,
             }
             backlog.bytes += row.row.envelope.body.len() as u64;

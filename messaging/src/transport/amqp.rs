@@ -100,7 +100,7 @@ impl Transport for AmqpTransport {
         let (lost, loss) = watch::channel(None);
         let (close, closing) = watch::channel(false);
         tokio::spawn(drive(handle, requests, closing, lost));
-        Ok(Box::new(Opened { openings, loss, close, limits: self.limits }))
+        Ok(Box::new(OpenConnection { openings, loss, close, limits: self.limits }))
     }
 }
 
@@ -108,14 +108,14 @@ type Opening = oneshot::Sender<Result<SessionHandle<()>, EndpointFault>>;
 
 /// A connection. A task of its own owns the library's handle, because opening sessions needs it
 /// exclusively.
-struct Opened {
+struct OpenConnection {
     openings: mpsc::Sender<Opening>,
     loss: watch::Receiver<Option<ConnectionFault>>,
     close: watch::Sender<bool>,
     limits: LinkLimits,
 }
 
-impl Opened {
+impl OpenConnection {
     async fn session(&self) -> Result<SessionHandle<()>, EndpointFault> {
         let broken = || EndpointFault::Broken("the connection is lost".to_owned());
         let (reply, answer) = oneshot::channel();
@@ -130,7 +130,7 @@ impl Opened {
 }
 
 #[async_trait]
-impl Connection for Opened {
+impl Connection for OpenConnection {
     async fn sender(&self, terminus: &Terminus) -> Result<Box<dyn MessageSender>, EndpointFault> {
         let session = self.session().await?;
         Ok(Box::new(AmqpSender::attach(session, terminus, &self.limits).await?))

@@ -52,7 +52,7 @@ pub(crate) enum BrokerOutcome {
     Accepted,
     /// Refused, with the reason.
     Rejected(Rejection),
-    /// Not accepted at the moment; another attempt may succeed.
+    /// Refused at the moment; another attempt may succeed.
     Released,
 }
 

@@ -34,7 +34,7 @@ pub fn to_stack(
     value: &model::DataValue,
     namespaces: &NamespaceTable,
 ) -> Result<stack::DataValue, ConversionError> {
-    Encoder { namespaces, depth: 0 }.data_value(value)
+    StackEncoder { namespaces, depth: 0 }.data_value(value)
 }
 
 /// Converts a value for the peer.
@@ -46,17 +46,17 @@ pub fn variant_to_stack(
     value: &model::Variant,
     namespaces: &NamespaceTable,
 ) -> Result<stack::Variant, ConversionError> {
-    Encoder { namespaces, depth: 0 }.variant(value)
+    StackEncoder { namespaces, depth: 0 }.variant(value)
 }
 
 /// Converter at some depth of a value that may nest.
 #[derive(Clone, Copy)]
-struct Encoder<'a> {
+struct StackEncoder<'a> {
     namespaces: &'a NamespaceTable,
     depth: usize,
 }
 
-impl Encoder<'_> {
+impl StackEncoder<'_> {
     fn deeper(self) -> Result<Self, ConversionError> {
         if self.depth < DEPTH_MAX {
             Ok(Self { depth: self.depth + 1, ..self })
@@ -209,7 +209,7 @@ fn scalar_type(built_in: model::BuiltInType) -> stack::VariantScalarTypeId {
 
 fn extension_object_to_stack(
     object: &model::ExtensionObject,
-    encoder: Encoder<'_>,
+    encoder: StackEncoder<'_>,
 ) -> Result<stack::ExtensionObject, ConversionError> {
     let type_name = || object.type_id.node_id.to_string();
     match &object.body {
@@ -255,7 +255,7 @@ fn binary_to_stack(
 fn structure_to_stack(
     object: &model::ExtensionObject,
     value: &StructureValue,
-    encoder: Encoder<'_>,
+    encoder: StackEncoder<'_>,
 ) -> Result<stack::ExtensionObject, ConversionError> {
     let id = &object.type_id.node_id;
     if *id == model::NodeId::ua(RANGE) {
@@ -302,7 +302,7 @@ fn structure_to_stack(
 fn fields_to_stack(
     definition: &StructTypeInfo,
     value: &StructureValue,
-    encoder: Encoder<'_>,
+    encoder: StackEncoder<'_>,
 ) -> Result<Vec<stack::Variant>, ConversionError> {
     definition
         .fields
@@ -318,7 +318,7 @@ fn fields_to_stack(
 fn field_to_stack(
     wanted: stack::VariantScalarTypeId,
     content: &model::Variant,
-    encoder: Encoder<'_>,
+    encoder: StackEncoder<'_>,
 ) -> Result<stack::Variant, ConversionError> {
     let content = encoder.variant(content)?;
     let is_plain = wanted == stack::VariantScalarTypeId::Variant

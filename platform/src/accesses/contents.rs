@@ -18,7 +18,7 @@ pub struct Contents {
     pub value_count: u64,
 }
 
-/// Something that has values of factories.
+/// Answer or message that has values of factories.
 pub trait Values {
     /// Returns which values it has; nothing where it has none.
     fn contents(&self) -> Vec<Contents>;

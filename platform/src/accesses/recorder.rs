@@ -22,7 +22,7 @@ pub enum NotRecorded {
     /// The store failed.
     #[error("cannot record who reads values")]
     Storage(#[source] Box<dyn std::error::Error + Send + Sync>),
-    /// Someone without an organisation would get values.
+    /// A viewer without an organisation would get values.
     #[error("values are for organisations only")]
     Nobody,
 }

@@ -37,11 +37,11 @@ const ENTRIES_PER_READ: u32 = 1_000;
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct AccessesQuery {
-    /// Only those of this organisation.
+    /// Restriction to accesses of this organisation.
     viewer: Option<OrganisationId>,
-    /// Only those to values of this network.
+    /// Restriction to values of this network.
     network: Option<OperationNetworkId>,
-    /// Only those to values of this request.
+    /// Restriction to values of this request.
     request: Option<DynamicDataRequestId>,
     /// `nextCursor` of the page before; absent for the first page.
     #[param(value_type = Option<String>)]

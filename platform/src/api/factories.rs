@@ -36,7 +36,7 @@ pub struct NewFactory {
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct TokenView {
-    /// For `factory-connector enrol`; contains the platform's address.
+    /// Token for `factory-connector enrol`; contains the platform's address.
     token: String,
     /// End of its validity.
     expires_at: DateTime,

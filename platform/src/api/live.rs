@@ -20,8 +20,8 @@ use crate::{application::Application, live::LiveEvent, principal::Principal};
 #[serde(rename_all = "camelCase")]
 #[into_params(parameter_in = Query)]
 pub struct LiveQuery {
-    /// As the header `Last-Event-ID`, for the first connection of a page: `lastEventId` of the view
-    /// it shows.
+    /// Counterpart of the header `Last-Event-ID`, for the first connection of a page: `lastEventId`
+    /// of the view it shows.
     last_event_id: Option<String>,
 }
 

@@ -16,7 +16,7 @@ pub enum ReadProblems {
     /// The request cannot be understood.
     #[response(status = 400, content_type = "application/problem+json")]
     BadRequest(Problem),
-    /// Nobody is signed in.
+    /// No user is signed in.
     #[response(status = 401, content_type = "application/problem+json")]
     Unauthorized(Problem),
     /// The role does not allow it, or the CSRF token is wrong.
@@ -34,7 +34,7 @@ pub enum ChangeProblems {
     /// The request cannot be understood.
     #[response(status = 400, content_type = "application/problem+json")]
     BadRequest(Problem),
-    /// Nobody is signed in.
+    /// No user is signed in.
     #[response(status = 401, content_type = "application/problem+json")]
     Unauthorized(Problem),
     /// The role does not allow it, or the CSRF token is wrong.

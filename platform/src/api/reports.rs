@@ -21,11 +21,11 @@ use crate::{
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct ReportsQuery {
-    /// Only of this network.
+    /// Restriction to this network.
     network: Option<OperationNetworkId>,
-    /// Only of this request.
+    /// Restriction to this request.
     request: Option<DynamicDataRequestId>,
-    /// Only those that arrived after the report with this number; `nextCursor` of the page before.
+    /// Number of the report after which those listed arrived; `nextCursor` of the page before.
     #[param(value_type = Option<String>)]
     after: Option<u64>,
     /// Most entries wanted, 1 to 1000.

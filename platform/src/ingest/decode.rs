@@ -1,4 +1,4 @@
-//! From bytes to what they say. Pure: no store, no clock.
+//! Decoding of bytes to what they say. Pure: no store, no clock.
 
 use asi_model::{
     DataValue, DateTime, DynamicDataRequestId, FactoryId, MessageId, OperationId,
@@ -87,7 +87,7 @@ pub struct IncomingReport {
 }
 
 /// Code and reason of a dead letter.
-type Refusal = (&'static str, String);
+type DeadLetterReason = (&'static str, String);
 
 /// Understands a delivery. `lookup` knows the metadata of the factory's writers.
 #[must_use]
@@ -159,7 +159,7 @@ fn understand(
     address: &LogicalAddress,
     text: &str,
     lookup: &dyn MetaDataLookup,
-) -> Result<Understood, Refusal> {
+) -> Result<Understood, DeadLetterReason> {
     match address {
         LogicalAddress::FactoryIngress(factory) if is_own_message(text) => {
             factory_message(factory, text)
@@ -189,7 +189,7 @@ fn is_own_message(text: &str) -> bool {
         && serde_json::from_str::<Kind>(text).is_ok_and(|kind| kind.message_type.is_some())
 }
 
-fn factory_message(factory: &FactoryId, text: &str) -> Result<Understood, Refusal> {
+fn factory_message(factory: &FactoryId, text: &str) -> Result<Understood, DeadLetterReason> {
     let message =
         asi_model::validation::parse_factory_message(text.as_bytes()).map_err(|rejection| {
             ("INVALID_MESSAGE", format!("The message is not valid: {rejection}"))
@@ -206,7 +206,7 @@ fn pub_sub_message(
     factory: &FactoryId,
     text: &str,
     lookup: &dyn MetaDataLookup,
-) -> Result<Understood, Refusal> {
+) -> Result<Understood, DeadLetterReason> {
     let decoded =
         decode_described(text.as_bytes(), Leniency::Lenient, lookup).map_err(|error| {
             ("INVALID_MESSAGE", format!("The message is not valid: {}.", chain(&error)))
@@ -228,14 +228,14 @@ fn pub_sub_message(
 }
 
 /// PublisherId is the factory's id, or that of one of its assets: `<factoryId>.<assetId>`.
-fn check_publisher(factory: &FactoryId, publisher: &str) -> Result<(), Refusal> {
+fn check_publisher(factory: &FactoryId, publisher: &str) -> Result<(), DeadLetterReason> {
     match publisher.strip_prefix(factory.as_str()) {
         Some(rest) if rest.is_empty() || rest.starts_with('.') => Ok(()),
         _ => Err(forged(factory, publisher)),
     }
 }
 
-fn forged(factory: &FactoryId, claimed: &str) -> Refusal {
+fn forged(factory: &FactoryId, claimed: &str) -> DeadLetterReason {
     metrics::counter!("verbund_forged_messages_total", "factory" => factory.to_string())
         .increment(1);
     let claimed: String = claimed.chars().take(80).collect();
@@ -249,7 +249,7 @@ fn reports(
     factory: &FactoryId,
     message: NetworkMessage,
     lookup: &dyn MetaDataLookup,
-) -> Result<Content, Refusal> {
+) -> Result<Content, DeadLetterReason> {
     let (mut reports, mut keep_alives) = (Vec::with_capacity(message.messages.len()), Vec::new());
     for (position, part) in message.messages.iter().enumerate() {
         if let Some(publisher) = part.publisher_id.as_deref() {
@@ -286,7 +286,7 @@ fn report(
     epoch: u32,
     sequence: u32,
     position: usize,
-) -> Result<IncomingReport, Refusal> {
+) -> Result<IncomingReport, DeadLetterReason> {
     let text = |name: &'static str| {
         part.text(name)
             .ok_or_else(|| ("NO_REQUEST", format!("DataSetMessage {position} has no {name}.")))

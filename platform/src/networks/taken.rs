@@ -8,7 +8,7 @@ use super::fault::fault;
 
 /// Kinds of things whose ids are unique within a network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-enum Kind {
+enum NamedKind {
     Operation,
     Equipment,
     Request,
@@ -50,7 +50,7 @@ pub(super) fn faults(
                 requesters.get(id).is_some_and(|requester| *requester != request.requester_id);
             if is_of_others
                 && !unchanged.contains(&(id, &request.requester_id))
-                && !taken.contains(&(Kind::Request, id.as_str()))
+                && !taken.contains(&(NamedKind::Request, id.as_str()))
             {
                 faults.push(id_taken(format!(
                     "/operationList/{index}/dynamicDataRequestList/{number}/dynamicDataRequestId"
@@ -68,19 +68,19 @@ fn id_taken(pointer: String) -> Fault {
 /// Visits every id that must be unique within a network, with its pointer.
 fn visit<'n>(
     network: &'n OperationNetwork,
-    mut take: impl FnMut(Kind, &'n str, &dyn Fn() -> String),
+    mut take: impl FnMut(NamedKind, &'n str, &dyn Fn() -> String),
 ) {
     for (index, operation) in network.operation_list.iter().enumerate() {
         let at = format!("/operationList/{index}");
         let id = operation.operation_id.as_str();
-        take(Kind::Operation, id, &|| format!("{at}/operationId"));
+        take(NamedKind::Operation, id, &|| format!("{at}/operationId"));
         for (number, equipment) in operation.equipment_requirement_list.iter().enumerate() {
-            take(Kind::Equipment, equipment.equipment_requirement_id.as_str(), &|| {
+            take(NamedKind::Equipment, equipment.equipment_requirement_id.as_str(), &|| {
                 format!("{at}/equipmentRequirementList/{number}/equipmentRequirementId")
             });
         }
         for (number, request) in operation.dynamic_data_request_list.iter().enumerate() {
-            take(Kind::Request, request.dynamic_data_request_id.as_str(), &|| {
+            take(NamedKind::Request, request.dynamic_data_request_id.as_str(), &|| {
                 format!("{at}/dynamicDataRequestList/{number}/dynamicDataRequestId")
             });
         }
@@ -88,9 +88,9 @@ fn visit<'n>(
     for (index, relation) in network.operation_relation_list.iter().enumerate() {
         let at = format!("/operationRelationList/{index}");
         let id = relation.operation_relation_id.as_str();
-        take(Kind::Relation, id, &|| format!("{at}/operationRelationId"));
+        take(NamedKind::Relation, id, &|| format!("{at}/operationRelationId"));
         for (number, condition) in relation.condition_list.iter().enumerate() {
-            take(Kind::Condition, condition.condition_id.as_str(), &|| {
+            take(NamedKind::Condition, condition.condition_id.as_str(), &|| {
                 format!("{at}/conditionList/{number}/conditionId")
             });
         }

@@ -291,10 +291,11 @@ impl PastReleases<'_> {
     }
 }
 
-type Query = sqlx::query::Query<'static, Database, <Database as sqlx::Database>::Arguments>;
+type RangeStatement =
+    sqlx::query::Query<'static, Database, <Database as sqlx::Database>::Arguments>;
 
 /// Makes a statement on the stored reports of a range, with its first eight parameters.
-fn of_range(sql: &'static str, release: &PastRelease, range: &ReportRange) -> Query {
+fn of_range(sql: &'static str, release: &PastRelease, range: &ReportRange) -> RangeStatement {
     sqlx::query(sql)
         .bind(release.factory_id.to_string())
         .bind(i64::from(range.data_set_writer_id))

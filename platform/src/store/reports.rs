@@ -128,7 +128,7 @@ struct ReleasingWriter<'r> {
 }
 
 /// Numbers and arrival of released reports.
-struct Released<'r> {
+struct ReleasedNumbers<'r> {
     first: u32,
     through: u32,
     received: i64,
@@ -138,13 +138,13 @@ struct Released<'r> {
     request: &'r RequestKey,
 }
 
-fn released(reports: &[NewReport]) -> BTreeMap<ReleasingWriter<'_>, Released<'_>> {
-    let mut writers: BTreeMap<ReleasingWriter<'_>, Released<'_>> = BTreeMap::new();
+fn released(reports: &[NewReport]) -> BTreeMap<ReleasingWriter<'_>, ReleasedNumbers<'_>> {
+    let mut writers: BTreeMap<ReleasingWriter<'_>, ReleasedNumbers<'_>> = BTreeMap::new();
     for report in reports {
         let Some(recipient_set) = report.recipient_set else { continue };
         let (factory, id) = (report.factory_id.as_str(), report.data_set_writer_id);
         let writer = ReleasingWriter { factory, id, epoch: report.epoch, recipient_set };
-        let released = writers.entry(writer).or_insert(Released {
+        let released = writers.entry(writer).or_insert(ReleasedNumbers {
             first: report.sequence,
             through: report.sequence,
             received: 0,

@@ -24,8 +24,8 @@ pub enum Scope {
 const NOBODY: &str = "";
 
 impl Scope {
-    /// For statements on structure: the organisation whose membership is required, or nothing where
-    /// all is visible. Used as `(CAST($n AS TEXT) IS NULL OR ... = $n)`.
+    /// Returns for statements on structure the organisation whose membership is required, or
+    /// nothing where all is visible. Used as `(CAST($n AS TEXT) IS NULL OR ... = $n)`.
     pub(super) fn member(&self) -> Option<&str> {
         match self {
             Self::Platform | Self::Administration { .. } => None,
@@ -34,8 +34,8 @@ impl Scope {
         }
     }
 
-    /// For statements on reports and decisions: the recipient that is required, or nothing where
-    /// all is visible.
+    /// Returns for statements on reports and decisions the recipient that is required, or nothing
+    /// where all is visible.
     pub(super) fn recipient(&self) -> Option<&str> {
         match self {
             Self::Platform => None,

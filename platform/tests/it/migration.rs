@@ -161,7 +161,7 @@ fn reading(at: i64) -> Reading {
     }
 }
 
-/// Of F, which belongs to b, as an organisation sees them: the numbers, newest first.
+/// Returns the numbers of F's accesses as an organisation sees them, newest first. F belongs to b.
 async fn accesses(store: &Store, scope: &str) -> Vec<u64> {
     let mut work = store.read().await.expect("begun");
     let (factory, query) =

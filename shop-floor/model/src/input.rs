@@ -48,7 +48,7 @@ pub struct MonitorOptions {
     /// Path of the variable from the Objects folder, to find it again when its node id changes.
     /// Without it, the path is looked up while the node is there.
     pub browse_path: Option<BrowsePath>,
-    /// Only a part of an array, as OPC 10000-4 §7.27 writes it: `2` or `1:3`.
+    /// Part of an array, as OPC 10000-4 §7.27 writes it: `2` or `1:3`.
     pub index_range: Option<String>,
 }
 

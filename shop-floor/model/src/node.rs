@@ -31,7 +31,7 @@ pub struct BrowsedNode {
     /// structure.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "built_in_name")]
     pub built_in_type: Option<BuiltInType>,
-    /// Of a variable: -1 scalar, 1 or more the number of dimensions, 0 one or more, -2 any, -3
+    /// Rank of a variable: -1 scalar, 1 or more the number of dimensions, 0 one or more, -2 any, -3
     /// scalar or one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value_rank: Option<i32>,

@@ -71,7 +71,7 @@ pub(super) async fn run_session(
         started_at: properties.started_at,
         namespace_uris: properties.namespaces.uris(),
     });
-    let mut session = Session::begin(context, record, config, &opened, properties, memory);
+    let mut session = SourceSession::begin(context, record, config, &opened, properties, memory);
     let (connection, sink) = (session.connection.clone(), Arc::clone(&session.sink));
     let is_busy = Arc::clone(&session.is_busy);
     let problem = tokio::select! {
@@ -120,7 +120,7 @@ async fn exceeded_silence(
     }
 }
 
-struct Session<'a> {
+struct SourceSession<'a> {
     context: &'a SourceContext,
     record: &'a SourceRecord,
     config: &'a SourceConfig,
@@ -136,7 +136,7 @@ struct Session<'a> {
     state_checked_at: Instant,
 }
 
-impl<'a> Session<'a> {
+impl<'a> SourceSession<'a> {
     /// Makes the session available to callers.
     fn begin(
         context: &'a Arc<SourceContext>,

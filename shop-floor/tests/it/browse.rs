@@ -4,7 +4,7 @@ use asi_model::{NodeId, values::BuiltInType};
 use shop_floor::{NodeClass, ShopFloorHandle, SourceId};
 use simulator::{MachineConfig, MachineKind};
 
-use crate::support::{Floor, Simulation, node};
+use crate::support::{Simulation, TestShopFloor, node};
 
 /// Follows browse names (without namespaces) from the Objects folder.
 async fn follow(
@@ -31,7 +31,7 @@ async fn follow(
 async fn a_variable_shows_type_unit_and_range() {
     let simulation = Simulation::milling_cell().await;
     let cell = simulation.machine("Cell");
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let source = floor.connect(&cell).await;
 
     let spindle = follow(&floor.handle, &source, &["Cell", "Spindle"]).await;
@@ -72,7 +72,7 @@ async fn a_variable_shows_type_unit_and_range() {
 async fn children_come_in_pages_that_are_the_whole() {
     let simulation = Simulation::milling_cell().await;
     let cell = simulation.machine("Cell");
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let source = floor.connect(&cell).await;
     let parent = follow(&floor.handle, &source, &["Cell"]).await.node_id;
     let whole = floor.handle.browse(&source, Some(&parent)).await.expect("browse");
@@ -99,7 +99,7 @@ async fn children_come_in_pages_that_are_the_whole() {
 async fn a_robot_is_laid_out_as_the_standard_says() {
     let simulation = Simulation::of(vec![MachineConfig::new("Robot1", MachineKind::Robot)]).await;
     let robot = simulation.machine("Robot1");
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let source = floor.connect(&robot).await;
     let path = [
         "DeviceSet",
@@ -132,7 +132,7 @@ async fn a_robot_is_laid_out_as_the_standard_says() {
 #[tokio::test]
 async fn all_variables_are_listed_with_the_types_they_stand_under() {
     let simulation = Simulation::of(vec![MachineConfig::new("Robot1", MachineKind::Robot)]).await;
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let source = floor.connect(&simulation.machine("Robot1")).await;
     let list = floor.handle.variables(&source, 100_000).await.expect("listed");
     assert!(list.is_complete);

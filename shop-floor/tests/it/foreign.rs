@@ -22,7 +22,7 @@ use tokio::{
     sync::OnceCell,
 };
 
-use crate::support::{Floor, until, within};
+use crate::support::{TestShopFloor, until, within};
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Stack {
@@ -175,7 +175,7 @@ fn structure(value: Option<DataValue>) -> Option<StructureValue> {
     }
 }
 
-fn monitor_all(floor: &Floor, source: &SourceId, peer: &Peer) {
+fn monitor_all(floor: &TestShopFloor, source: &SourceId, peer: &Peer) {
     for input in [COUNTER, TEMPERATURE, TEXT, POWER] {
         floor.monitor(input, source, peer.node(u32::try_from(input).expect("small")));
     }
@@ -190,7 +190,7 @@ fn kills(usual: u32) -> u32 {
 /// Values, structures and types arrive, and after each of some kills all is live again within 5 s.
 async fn is_a_good_source(stack: Stack, restarts: u32) {
     let mut peer = Peer::start(stack, false).await;
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let source = peer.source();
     let id = source.source_id.clone();
     floor.handle.put_source(source).expect("valid");
@@ -240,13 +240,13 @@ async fn is_found_by_the_path_that_was_kept(stack: Stack) {
     let mut peer = Peer::start(stack, false).await;
     let id = peer.source().source_id;
     let path = {
-        let floor = Floor::start();
+        let floor = TestShopFloor::start();
         floor.handle.put_source(peer.source()).expect("valid");
         floor.until_connected(&id).await;
         floor.handle.browse_path(&id, &peer.node(1)).await.expect("a path")
     };
     peer.restart(2, 5).await;
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     floor.handle.put_source(peer.source()).expect("valid");
     let options = MonitorOptions { browse_path: Some(path), ..MonitorOptions::default() };
     floor
@@ -272,7 +272,7 @@ async fn node_opcua_variables_are_found_by_paths_kept_from_before() {
 
 async fn is_a_good_protected_source(stack: Stack) {
     let mut peer = Peer::start(stack, true).await;
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let source = peer.source();
     let id = source.source_id.clone();
     floor.handle.put_source(source).expect("valid");

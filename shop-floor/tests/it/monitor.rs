@@ -7,13 +7,13 @@ use asi_model::{
 use shop_floor::{InputKey, MonitorOptions, MonitorRequest, ShopFloorError, SourceId};
 use simulator::{MachineConfig, MachineKind};
 
-use crate::support::{Floor, Simulation, node, until};
+use crate::support::{Simulation, TestShopFloor, node, until};
 
 #[tokio::test]
 async fn a_change_arrives_with_value_status_and_source_time() {
     let simulation = Simulation::milling_cell().await;
     let cell = simulation.machine("Cell");
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let source = floor.connect(&cell).await;
     floor.monitor(1, &source, node(&cell, "Production.PartCounter"));
     until("a first value", || floor.newest(1).is_some_and(|value| value.status.is_good())).await;
@@ -40,7 +40,7 @@ async fn a_change_arrives_with_value_status_and_source_time() {
 async fn every_change_between_two_publishings_arrives_in_order() {
     let simulation = Simulation::milling_cell().await;
     let cell = simulation.machine("Cell");
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let source = floor.connect(&cell).await;
     let options = MonitorOptions { sampling_interval_ms: Some(0.0), ..MonitorOptions::default() };
     let counter = node(&cell, "Production.TotalParts");
@@ -65,7 +65,7 @@ async fn every_change_between_two_publishings_arrives_in_order() {
 async fn structures_come_decoded_and_arrays_in_parts() {
     let simulation = Simulation::milling_cell().await;
     let cell = simulation.machine("Cell");
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let source = floor.connect(&cell).await;
     floor.monitor(1, &source, node(&cell, "Energy.Power"));
     let part = MonitorOptions { index_range: Some("1:2".into()), ..MonitorOptions::default() };
@@ -107,7 +107,7 @@ async fn structures_come_decoded_and_arrays_in_parts() {
 async fn an_input_that_cannot_be_monitored_says_why() {
     let simulation = Simulation::milling_cell().await;
     let cell = simulation.machine("Cell");
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let source = floor.connect(&cell).await;
     let namespace = cell.config().namespace_uri();
     floor.monitor(1, &source, NodeId::string(&namespace, "No.Such.Node"));
@@ -134,7 +134,7 @@ async fn many_inputs_share_few_subscriptions_and_all_become_live() {
     (bank.variables, bank.changes_per_second) = (12_000, 20_000.0);
     let simulation = Simulation::of(vec![bank]).await;
     let bank = simulation.machine("Bank");
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let source = floor.connect(&bank).await;
     let requests = (0..12_000_u64).map(|index| MonitorRequest {
         input: InputKey(index),
@@ -159,7 +159,7 @@ async fn a_small_server_is_filled_to_its_limits_and_the_rest_says_so() {
     (bank.items_per_subscription_max, bank.subscriptions_per_session_max) = (20, 3);
     let simulation = Simulation::of(vec![bank]).await;
     let bank = simulation.machine("Bank");
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let source = floor.connect(&bank).await;
     for index in 0..100 {
         floor.monitor(index, &source, node(&bank, &format!("Counter{index}")));
@@ -191,7 +191,7 @@ async fn a_small_server_is_filled_to_its_limits_and_the_rest_says_so() {
 async fn values_are_written_and_methods_called() {
     let simulation = Simulation::milling_cell().await;
     let cell = simulation.machine("Cell");
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let source = floor.connect(&cell).await;
     let (order, counter) =
         (node(&cell, "Production.OrderId"), node(&cell, "Production.PartCounter"));

@@ -6,7 +6,7 @@ use asi_model::{StatusCode, Variant};
 use shop_floor::{SourceProblemKind, SourceState};
 use simulator::{Layout, MachineConfig, MachineFault, MachineHandle, MachineKind};
 
-use crate::support::{Floor, Simulation, node, until, within};
+use crate::support::{Simulation, TestShopFloor, node, until, within};
 
 const KEYS: [&str; 5] = [
     "Production.PartCounter",
@@ -17,16 +17,16 @@ const KEYS: [&str; 5] = [
 ];
 
 /// A cell with inputs 0 to 4 on its [`KEYS`], all live.
-async fn watched_cell() -> (Simulation, MachineHandle, Floor, shop_floor::SourceId) {
+async fn watched_cell() -> (Simulation, MachineHandle, TestShopFloor, shop_floor::SourceId) {
     watched_cell_with_silence(1000).await
 }
 
 async fn watched_cell_with_silence(
     ms: u32,
-) -> (Simulation, MachineHandle, Floor, shop_floor::SourceId) {
+) -> (Simulation, MachineHandle, TestShopFloor, shop_floor::SourceId) {
     let simulation = Simulation::milling_cell().await;
     let cell = simulation.machine("Cell");
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let source = floor.connect_with_silence(&cell, ms).await;
     for (input, key) in (0..).zip(KEYS) {
         floor.monitor(input, &source, node(&cell, key));
@@ -36,7 +36,7 @@ async fn watched_cell_with_silence(
 }
 
 /// Sets a value and waits for it.
-async fn proves_to_be_live(cell: &MachineHandle, floor: &Floor, value: u32) {
+async fn proves_to_be_live(cell: &MachineHandle, floor: &TestShopFloor, value: u32) {
     cell.set("Production.PartCounter", value).await.expect("set");
     floor.until_value(0, value).await;
 }
@@ -133,7 +133,7 @@ async fn renumbered_nodes_are_found_at_their_browse_paths() {
     let simulation =
         Simulation::of(vec![MachineConfig::new("Cell", MachineKind::MillingCell), robot]).await;
     let (cell, robot) = (simulation.machine("Cell"), simulation.machine("Robot1"));
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let (cell_source, robot_source) = (floor.connect(&cell).await, floor.connect(&robot).await);
     floor.monitor(0, &cell_source, node(&cell, "Production.PartCounter"));
     let key = "Controllers.Controller1.TaskControls.TaskControl1.ParameterSet.TaskProgramName";

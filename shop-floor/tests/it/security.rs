@@ -5,7 +5,7 @@ use shop_floor::{
 };
 use simulator::{MachineConfig, MachineHandle, MachineKind, SecurityConfig, UserConfig};
 
-use crate::support::{Floor, Simulation, node, until};
+use crate::support::{Simulation, TestShopFloor, node, until};
 
 fn protected(name: &str) -> MachineConfig {
     let mut machine = MachineConfig::new(name, MachineKind::Press);
@@ -27,7 +27,7 @@ fn source(machine: &MachineHandle, password: &str) -> SourceConfig {
     source
 }
 
-fn problem(floor: &Floor, id: &SourceId) -> Option<SourceProblemKind> {
+fn problem(floor: &TestShopFloor, id: &SourceId) -> Option<SourceProblemKind> {
     floor.status(id).problem.map(|problem| problem.kind)
 }
 
@@ -35,7 +35,7 @@ fn problem(floor: &Floor, id: &SourceId) -> Option<SourceProblemKind> {
 async fn trust_is_given_by_people_on_both_sides_and_the_user_signs_in() {
     let simulation = Simulation::of(vec![protected("Press")]).await;
     let press = simulation.machine("Press");
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let wrong = source(&press, "wrong");
     let id = wrong.source_id.clone();
     floor.handle.put_source(wrong).expect("valid");
@@ -84,7 +84,7 @@ async fn trust_is_given_by_people_on_both_sides_and_the_user_signs_in() {
 async fn an_unprotected_server_is_used_only_by_explicit_choice() {
     let simulation = Simulation::milling_cell().await;
     let cell = simulation.machine("Cell");
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let mut source = SourceConfig::new(SourceId::new("Cell").expect("valid"), cell.endpoint_url());
     let id = source.source_id.clone();
     floor.handle.put_source(source.clone()).expect("valid");
@@ -116,7 +116,7 @@ async fn a_password_is_sent_unprotected_only_where_that_is_allowed_by_name() {
 
 #[tokio::test]
 async fn an_address_without_server_is_unreachable() {
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let source =
         SourceConfig::new(SourceId::new("nothing").expect("valid"), "opc.tcp://127.0.0.1:1");
     let id = source.source_id.clone();

@@ -43,14 +43,14 @@ impl Simulation {
 type Heard = Arc<Mutex<HashMap<InputKey, Vec<DataValue>>>>;
 
 /// A shop floor that runs until it is dropped, and all that it delivered.
-pub struct Floor {
+pub struct TestShopFloor {
     pub handle: ShopFloorHandle,
     heard: Heard,
     _directory: TempDir,
     _stop: DropGuard,
 }
 
-impl Floor {
+impl TestShopFloor {
     pub fn start() -> Self {
         let directory = tempfile::tempdir().expect("a folder for certificates");
         let config =

@@ -85,7 +85,7 @@ impl MachineHandle {
         self.set_with_status(key, value, StatusCode::GOOD).await
     }
 
-    /// As [`Self::set`], with a status.
+    /// Sets like [`Self::set`], with a status.
     ///
     /// # Errors
     /// As [`Self::set`].

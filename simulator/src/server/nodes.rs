@@ -176,7 +176,7 @@ impl InMemoryNodeManagerImpl for MachineNodes {
                 Ok(()) => {
                     write.set_status(StatusCode::Good);
                     let id = node.node_id().clone();
-                    tell(context, &space, &[id]);
+                    notify(context, &space, &[id]);
                 }
                 Err(status) => write.set_status(status),
             }
@@ -208,7 +208,7 @@ impl InMemoryNodeManagerImpl for MachineNodes {
                 }
             }
             let is_accepted = *pieces > 0;
-            tell(context, &space, &[order.clone(), quantity.clone()]);
+            notify(context, &space, &[order.clone(), quantity.clone()]);
             call.set_outputs(vec![is_accepted.into()]);
             call.set_status(StatusCode::Good);
         }
@@ -216,8 +216,8 @@ impl InMemoryNodeManagerImpl for MachineNodes {
     }
 }
 
-/// Tells subscriptions what variables have now.
-fn tell(context: &RequestContext, space: &AddressSpace, ids: &[NodeId]) {
+/// Notifies subscriptions of the present values of variables.
+fn notify(context: &RequestContext, space: &AddressSpace, ids: &[NodeId]) {
     context.subscriptions.maybe_notify(
         ids.iter().map(|id| (id, AttributeId::Value)),
         |id, attribute, _range, encoding| {

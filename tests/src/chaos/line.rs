@@ -18,7 +18,7 @@ use tokio_util::{sync::CancellationToken, task::AbortOnDropHandle};
 pub enum Condition {
     /// Everything passes at once.
     Clear,
-    /// Nothing passes; bytes wait.
+    /// Bytes wait, and nothing passes.
     Stalled,
     /// Bytes are taken and thrown away.
     Swallowing,

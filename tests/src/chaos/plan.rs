@@ -10,7 +10,7 @@ use crate::frame_order::{HAMBURG, MUNICH};
 /// Name of the platform beside the factories.
 pub(super) const PLATFORM: &str = "platform";
 
-/// Something that goes wrong. Whatever is killed is started again at once.
+/// Failure that is caused. Whatever is killed is started again at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
     /// `kill -9` of a factory's connector.
@@ -23,7 +23,7 @@ pub enum Fault {
     KillAll,
     /// All connections between factories and broker are reset.
     Cut,
-    /// Nothing passes between factories and broker for a while; the connections stay open.
+    /// Silence between factories and broker for a while; the connections stay open.
     Stall(Duration),
     /// For a while everything sent is swallowed, then the connections are reset: the peer was gone
     /// all along.

@@ -84,7 +84,7 @@ fn frozen_scalars() -> Vec<(Scalar, [&'static str; 4])> {
     ]
 }
 
-/// As [`frozen_scalars`], of extension objects.
+/// Texts like [`frozen_scalars`], of extension objects.
 fn frozen_objects() -> Vec<(ExtensionObject, [&'static str; 4])> {
     let binary = ExtensionObject {
         type_id: NodeId::string("urn:x", "abc").into(),

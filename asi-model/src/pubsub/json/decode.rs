@@ -55,8 +55,8 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, PubSubError> {
     decode_described(bytes, Leniency::Lenient, &())
 }
 
-/// As [`decode`], with the metadata that bare values, structures and namespace indexes need, and as
-/// strict as wanted.
+/// Decodes like [`decode`], with the metadata that bare values, structures and namespace indexes
+/// need, and as strict as wanted.
 ///
 /// # Errors
 /// [`PubSubError`] where the bytes are not a PubSub message.

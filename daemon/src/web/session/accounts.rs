@@ -35,7 +35,7 @@ pub trait Accounts: Send + Sync + 'static {
 pub struct AccountsError(#[source] pub Box<dyn std::error::Error + Send + Sync>);
 
 impl AccountsError {
-    /// From the store's own error.
+    /// Wraps the store's own error.
     pub fn new(error: impl std::error::Error + Send + Sync + 'static) -> Self {
         Self(Box::new(error))
     }

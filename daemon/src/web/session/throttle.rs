@@ -46,7 +46,7 @@ struct FailedAttempts {
 }
 
 impl LoginThrottle {
-    /// Nobody has failed yet.
+    /// Makes one for which no sign-in has failed yet.
     #[must_use]
     pub fn new(config: ThrottleConfig) -> Self {
         Self { config, entries: HashMap::new() }

@@ -11,7 +11,7 @@ use crate::{DocumentId, DocumentVersion, NAME_CHARS_MAX, RuleFault};
 /// Greatest limit of a cap, in bits per hour.
 pub const BITS_PER_HOUR_MAX: f64 = 1e15;
 
-/// Those whose information a cap limits.
+/// Partners whose information a cap limits.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, utoipa::ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum CapSubject {

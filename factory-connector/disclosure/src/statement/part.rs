@@ -61,7 +61,7 @@ pub enum StatementPart {
         #[serde(rename = "periodMs")]
         period_ms: u64,
     },
-    /// Only within certain hours.
+    /// Values within certain hours alone.
     Hours { hours: WorkingHours },
     /// Withheld in certain states, which are not published.
     Withheld,

@@ -10,7 +10,7 @@ use transparency_log::leaf_hash;
 use crate::{
     Event, Hash, LedgerEntry, SequenceRange,
     header::EntryHeader,
-    history::{Delivery, ReportEvent},
+    history::{EntryDelivery, ReportEvent},
     values::CheckedValues,
     values_root,
 };
@@ -38,7 +38,7 @@ pub struct CheckedLine {
     pub(super) leaf: Option<Hash>,
     /// Number that the entry says it has; none where it cannot be read.
     pub(super) number: Option<u64>,
-    /// In microseconds since 1970.
+    /// Microseconds since 1970.
     pub(super) recorded_at: i64,
     pub(super) faults: Vec<&'static str>,
     pub(super) values: CheckedValues,
@@ -121,7 +121,7 @@ impl CheckedLine {
         let micros = |at: Option<DateTime>| at.map(DateTime::unix_micros);
         self.event = ReportEvent::Queued {
             range,
-            stated: Delivery {
+            stated: EntryDelivery {
                 sent_at: micros(line.sent_at),
                 message_id: line.message_id.as_deref().map(Box::from),
                 receipted_at: micros(line.delivered_at),

@@ -9,7 +9,7 @@ use transparency_log::leaf_hash;
 use super::super::{
     Event, Hash, LedgerEntry, chain_hash,
     header::EntryHeader,
-    history::{Delivery, ReportEvent},
+    history::{EntryDelivery, ReportEvent},
     values::CheckedValues,
     values_root,
 };
@@ -59,7 +59,7 @@ pub struct ReportDigest {
     stated: (i64, i64, i64, i64),
     recipients: Arc<[OrganisationId]>,
     values: Stored,
-    delivery: Delivery,
+    delivery: EntryDelivery,
 }
 
 /// Stored state of a report's values.
@@ -89,7 +89,7 @@ impl StoredReport {
             stated: (self.data_set_writer_id, self.epoch, self.sequence, self.created_at),
             recipients: serde_json::from_slice(&self.recipients).unwrap_or_default(),
             values,
-            delivery: Delivery {
+            delivery: EntryDelivery {
                 sent_at: self.sent_at,
                 message_id: self
                     .message_id

@@ -27,7 +27,7 @@ pub struct EntryView {
     recipient_id: String,
     #[serde(flatten)]
     event: EventView,
-    /// For a report: the values that left, by field, while they are retained.
+    /// Values of a report that left, by field, while they are retained.
     #[schema(value_type = Option<BTreeMap<String, EncodedValue>>)]
     value: Option<Map<String, Value>>,
     /// Precision under each consent that the entry names, by field, in the words of the statement to
@@ -35,12 +35,12 @@ pub struct EntryView {
     precision: BTreeMap<String, String>,
     /// The same as codes with parameters.
     precision_parts: BTreeMap<String, Vec<StatementPart>>,
-    /// For a report: id of the message that carried it last.
+    /// Id of the message that carried a report last.
     left_in_message: Option<String>,
-    /// For a report: time at which the broker accepted it last.
+    /// Time at which the broker accepted a report last.
     #[schema(format = "date-time")]
     sent_at: Option<String>,
-    /// For a report: time of the platform's receipt.
+    /// Time of the platform's receipt for a report.
     #[schema(format = "date-time")]
     delivered_at: Option<String>,
     /// Hash of the entry, hexadecimal.

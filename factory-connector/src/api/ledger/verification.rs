@@ -15,7 +15,7 @@ use crate::{
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct VerificationView {
-    /// Nothing is wrong.
+    /// True where nothing is wrong.
     valid: bool,
     /// Number of chains.
     chains: usize,

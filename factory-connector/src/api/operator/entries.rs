@@ -91,9 +91,9 @@ pub struct NewEntry {
 pub struct EntryResult {
     entry_id: String,
     result: Acceptance,
-    /// For `REFUSED`: the reason as a code.
+    /// Code of the reason for `REFUSED`.
     code: Option<&'static str>,
-    /// For `REFUSED`: the reason in words, and what to do.
+    /// Reason for `REFUSED` in words, and what to do.
     message: Option<String>,
     /// Fields that got a value from it.
     fields: Vec<FieldResult>,
@@ -107,7 +107,7 @@ pub enum Acceptance {
     Taken,
     /// Stored with an earlier delivery.
     Repeated,
-    /// Not stored, and never will be.
+    /// Refused for good: it is never stored.
     Refused,
 }
 

@@ -53,7 +53,8 @@ pub struct OperatorOperation {
     planned_quantity: Option<f64>,
     quantity_unit: Option<String>,
     /// Progress by the entries so far.
-    standing: OperationStatus,
+    #[serde(rename = "standing")]
+    status: OperationStatus,
     buttons: Buttons,
     /// The fields that take entered values.
     fields: Vec<OperatorField>,
@@ -132,11 +133,9 @@ fn operations_between(
                 operation_network_id: network_id.clone(),
                 operation_id: operation.operation_id.clone(),
             };
-            let standing = state.journal(&key).map(Journal::status).unwrap_or_default();
-            let is_open = matches!(
-                standing.state,
-                Some(OperationState::Running | OperationState::Interrupted)
-            );
+            let status = state.journal(&key).map(Journal::status).unwrap_or_default();
+            let is_open =
+                matches!(status.state, Some(OperationState::Running | OperationState::Interrupted));
             let is_of_the_day = operation.planned_start.is_none_or(|start| start < until)
                 && operation.planned_end.is_none_or(|end| end >= from);
             if !(is_open || is_of_the_day) {
@@ -146,7 +145,7 @@ fn operations_between(
                 state,
                 key,
                 operation,
-                standing,
+                status,
                 message.operation_network.name.clone(),
             );
             if !item.fields.is_empty() {
@@ -161,7 +160,7 @@ fn operation_view(
     state: &ConnectorState,
     key: OperationKey,
     operation: &Operation,
-    standing: OperationStatus,
+    status: OperationStatus,
     network_name: Option<String>,
 ) -> OperatorOperation {
     let fields: Vec<(FieldKey, &Field)> = queries::fields_of_operation(state, &key)
@@ -201,7 +200,7 @@ fn operation_view(
         planned_end: operation.planned_end,
         planned_quantity: operation.planned_quantity,
         quantity_unit: operation.quantity_unit.clone(),
-        standing,
+        status,
         buttons,
         fields,
         key,

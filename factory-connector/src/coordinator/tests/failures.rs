@@ -23,7 +23,7 @@ async fn a_failure_of_any_statement_leaves_chain_and_spool_consistent() {
     running.close().await;
 }
 
-/// Something may be under way that the store does not have: keep-alives, and what was deleted
+/// Messages may be under way that the store does not have: keep-alives, and what was deleted
 /// because it was accepted. Were its number given again, its outcome would be taken for the new
 /// row's.
 #[tokio::test]

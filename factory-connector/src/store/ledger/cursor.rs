@@ -8,7 +8,7 @@ use super::{
     entries::{self, LedgerRow},
     heads,
     precision::Precisions,
-    selection::{LedgerFilter, Window},
+    selection::{EntryRange, LedgerFilter},
 };
 use crate::store::error::StoreError;
 
@@ -43,7 +43,7 @@ impl LedgerCursor {
             (unknown, None) => unknown.insert(heads::recipients(connection).await?.into()),
         };
         while let Some(recipient) = chains.front() {
-            let window = Window::After(crate::store::row::signed(self.last));
+            let window = EntryRange::After(crate::store::row::signed(self.last));
             let precisions = &mut self.precisions;
             let rows =
                 entries::read(connection, recipient, &self.filter, window, BLOCK, precisions)

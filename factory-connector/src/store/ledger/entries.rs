@@ -11,7 +11,7 @@ use sqlx::{SqliteConnection, sqlite::SqliteRow};
 use super::{
     basis,
     precision::Precisions,
-    selection::{LedgerFilter, Window, selection},
+    selection::{EntryRange, LedgerFilter, selection},
 };
 use crate::store::{
     error::StoreError,
@@ -48,7 +48,7 @@ pub(super) async fn read(
     connection: &mut SqliteConnection,
     recipient: &str,
     filter: &LedgerFilter,
-    window: Window,
+    window: EntryRange,
     limit: u32,
     precisions: &mut Precisions,
 ) -> Result<Vec<LedgerRow>, StoreError> {

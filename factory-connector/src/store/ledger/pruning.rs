@@ -22,7 +22,7 @@ const ENTRIES_PER_ROUND: i64 = 2000;
 const READ: &str = "read old entries";
 
 /// An entry of a chain.
-struct Entry {
+struct PrunedEntry {
     number: u64,
     recorded_at: DateTime,
     hash: Hash,
@@ -76,9 +76,9 @@ pub(super) async fn old_entries(
     Ok(chains)
 }
 
-fn entry(row: &SqliteRow) -> Result<Entry, StoreError> {
+fn entry(row: &SqliteRow) -> Result<PrunedEntry, StoreError> {
     let hash = row.column::<Vec<u8>>("hash")?.try_into();
-    Ok(Entry {
+    Ok(PrunedEntry {
         number: row.number("number")?,
         recorded_at: row.time("recorded_at")?,
         hash: hash.map_err(|_| "a hash has 32 bytes").map_err(StoreError::unreadable("hash"))?,

@@ -36,7 +36,7 @@ pub struct LedgerSubject {
 
 /// Range of numbers and order of the entries.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Window {
+pub(super) enum EntryRange {
     /// Newest first, before this number.
     Before(i64),
     /// Oldest first, after this number.
@@ -47,7 +47,7 @@ pub(super) enum Window {
 pub(super) fn selection(
     recipient: &str,
     filter: &LedgerFilter,
-    window: Window,
+    window: EntryRange,
     limit: u32,
 ) -> QueryBuilder<Sqlite> {
     let mut sql = QueryBuilder::new(
@@ -55,7 +55,7 @@ pub(super) fn selection(
          FROM ledger_entry e LEFT JOIN report r ON r.id = e.report_id WHERE e.recipient = ",
     );
     sql.push_bind(recipient.to_owned());
-    let chain = Chain { recipient, filter, window, limit };
+    let chain = ChainSelection { recipient, filter, window, limit };
     match (&filter.subject, filter.kind) {
         (None, None) => chain.push_window(&mut sql, "e"),
         (None, Some(kind)) => {
@@ -79,14 +79,14 @@ pub(super) fn selection(
     sql
 }
 
-struct Chain<'c> {
+struct ChainSelection<'c> {
     recipient: &'c str,
     filter: &'c LedgerFilter,
-    window: Window,
+    window: EntryRange,
     limit: u32,
 }
 
-impl Chain<'_> {
+impl ChainSelection<'_> {
     /// Selects numbers by an index, which is named: without statistics SQLite would rather read the
     /// whole chain.
     fn push_numbers(&self, sql: &mut QueryBuilder<Sqlite>, index: &'static str) {
@@ -157,8 +157,8 @@ impl Chain<'_> {
 
     fn push_window(&self, sql: &mut QueryBuilder<Sqlite>, of: &'static str) {
         let (sign, number) = match self.window {
-            Window::Before(number) => (".number < ", number),
-            Window::After(number) => (".number > ", number),
+            EntryRange::Before(number) => (".number < ", number),
+            EntryRange::After(number) => (".number > ", number),
         };
         sql.push(" AND ").push(of).push(sign).push_bind(number);
         let bounds =
@@ -170,7 +170,7 @@ impl Chain<'_> {
 
     fn push_order(&self, sql: &mut QueryBuilder<Sqlite>, of: &'static str) {
         let order =
-            if matches!(self.window, Window::Before(_)) { ".number DESC" } else { ".number" };
+            if matches!(self.window, EntryRange::Before(_)) { ".number DESC" } else { ".number" };
         sql.push(" ORDER BY ")
             .push(of)
             .push(order)
@@ -228,7 +228,8 @@ mod tests {
             (sent, Some(subject), vec![by_field, by_writer]),
         ] {
             let filter = LedgerFilter { kind, subject, ..LedgerFilter::default() };
-            let sql = selection("acme", &filter, Window::Before(9), 5).sql().as_str().to_owned();
+            let sql =
+                selection("acme", &filter, EntryRange::Before(9), 5).sql().as_str().to_owned();
             let explained = sqlx::query(sqlx::AssertSqlSafe(format!("EXPLAIN QUERY PLAN {sql}")))
                 .fetch_all(session.connection())
                 .await

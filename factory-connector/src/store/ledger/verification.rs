@@ -33,7 +33,7 @@ const BLOCKS_AHEAD: usize = 2;
 const READ: &str = "read the ledger";
 
 /// Position of the reading in a chain.
-struct Chain {
+struct ChainPosition {
     recipient: Vec<u8>,
     /// The least number that the next entry may have; `None` at the end.
     next: Option<i64>,
@@ -97,24 +97,24 @@ async fn read(
     Ok(())
 }
 
-async fn chains(connection: &mut SqliteConnection) -> Result<Vec<Chain>, StoreError> {
+async fn chains(connection: &mut SqliteConnection) -> Result<Vec<ChainPosition>, StoreError> {
     // From recipient to recipient by the primary key: a DISTINCT would read every entry, and so
     // would an order by the new name, which is that of the bytes.
     let sql = "SELECT CAST(recipient AS BLOB) AS recipient FROM ledger_entry
                WHERE ?1 IS NULL OR ledger_entry.recipient > CAST(?1 AS TEXT)
                ORDER BY ledger_entry.recipient LIMIT 1";
-    let mut chains: Vec<Chain> = Vec::new();
+    let mut chains: Vec<ChainPosition> = Vec::new();
     loop {
         let query = query(sql).bind(chains.last().map(|chain| chain.recipient.clone()));
         let found = optional(connection, query, READ, |row| row.column("recipient")).await?;
         let Some(recipient) = found else { return Ok(chains) };
-        chains.push(Chain { recipient, next: Some(i64::MIN), report: i64::MIN });
+        chains.push(ChainPosition { recipient, next: Some(i64::MIN), report: i64::MIN });
     }
 }
 
 async fn entries(
     connection: &mut SqliteConnection,
-    chain: &Chain,
+    chain: &ChainPosition,
 ) -> Result<Vec<StoredEntry>, StoreError> {
     let sql = "SELECT number, recorded_at, report_id, CAST(content AS BLOB) AS content, hash
                FROM ledger_entry

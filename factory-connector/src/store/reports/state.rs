@@ -5,7 +5,7 @@ use crate::store::names::Named;
 /// State of a report from its making to the platform's receipt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ReportState {
-    /// Not sent yet, or to be sent again.
+    /// Unsent, or to be sent again.
     Waiting,
     /// Accepted by the broker, without a receipt of the platform yet.
     Sent,

@@ -105,7 +105,7 @@ pub enum Action {
         /// The field's request.
         dynamic_data_request_id: DynamicDataRequestId,
         field_name: FieldName,
-        /// As plain JSON; 64-bit integers may be texts.
+        /// Value in plain JSON; 64-bit integers may be texts.
         #[schema(value_type = asi_model::openapi::PlainValue)]
         value: serde_json::Value,
     },

@@ -51,7 +51,7 @@ pub fn past_offer(state: &ConnectorState, past: &Past) -> Option<PastOffer> {
     }
     let newest = offered.len().saturating_sub(NEWEST_MAX);
     let newest = offered[newest..].iter().map(|report| report.id).collect();
-    offered.sort_by_key(|report| place(report));
+    offered.sort_by_key(|report| report_number(report));
     Some(PastOffer {
         parts,
         ranges: ranges(&offered),
@@ -91,7 +91,7 @@ fn part(state: &ConnectorState, past: &Past, report: &PastReport) -> PastPart {
     }
 }
 
-const fn place(report: &PastReport) -> (u16, u32, u32) {
+const fn report_number(report: &PastReport) -> (u16, u32, u32) {
     (report.data_set_writer_id, report.epoch, report.sequence)
 }
 

@@ -89,7 +89,7 @@ pub(super) fn receipt(
 }
 
 /// Sends the recipients of each data set what the receipt says about it, signed.
-pub(super) fn tell_partners(
+pub(super) fn notify_partners(
     state: &mut ConnectorState,
     changes: &mut ChangeSet,
     receipt: &RevocationReceipt,

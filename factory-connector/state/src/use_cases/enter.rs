@@ -24,7 +24,7 @@ pub enum EntryOutcome {
     Taken(Vec<(FieldKey, GateOutcome)>),
     /// Stored before under the same id.
     Repeated,
-    /// Not stored, and never accepted later.
+    /// Refused for good: it is not stored.
     Refused(EntryFault),
 }
 

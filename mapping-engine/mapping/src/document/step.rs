@@ -53,7 +53,7 @@ step! {
     Convert = "convert",
     /// `value * factor / divisor + offset`.
     Scale = "scale",
-    /// From one unit of measurement to another.
+    /// Conversion of one unit of measurement to another.
     UnitConversion = "unitConversion",
     /// Increase of a counter since its last value.
     Increment = "increment",
@@ -71,9 +71,9 @@ step! {
     Rate = "rate",
     /// An aggregate over the last values or the last span of time.
     Window = "window",
-    /// From values to values by a table.
+    /// Conversion of values to values by a table.
     Lookup = "lookup",
-    /// From the numbers of an enumeration to texts.
+    /// Conversion of the numbers of an enumeration to texts.
     Enumeration = "enumeration",
     /// One bit of an integer.
     Bit = "bit",

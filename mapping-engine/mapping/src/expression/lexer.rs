@@ -1,4 +1,4 @@
-//! From text to tokens, each with its column.
+//! Lexer from text to tokens, each with its column.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! From tokens to a tree, by recursive descent with a bound on depth.
+//! Parser from tokens to a tree, by recursive descent with a bound on depth.
 
 use super::{
     EXPRESSION_DEPTH_MAX, Expr, Name, Operator, SyntaxError, Value,

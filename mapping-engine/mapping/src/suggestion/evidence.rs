@@ -20,7 +20,7 @@ pub struct Reason {
     pub kind: ReasonKind,
     /// Its weight; negative where it speaks against.
     pub points: i8,
-    /// In a sentence.
+    /// Sentence for the engineer.
     pub text: String,
 }
 
@@ -145,7 +145,7 @@ impl Evidence {
     }
 
     /// Compares asset and names above the variable: up to 23 points.
-    pub fn place(&mut self, requested: &RequestedField, variable: &KnownVariable) {
+    pub fn surroundings(&mut self, requested: &RequestedField, variable: &KnownVariable) {
         if let Some(asset) = &requested.asset
             && (variable.path.iter().any(|name| name.eq_ignore_ascii_case(asset))
                 || variable.source_id.as_str().eq_ignore_ascii_case(asset))

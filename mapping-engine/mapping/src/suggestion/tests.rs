@@ -52,7 +52,7 @@ fn plant() -> Vec<KnownVariable> {
 }
 
 fn best(field: &RequestedField, past: &[PastDecision]) -> Vec<String> {
-    suggest(field, &plant(), past, 3).into_iter().map(|suggestion| suggestion.place).collect()
+    suggest(field, &plant(), past, 3).into_iter().map(|suggestion| suggestion.path).collect()
 }
 
 #[test]

@@ -13,15 +13,15 @@ use crate::{
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Pattern {
     /// Tokens before and after the value.
-    before: Vec<Token>,
-    after: Vec<Token>,
+    before: Vec<PatternPart>,
+    after: Vec<PatternPart>,
     to: BuiltInType,
     radix: Option<u32>,
     decimal_comma: bool,
 }
 
 #[derive(Debug, Clone, PartialEq)]
-enum Token {
+enum PatternPart {
     Text(Box<str>),
     Any,
 }
@@ -82,15 +82,15 @@ impl Pattern {
         let rest = &text[start..];
         match self.after.as_slice() {
             [] => Some(rest),
-            [Token::Any] => Some(rest.split_whitespace().next().unwrap_or("")),
-            [Token::Text(first), ..] => {
+            [PatternPart::Any] => Some(rest.split_whitespace().next().unwrap_or("")),
+            [PatternPart::Text(first), ..] => {
                 // The shortest value whose remainder matches.
                 rest.match_indices(&**first)
                     .map(|(at, _)| at)
                     .find(|at| matches_all(&self.after, &rest[*at..]))
                     .map(|at| &rest[..at])
             }
-            [Token::Any, later @ ..] => {
+            [PatternPart::Any, later @ ..] => {
                 let value = rest.split_whitespace().next().unwrap_or("");
                 let end = rest.find(value).unwrap_or(0) + value.len();
                 matches_any_tail(later, &rest[end..]).then_some(value)
@@ -99,27 +99,27 @@ impl Pattern {
     }
 }
 
-fn tokens(text: &str) -> Vec<Token> {
+fn tokens(text: &str) -> Vec<PatternPart> {
     let mut tokens = Vec::new();
     for (index, part) in text.split('*').enumerate() {
-        if index > 0 && tokens.last() != Some(&Token::Any) {
-            tokens.push(Token::Any);
+        if index > 0 && tokens.last() != Some(&PatternPart::Any) {
+            tokens.push(PatternPart::Any);
         }
         if !part.is_empty() {
-            tokens.push(Token::Text(part.into()));
+            tokens.push(PatternPart::Text(part.into()));
         }
     }
     tokens
 }
 
 /// Returns the offset after these tokens, in bytes; `*` takes as little as possible.
-fn match_prefix(tokens: &[Token], text: &str) -> Option<usize> {
+fn match_prefix(tokens: &[PatternPart], text: &str) -> Option<usize> {
     let mut at = 0;
     let mut any = false;
     for token in tokens {
         match token {
-            Token::Any => any = true,
-            Token::Text(part) => {
+            PatternPart::Any => any = true,
+            PatternPart::Text(part) => {
                 let found = text[at..].find(&**part)?;
                 if found > 0 && !any {
                     return None;
@@ -132,23 +132,23 @@ fn match_prefix(tokens: &[Token], text: &str) -> Option<usize> {
     Some(at)
 }
 
-fn matches_all(tokens: &[Token], text: &str) -> bool {
+fn matches_all(tokens: &[PatternPart], text: &str) -> bool {
     match tokens {
         [] => text.is_empty(),
-        [Token::Text(part), rest @ ..] => {
+        [PatternPart::Text(part), rest @ ..] => {
             text.strip_prefix(&**part).is_some_and(|text| matches_all(rest, text))
         }
-        [Token::Any, rest @ ..] => matches_any_tail(rest, text),
+        [PatternPart::Any, rest @ ..] => matches_any_tail(rest, text),
     }
 }
 
 /// Greedy matching with leftmost finds is exact for patterns whose only wildcard is `*`.
-fn matches_any_tail(tokens: &[Token], text: &str) -> bool {
+fn matches_any_tail(tokens: &[PatternPart], text: &str) -> bool {
     match tokens {
         [] => true,
-        [Token::Any, rest @ ..] => matches_any_tail(rest, text),
-        [Token::Text(part)] => text.ends_with(&**part),
-        [Token::Text(part), rest @ ..] => {
+        [PatternPart::Any, rest @ ..] => matches_any_tail(rest, text),
+        [PatternPart::Text(part)] => text.ends_with(&**part),
+        [PatternPart::Text(part), rest @ ..] => {
             text.find(&**part).is_some_and(|at| matches_all(rest, &text[at + part.len()..]))
         }
     }

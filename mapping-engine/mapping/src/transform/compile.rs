@@ -1,4 +1,4 @@
-//! From a mapping to its plan, with everything that is wrong or doubtful about it.
+//! Compiler from a mapping to its plan, with everything that is wrong or doubtful about it.
 
 mod steps;
 mod types;
@@ -207,7 +207,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// Only a constant or a script makes something of nothing.
+    /// Checks and adds a step. A constant or a script alone makes something of nothing.
     fn step(
         &mut self,
         pointer: &str,

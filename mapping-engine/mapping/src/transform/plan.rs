@@ -39,7 +39,7 @@ pub(crate) struct PlannedInput {
     /// The first function that uses it; `None`: nothing does.
     pub entry: Option<usize>,
     pub triggers: bool,
-    /// Nothing is said before it has a value, and its status counts.
+    /// True where nothing is said before it has a value, and its status counts.
     pub is_required: bool,
     /// Enters at a `merge` that picks one of its inputs.
     pub is_picked: bool,
@@ -79,7 +79,8 @@ pub(crate) struct ScaleBy {
     pub offset: Number,
 }
 
-/// From unit to unit; on integers `value * multiply / divide` where that says the same exactly.
+/// Conversion from unit to unit; on integers `value * multiply / divide` where that says the same
+/// exactly.
 #[derive(Debug)]
 pub(crate) struct UnitFactor {
     pub from: EngineeringUnit,

@@ -46,17 +46,17 @@ pub(super) fn push(
         Err(fault) => return Applied::Fail(fault, meta),
     };
     let sample = Sample { at: meta.source_timestamp.unwrap_or(now), value, status: meta.status };
-    let place = window
+    let position = window
         .samples
         .iter()
         .rposition(|other| other.at <= sample.at)
         .map_or(0, |before| before + 1);
     // Only the newest sample sets the time of the window; a late one says nothing about the
     // present.
-    if place == window.samples.len() {
+    if position == window.samples.len() {
         window.received_at = now;
     }
-    window.samples.insert(place, sample);
+    window.samples.insert(position, sample);
     let keep = match span {
         Span::Samples(count) => count.min(SAMPLES_MAX),
         Span::Time(_) => SAMPLES_MAX,

@@ -28,7 +28,7 @@ pub(super) struct Watchdog {
 }
 
 struct Shared {
-    state: Mutex<State>,
+    state: Mutex<WatchdogState>,
     /// Wakes the watching thread when there is something to watch.
     busy: Condvar,
     /// Odd while a script is at work; each call has its own number.
@@ -36,7 +36,7 @@ struct Shared {
     overrun: Duration,
 }
 
-struct State {
+struct WatchdogState {
     output: File,
     results: Vec<CallResult>,
     loading: Option<ScriptId>,
@@ -46,7 +46,7 @@ struct State {
 impl Watchdog {
     /// Starts the watching thread; `output` carries all messages of the worker.
     pub fn start(output: File, limits: &ScriptLimits) -> io::Result<Self> {
-        let state = State { output, results: Vec::new(), loading: None, is_busy: false };
+        let state = WatchdogState { output, results: Vec::new(), loading: None, is_busy: false };
         let shared = Arc::new(Shared {
             state: Mutex::new(state),
             busy: Condvar::new(),
@@ -106,7 +106,7 @@ impl Watchdog {
 }
 
 impl Shared {
-    fn lock(&self) -> MutexGuard<'_, State> {
+    fn lock(&self) -> MutexGuard<'_, WatchdogState> {
         // A panic under the lock ends the process; the state is never half-written.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -67,7 +67,7 @@ impl Core {
             return;
         };
         // The fault that opened the breaker has been yielded already.
-        if script.breaker.admit(now) == Admission::Resting {
+        if script.breaker.admit(now) == Admission::Open {
             running.superseded += 1;
             return;
         }
@@ -136,13 +136,13 @@ impl Core {
         let ScriptOutcome { result, state, spent, is_fatal } = outcome;
         running.spent += spent;
         let Some(script) = running.scripts.get_mut(index) else { return };
-        let rests = match &result {
+        let opens = match &result {
             Ok(_) => {
                 script.breaker.succeeded();
                 false
             }
             Err(_) if is_fatal => {
-                script.breaker.open(now, config.rest());
+                script.breaker.open(now, config.first_backoff());
                 true
             }
             Err(fault)
@@ -151,18 +151,18 @@ impl Core {
                     FaultKind::ScriptTimeout | FaultKind::ScriptOutOfMemory
                 ) =>
             {
-                script.breaker.exhausted(now, config.exhausted_in_a_row_max, config.rest())
+                script.breaker.exhausted(now, config.exhausted_in_a_row_max, config.first_backoff())
             }
             Err(_) => {
                 script.breaker.failed();
                 false
             }
         };
-        if rests {
+        if opens {
             metrics::counter!("mapping_engine_scripts_rested_total").increment(1);
             tracing::warn!(
                 mapping.id = running.mapping.mapping_id.as_str(),
-                "A script rests because it did not keep to its budget."
+                "The circuit of a script was opened: it did not keep to its budget."
             );
             if let Some(queue) = self.queues.get_mut(script.worker) {
                 running.superseded += queue.drop_waiting(script.id) as u64;

@@ -26,7 +26,7 @@ pub(super) struct Addresses {
     profile: BrokerProfile,
     tasks: JoinSet<()>,
     states: HashMap<LogicalAddress, AddressState>,
-    in_flight: HashMap<RowId, InFlight>,
+    in_flight: HashMap<RowId, AddressInFlight>,
     /// Most rows in flight per address.
     window: usize,
     /// First back-off; doubles with each failure in a row.
@@ -45,7 +45,7 @@ struct AddressState {
 }
 
 /// A row that was sent and has no outcome yet.
-struct InFlight {
+struct AddressInFlight {
     address: LogicalAddress,
     /// Number of earlier rejections.
     attempts: u32,
@@ -122,7 +122,7 @@ impl Addresses {
         };
         if is_sent {
             state.in_flight += 1;
-            self.in_flight.insert(id, InFlight { address, attempts });
+            self.in_flight.insert(id, AddressInFlight { address, attempts });
         } else {
             state.has_skipped |= !is_volatile;
         }
@@ -131,7 +131,7 @@ impl Addresses {
 
     /// Takes a row out of flight; none when it was not in flight.
     pub(super) fn settle(&mut self, id: RowId) -> Option<Settled> {
-        let InFlight { address, attempts } = self.in_flight.remove(&id)?;
+        let AddressInFlight { address, attempts } = self.in_flight.remove(&id)?;
         let mut needs_rewind = false;
         if let Some(state) = self.states.get_mut(&address) {
             state.in_flight = state.in_flight.saturating_sub(1);

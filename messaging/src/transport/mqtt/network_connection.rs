@@ -43,7 +43,7 @@ type PacketStream = Framed<Box<dyn Stream>, PacketCodec>;
 /// Handle of a network connection for publishers and subscribers.
 pub(super) struct NetworkConnection {
     packets: mpsc::Sender<Packet>,
-    state: Arc<Mutex<State>>,
+    state: Arc<Mutex<ConnectionState>>,
     has_subscriber: Arc<Notify>,
     /// Send quota: messages that the broker accepts unacknowledged (MQTT 5 §4.9).
     send_quota: Arc<Semaphore>,
@@ -56,7 +56,7 @@ pub(super) struct NetworkConnection {
 }
 
 #[derive(Default)]
-struct State {
+struct ConnectionState {
     is_lost: bool,
     last_id: u16,
     /// Publishes without an acknowledgement, by packet identifier.
@@ -69,7 +69,7 @@ struct State {
     unclaimed: VecDeque<Publish>,
 }
 
-impl State {
+impl ConnectionState {
     /// Returns a packet identifier that is not in use.
     fn next_id(&mut self) -> u16 {
         loop {
@@ -96,7 +96,7 @@ impl NetworkConnection {
         let (sink, stream) = packets.split();
         let (packets, waiting) = mpsc::channel(PACKETS_BUFFERED);
         let (lost, loss) = watch::channel(None);
-        let state = Arc::new(Mutex::new(State::default()));
+        let state = Arc::new(Mutex::new(ConnectionState::default()));
         let stop = CancellationToken::new();
         let send_quota = granted.receive_max.unwrap_or(RECEIVE_MAX_DEFAULT);
         // Zero turns off the broker's keep-alive (MQTT 5 §3.2.2.3.14), not that of this side.
@@ -105,7 +105,7 @@ impl NetworkConnection {
             .map_or(limits.idle_timeout, |seconds| Duration::from_secs(u64::from(seconds)));
         let receive_max = limits.credit.clamp(1, u32::from(u16::MAX)) as usize;
         let has_subscriber = Arc::new(Notify::new());
-        let reader = Reader {
+        let reader = PacketReader {
             state: Arc::clone(&state),
             has_subscriber: Arc::clone(&has_subscriber),
             receive_max,
@@ -219,7 +219,7 @@ async fn run(
     sink: SplitSink<PacketStream, Packet>,
     stream: SplitStream<PacketStream>,
     waiting: mpsc::Receiver<Packet>,
-    reader: Reader,
+    reader: PacketReader,
     lost: watch::Sender<Option<ConnectionFault>>,
     stop: CancellationToken,
 ) {
@@ -230,7 +230,7 @@ async fn run(
     {
         // All awaited answers resolve now, as errors.
         let mut state = reader.state.lock();
-        *state = State { is_lost: true, ..State::default() };
+        *state = ConnectionState { is_lost: true, ..ConnectionState::default() };
     }
     lost.send_replace(Some(fault));
 }
@@ -273,14 +273,14 @@ async fn write(
 }
 
 /// The reading half of a connection.
-struct Reader {
-    state: Arc<Mutex<State>>,
+struct PacketReader {
+    state: Arc<Mutex<ConnectionState>>,
     has_subscriber: Arc<Notify>,
     receive_max: usize,
     keep_alive: Duration,
 }
 
-impl Reader {
+impl PacketReader {
     async fn read(&self, mut stream: SplitStream<PacketStream>) -> ConnectionFault {
         loop {
             // The writer's pings make the broker answer in time, unless it is gone.

@@ -60,7 +60,7 @@ impl PastReleaseCollector {
         for release in self.0 {
             unit.work.past_releases().widen(&release).await?;
             unit.effects.networks.insert(release.operation_network_id.clone());
-            tell_recipient(unit, &release).await?;
+            notify_recipient(unit, &release).await?;
         }
         Ok(())
     }
@@ -96,7 +96,7 @@ async fn is_of_request(
 }
 
 /// Sends open pages of the recipient the current values that came in the reports.
-async fn tell_recipient(
+async fn notify_recipient(
     unit: &mut IngestUnit<'_>,
     release: &PastRelease,
 ) -> Result<(), StoreError> {

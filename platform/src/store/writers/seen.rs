@@ -23,7 +23,7 @@ pub struct SeenWriter {
 
 /// Reports of a writer that were released to a viewer.
 #[derive(Debug, Clone, Copy)]
-struct Released {
+struct SeenRange {
     first: u32,
     through: u32,
     /// True for a recipient in effect, to whom the factory consented.
@@ -65,7 +65,7 @@ impl Writers<'_> {
         &mut self,
         scope: &Scope,
         factory: &FactoryId,
-    ) -> Result<Vec<(WriterRow, Option<Released>)>, StoreError> {
+    ) -> Result<Vec<(WriterRow, Option<SeenRange>)>, StoreError> {
         let sql = "SELECT w.* FROM data_set_writer w JOIN factory f ON f.factory_id = w.factory_id
                    WHERE w.factory_id = $2 AND (CAST($1 AS TEXT) IS NULL OR f.organisation_id = $1)
                    ORDER BY w.data_set_writer_id, w.epoch";
@@ -83,7 +83,7 @@ impl Writers<'_> {
         &mut self,
         scope: &Scope,
         factory: &FactoryId,
-    ) -> Result<Vec<(WriterRow, Option<Released>)>, StoreError> {
+    ) -> Result<Vec<(WriterRow, Option<SeenRange>)>, StoreError> {
         let sql = "SELECT w.factory_id, w.data_set_writer_id, w.epoch, w.through_sequence, w.missing, w.duplicates,
                        w.last_keep_alive_at, w.needs_receipt, s.first_sequence AS released_first,
                        s.through_sequence AS released_through, s.received, s.last_report_at,
@@ -107,10 +107,10 @@ impl Writers<'_> {
             .fetch_all(&mut *self.0)
             .await
             .map_err(StoreError::during("list writers of recipients"))?;
-        let mut writers: Vec<(WriterRow, Option<Released>)> = Vec::with_capacity(rows.len());
+        let mut writers: Vec<(WriterRow, Option<SeenRange>)> = Vec::with_capacity(rows.len());
         for row in &rows {
             let mut writer = read(row)?;
-            let mut released = Released {
+            let mut released = SeenRange {
                 first: row.unsigned("released_first")?,
                 through: row.unsigned("released_through")?,
                 is_recipient: row.unsigned::<u8>("is_recipient")? != 0,
@@ -135,7 +135,7 @@ impl Writers<'_> {
     }
 }
 
-impl Released {
+impl SeenRange {
     /// Returns the lowest number that the viewer may know of.
     const fn floor(&self) -> u32 {
         if self.is_recipient && !self.has_past { 0 } else { self.first }

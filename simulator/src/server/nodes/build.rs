@@ -1,4 +1,4 @@
-//! From the nodes of a blueprint to those of an address space.
+//! Conversion of a blueprint's nodes to those of an address space.
 
 use std::sync::Arc;
 

@@ -100,7 +100,7 @@ pub(super) async fn rubbish(world: &World, cast: &Cast) -> anyhow::Result<String
     Ok(codes.join(", "))
 }
 
-/// With the platform stopped, a foreign client has its part: it sends a request and reads
+/// Puts a foreign client in the part of the stopped platform: it sends a request and reads
 /// acknowledgement and reports. What it took away from the platform is sent again later, since the
 /// platform never receipted it.
 pub(super) async fn in_the_platforms_place(world: &World) -> anyhow::Result<String> {

@@ -16,7 +16,7 @@ use crate::{
 pub(super) struct DataSetMessageEncoder<'e> {
     values: Encoder<'e>,
     encoding: Encoding,
-    /// In payload order; empty where the metadata is not known.
+    /// Fields in payload order; empty where the metadata is not known.
     fields: &'e [FieldMetaData],
 }
 

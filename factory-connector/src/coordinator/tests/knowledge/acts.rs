@@ -21,7 +21,7 @@ pub(super) struct Coming {
     pub(super) is_of_other_type: bool,
 }
 
-/// Something that happens.
+/// Event of a history.
 #[derive(Debug, Clone)]
 pub(super) enum Act {
     /// Values that come together. In the other plant they come later by a part of this time, as far

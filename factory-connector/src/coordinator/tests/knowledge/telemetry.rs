@@ -113,38 +113,38 @@ struct Metric {
 }
 
 impl Metric {
-    fn tell(&self, change: impl fmt::Display) {
+    fn emit(&self, change: impl fmt::Display) {
         self.telemetry.0.lock().push(format!("metric {} {change}", self.key));
     }
 }
 
 impl CounterFn for Metric {
     fn increment(&self, value: u64) {
-        self.tell(format_args!("+{value}"));
+        self.emit(format_args!("+{value}"));
     }
 
     fn absolute(&self, value: u64) {
-        self.tell(value);
+        self.emit(value);
     }
 }
 
 impl GaugeFn for Metric {
     fn increment(&self, value: f64) {
-        self.tell(format_args!("+{value}"));
+        self.emit(format_args!("+{value}"));
     }
 
     fn decrement(&self, value: f64) {
-        self.tell(format_args!("-{value}"));
+        self.emit(format_args!("-{value}"));
     }
 
     fn set(&self, value: f64) {
-        self.tell(value);
+        self.emit(value);
     }
 }
 
 impl HistogramFn for Metric {
     fn record(&self, _: f64) {
         // Durations differ from run to run.
-        self.tell("a duration");
+        self.emit("a duration");
     }
 }

@@ -24,7 +24,7 @@ use crate::{
 /// Length of a run of values, in hours.
 const HOURS: i64 = 3;
 
-/// Something that an engineer or a partner's planner does.
+/// Act of an engineer or of a partner's planner.
 #[derive(Debug, Clone)]
 pub enum Act {
     Decide { field: usize, policy: usize, is_named: bool, variable: u32 },

@@ -47,7 +47,7 @@ impl Requested {
     }
 }
 
-/// Something that a planner changes.
+/// Change of a planner.
 #[derive(Debug, Clone)]
 pub enum Revision {
     /// Another purpose: the consents to all fields end.

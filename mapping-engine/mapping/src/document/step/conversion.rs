@@ -58,7 +58,7 @@ pub struct Scale {
     pub offset: Number,
 }
 
-/// From one unit of measurement to another of the same kind, by UNECE codes.
+/// Conversion of one unit of measurement to another of the same kind, by UNECE codes.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct UnitConversion {

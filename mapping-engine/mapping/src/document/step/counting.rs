@@ -45,10 +45,10 @@ pub struct Counter {
     /// Sum before the first value.
     #[serde(default = "zero")]
     pub start: Number,
-    /// As in `increment`.
+    /// Modulus as in `increment`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modulus: Option<Number>,
-    /// As in `increment`.
+    /// Treatment of a decrease as in `increment`.
     #[serde(default)]
     pub on_decrease: OnDecrease,
     /// An input that sets the sum back to `start` when it becomes true (or not zero).

@@ -6,7 +6,7 @@ use utoipa::ToSchema;
 
 use crate::document::Literal;
 
-/// From values to values by a table.
+/// Conversion of values to values by a table.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Lookup {
@@ -31,7 +31,7 @@ pub struct LookupEntry {
     pub to: Literal,
 }
 
-/// From the numbers of an enumeration to texts.
+/// Conversion of the numbers of an enumeration to texts.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Enumeration {
