@@ -7,7 +7,7 @@ use std::{
     process::Command,
 };
 
-use house_rules::{Finding, Package, PublicTypes};
+use house_rules::{DeclaredTypes, Finding, Package};
 use serde_json::Value;
 
 mod journeys;
@@ -106,6 +106,15 @@ fn licences_are_permissive_or_mpl() {
         })
         .collect();
     assert!(unfit.is_empty(), "licences to look at:\n{}", unfit.join("\n"));
+}
+
+#[test]
+fn cargo_deny_allows_the_same_licences() {
+    let rules = std::fs::read_to_string(root().join("deny.toml")).unwrap();
+    let rules: toml::Table = rules.parse().unwrap();
+    let allowed: BTreeSet<&str> =
+        rules["licenses"]["allow"].as_array().unwrap().iter().filter_map(|l| l.as_str()).collect();
+    assert_eq!(allowed, BTreeSet::from(LICENCES));
 }
 
 /// Crates that may name each heavy dependency, which enters at one place of the product. The tests
@@ -316,15 +325,15 @@ fn pages_scripts_and_documentation_speak_the_field_s_words() {
 }
 
 #[test]
-fn public_types_have_names_of_their_own() {
+fn types_have_names_of_their_own() {
     let folders = package_folders();
-    let types: Vec<PublicTypes> = std::thread::scope(|scope| {
-        let read = |folder: &str| PublicTypes::of(&Package::read_in(&root(), folder).unwrap());
+    let types: Vec<DeclaredTypes> = std::thread::scope(|scope| {
+        let read = |folder: &str| DeclaredTypes::of(&Package::read_in(&root(), folder).unwrap());
         let readers: Vec<_> =
             folders.iter().map(|folder| scope.spawn(move || read(folder))).collect();
         readers.into_iter().map(|reader| reader.join().unwrap()).collect()
     });
-    let of_product: Vec<PublicTypes> = types
+    let of_product: Vec<DeclaredTypes> = types
         .into_iter()
         .filter(|types| !tables::TEST_PACKAGES.contains(&types.package.as_str()))
         .collect();

@@ -21,7 +21,25 @@ const OPENING_WORDS: [&str; 12] = [
     "What", "Who", "Whose", "Whom", "How", "Where", "When", "Which", "Why", "Whether", "That", "If",
 ];
 /// First words that stand for a noun which the reader has to find elsewhere.
-const PRONOUNS: [&str; 4] = ["It", "They", "There", "So"];
+const PRONOUNS: [&str; 14] = [
+    "It",
+    "They",
+    "There",
+    "So",
+    "Those",
+    "These",
+    "This",
+    "Something",
+    "Someone",
+    "Nobody",
+    "Nothing",
+    "Not",
+    "Only",
+    "As",
+];
+/// Prepositions that no doc begins with, but that of a variant: "In the field" is one of several
+/// values of a noun that the type's doc has.
+const PREPOSITIONS_OF_VARIANTS: [&str; 6] = ["From", "Of", "For", "In", "To", "With"];
 /// Words before a relative clause: "Until when", "After how many".
 const PREPOSITIONS: [&str; 13] = [
     "About", "After", "At", "Before", "By", "For", "From", "In", "Of", "Since", "To", "Until",
@@ -44,7 +62,8 @@ pub(crate) fn check(package: &Package, graph: &ImportGraph) -> Vec<Finding> {
             let rule = Rule::MissingHeader;
             findings.push(Finding { file: file.path.clone(), line: 1, rule, text });
         }
-        let mut checker = Checker { file, findings, last: None, is_below_heading: false };
+        let mut checker =
+            Checker { file, findings, last: None, is_below_heading: false, is_in_variant: false };
         checker.visit_file(&file.syntax);
         findings = checker.findings;
         if file.role == Role::Library && !is_test {
@@ -62,6 +81,7 @@ struct Checker<'a> {
     last: Option<(usize, bool)>,
     /// True after a heading of that comment, until its first text.
     is_below_heading: bool,
+    is_in_variant: bool,
 }
 
 impl Checker<'_> {
@@ -84,9 +104,14 @@ impl Checker<'_> {
         // "# Errors: When ..." is the convention of the standard library.
         let is_condition = |word: &str| is_below_heading && matches!(word, "When" | "If");
         let is_relative = OPENING_WORDS.iter().any(|word| word.to_lowercase() == second);
+        // "# Errors: Those of the writer", "As `start`": the heading is the noun.
+        let is_reference = |word: &str| is_below_heading && matches!(word, "As" | "Those");
         let is_opening = |word: &&str| {
             OPENING_WORDS.contains(word) && !is_condition(word)
-                || PRONOUNS.contains(word)
+                || PRONOUNS.contains(word) && !is_reference(word)
+                || PREPOSITIONS_OF_VARIANTS.contains(word)
+                    && !self.is_in_variant
+                    && !is_below_heading
                 || PREPOSITIONS.contains(word) && is_relative
         };
         if let Some(word) = first.filter(is_opening) {
@@ -157,7 +182,11 @@ impl<'ast> Visit<'ast> for Checker<'_> {
         variant.fields.iter().for_each(|field| names.visit_type(&field.ty));
         names.visit_ident(&variant.ident);
         self.member(&variant.attrs, &names.0);
-        visit::visit_variant(self, variant);
+        // Members of a variant have docs of their own.
+        self.is_in_variant = true;
+        variant.attrs.iter().for_each(|attribute| self.visit_attribute(attribute));
+        self.is_in_variant = false;
+        self.visit_fields(&variant.fields);
     }
 }
 

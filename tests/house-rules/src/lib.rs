@@ -23,12 +23,13 @@ mod texts;
 mod type_names;
 mod types;
 mod walls;
+mod web_code;
 mod words;
 
 pub use finding::{Finding, Rule};
 pub use package::{Package, ReadError, Role, SourceFile};
 pub use texts::check_texts;
-pub use type_names::{PublicTypes, SharedName, check_type_names};
+pub use type_names::{DeclaredTypes, SharedName, check_type_names};
 pub use types::{Exemption, check_type_sizes};
 pub use walls::{Wall, check_walls};
 pub use words::{BANNED_NAMES, BANNED_WORDS, BannedWord};

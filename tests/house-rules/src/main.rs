@@ -8,7 +8,7 @@ use std::{
     process::ExitCode,
 };
 
-use house_rules::{Finding, Package, PublicTypes};
+use house_rules::{DeclaredTypes, Finding, Package};
 
 #[path = "../../it/house/tables.rs"]
 mod tables;
@@ -58,7 +58,7 @@ fn check_folder(
 fn check_below(
     folder: &Path,
     findings: &mut Vec<Finding>,
-    types: &mut Vec<PublicTypes>,
+    types: &mut Vec<DeclaredTypes>,
 ) -> Result<(), Box<dyn std::error::Error>> {
     if is_package(folder)? {
         let package = Package::read(folder)?;
@@ -68,7 +68,7 @@ fn check_below(
             findings.extend(house_rules::check_type_sizes(&package, tables::LARGE_TYPES));
         }
         if !tables::TEST_PACKAGES.contains(&package.name.as_str()) {
-            types.push(PublicTypes::of(&package));
+            types.push(DeclaredTypes::of(&package));
         }
     }
     let mut below: Vec<PathBuf> =

@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// Lines of a file, tests and comments included.
-const FILE_LINES_MAX: usize = 400;
+pub(crate) const FILE_LINES_MAX: usize = 400;
 /// Lines of a function from its signature to its last brace.
 const FUNCTION_LINES_MAX: usize = 80;
 
@@ -21,18 +21,23 @@ pub(crate) fn check(package: &Package) -> Vec<Finding> {
     for file in &package.files {
         let lines = file.text.lines().count();
         if lines > FILE_LINES_MAX {
-            findings.push(Finding {
-                file: file.path.clone(),
-                line: FILE_LINES_MAX + 1,
-                rule: Rule::FileLength,
-                text: format!("the file has {lines} lines, at most {FILE_LINES_MAX} are allowed"),
-            });
+            findings.push(too_long(&file.path, lines));
         }
         let mut checker = Checker { file, findings };
         checker.visit_file(&file.syntax);
         findings = checker.findings;
     }
     findings
+}
+
+/// Makes the finding of a file with so many lines.
+pub(crate) fn too_long(file: &str, lines: usize) -> Finding {
+    Finding {
+        file: file.to_owned(),
+        line: FILE_LINES_MAX + 1,
+        rule: Rule::FileLength,
+        text: format!("the file has {lines} lines, at most {FILE_LINES_MAX} are allowed"),
+    }
 }
 
 struct Checker<'a> {

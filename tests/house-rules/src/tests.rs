@@ -60,7 +60,8 @@ fn docs_begin_with_a_noun_or_a_verb() {
                   /// When it fails.\nfn c() {}\n// Why this is a comment of the code.\n\
                   /// what begins small.\nfn d() {}\n/// If\n/// it is.\nfn e() {}\n\
                   /// Until when it holds.\nfn f() {}\n/// Until then.\nfn g() {}\n\
-                  /// It fails.\nfn h() {}\n";
+                  /// It fails.\nfn h() {}\n/// Of the first.\nenum E {\n    /// Of the second.\n    \
+                  A,\n    /// Only one.\n    B,\n}\n/// Fails.\n///\n/// # Errors\n/// As `h`.\nfn i() {}\n";
     assert_eq!(
         found(Rule::OpeningWord, &[("src/lib.rs", source)]),
         [
@@ -69,6 +70,8 @@ fn docs_begin_with_a_noun_or_a_verb() {
             "src/lib.rs:16 begins with \"If\": begin with a noun or a verb of doing",
             "src/lib.rs:19 begins with \"Until\": begin with a noun or a verb of doing",
             "src/lib.rs:23 begins with \"It\": begin with a noun or a verb of doing",
+            "src/lib.rs:25 begins with \"Of\": begin with a noun or a verb of doing",
+            "src/lib.rs:29 begins with \"Only\": begin with a noun or a verb of doing",
         ]
     );
 }

@@ -1,13 +1,17 @@
-//! Vocabulary of sources that are no Rust: pages, scripts, SQL, manifests and documentation.
+//! Vocabulary of sources that are no Rust - pages, scripts, SQL, manifests and documentation -, and
+//! the length of programs among them.
 //!
 //! A line is read whole, with its texts: readers see those of pages, and few scripts have others.
+//! Words that are no names are looked for in the code of pages alone.
 
 use std::{fs, io, path::Path};
 
 use crate::{
     finding::Finding,
     package::{GENERATED, LEFT_OUT},
-    words::{API_PATHS, banned_in, without_names_of_rules},
+    size::{FILE_LINES_MAX, too_long},
+    web_code,
+    words::{API_PATHS, banned_in, names_in, without_names_of_rules},
 };
 
 /// Kind of a source, by what is written in it.
@@ -20,7 +24,7 @@ enum TextKind {
 }
 
 /// Banned words that an API has as names of members. A page cannot choose another word.
-const NAMES_OF_MEMBERS: [&str; 1] = ["grounds"];
+const NAMES_OF_MEMBERS: [&str; 3] = ["grounds", "resting", "standing"];
 /// Migrations that stores have run: a store refuses one whose checksum has changed since.
 const RUN_MIGRATIONS: [&str; 3] = [
     "factory-connector/migrations/0020_policies.sql",
@@ -76,20 +80,33 @@ pub(crate) fn check_text(path: &str, text: &str) -> Vec<Finding> {
     if is_generated {
         return Vec::new();
     }
+    let mut findings = Vec::new();
+    let lines = text.lines().count();
+    if is_program(path) && lines > FILE_LINES_MAX {
+        findings.push(too_long(path, lines));
+    }
     let excused: &[&str] = match kind {
         TextKind::Web => &NAMES_OF_MEMBERS,
         TextKind::Other => &[],
     };
-    let mut findings = Vec::new();
+    let code = if kind == TextKind::Web { web_code::lines(text) } else { Vec::new() };
     for (at, line) in text.lines().enumerate() {
         let mut line = without_names_of_rules(line);
         for path in API_PATHS {
             line = line.replace(path, "");
         }
-        let words = banned_in(&line).into_iter().filter(|word| !excused.contains(&word.word));
+        let names = code.get(at).map(|code| names_in(code)).unwrap_or_default();
+        let words = banned_in(&line).into_iter().chain(names);
+        let words = words.filter(|word| !excused.contains(&word.word));
         findings.extend(words.map(|word| word.finding(path, at + 1)));
     }
     findings
+}
+
+/// Returns true for programs, whose length is bounded; documentation and style sheets are read in parts.
+fn is_program(path: &str) -> bool {
+    let extension = path.rsplit_once('.').map(|(_, extension)| extension);
+    matches!(extension, Some("svelte" | "ts" | "js" | "py" | "sh"))
 }
 
 /// Returns the kind of a file to read, `None` for all others.

@@ -1,7 +1,8 @@
-//! Names of public types: one name stands for one thing wherever a reader can meet both.
+//! Names of types: one name stands for one thing wherever a reader can meet both.
 //!
-//! A package meets its own types and those of all packages that it depends on, also through others.
-//! Two packages that no third one meets, such as connector and platform, may use the same words.
+//! A package meets all types of its own, private ones as well, and the public ones of the packages
+//! that it depends on, also through others. Two packages that no third one meets, such as connector
+//! and platform, may use the same words.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,15 +15,15 @@ use crate::{
     package::{Package, Role},
 };
 
-/// A name that several public types may share, with the reason.
+/// A name that several types may share, with the reason.
 #[derive(Debug, Clone, Copy)]
 pub struct SharedName {
     pub name: &'static str,
     pub reason: &'static str,
 }
 
-/// The public types that the library of a package declares.
-pub struct PublicTypes {
+/// The types that the library of a package declares, outside of its tests.
+pub struct DeclaredTypes {
     pub package: String,
     dependencies: BTreeSet<String>,
     types: Vec<Declaration>,
@@ -32,9 +33,10 @@ struct Declaration {
     name: String,
     file: String,
     line: usize,
+    is_public: bool,
 }
 
-impl PublicTypes {
+impl DeclaredTypes {
     /// Collects the types of a package. Declarations in macros and blocks are not seen.
     #[must_use]
     pub fn of(package: &Package) -> Self {
@@ -48,14 +50,12 @@ impl PublicTypes {
                     Item::Type(item) => (&item.vis, &item.ident),
                     _ => continue,
                 };
-                if matches!(visibility, Visibility::Public(_)) {
-                    let line = name.span().start().line;
-                    types.push(Declaration {
-                        name: name.to_string(),
-                        file: file.path.clone(),
-                        line,
-                    });
-                }
+                types.push(Declaration {
+                    name: name.to_string(),
+                    file: file.path.clone(),
+                    line: name.span().start().line,
+                    is_public: matches!(visibility, Visibility::Public(_)),
+                });
             }
         }
         let dependencies = package.dependencies.clone();
@@ -63,12 +63,12 @@ impl PublicTypes {
     }
 }
 
-/// Reports each public type with the name of another one where a package can meet both, and each
-/// listed name that is not shared.
+/// Reports each type with the name of another one where a package can meet both, and each listed
+/// name that is not shared.
 #[must_use]
-pub fn check_type_names(packages: &[PublicTypes], shared: &[SharedName]) -> Vec<Finding> {
+pub fn check_type_names(packages: &[DeclaredTypes], shared: &[SharedName]) -> Vec<Finding> {
     let met = met_packages(packages);
-    let mut by_name: BTreeMap<&str, Vec<(&PublicTypes, &Declaration)>> = BTreeMap::new();
+    let mut by_name: BTreeMap<&str, Vec<(&DeclaredTypes, &Declaration)>> = BTreeMap::new();
     for package in packages {
         for declaration in &package.types {
             by_name.entry(&declaration.name).or_default().push((package, declaration));
@@ -79,11 +79,16 @@ pub fn check_type_names(packages: &[PublicTypes], shared: &[SharedName]) -> Vec<
     for (name, declarations) in by_name {
         for (package, declaration) in &declarations {
             let other = declarations.iter().find(|(other, second)| {
-                !std::ptr::eq(*second, *declaration)
-                    && met.values().any(|met| {
-                        met.contains(package.package.as_str())
-                            && met.contains(other.package.as_str())
-                    })
+                let meets = |met: &BTreeSet<&str>| {
+                    met.contains(package.package.as_str()) && met.contains(other.package.as_str())
+                };
+                let is_met = match (declaration.is_public, second.is_public) {
+                    (true, true) => met.values().any(meets),
+                    (true, false) => met.get(other.package.as_str()).is_some_and(meets),
+                    (false, true) => met.get(package.package.as_str()).is_some_and(meets),
+                    (false, false) => package.package == other.package,
+                };
+                !std::ptr::eq(*second, *declaration) && is_met
             });
             let Some((_, other)) = other else { continue };
             if !unused.remove(name) && !shared.iter().any(|shared| shared.name == name) {
@@ -107,7 +112,7 @@ pub fn check_type_names(packages: &[PublicTypes], shared: &[SharedName]) -> Vec<
 }
 
 /// Returns for each package itself and those that it depends on, directly or through others.
-fn met_packages(packages: &[PublicTypes]) -> BTreeMap<&str, BTreeSet<&str>> {
+fn met_packages(packages: &[DeclaredTypes]) -> BTreeMap<&str, BTreeSet<&str>> {
     let direct: BTreeMap<&str, &BTreeSet<String>> =
         packages.iter().map(|package| (package.package.as_str(), &package.dependencies)).collect();
     let mut met = BTreeMap::new();

@@ -74,8 +74,14 @@ pub const BANNED_WORDS: &[BannedWord] = &[
     banned("whoever", "the caller, any"),
 ];
 /// Words that are right in a sentence, and no names: a value has a noun of the field.
-pub const BANNED_NAMES: &[BannedWord] =
-    &[banned("knocked", "rejected"), banned("told", "what it is: sent, shown, answered, reported")];
+pub const BANNED_NAMES: &[BannedWord] = &[
+    banned("knocked", "rejected"),
+    banned("resting", "circuit open, backoff"),
+    banned("tell", "send, notify, publish"),
+    banned("told", "what it is: sent, shown, answered, reported"),
+];
+/// Identifiers that are no name alone, though fit beside a noun: a standing rule.
+const BANNED_ALONE: &[BannedWord] = &[banned("standing", "status")];
 /// A name that others rely on: stored files, or clients of an API, would not find a new one.
 struct FixedName {
     name: &'static str,
@@ -128,7 +134,7 @@ pub(crate) fn check(package: &Package) -> Vec<Finding> {
                 report(at + 1, banned_in(&without_names_of_rules(text)));
             }
             report(at + 1, banned_in(&without_fixed_names(&line.text, &file.path)));
-            report(at + 1, words_in(BANNED_NAMES, &line.code));
+            report(at + 1, names_in(&line.code));
         }
     }
     // A word may stand in the code and in a text of the same line.
@@ -162,6 +168,15 @@ pub(crate) fn without_names_of_rules(text: &str) -> String {
 /// Returns the banned words of a line, each once.
 pub(crate) fn banned_in(text: &str) -> Vec<&'static BannedWord> {
     words_in(BANNED_WORDS, text)
+}
+
+/// Returns the words of a line of code that are no names, each once.
+pub(crate) fn names_in(code: &str) -> Vec<&'static BannedWord> {
+    let mut found = words_in(BANNED_NAMES, code);
+    let identifiers = || code.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+    found
+        .extend(BANNED_ALONE.iter().filter(|banned| identifiers().any(|name| name == banned.word)));
+    found
 }
 
 fn words_in(words: &'static [BannedWord], text: &str) -> Vec<&'static BannedWord> {

@@ -17,7 +17,7 @@ const fn shared(name: &'static str, reason: &'static str) -> SharedName {
     SharedName { name, reason }
 }
 
-/// Names that several public types share although a package meets both.
+/// Names that several types share although a package meets both.
 pub const SHARED_NAMES: &[SharedName] = &[
     shared(
         "Enumeration",
@@ -95,6 +95,7 @@ pub fn walls() -> Vec<Wall> {
 
 /// Walls inside packages: the first module and those below it never import the second.
 const WALLS: &[Wall] = &[
+    wall("asi-model", "opcua_json", "pubsub", "values know no message"),
     wall("connector-state", "use_cases", "transaction", "a use case does not commit"),
     wall("factory-connector", "store", "api", "rows know no HTTP"),
     wall("factory-connector", "store", "coordinator", "rows know no task"),
@@ -107,6 +108,12 @@ const WALLS: &[Wall] = &[
     wall("factory-connector", "coordinator", "twin_adapter", "adapters stand on the coordinator"),
     wall("factory-connector", "config", "coordinator", "configuration lies below what reads it"),
     wall("factory-connector", "config", "service", "configuration lies below what reads it"),
+    wall("factory-connector", "api", "link_adapter", "pages and link know the coordinator alone"),
+    wall("factory-connector", "api", "twin_adapter", "pages and twin know the coordinator alone"),
+    wall("factory-connector", "api", "in_flight", "the coordinator and its link share it alone"),
+    wall("factory-connector", "api", "service", "HTTP is started by the program"),
+    wall("broker", "core", "handle", "the handle stands on the core"),
+    wall("broker", "queue", "handle", "queues know no caller"),
     wall("broker", "store", "link", "rows know no link"),
     wall("broker", "store", "connection", "rows know no connection"),
     wall("daemon", "configuration", "web", "configuration lies below what reads it"),
@@ -116,6 +123,9 @@ const WALLS: &[Wall] = &[
     wall("platform", "store", "api", "rows know no HTTP"),
     wall("platform", "ingest", "api", "messages know no HTTP"),
     wall("platform", "store", "ingest", "rows know no message"),
+    wall("platform", "networks", "api", "networks know no HTTP"),
+    wall("platform", "leases", "api", "leases know no HTTP"),
+    wall("platform", "live", "api", "events know no HTTP"),
     wall("shop-floor", "source", "service", "a session knows no command"),
     wall("twin", "asi", "security", "nodes know no certificates"),
     wall("twin", "events", "security", "the audit trail lies below what it reports about"),

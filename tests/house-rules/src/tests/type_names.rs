@@ -1,17 +1,17 @@
-//! Names that several public types share.
+//! Names that several types share.
 
 use std::collections::BTreeSet;
 
-use crate::{Package, PublicTypes, SharedName, check_type_names};
+use crate::{DeclaredTypes, Package, SharedName, check_type_names};
 
-fn types(name: &str, dependencies: &[&str], source: &str) -> PublicTypes {
+fn types(name: &str, dependencies: &[&str], source: &str) -> DeclaredTypes {
     let mut package = Package::from_sources(name, &[("src/lib.rs", source)]).unwrap();
     package.dependencies =
         dependencies.iter().map(|name| (*name).to_owned()).collect::<BTreeSet<_>>();
-    PublicTypes::of(&package)
+    DeclaredTypes::of(&package)
 }
 
-fn found(packages: &[PublicTypes], shared: &[SharedName]) -> Vec<String> {
+fn found(packages: &[DeclaredTypes], shared: &[SharedName]) -> Vec<String> {
     check_type_names(packages, shared).into_iter().map(|finding| finding.text).collect()
 }
 
@@ -34,6 +34,20 @@ fn a_name_is_shared_where_one_package_meets_both_types() {
         found(&[twice], &[]),
         ["`A` is another type in src/lib.rs:4", "`A` is another type in src/lib.rs:1"]
     );
+}
+
+#[test]
+fn a_private_type_shares_no_name_with_a_type_that_its_package_meets() {
+    let source = "struct Session; mod inner;";
+    let private = |dependencies| types("connector", dependencies, source);
+    let public = || types("floor", &[], "pub struct Session;");
+    assert_eq!(found(&[private(&[]), public()], &[]), [""; 0]);
+    assert_eq!(found(&[private(&["floor"]), public()], &[]).len(), 2);
+    // A private one of another package is not met.
+    let hidden = types("floor", &[], "struct Session;");
+    assert_eq!(found(&[private(&["floor"]), hidden], &[]), [""; 0]);
+    let twice = types("a", &[], "struct State;\npub(crate) enum State {}");
+    assert_eq!(found(&[twice], &[]).len(), 2);
 }
 
 #[test]

@@ -54,6 +54,15 @@ fn words_that_are_no_names_are_found_in_code_alone() {
 }
 
 #[test]
+fn a_name_may_have_a_word_that_is_none_alone() {
+    let source = "fn a(standing_rules: &StandingRules, standing: u8) {}\n";
+    assert_eq!(
+        found(Rule::BannedWord, &[("src/lib.rs", source)]),
+        ["src/lib.rs:1 \"standing\": say status"]
+    );
+}
+
+#[test]
 fn names_that_others_rely_on_stay_in_literals_of_their_files() {
     let source = "fn f() { \"SELECT outbox_id FROM outbox WHERE o.grounds\"; \"/x/trial\"; }";
     let in_store = ("platform/src/store/a.rs", source);
@@ -71,6 +80,12 @@ fn banned_words_are_found_in_texts_by_their_kind() {
         ("web/a.svelte", "<p>{remarks.value}</p>\n", vec!["remarks"]),
         ("web/a.ts", "// The desk.\nconst isTrial = true", vec!["desk", "trial"]),
         ("web/a.ts", "post(`${FIELD}/trial`, field.grounds)", vec![]),
+        ("web/a.ts", "// What it was told.\nconst told = 'told' /* tell */", vec!["told"]),
+        (
+            "web/a.svelte",
+            "{texts.tell}<!-- told --> {`told`} it's told\n{a.standing}",
+            vec!["tell"],
+        ),
         ("web/a.js", "const label = 'Somebody changed it.'", vec!["somebody"]),
         ("docs/a.md", "Three rooms, an outbox.", vec!["outbox", "rooms"]),
         ("docs/a.md", "There are grounds for it.", vec!["grounds"]),
@@ -87,6 +102,17 @@ fn banned_words_are_found_in_texts_by_their_kind() {
             findings.iter().map(|finding| finding.text.split('"').nth(1).unwrap()).collect();
         assert_eq!(found, words, "{path}: {text}");
     }
+}
+
+#[test]
+fn programs_have_so_many_lines_at_most() {
+    let length = |path: &str, lines: usize| check_text(path, &"x\n".repeat(lines)).len();
+    for path in ["web/a.ts", "web/a.svelte", "a.js", "a.py", "a.sh"] {
+        let found = [length(path, 400), length(path, 401)];
+        assert_eq!(found, [0, 1], "{path}");
+    }
+    assert_eq!(length("docs/a.md", 401), 0);
+    assert_eq!(check_text("a.ts", &format!("// @generated\n{}", "x\n".repeat(500))), []);
 }
 
 #[test]
