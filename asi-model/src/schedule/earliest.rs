@@ -53,6 +53,8 @@ impl<'g, 'n> Earliest<'g, 'n> {
         if earliest.conflicts.is_empty() {
             earliest.note_unsettled(&unsettled);
         }
+        // The conflicts are found. The times are shown without that beginning: an operation that
+        // nothing bounds has none.
         earliest.settle(None);
         earliest
     }
@@ -101,6 +103,7 @@ impl<'g, 'n> Earliest<'g, 'n> {
                     &mut self.lower_bounds[edge.from].start,
                 )
             };
+            // An operation that is late enough already needs no bound: so the passes end.
             // A plan does not give way; that it breaks the gap is found later.
             if planned.is_none() && found.is_none_or(|found| found < least) {
                 *lower_bound = (*lower_bound).max(Some(least));
@@ -170,7 +173,7 @@ impl<'g, 'n> Earliest<'g, 'n> {
         self.finish[at] = planned_end.or(earliest_finish);
     }
 
-    /// The least start and finish that floors, relations and conditions leave an operation.
+    /// The least start and finish that lower bounds, relations and conditions leave an operation.
     fn bounds(&self, at: usize) -> (Time, Time) {
         let LowerBound { mut start, mut finish } = self.lower_bounds[at];
         for &index in &self.graph.incoming[at] {
@@ -181,6 +184,7 @@ impl<'g, 'n> Earliest<'g, 'n> {
             let bound = from.map(|time| time.saturating_add(edge.minimum_gap));
             let target = if bounds_start { &mut start } else { &mut finish };
             *target = (*target).max(bound);
+            // A relation's conditions bound its successor, whichever ends it binds.
             for condition in &relation.condition_list {
                 let time = condition.time.map(DateTime::ticks);
                 match condition.condition_kind {

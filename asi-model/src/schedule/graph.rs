@@ -90,6 +90,7 @@ impl<'n> Graph<'n> {
             {
                 graph.incoming[to].push(graph.edges.len());
                 graph.outgoing[from].push(graph.edges.len());
+                // Of several the tightest: all have to hold.
                 let minimum_gap = gaps(relation, ConditionKind::MinimumGap)
                     .map(|(_, gap)| gap)
                     .max()
@@ -111,6 +112,7 @@ impl<'n> Graph<'n> {
 
     fn sort(&mut self) {
         let mut open: Vec<usize> = self.incoming.iter().map(Vec::len).collect();
+        // From the back, since the last one is taken first: of equals, those written first come first.
         let mut ready: Vec<usize> = (0..open.len()).rev().filter(|at| open[*at] == 0).collect();
         while let Some(at) = ready.pop() {
             self.order.push(at);

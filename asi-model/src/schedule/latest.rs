@@ -20,10 +20,13 @@ impl Latest {
         let end = earliest.finish.iter().flatten().max().copied();
         for &at in graph.order.iter().rev() {
             let (earliest_start, earliest_finish) = (earliest.start[at], earliest.finish[at]);
+            // Without an earliest time it is bound to nothing, and has no slack to tell.
             if earliest_start.is_none() && earliest_finish.is_none() {
                 continue;
             }
             let (start, mut finish) = latest.bounds(graph, at, end);
+            // The length that the earliest times gave it: relations may hold its ends further apart
+            // than its plan does.
             let duration = match (earliest_start, earliest_finish) {
                 (Some(start), Some(finish)) => finish.saturating_sub(start),
                 _ => graph.duration[at].unwrap_or(0),

@@ -283,8 +283,11 @@ impl Gate {
             if arrived_at.after(delay) > now {
                 break;
             }
+            // Of several whose delay is over the newest counts: one value is released, and the
+            // others are past.
             self.releasable = self.state.waiting.pop_front();
         }
+        // The partner has it already; a repetition would only show that a candidate came.
         if self.releasable.as_ref().is_some_and(|(_, value)| self.is_known(value)) {
             self.releasable = None;
         }

@@ -73,6 +73,7 @@ impl Cursor {
     /// several writers, and its older ones would arrive after newer ones that were sent already.
     pub(crate) fn begin(&mut self, last: RowId) {
         let open = std::mem::take(&mut self.open);
+        // The lanes go on with their turn: a connection that often breaks would starve the replay.
         let lanes = self.lanes.clone();
         *self = Self { open, lanes, ..Self::new(last, ReplayShare::default()) };
         self.newest.is_drained = self.open.values().any(|has_reports| *has_reports);
@@ -80,6 +81,7 @@ impl Cursor {
 
     /// Notes that rows were written.
     pub(crate) fn on_wake(&mut self) {
+        // What is written now has numbers beyond the watermark: the backlog has nothing new.
         self.control.is_drained = false;
         self.live.is_drained = false;
     }
@@ -160,6 +162,7 @@ impl Cursor {
 
     /// Takes the next row, with its lane when it has reports.
     fn choose(&mut self) -> Option<(SpoolRow, Option<NextLane>)> {
+        // Before any report: these are few, and the receiver judges reports by them.
         if let Some(row) = self.control.rows.pop_front() {
             return Some((row, None));
         }

@@ -150,6 +150,7 @@ fn take(
 ) -> Result<(), DecisionError> {
     request.reason = request.reason.filter(|reason| !reason.trim().is_empty());
     check(state, key, &request, now)?;
+    // Last of what can refuse: a share of a cap that was taken is not given back.
     admit(state, key, &request, &mut course.usage)?;
     let Some(field) = state.field(key) else { return Err(DecisionError::UnknownField) };
     let (was_mapped, writer, version) =
@@ -172,6 +173,7 @@ fn take(
         decision.basis = basis;
         decision.decided_by = Some(decided_by.clone());
         decision.decided_at = Some(now);
+        // Also for one that repeats the last: ledger and partner name each decision by its number.
         decision.version += 1;
         (decision.is_mapped(), decision.is_open_for(ValueSource::Mapping))
     });
@@ -182,7 +184,10 @@ fn take(
             revoked_by: Some(&decided_by),
             is_joint: course.is_joint,
         };
+        // The number of the consent that ends, not of the decision that ends it.
         consents::end(state, changes, key, version, ending);
+        // Reports that wait were made under that consent, and must not leave after the receipt that
+        // says what had left.
         changes.purge(writer, GapCause::Revoked);
     }
     if has_mapping {
@@ -191,6 +196,7 @@ fn take(
     dependencies::update(state, key, now);
     dependencies::notify(state, key, now);
     consents::record(state, changes, key, now);
+    // Any other field is in no data set, before or after.
     if was_mapped || is_mapped {
         changes.to_refresh.insert(writer, now);
     }
@@ -278,6 +284,8 @@ fn open(
     let is_other_source = field.decision().value_source != Some(value_source)
         || (value_source == ValueSource::Mapping
             && field.decision().mapping.as_deref() != mapping.as_deref());
+    // Waiting reports were made by the former policy and source. A wider policy lets all of them out,
+    // so they may leave; by any other they might say more than the person who decides has seen.
     if was_mapped && (is_other_source || !effective.allows_all_of(&policy_before)) {
         changes.purge_replaced(field.writer());
     }
@@ -294,6 +302,8 @@ fn open(
         decision.mapping = mapping.or_else(|| decision.mapping.take());
         decision.policy = policy;
     });
+    // A consent that goes on keeps its gate: a correction must not begin a fresh interval, by which
+    // the partner would get a value before its time.
     if !was_mapped {
         field.begin_consent(now);
     }
@@ -301,6 +311,7 @@ fn open(
     through_gate(state, id, now, |gate| gate.change_policy(effective, now));
     let Some(field) = state.fields.get(key) else { return };
     if value_source == ValueSource::Mapping {
+        // The engine runs an unchanged mapping already.
         let is_new = is_other_source || !was_mapped;
         changes.effects.engine.extend(field.publish_mapping().filter(|_| is_new));
     } else if had_mapping_source {
