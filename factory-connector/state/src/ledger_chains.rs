@@ -1,5 +1,7 @@
 //! Chains of the ledger as far as they are needed to append to them.
 
+use std::collections::BTreeSet;
+
 use asi_model::{DateTime, FactoryId, OrganisationId};
 use ledger::{Event, Heads, LedgerKey, Log, Logs, SequenceRange};
 
@@ -11,18 +13,22 @@ pub struct LedgerChains {
     factory_id: FactoryId,
     heads: Heads,
     logs: Logs,
+    /// Recipients of the logs of which the platform holds another history: every commit asks.
+    in_conflict: BTreeSet<OrganisationId>,
     /// Number and time of the last checkpoint.
     checkpoint: Option<(u64, DateTime)>,
 }
 
 impl LedgerChains {
-    pub(crate) const fn new(
+    pub(crate) fn new(
         factory_id: FactoryId,
         heads: Heads,
         logs: Logs,
         checkpoint: Option<(u64, DateTime)>,
     ) -> Self {
-        Self { factory_id, heads, logs, checkpoint }
+        let in_conflict = logs.iter().filter(|log| log.witnessing().conflict().is_some());
+        let in_conflict = in_conflict.map(|log| log.start().recipient.clone()).collect();
+        Self { factory_id, heads, logs, in_conflict, checkpoint }
     }
 
     /// Returns the heads of all chains.
@@ -45,7 +51,7 @@ impl LedgerChains {
     /// Returns whether the platform holds another history of any log: then nothing may leave.
     #[must_use]
     pub fn is_in_conflict(&self) -> bool {
-        self.logs().any(|log| log.witnessing().conflict().is_some())
+        !self.in_conflict.is_empty()
     }
 
     /// Returns whether a platform that has countersigned before has yet to answer about any log.
@@ -54,14 +60,32 @@ impl LedgerChains {
         self.logs().any(|log| log.witnessing().is_awaited())
     }
 
-    /// Returns the log of a recipient's chain, to be changed by the platform's answer.
-    pub(crate) fn log_mut(&mut self, recipient: &OrganisationId) -> Option<&mut Log> {
-        self.logs.get_mut(recipient)
+    /// Changes the log of a recipient's chain, for instance by the platform's answer, which may find
+    /// a conflict. `None` before its first entry.
+    pub(crate) fn change_log<T>(
+        &mut self,
+        recipient: &OrganisationId,
+        change: impl FnOnce(&mut Log) -> T,
+    ) -> Option<T> {
+        let log = self.logs.get_mut(recipient)?;
+        let changed = change(log);
+        let is_in_conflict = log.witnessing().conflict().is_some();
+        self.note_conflict(recipient.clone(), is_in_conflict);
+        Some(changed)
     }
 
     /// Puts a log in the place of the recipient's former one.
     pub(crate) fn put_log(&mut self, log: Log) {
+        self.note_conflict(log.start().recipient.clone(), log.witnessing().conflict().is_some());
         self.logs.insert(log);
+    }
+
+    fn note_conflict(&mut self, recipient: OrganisationId, is_in_conflict: bool) {
+        if is_in_conflict {
+            self.in_conflict.insert(recipient);
+        } else {
+            self.in_conflict.remove(&recipient);
+        }
     }
 
     /// Returns the log of a recipient's chain with a checkpoint: the last one, or else the first.
@@ -77,7 +101,8 @@ impl LedgerChains {
         Some(log.clone())
     }
 
-    /// Returns all logs, to sign their checkpoints.
+    /// Returns all logs, to sign their checkpoints; an answer of the platform goes through
+    /// [`Self::change_log`].
     pub(crate) fn logs_mut(&mut self) -> impl Iterator<Item = &mut Log> {
         self.logs.iter_mut()
     }

@@ -43,16 +43,18 @@ pub fn receive_answer(
     now: DateTime,
 ) -> (Option<HeldCheckpoint>, ChangeSet) {
     let mut changes = ChangeSet::default();
-    let Some(log) = state.ledger.log_mut(&answer.recipient_id) else { return (None, changes) };
-    match log.receive(answer, key, now) {
-        Ok(Answered::OtherSize(held)) => return (Some(held), changes),
-        Ok(answered) => note(log, answered, &mut changes),
-        Err(error) => changes.effects.log.push(LogRecord::WitnessNotUnderstood {
-            origin: log.start().origin(),
-            reason: error.to_string(),
-        }),
-    }
-    (None, changes)
+    let held = state.ledger.change_log(&answer.recipient_id, |log| {
+        match log.receive(answer, key, now) {
+            Ok(Answered::OtherSize(held)) => return Some(held),
+            Ok(answered) => note(log, answered, &mut changes),
+            Err(error) => changes.effects.log.push(LogRecord::WitnessNotUnderstood {
+                origin: log.start().origin(),
+                reason: error.to_string(),
+            }),
+        }
+        None
+    });
+    (held.flatten(), changes)
 }
 
 /// Compares a checkpoint that the platform holds with the leaves before it and those since; `None`
@@ -65,10 +67,11 @@ pub fn compare(
     now: DateTime,
 ) -> ChangeSet {
     let mut changes = ChangeSet::default();
-    if let Some(log) = state.ledger.log_mut(recipient) {
+    // Without the log there is nothing to compare.
+    let _: Option<()> = state.ledger.change_log(recipient, |log| {
         let answered = log.compare(held, leaves, now);
         note(log, answered, &mut changes);
-    }
+    });
     changes
 }
 
@@ -124,12 +127,15 @@ fn submit(
 ) -> ChangeSet {
     let mut changes = ChangeSet::default();
     for recipient_id in recipients {
-        let Some(log) = state.ledger.log_mut(&recipient_id) else { continue };
-        let Ok(verifier) = log.start().verifier(&key.public()) else { continue };
-        let request = log.submit(key, now);
+        let submitted = state.ledger.change_log(&recipient_id, |log| {
+            let verifier = log.start().verifier(&key.public()).ok()?;
+            let request = log.submit(key, now);
+            Some((verifier, request, log.clone()))
+        });
+        let Some((verifier, request, log)) = submitted.flatten() else { continue };
         let epoch = log.start().epoch;
         changes.writes.ledger.logs.push(log.clone());
-        changes.writes.ledger.witnessed.push(log.clone());
+        changes.writes.ledger.witnessed.push(log);
         let message = FactoryMessage::LedgerCheckpoint(LedgerCheckpoint {
             message_id: state.ids.next_message_id(),
             factory_id: state.config.factory_id.clone(),
