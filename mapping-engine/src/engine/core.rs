@@ -270,10 +270,10 @@ impl Core {
     ) {
         let (slot, input) = (subscriber.slot as usize, subscriber.input as usize);
         let Some(running) = self.inventory.get_mut(slot) else { return };
-        running.received += 1;
+        running.counters.received += 1;
         let reaction = running.transform.on(now, input, value, None);
         let ended = Instant::now();
-        running.spent += ended - std::mem::replace(begun, ended);
+        running.counters.spent += ended - std::mem::replace(begun, ended);
         self.react(slot, reaction, now);
     }
 
@@ -306,8 +306,8 @@ impl Core {
             Reaction::Quiet => {}
             Reaction::Candidate(value) => self.yielded(slot, value, now),
             Reaction::Failed(value, failed) => {
-                running.faults += 1;
-                running.last_fault =
+                running.counters.faults += 1;
+                running.counters.last_fault =
                     Some(Box::new(FaultRecord::new(now, failed.step, &failed.fault)));
                 self.yielded(slot, value, now);
             }
@@ -317,8 +317,8 @@ impl Core {
 
     fn yielded(&mut self, slot: usize, value: DataValue, now: DateTime) {
         let Some(running) = self.inventory.get_mut(slot) else { return };
-        running.yielded += 1;
-        running.last_yielded_at = Some(now);
+        running.counters.yielded += 1;
+        running.counters.last_yielded_at = Some(now);
         // A shadow mapping yields for its status only: nothing of it reaches the gate.
         if !running.is_shadow {
             self.pending.push(Candidate { target: running.target, value, state: None });

@@ -23,6 +23,14 @@ pub(super) struct RunningMapping {
     pub is_shadow: bool,
     /// Time of its next timer, by the local clock.
     pub scheduled: Option<DateTime>,
+    pub counters: MappingCounters,
+    /// The number of the batch of candidates that carried its state.
+    pub state_carried_in: u64,
+}
+
+/// Work of a mapping since it was published.
+#[derive(Debug, Default)]
+pub(super) struct MappingCounters {
     pub received: u64,
     pub yielded: u64,
     pub superseded: u64,
@@ -30,8 +38,6 @@ pub(super) struct RunningMapping {
     pub last_fault: Option<Box<FaultRecord>>,
     pub spent: Duration,
     pub last_yielded_at: Option<DateTime>,
-    /// The number of the batch of candidates that carried its state.
-    pub state_carried_in: u64,
 }
 
 /// A script as a step of a mapping.
@@ -62,13 +68,7 @@ impl RunningMapping {
             scripts,
             is_shadow,
             scheduled: None,
-            received: 0,
-            yielded: 0,
-            superseded: 0,
-            faults: 0,
-            last_fault: None,
-            spent: Duration::ZERO,
-            last_yielded_at: None,
+            counters: MappingCounters::default(),
             state_carried_in: 0,
         }
     }

@@ -97,17 +97,18 @@ impl MappingStatus {
         Self {
             mapping_id: mapping.mapping_id.clone(),
             target: mapping.target.clone(),
-            received: running.received,
-            yielded: running.yielded,
+            received: running.counters.received,
+            yielded: running.counters.yielded,
             late: transform.counters.late,
             repeated: transform.counters.repeated,
             clock_steps: transform.counters.clock_steps,
-            superseded: running.superseded,
-            faults: running.faults,
-            last_fault: running.last_fault.as_deref().cloned(),
-            spent_us: micros(running.spent),
-            last_yielded_at: running.last_yielded_at,
+            superseded: running.counters.superseded,
+            faults: running.counters.faults,
+            last_fault: running.counters.last_fault.as_deref().cloned(),
+            spent_us: micros(running.counters.spent),
+            last_yielded_at: running.counters.last_yielded_at,
             last_candidate: running
+                .counters
                 .last_yielded_at
                 .and_then(|_| transform.shown())
                 .as_ref()

@@ -88,9 +88,12 @@ impl MappingHealth {
         // says which was last.
         let is_good = transform.shown_status().is_none_or(StatusCode::is_good);
         let has_come_last = |at: DateTime| {
-            running.last_yielded_at.is_none_or(|yielded| at > yielded || at == yielded && !is_good)
+            running
+                .counters
+                .last_yielded_at
+                .is_none_or(|yielded| at > yielded || at == yielded && !is_good)
         };
-        if running.last_fault.as_ref().is_some_and(|fault| has_come_last(fault.at)) {
+        if running.counters.last_fault.as_ref().is_some_and(|fault| has_come_last(fault.at)) {
             return Self::Failing;
         }
         if inputs().any(|input| input.is_none()) {
@@ -131,7 +134,7 @@ impl MappingSurvey {
             }
         }
         let rank = |(health, running): &(MappingHealth, &RunningMapping)| {
-            (*health, Reverse(running.faults))
+            (*health, Reverse(running.counters.faults))
         };
         if found.len() > most {
             found.select_nth_unstable_by_key(most - 1, rank);

@@ -3,13 +3,13 @@
 
 mod address_sender;
 mod addresses;
+mod pauses;
 mod recorder;
 
 use std::{collections::HashSet, sync::Arc, time::Duration};
 
 use tokio::{
     sync::mpsc,
-    task::JoinHandle,
     time::{Instant, MissedTickBehavior, interval, sleep_until},
 };
 use tokio_util::sync::CancellationToken;
@@ -29,7 +29,8 @@ use crate::{
 };
 use address_sender::SenderEvent;
 use addresses::Addresses;
-use recorder::Recorder;
+use pauses::Pauses;
+use recorder::Recording;
 
 /// Volatile messages are numbered downwards from here, below the rows of the spool. Their outcomes
 /// are not recorded.
@@ -56,13 +57,9 @@ pub(super) struct Sender {
     cursor: Cursor,
     addresses: Addresses,
     events: mpsc::Receiver<SenderEvent>,
-    outcomes: mpsc::UnboundedSender<RowOutcome>,
-    recorded: mpsc::UnboundedReceiver<Vec<RowId>>,
-    recording: JoinHandle<()>,
+    recording: Recording,
     is_backlog_stale: bool,
-    paused_until: Option<Instant>,
-    /// Ends of back-offs and pauses: the spool is read again then.
-    retries: Vec<Instant>,
+    pauses: Pauses,
     last_volatile: RowId,
 }
 
@@ -76,8 +73,7 @@ impl Sender {
         stalls: mpsc::Sender<String>,
     ) -> Self {
         let (addresses, events) = Addresses::new(connection, Arc::clone(&store), profile, &limits);
-        let (recorder, outcomes, recorded) =
-            Recorder::new(Arc::clone(&store), Arc::clone(&context));
+        let recording = Recording::start(Arc::clone(&store), Arc::clone(&context));
         Self {
             store,
             context,
@@ -86,12 +82,9 @@ impl Sender {
             cursor: Cursor::new(RowId(0), limits.replay_share),
             addresses,
             events,
-            outcomes,
-            recorded,
-            recording: tokio::spawn(recorder.run()),
+            recording,
             is_backlog_stale: true,
-            paused_until: None,
-            retries: Vec::new(),
+            pauses: Pauses::default(),
             last_volatile: VOLATILE_FROM,
         }
     }
@@ -106,7 +99,7 @@ impl Sender {
         let mut batch = Vec::new();
         while !stop.is_cancelled() {
             self.fill().await;
-            let next_retry = self.retries.iter().min().copied();
+            let next_retry = self.pauses.next();
             tokio::select! {
                 () = stop.cancelled() => break,
                 _ = self.events.recv_many(&mut batch, EVENTS_MAX) => {
@@ -114,7 +107,7 @@ impl Sender {
                         self.on_event(event);
                     }
                 }
-                Some(ids) = self.recorded.recv() => {
+                Some(ids) = self.recording.recorded() => {
                     self.is_backlog_stale = true;
                     ids.into_iter().for_each(|id| self.cursor.close(id));
                 }
@@ -185,14 +178,12 @@ impl Sender {
     fn on_store_failed(&mut self, problem: &SpoolError) {
         error!(error = %problem, "The spool cannot be read.");
         self.context.report_obstacle("the spool", problem.to_string());
-        let retry = Instant::now() + STORE_RETRY;
-        self.paused_until = Some(retry);
-        self.retries.push(retry);
+        self.pauses.pause_until(Instant::now() + STORE_RETRY);
     }
 
     /// Sends as much as the window allows.
     async fn fill(&mut self) {
-        if self.paused_until.is_some_and(|until| until > Instant::now()) {
+        if self.pauses.is_paused(Instant::now()) {
             return;
         }
         let window = self.addresses.window();
@@ -202,7 +193,7 @@ impl Sender {
             if let Some((fetch, target)) = self.cursor.next_fetch() {
                 match self.store.fetch(fetch).await {
                     Ok(rows) => {
-                        if self.paused_until.take().is_some() {
+                        if self.pauses.end() {
                             self.context.clear_obstacle("the spool");
                         }
                         self.cursor.on_fetched(target, rows);
@@ -222,7 +213,7 @@ impl Sender {
         let is_volatile = is_volatile(id);
         if !is_volatile && row.envelope.is_expired(now) {
             count_sent("expired");
-            let _ = self.outcomes.send(RowOutcome { id, outcome: SendOutcome::Expired, at: now });
+            self.recording.put(RowOutcome { id, outcome: SendOutcome::Expired, at: now });
         } else if !self.addresses.send(row, is_volatile) {
             self.cursor.close(id);
         }
@@ -286,7 +277,7 @@ impl Sender {
             RejectionAction::Retry => {
                 warn!(%address, row = %id, code, reason, "The broker rejected a message. It is sent again.");
                 self.record(id, SendOutcome::Rejected(rejection));
-                self.retries.push(Instant::now() + self.limits.address_backoff);
+                self.pauses.retry_at(Instant::now() + self.limits.address_backoff);
             }
             RejectionAction::BackOffAddress => {
                 self.cursor.close(id);
@@ -297,7 +288,7 @@ impl Sender {
 
     fn record(&self, id: RowId, outcome: SendOutcome) {
         if !is_volatile(id) {
-            let _ = self.outcomes.send(RowOutcome { id, outcome, at: clock::now() });
+            self.recording.put(RowOutcome { id, outcome, at: clock::now() });
         }
     }
 
@@ -335,7 +326,7 @@ impl Sender {
     fn back_off(&mut self, address: &LogicalAddress, reason: String) {
         let now = Instant::now();
         let Some(pause) = self.addresses.back_off(address, now) else { return };
-        self.retries.push(now + pause);
+        self.pauses.retry_at(now + pause);
         let pause_ms = pause.as_millis();
         warn!(%address, reason, pause_ms, "Sending to an address fails and is paused.");
         self.context.report_obstacle(&format!("sending to {address}"), reason);
@@ -344,7 +335,7 @@ impl Sender {
     /// Ends back-offs and pauses that are over, and reads again what was skipped meanwhile.
     fn retry(&mut self) {
         let now = Instant::now();
-        self.retries.retain(|at| *at > now);
+        self.pauses.drop_past(now);
         self.addresses.end_backoffs(now);
         self.cursor.on_rewind();
     }
@@ -377,9 +368,7 @@ impl Sender {
             }
         }
         self.addresses.shutdown().await;
-        // The recorder ends once it has recorded everything and no outcome can follow.
-        drop(self.outcomes);
-        let _ = self.recording.await;
+        self.recording.finish().await;
     }
 }
 

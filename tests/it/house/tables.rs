@@ -3,9 +3,19 @@
 
 use house_rules::{Exemption, SharedName, Wall};
 
-/// Packages of the connector, whose types have bounds.
-pub const CONNECTOR: &[&str] =
-    &["factory-connector", "connector-state", "disclosure", "ledger", "twin"];
+/// Packages that a connector is made of, whose types have bounds.
+pub const CONNECTOR: &[&str] = &[
+    "factory-connector",
+    "connector-state",
+    "disclosure",
+    "ledger",
+    "twin",
+    "mapping-engine",
+    "mapping",
+    "messaging",
+    "shop-floor",
+    "spool",
+];
 
 /// Types of the connector that may have more fields or methods.
 pub const LARGE_TYPES: &[Exemption] = &[];

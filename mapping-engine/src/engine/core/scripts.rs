@@ -68,7 +68,7 @@ impl Core {
         };
         // The fault that opened the breaker has been yielded already.
         if script.breaker.admit(now) == Admission::Open {
-            running.superseded += 1;
+            running.counters.superseded += 1;
             return;
         }
         let is_input = call.step == 0 && !running.inputs.is_empty();
@@ -90,7 +90,7 @@ impl Core {
         if let Some(queue) = self.queues.get_mut(script.worker)
             && queue.call(waiting)
         {
-            running.superseded += 1;
+            running.counters.superseded += 1;
         }
     }
 
@@ -134,7 +134,7 @@ impl Core {
         let config = &self.config.script;
         let Some(running) = self.inventory.get_mut(slot) else { return };
         let ScriptOutcome { result, state, spent, is_fatal } = outcome;
-        running.spent += spent;
+        running.counters.spent += spent;
         let Some(script) = running.scripts.get_mut(index) else { return };
         let opens = match &result {
             Ok(_) => {
@@ -165,7 +165,7 @@ impl Core {
                 "The circuit of a script was opened: it did not keep to its budget."
             );
             if let Some(queue) = self.queues.get_mut(script.worker) {
-                running.superseded += queue.drop_waiting(script.id) as u64;
+                running.counters.superseded += queue.drop_waiting(script.id) as u64;
             }
         }
         let result = result.and_then(values::yielded).map(|value| ScriptYield { value, state });

@@ -2,7 +2,7 @@
 
 use std::{sync::Arc, time::Duration};
 
-use tokio::sync::mpsc;
+use tokio::{sync::mpsc, task::JoinHandle};
 use tracing::error;
 
 use crate::{
@@ -17,9 +17,45 @@ const ATTEMPTS_MAX: u32 = 10;
 /// Pause between two attempts.
 const RETRY: Duration = Duration::from_millis(500);
 
+/// Running recorder, as the sender of a connection has it.
+pub(super) struct Recording {
+    outcomes: mpsc::UnboundedSender<RowOutcome>,
+    recorded: mpsc::UnboundedReceiver<Vec<RowId>>,
+    task: JoinHandle<()>,
+}
+
+impl Recording {
+    /// Starts the recorder's task.
+    pub(super) fn start(store: Arc<dyn SpoolStore>, context: Arc<LinkContext>) -> Self {
+        let (outcomes, received) = mpsc::unbounded_channel();
+        let (sender, recorded) = mpsc::unbounded_channel();
+        let recorder = Recorder { store, context, outcomes: received, recorded: sender };
+        Self { outcomes, recorded, task: tokio::spawn(recorder.run()) }
+    }
+
+    /// Queues an outcome.
+    pub(super) fn put(&self, outcome: RowOutcome) {
+        // The recorder ends after this sender alone.
+        let _ = self.outcomes.send(outcome);
+    }
+
+    /// Waits for the next group that was recorded, and returns its rows. May be cancelled.
+    pub(super) async fn recorded(&mut self) -> Option<Vec<RowId>> {
+        self.recorded.recv().await
+    }
+
+    /// Waits until everything is recorded.
+    pub(super) async fn finish(self) {
+        let Self { outcomes, task, .. } = self;
+        // The recorder ends once it has recorded everything and no outcome can follow.
+        drop(outcomes);
+        let _ = task.await;
+    }
+}
+
 /// Records outcomes. The channels need no bound of their own: the sender has at most twice its
 /// window of rows open.
-pub(super) struct Recorder {
+struct Recorder {
     store: Arc<dyn SpoolStore>,
     context: Arc<LinkContext>,
     outcomes: mpsc::UnboundedReceiver<RowOutcome>,
@@ -27,17 +63,8 @@ pub(super) struct Recorder {
 }
 
 impl Recorder {
-    pub(super) fn new(
-        store: Arc<dyn SpoolStore>,
-        context: Arc<LinkContext>,
-    ) -> (Self, mpsc::UnboundedSender<RowOutcome>, mpsc::UnboundedReceiver<Vec<RowId>>) {
-        let (sender, outcomes) = mpsc::unbounded_channel();
-        let (recorded, ids) = mpsc::unbounded_channel();
-        (Self { store, context, outcomes, recorded }, sender, ids)
-    }
-
     /// Runs until the sender is dropped and everything is recorded.
-    pub(super) async fn run(mut self) {
+    async fn run(mut self) {
         let mut group = Vec::with_capacity(GROUP_MAX);
         while self.outcomes.recv_many(&mut group, GROUP_MAX).await > 0 {
             let ids = group.iter().map(|outcome| outcome.id).collect();
