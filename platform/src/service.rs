@@ -105,17 +105,11 @@ impl Platform {
         .await?;
 
         let (broker, access, link_config) =
-<<<<<<< HEAD
             brokers::open(&config, &broker_access, &store.reader(), started_at).await?;
         let broker_addresses = broker_access
             .broker()
             .map(|broker| broker.local_addresses().to_vec())
             .unwrap_or_default();
-=======
-            brokers::open(&config, &broker_access, &store, started_at, program).await?;
-        let broker_addresses =
-            broker_access.broker().map(|broker| broker.addresses().to_vec()).unwrap_or_default();
->>>>>>> 813c97a9 (feat(platform): the embedded broker runs in a process of its own)
         let (link, link_handle) = Link::new(
             link_config,
             Arc::new(StoredSpool::new(store.clone())),

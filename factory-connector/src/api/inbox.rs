@@ -69,7 +69,7 @@ pub struct InboxTotals {
     requests: usize,
     /// Requests with an undecided field.
     open_requests: usize,
-    /// Number of these that have been open for longer than the time after which the inbox reminds.
+    /// Number of these that are open for longer than the time after which the inbox reminds.
     overdue_requests: usize,
     /// Requests whose validity has ended.
     ended_requests: usize,

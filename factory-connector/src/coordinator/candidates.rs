@@ -8,7 +8,7 @@ use mapping_engine::{Candidate, TargetKey};
 use super::unit_of_work::UnitOfWork;
 
 /// Offers candidates that came together to their fields. They are counted where their field's policy
-/// looks at them: how many a withheld state keeps is no figure for whoever collects metrics.
+/// looks at them: how many a withheld state keeps is no figure for those who collect metrics.
 pub(super) fn receive(
     work: &mut UnitOfWork,
     candidates: impl Iterator<Item = Candidate>,

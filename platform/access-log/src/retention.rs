@@ -23,7 +23,7 @@ pub enum AccessRetentionRule {
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct AccessRetention {
     pub rule: AccessRetentionRule,
-    /// Only entries from before this time were removed; of `AGE` only.
+    /// Time before which entries were removed; of `AGE` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub before: Option<DateTime>,
     /// Number of entries that are kept; of `COUNT` only.

@@ -217,7 +217,7 @@ impl Removals<'_> {
         first: &str,
         second: &str,
     ) -> Result<Vec<String>, StoreError> {
-        let rows = sqlx::query(sql)
+        sqlx::query_scalar(sql)
             .bind(first)
             .bind(second)
             .bind(LISTED_MAX)

@@ -26,10 +26,11 @@ enum TextKind {
 /// Banned words that an API has as names of members. A page cannot choose another word.
 const NAMES_OF_MEMBERS: [&str; 3] = ["grounds", "resting", "standing"];
 /// Migrations that stores have run: a store refuses one whose checksum has changed since.
-const RUN_MIGRATIONS: [&str; 3] = [
+const RUN_MIGRATIONS: [&str; 4] = [
     "factory-connector/migrations/0020_policies.sql",
     "platform/migrations/sqlite/0001_house.sql",
     "platform/migrations/sqlite/0003_leases.sql",
+    "platform/migrations/sqlite/0031_departures.sql",
 ];
 /// Folder of what a program builds for the pages.
 const BUILT_PAGES: &str = "dist";

@@ -39,8 +39,6 @@ pub const BANNED_WORDS: &[BannedWord] = &[
     banned("aftermath", "effects"),
     banned("anew", "again, restart"),
     banned("books", "state"),
-    banned("departure", "in flight"),
-    banned("departures", "in flight"),
     banned("desk", "coordinator"),
     banned("ephemerals", "keep-alive queue"),
     banned("farewell", "shutdown"),

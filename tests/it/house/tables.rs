@@ -21,7 +21,8 @@ pub const CONNECTOR: &[&str] = &[
 pub const LARGE_TYPES: &[Exemption] = &[];
 
 /// Packages of the tests, whose types no product code meets.
-pub const TEST_PACKAGES: &[&str] = &["verbund-tests", "testkit", "free-ports", "house-rules"];
+pub const TEST_PACKAGES: &[&str] =
+    &["verbund-tests", "testkit", "free-ports", "house-rules", "tampering"];
 
 const fn shared(name: &'static str, reason: &'static str) -> SharedName {
     SharedName { name, reason }

@@ -7,7 +7,7 @@ use transparency_log::{Checkpoint, KeyKind, LeafRange, NoteKey};
 
 use crate::file::AuditFile;
 
-/// Something in the place of the checkpoint over a forged end.
+/// Substitute for the checkpoint over a forged end.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Signer {
     /// The genuine checkpoint in the file, which does not cover the end.

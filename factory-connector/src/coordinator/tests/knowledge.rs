@@ -37,7 +37,7 @@ use super::*;
 use crate::store::Role;
 
 const CASES: u32 = 16;
-/// In one of so many histories all pages are looked at, which takes longer than its acts.
+/// Number of histories of which one looks at all pages, which takes longer than its acts.
 const HISTORIES_PER_LOOK: usize = 4;
 /// Number of acts between two looks at all pages.
 const ACTS_PER_LOOK: usize = 20;

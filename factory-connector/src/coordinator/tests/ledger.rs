@@ -271,7 +271,7 @@ async fn an_audit_file_is_proven_by_a_checkpoint() {
     assert!(!older.is_intact(), "an older copy");
 }
 
-/// Nothing about the file of a real connector can be changed unnoticed by one who has no key.
+/// The file of a real connector cannot be changed unnoticed by one who has no key.
 #[tokio::test]
 async fn every_kind_of_tampering_with_an_audit_file_is_found() {
     let folder = small_ledger().await;

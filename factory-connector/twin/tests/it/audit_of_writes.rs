@@ -80,9 +80,9 @@ async fn only_those_who_may_write_hear_of_writes() {
     .unwrap();
     let (anna, otto, vera) =
         (twin.client("anna").await, twin.client("otto").await, twin.client("vera").await);
-    let mut told = Vec::new();
+    let mut notified = Vec::new();
     for client in [&anna, &otto] {
-        told.push(events(client, ObjectTypeId::AuditEventType, &FIELDS).await);
+        notified.push(events(client, ObjectTypeId::AuditEventType, &FIELDS).await);
     }
     let mut untold = Vec::new();
     for client in [&vera, &nobody] {
@@ -99,7 +99,7 @@ async fn only_those_who_may_write_hear_of_writes() {
     twin.handle.publish_decision(&field("net", "percent"), external());
     assert!(twin.connect("otto", "wrong", SecurityPolicy::Basic256Sha256).await.is_err());
 
-    for heard in &mut told {
+    for heard in &mut notified {
         let writes = heard_until_sign_in(heard).await;
         let writes: Vec<&Variant> = writes
             .iter()

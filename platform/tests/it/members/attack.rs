@@ -47,7 +47,7 @@ pub struct Tried {
     pub compared: usize,
     /// Changes of places in documents that are not the author's to make.
     pub changes: usize,
-    /// Those of them that were refused for the author's rights, and not for the form alone.
+    /// Number of these that were refused for the author's rights, and not for the form alone.
     pub by_right: usize,
 }
 

@@ -63,7 +63,7 @@ fn every_kind_of_tampering_is_found() {
     }
 }
 
-/// Nobody needs a key to append an entry. What it says counts only below a signature.
+/// An entry is appended without a key. What it says counts only below a signature.
 #[test]
 fn entries_that_no_signature_covers_excuse_nothing() {
     let sample = Sample::new(7);

@@ -128,9 +128,10 @@ impl Plant {
                 outcomes[place] = values::write_value(state, &key, source, value.clone(), now).ok();
             }
         }
-        // Who writes is told whether it leaves, but for what a state withholds.
-        let told = outcomes.iter().flatten().filter(|outcome| **outcome != GateOutcome::Suppressed);
-        self.seen.extend(told.map(|outcome| format!("outcome {}", is_released(*outcome))));
+        // Who writes is released whether it leaves, but for what a state withholds.
+        let released =
+            outcomes.iter().flatten().filter(|outcome| **outcome != GateOutcome::Suppressed);
+        self.seen.extend(released.map(|outcome| format!("outcome {}", is_released(*outcome))));
         outcomes
     }
 

@@ -92,7 +92,7 @@ const PLACES: [(&str, &[&str]); 16] = [
     ),
 ];
 
-/// Nothing but the listed ways brings values to a gate, and nothing but the gate decides what is
+/// The listed ways alone bring values to a gate, and nothing but the gate decides what is
 /// disclosed.
 #[test]
 fn there_is_no_way_around_the_gate() {
