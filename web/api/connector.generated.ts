@@ -1875,7 +1875,7 @@ export interface components {
             /** @description The field's request. */
             dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
             fieldName: components["schemas"]["FieldName"];
-            /** @description As plain JSON; 64-bit integers may be texts. */
+            /** @description Value in plain JSON; 64-bit integers may be texts. */
             value: components["schemas"]["PlainValue"];
         };
         /**
@@ -2016,7 +2016,7 @@ export interface components {
             unit?: components["schemas"]["UnitName"] | null;
             /**
              * Format: int32
-             * @description Of a variable: -1 scalar, 1 or more the number of dimensions, 0 one or more, -2 any, -3
+             * @description Rank of a variable: -1 scalar, 1 or more the number of dimensions, 0 one or more, -2 any, -3
              *     scalar or one.
              */
             valueRank?: number | null;
@@ -2070,7 +2070,7 @@ export interface components {
             name: string;
             variable?: components["schemas"]["VariableKey"] | null;
         };
-        /** @description Those whose information a cap limits. */
+        /** @description Partners whose information a cap limits. */
         CapSubject: {
             /** @description A partner, together with its allies: it learns what they tell it. */
             partner: components["schemas"]["OrganisationId"];
@@ -2112,11 +2112,11 @@ export interface components {
          *     ones in the old.
          */
         Changes_OperationId: {
-            /** @description Only in the new revision. */
+            /** @description Elements only in the new revision. */
             added: string[];
-            /** @description In both, but not alike. */
+            /** @description Elements in both, but not alike. */
             changed: string[];
-            /** @description Only in the old revision. */
+            /** @description Elements only in the old revision. */
             removed: string[];
         };
         /**
@@ -2124,11 +2124,11 @@ export interface components {
          *     ones in the old.
          */
         Changes_OperationRelationId: {
-            /** @description Only in the new revision. */
+            /** @description Elements only in the new revision. */
             added: string[];
-            /** @description In both, but not alike. */
+            /** @description Elements in both, but not alike. */
             changed: string[];
-            /** @description Only in the old revision. */
+            /** @description Elements only in the old revision. */
             removed: string[];
         };
         /**
@@ -2136,7 +2136,7 @@ export interface components {
          *     ones in the old.
          */
         Changes_RequestKey: {
-            /** @description Only in the new revision. */
+            /** @description Elements only in the new revision. */
             added: {
                 /** @description The request itself. */
                 dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
@@ -2145,7 +2145,7 @@ export interface components {
                 /** @description The network the request belongs to. */
                 operationNetworkId: components["schemas"]["OperationNetworkId"];
             }[];
-            /** @description In both, but not alike. */
+            /** @description Elements in both, but not alike. */
             changed: {
                 /** @description The request itself. */
                 dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
@@ -2154,7 +2154,7 @@ export interface components {
                 /** @description The network the request belongs to. */
                 operationNetworkId: components["schemas"]["OperationNetworkId"];
             }[];
-            /** @description Only in the old revision. */
+            /** @description Elements only in the old revision. */
             removed: {
                 /** @description The request itself. */
                 dynamicDataRequestId: components["schemas"]["DynamicDataRequestId"];
@@ -2214,7 +2214,7 @@ export interface components {
         } | {
             /** @enum {string} */
             state: "resting";
-            /** @description End of the rest, by the local clock. */
+            /** @description Time at which it is closed for one call, by the local clock. */
             until: components["schemas"]["DateTime"];
         } | {
             /** @enum {string} */
@@ -2381,7 +2381,7 @@ export interface components {
         Counter: {
             counts?: components["schemas"]["CounterInput"] | null;
             modulus?: components["schemas"]["Number"] | null;
-            /** @description As in `increment`. */
+            /** @description Treatment of a decrease as in `increment`. */
             onDecrease?: components["schemas"]["OnDecrease"];
             /** @description An input that sets the sum back to `start` when it becomes true (or not zero). */
             resetBy?: string | null;
@@ -2587,7 +2587,7 @@ export interface components {
             id: components["schemas"]["DocumentId"];
             /**
              * Format: int32
-             * @description From 1, increases by one with every change.
+             * @description Number from 1, which increases by one with every change.
              */
             version: number;
         };
@@ -2708,12 +2708,12 @@ export interface components {
         EntryId: string;
         /** @description Answer to one delivered entry: taken, known, or refused with the reason. */
         EntryResult: {
-            /** @description For `REFUSED`: the reason as a code. */
+            /** @description Code of the reason for `REFUSED`. */
             code?: string | null;
             entryId: string;
             /** @description Fields that got a value from it. */
             fields: components["schemas"]["FieldResult"][];
-            /** @description For `REFUSED`: the reason in words, and what to do. */
+            /** @description Reason for `REFUSED` in words, and what to do. */
             message?: string | null;
             result: components["schemas"]["Acceptance"];
         };
@@ -2723,12 +2723,12 @@ export interface components {
             at: string;
             /**
              * Format: date-time
-             * @description For a report: time of the platform's receipt.
+             * @description Time of the platform's receipt for a report.
              */
             deliveredAt?: string | null;
             /** @description Hash of the entry, hexadecimal. */
             hash: string;
-            /** @description For a report: id of the message that carried it last. */
+            /** @description Id of the message that carried a report last. */
             leftInMessage?: string | null;
             /**
              * @description Precision under each consent that the entry names, by field, in the words of the statement to
@@ -2745,7 +2745,7 @@ export interface components {
             recipientId: string;
             /**
              * Format: date-time
-             * @description For a report: time at which the broker accepted it last.
+             * @description Time at which the broker accepted a report last.
              */
             sentAt?: string | null;
             /**
@@ -2753,12 +2753,12 @@ export interface components {
              * @description Position in the chain, from 1.
              */
             sequence: number;
-            /** @description For a report: the values that left, by field, while they are retained. */
+            /** @description Values of a report that left, by field, while they are retained. */
             value?: {
                 [key: string]: components["schemas"]["EncodedValue"];
             } | null;
         };
-        /** @description From the numbers of an enumeration to texts. */
+        /** @description Conversion of the numbers of an enumeration to texts. */
         Enumeration: {
             /** @description The text for any other number; the number itself in digits where absent. */
             otherwise?: string | null;
@@ -2879,8 +2879,8 @@ export interface components {
              * @description Number of the consent in force.
              */
             consentVersion: number;
-            /** @description True while no value leaves. */
-            isWithheld: boolean;
+            /** @description True while no value leaves; for operators and engineers only. */
+            isWithheld?: boolean | null;
             key: components["schemas"]["FieldKey"];
             mappingState: components["schemas"]["MappingState"];
             value?: components["schemas"]["ShownValue"] | null;
@@ -2962,8 +2962,11 @@ export interface components {
             grounds: components["schemas"]["DecisionBasis"];
             /** @description True while a shadow mapping runs beside the published one. */
             hasShadow: boolean;
-            /** @description True while no value leaves: the policy withholds the present state, or an unknown one. */
-            isWithheld: boolean;
+            /**
+             * @description True while no value leaves: the policy withholds the present state, or an unknown one. For
+             *     operators and engineers only, since it says which state it is.
+             */
+            isWithheld?: boolean | null;
             key: components["schemas"]["FieldKey"];
             mapping?: components["schemas"]["Mapping"] | null;
             /** @description `PENDING`, `MAPPED` or `REFUSED`. */
@@ -3093,7 +3096,7 @@ export interface components {
             mapped: number;
             /** @description Requests with an undecided field. */
             openRequests: number;
-            /** @description Of them, those that have been open for longer than the time after which the inbox reminds. */
+            /** @description Number of these that are open for longer than the time after which the inbox reminds. */
             overdueRequests: number;
             pending: number;
             refused: number;
@@ -3263,7 +3266,7 @@ export interface components {
         LeaseStatus: {
             contender?: components["schemas"]["LeaseParty"] | null;
             holder?: components["schemas"]["LeaseParty"] | null;
-            /** @description This connector's machine and folder, as the platform knows it. */
+            /** @description Machine and folder, as the platform knows it. */
             host: string;
             /**
              * Format: int64
@@ -3397,7 +3400,7 @@ export interface components {
             /** @enum {string} */
             event: "comment";
         } | {
-            /** @description Operation that an operator entered something about. */
+            /** @description Operation that an operator entered something about; for operators and engineers only. */
             data: components["schemas"]["OperationKey"];
             /** @enum {string} */
             event: "operator";
@@ -3471,7 +3474,7 @@ export interface components {
             verifierKey?: string | null;
             witnessed?: components["schemas"]["WitnessedView"] | null;
         };
-        /** @description From values to values by a table. */
+        /** @description Conversion of values to values by a table. */
         Lookup: {
             /** @description The table. Numbers match by value whatever their types, texts exactly. */
             entries: components["schemas"]["LookupEntry"][];
@@ -3486,7 +3489,7 @@ export interface components {
             /** @description The value that goes out. */
             to: components["schemas"]["Literal"];
         };
-        /** @description From local variables to a requested field. */
+        /** @description Document that leads from local variables to a requested field. */
         Mapping: {
             /** @description The variables it reads. The first one enters the chain. */
             inputs: components["schemas"]["MappingInput"][];
@@ -3736,7 +3739,7 @@ export interface components {
             /** @default null */
             browsePath?: components["schemas"]["BrowsePath"] | null;
             /**
-             * @description Only a part of an array, as OPC 10000-4 §7.27 writes it: `2` or `1:3`.
+             * @description Part of an array, as OPC 10000-4 §7.27 writes it: `2` or `1:3`.
              * @default null
              */
             indexRange?: string | null;
@@ -4389,7 +4392,10 @@ export interface components {
             effects: components["schemas"]["Effect"][];
             /** @description Present values of the variables. */
             inputs: components["schemas"]["InputView"][];
-            /** @description Nothing would leave now: the policy withholds the present state, or one that is not known. */
+            /**
+             * @description True where nothing would leave now: the policy withholds the present state, or one that is
+             *     not known.
+             */
             isWithheld: boolean;
             /**
              * @description The NetworkMessage that the partner would receive, byte for byte but for its id, numbers and
@@ -4477,7 +4483,7 @@ export interface components {
              * @description Its weight; negative where it speaks against.
              */
             points: number;
-            /** @description In a sentence. */
+            /** @description Sentence for the engineer. */
             text: string;
         };
         /**
@@ -4496,7 +4502,7 @@ export interface components {
             policyId?: components["schemas"]["DocumentId"] | null;
             /**
              * Format: int32
-             * @description From 1, one more with every change.
+             * @description Number from 1, one more with every change.
              */
             version: number;
         };
@@ -4604,7 +4610,7 @@ export interface components {
         RetentionRule: "VALUE_DAYS" | "ENTRY_DAYS" | "FORMER_VERSION";
         /** @description Statement in a chain about what retention took from it. What is missing without one is a fault. */
         RetentionStatement: {
-            /** @description Only reports and entries from before this time are affected. */
+            /** @description Time before which reports and entries are affected. */
             before: components["schemas"]["DateTime"];
             /**
              * Format: int32
@@ -4852,7 +4858,7 @@ export interface components {
             count: number;
             /** @description At most 500 of them, those it would decide first. */
             items: components["schemas"]["RuleMatch"][];
-            /** @description Of them, those it would decide now. */
+            /** @description Number of these that it would decide now. */
             wouldDecideCount: number;
         };
         /** @description A version of a rule, with its name. */
@@ -5019,7 +5025,45 @@ export interface components {
             startedAt: components["schemas"]["DateTime"];
             status?: components["schemas"]["MappingStatus"] | null;
         };
-        /** @description Value in the form that pages show. */
+        /**
+         * @description Value in the form that pages show. It is made of one that a gate released:
+         *
+         *     ```
+         *     fn show(released: &disclosure::Released) -> factory_connector::api::ShownValue {
+         *         released.into()
+         *     }
+         *     ```
+         *
+         *     Any other one takes the proof that it is shown to an operator or engineer:
+         *
+         *     ```compile_fail,E0277
+         *     fn show(value: &asi_model::DataValue) -> factory_connector::api::ShownValue {
+         *         value.into()
+         *     }
+         *     ```
+         *
+         *     ```compile_fail,E0277
+         *     use factory_connector::api::{ShownValue, Viewer};
+         *     fn show(value: &asi_model::DataValue, user: &Viewer) -> ShownValue {
+         *         ShownValue::before_gate(value, user.into())
+         *     }
+         *     ```
+         *
+         *     ```
+         *     use factory_connector::api::{Engineer, ShownValue};
+         *     fn show(value: &asi_model::DataValue, user: &Engineer) -> ShownValue {
+         *         ShownValue::before_gate(value, user.into())
+         *     }
+         *     ```
+         *
+         *     Nor is it put together or changed elsewhere:
+         *
+         *     ```compile_fail,E0616
+         *     fn change(shown: &mut factory_connector::api::ShownValue) {
+         *         shown.value = 17.into();
+         *     }
+         *     ```
+         */
         ShownValue: {
             sourceTimestamp?: components["schemas"]["DateTime"] | null;
             /** @description The status, by its name where it has one. */
@@ -5568,7 +5612,7 @@ export interface components {
          * @enum {string}
          */
         TypeName: "Boolean" | "SByte" | "Byte" | "Int16" | "UInt16" | "Int32" | "UInt32" | "Int64" | "UInt64" | "Float" | "Double" | "String" | "DateTime" | "Guid" | "ByteString" | "XmlElement" | "NodeId" | "ExpandedNodeId" | "StatusCode" | "QualifiedName" | "LocalizedText" | "ExtensionObject" | "DataValue" | "Variant" | "DiagnosticInfo";
-        /** @description From one unit of measurement to another of the same kind, by UNECE codes. */
+        /** @description Conversion of one unit of measurement to another of the same kind, by UNECE codes. */
         UnitConversion: {
             /** @description The unit that comes in; the first input's unit where absent. */
             from?: string | null;
@@ -5683,7 +5727,7 @@ export interface components {
             chains: number;
             /** @description The first thing that is wrong, in words. */
             fault?: string | null;
-            /** @description Nothing is wrong. */
+            /** @description True where nothing is wrong. */
             valid: boolean;
         };
         /** @description A published mapping. */
@@ -5884,7 +5928,7 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"];
             };
         };
-        /** @description Nobody is signed in. */
+        /** @description No user is signed in. */
         Unauthorized: {
             headers: {
                 [name: string]: unknown;
@@ -7221,11 +7265,11 @@ export interface operations {
                  *     delivery of those.
                  */
                 operationNetworkId?: components["schemas"]["OperationNetworkId"];
-                /** @description Of them, those about this operation. */
+                /** @description Restriction to entries about this operation. */
                 operationId?: components["schemas"]["OperationId"];
-                /** @description Of them, those about this request. */
+                /** @description Restriction to entries about this request. */
                 dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"];
-                /** @description Of them, those about this field. */
+                /** @description Restriction to entries about this field. */
                 fieldName?: components["schemas"]["FieldName"];
                 /** @description `nextCursor` of the page before. */
                 after?: string;
@@ -7307,11 +7351,11 @@ export interface operations {
                  *     delivery of those.
                  */
                 operationNetworkId?: components["schemas"]["OperationNetworkId"];
-                /** @description Of them, those about this operation. */
+                /** @description Restriction to entries about this operation. */
                 operationId?: components["schemas"]["OperationId"];
-                /** @description Of them, those about this request. */
+                /** @description Restriction to entries about this request. */
                 dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"];
-                /** @description Of them, those about this field. */
+                /** @description Restriction to entries about this field. */
                 fieldName?: components["schemas"]["FieldName"];
                 /** @description `jsonl`, `csv` or `html`. */
                 format: "jsonl" | "csv" | "html";
@@ -8910,7 +8954,45 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Value in the form that pages show. */
+            /**
+             * @description Value in the form that pages show. It is made of one that a gate released:
+             *
+             *     ```
+             *     fn show(released: &disclosure::Released) -> factory_connector::api::ShownValue {
+             *         released.into()
+             *     }
+             *     ```
+             *
+             *     Any other one takes the proof that it is shown to an operator or engineer:
+             *
+             *     ```compile_fail,E0277
+             *     fn show(value: &asi_model::DataValue) -> factory_connector::api::ShownValue {
+             *         value.into()
+             *     }
+             *     ```
+             *
+             *     ```compile_fail,E0277
+             *     use factory_connector::api::{ShownValue, Viewer};
+             *     fn show(value: &asi_model::DataValue, user: &Viewer) -> ShownValue {
+             *         ShownValue::before_gate(value, user.into())
+             *     }
+             *     ```
+             *
+             *     ```
+             *     use factory_connector::api::{Engineer, ShownValue};
+             *     fn show(value: &asi_model::DataValue, user: &Engineer) -> ShownValue {
+             *         ShownValue::before_gate(value, user.into())
+             *     }
+             *     ```
+             *
+             *     Nor is it put together or changed elsewhere:
+             *
+             *     ```compile_fail,E0616
+             *     fn change(shown: &mut factory_connector::api::ShownValue) {
+             *         shown.value = 17.into();
+             *     }
+             *     ```
+             */
             200: {
                 headers: {
                     [name: string]: unknown;

@@ -45,9 +45,9 @@ pub struct RevocationBody {
     fields: Vec<FieldKey>,
     /// All fields of this network.
     operation_network_id: Option<OperationNetworkId>,
-    /// Restriction to receipts about this operation.
+    /// Restriction to fields of this operation.
     operation_id: Option<OperationId>,
-    /// Restriction to receipts of this request.
+    /// Restriction to fields of this request.
     dynamic_data_request_id: Option<DynamicDataRequestId>,
     /// All fields that this organisation may see.
     recipient_id: Option<OrganisationId>,
