@@ -30,7 +30,7 @@ const RUN_MIGRATIONS: [&str; 4] = [
     "factory-connector/migrations/0020_policies.sql",
     "platform/migrations/sqlite/0001_house.sql",
     "platform/migrations/sqlite/0003_leases.sql",
-    "platform/migrations/sqlite/0031_departures.sql",
+    "platform/migrations/sqlite/0031_removals.sql",
 ];
 /// Folder of what a program builds for the pages.
 const BUILT_PAGES: &str = "dist";

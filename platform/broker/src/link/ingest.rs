@@ -196,8 +196,9 @@ async fn store(
         let reason = format!("the message exceeds {bytes_max} bytes");
         return Err(RejectedTransfer::new("size", LinkError::MessageSizeExceeded, reason));
     }
-    let stopping =
-        || RejectedTransfer::new("store", AmqpError::ResourceLimitExceeded, "the broker is stopping");
+    let stopping = || {
+        RejectedTransfer::new("store", AmqpError::ResourceLimitExceeded, "the broker is stopping")
+    };
     // The writer gives them back, so this waits for the disk and for nothing that waits for it.
     let permits = u32::try_from(bytes).unwrap_or(u32::MAX);
     let permits = permits.min(core.config.limits.uncommitted_bytes_per_user_max);
