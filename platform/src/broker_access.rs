@@ -120,6 +120,8 @@ impl BrokerAccess {
     /// # Errors
     /// [`BrokerAccessError::Store`].
     pub async fn load_users(&self, store: &StoreReader) -> Result<(), BrokerAccessError> {
+        // What was read later is sent later.
+        let _turn = self.0.loading.lock().await;
         let credentials = store.read().await?.credentials().list().await?;
         let users = self.users_of(&credentials);
         self.0.users.replace(users.clone());

@@ -105,11 +105,9 @@ impl Platform {
         .await?;
 
         let (broker, access, link_config) =
-            brokers::open(&config, &broker_access, &store.reader(), started_at).await?;
-        let broker_addresses = broker_access
-            .broker()
-            .map(|broker| broker.local_addresses().to_vec())
-            .unwrap_or_default();
+            brokers::open(&config, &broker_access, &store.reader(), started_at, program).await?;
+        let broker_addresses =
+            broker_access.broker().map(|broker| broker.addresses().to_vec()).unwrap_or_default();
         let (link, link_handle) = Link::new(
             link_config,
             Arc::new(StoredSpool::new(store.clone())),

@@ -42,20 +42,13 @@ pub async fn start_broker_alone(
         broker: BrokerSettings { external: None, in_process: true, ..config.broker.clone() },
         ..config.clone()
     };
-<<<<<<< HEAD
-    let (broker, _, _) = open(&embedded, &broker_access, &store.reader(), clock.now()).await?;
-=======
     let program = Path::new("");
-    let (broker, _, _) = open(&embedded, &broker_access, &store, clock.now(), program).await?;
->>>>>>> 813c97a9 (feat(platform): the embedded broker runs in a process of its own)
+    let (broker, _, _) =
+        open(&embedded, &broker_access, &store.reader(), clock.now(), program).await?;
     if let Some(broker) = broker {
         broker.start(lifecycle, lifecycle.shutdown());
     }
-<<<<<<< HEAD
     broker_access.reconcile(&store.reader()).await?;
-    Ok(broker_access.broker().map(|broker| broker.local_addresses().to_vec()).unwrap_or_default())
-=======
-    broker_access.reconcile(&store).await?;
     Ok(broker_access.broker().map(|broker| broker.addresses().to_vec()).unwrap_or_default())
 }
 
@@ -77,7 +70,6 @@ impl OpenedBroker {
             }
         }
     }
->>>>>>> 813c97a9 (feat(platform): the embedded broker runs in a process of its own)
 }
 
 /// A broker to be used: the embedded one, or none when another one is configured, with its endpoint
@@ -229,16 +221,10 @@ mod tests {
             daemon::configuration::parse(None, &text, "NOTHING", []).expect("valid");
         let store = Store::open(&config.database_path()).await.expect("a database");
         let broker_access = BrokerAccess::new(config.broker.users.clone());
-<<<<<<< HEAD
-        let (broker, ..) = open(&config, &broker_access, &store.reader(), Clock::system().now())
-            .await
-            .expect("it opens");
-=======
         let (broker, ..) =
-            open(&config, &broker_access, &store, Clock::system().now(), Path::new(""))
+            open(&config, &broker_access, &store.reader(), Clock::system().now(), Path::new(""))
                 .await
                 .expect("it opens");
->>>>>>> 813c97a9 (feat(platform): the embedded broker runs in a process of its own)
         assert!(broker.is_some(), "it is embedded, and does not run yet");
         for user in ["observer", PLATFORM_USER] {
             assert!(broker_access.users().user(user).is_some(), "{user}");

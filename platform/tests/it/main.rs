@@ -5,11 +5,8 @@
 
 mod accesses;
 mod answers;
-<<<<<<< HEAD
 mod audit;
-=======
 mod broker_process;
->>>>>>> 813c97a9 (feat(platform): the embedded broker runs in a process of its own)
 mod chain;
 mod connector;
 mod enrolment;
