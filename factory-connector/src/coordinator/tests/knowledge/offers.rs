@@ -128,7 +128,7 @@ impl Plant {
                 outcomes[place] = values::write_value(state, &key, source, value.clone(), now).ok();
             }
         }
-        // Who writes is released whether it leaves, but for what a state withholds.
+        // One who writes learns whether it leaves, but for what a state withholds.
         let released =
             outcomes.iter().flatten().filter(|outcome| **outcome != GateOutcome::Suppressed);
         self.seen.extend(released.map(|outcome| format!("outcome {}", is_released(*outcome))));
