@@ -157,13 +157,9 @@ fn page(
                 continue;
             }
             if page.items.len() < limit {
-                page.items.push(RequestView::new(
-                    state,
-                    (network, message),
-                    (key, operation, request),
-                    now,
-                    before_gate,
-                ));
+                let network = (network, &**message);
+                let request = (key, operation, request);
+                page.items.push(RequestView::new(state, network, request, now, before_gate));
             } else if page.next_cursor.is_none() {
                 let last = page.items.last().map(|last| &last.key);
                 page.next_cursor =

@@ -7,8 +7,8 @@ use mapping_engine::{Candidate, TargetKey};
 
 use super::unit_of_work::UnitOfWork;
 
-/// Offers candidates that came together to their fields. They are counted where their field's policy
-/// looks at them: how many a withheld state keeps is no figure for those who collect metrics.
+/// Offers candidates that came together to their fields. Metrics do not count those that a
+/// withheld state keeps: their number would tell the state.
 pub(super) fn receive(
     work: &mut UnitOfWork,
     candidates: impl Iterator<Item = Candidate>,

@@ -283,7 +283,7 @@ async fn no_viewer_sees_values_before_the_gate() {
 }
 
 /// The newest value of a field stays what it was while a state withholds it. That it does would tell
-/// the state; and that a person entered something, when.
+/// the state, and the event of an entry its time.
 async fn no_viewer_hears_of_withheld_states(plant: &Plant, viewer: &SignedIn) {
     let path = field("state");
     let decision = json!({ "mappingState": "MAPPED", "valueSource": "MANUAL",
@@ -299,7 +299,7 @@ async fn no_viewer_hears_of_withheld_states(plant: &Plant, viewer: &SignedIn) {
     for page in [&path, network, request] {
         before.push(without_counter(viewer.get(page).await));
     }
-    let (mut heard, mut shown) = (viewer.events(None).await, plant.events(None).await);
+    let (mut heard, mut of_engineer) = (viewer.events(None).await, plant.events(None).await);
     assert_eq!(enter(7).await, "SUPPRESSED");
     assert_eq!(plant.get(&path).await["isWithheld"], true, "the engineer sees it");
     for (page, before) in [&path, network, request].into_iter().zip(before) {
@@ -307,9 +307,9 @@ async fn no_viewer_hears_of_withheld_states(plant: &Plant, viewer: &SignedIn) {
         assert_eq!(without_counter(viewer.get(page).await), before, "{page}");
     }
     assert_eq!(enter(2).await, "DISCLOSED");
-    let engineers = until_field(&mut shown).await;
+    let engineers = until_field(&mut of_engineer).await;
     assert!(engineers.iter().any(|event| event.name == "operator"), "{engineers:?}");
-    assert_eq!(engineers.last().expect("it is shown").data["isWithheld"], false, "{engineers:?}");
+    assert_eq!(engineers.last().expect("it is sent").data["isWithheld"], false, "{engineers:?}");
     let viewers = until_field(&mut heard).await;
     assert!(viewers.iter().all(|event| event.name != "operator"), "{viewers:?}");
     let numbers: Vec<u64> = viewers
@@ -318,7 +318,7 @@ async fn no_viewer_hears_of_withheld_states(plant: &Plant, viewer: &SignedIn) {
         .collect();
     let is_gap = |pair: &[u64]| pair[1] != pair[0] + 1;
     assert!(!numbers.windows(2).any(is_gap), "a gap tells of entries: {viewers:?}");
-    assert_eq!(viewers.last().expect("it is shown").data["isWithheld"], Value::Null, "{viewers:?}");
+    assert_eq!(viewers.last().expect("it is sent").data["isWithheld"], Value::Null, "{viewers:?}");
 }
 
 /// Returns the events up to the first about the field `state`.
@@ -326,7 +326,7 @@ async fn until_field(events: &mut mpsc::UnboundedReceiver<Event>) -> Vec<Event> 
     let mut heard = Vec::new();
     loop {
         let next = tokio::time::timeout(Duration::from_secs(60), events.recv()).await;
-        heard.push(next.expect("it is shown").expect("the stream goes on"));
+        heard.push(next.expect("it is sent").expect("the stream goes on"));
         let event = &heard[heard.len() - 1];
         if event.name == "field" && event.data["fieldName"] == "state" {
             return heard;

@@ -1,6 +1,7 @@
 mod explained;
 mod fast_path;
 mod model;
+mod parts;
 mod properties;
 mod statuses;
 mod strategies;

@@ -21,7 +21,7 @@ pub(super) struct Sessions {
 }
 
 impl Sessions {
-    /// Makes it with no session known yet.
+    /// Knows no session yet.
     pub fn new(subscriptions: Arc<SubscriptionCache>, types: Arc<RwLock<DefaultTypeTree>>) -> Self {
         Self { subscriptions, types, known: Mutex::default() }
     }

@@ -80,13 +80,13 @@ async fn only_those_who_may_write_hear_of_writes() {
     .unwrap();
     let (anna, otto, vera) =
         (twin.client("anna").await, twin.client("otto").await, twin.client("vera").await);
-    let mut notified = Vec::new();
+    let mut of_writers = Vec::new();
     for client in [&anna, &otto] {
-        notified.push(events(client, ObjectTypeId::AuditEventType, &FIELDS).await);
+        of_writers.push(events(client, ObjectTypeId::AuditEventType, &FIELDS).await);
     }
-    let mut untold = Vec::new();
+    let mut of_readers = Vec::new();
     for client in [&vera, &nobody] {
-        untold.push(events(client, ObjectTypeId::BaseEventType, &FIELDS).await);
+        of_readers.push(events(client, ObjectTypeId::BaseEventType, &FIELDS).await);
     }
 
     let id = field_id("net", "progressStatus");
@@ -99,7 +99,7 @@ async fn only_those_who_may_write_hear_of_writes() {
     twin.handle.publish_decision(&field("net", "percent"), external());
     assert!(twin.connect("otto", "wrong", SecurityPolicy::Basic256Sha256).await.is_err());
 
-    for heard in &mut notified {
+    for heard in &mut of_writers {
         let writes = heard_until_sign_in(heard).await;
         let writes: Vec<&Variant> = writes
             .iter()
@@ -116,7 +116,7 @@ async fn only_those_who_may_write_hear_of_writes() {
         assert_eq!(writes, statuses.map(Variant::from).iter().collect::<Vec<_>>());
     }
     let decided = instance(&format!("{}#MappingState", field_id("net", "percent")));
-    for heard in &mut untold {
+    for heard in &mut of_readers {
         let writes = heard_until_sign_in(heard).await;
         let about: Vec<&Variant> =
             writes.iter().filter(|event| is_write(event)).map(|event| &event[1]).collect();

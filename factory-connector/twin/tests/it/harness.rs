@@ -40,7 +40,7 @@ pub const DEADLINE: Duration = Duration::from_secs(20);
 /// The namespace index of the instances: 0 standard, 1 server, 2 types.
 pub const INSTANCES: u16 = 3;
 pub const TYPES: u16 = 2;
-/// Value that a policy lets through of any other, while the answer is GoodClamped.
+/// Value that a policy makes of any other, while the answer is GoodClamped.
 pub const COARSENED: u64 = 4000;
 
 /// Substitute for the connector: stores values and decisions, and publishes like the connector after

@@ -18,7 +18,7 @@ struct Known {
     own: Option<DisclosurePolicy>,
     source: usize,
     possible: Vec<Possible>,
-    /// Times of releases; they go on to count, by all decisions.
+    /// Times of releases; they go on to count over decisions.
     released: Vec<DateTime>,
     /// Times of releases while a rate was in force.
     rated: Vec<DateTime>,
@@ -110,7 +110,7 @@ impl Knower {
         }
     }
 
-    /// The state that a machine stated is not known after a restart.
+    /// The state that a machine shown is not known after a restart.
     pub(super) const fn restart(&mut self) {
         self.is_in_state = false;
     }
@@ -212,9 +212,9 @@ impl Knower {
                 let raw = possible.elements();
                 let pairs = raw.iter().zip(&elements);
                 raw.len() == elements.len()
-                    && pairs.into_iter().all(|(raw, stated)| possible.is_near(*raw, *stated))
+                    && pairs.into_iter().all(|(raw, shown)| possible.is_near(*raw, *shown))
             }),
-            _ => due.iter().any(|possible| possible.is_stated_by(body)),
+            _ => due.iter().any(|possible| possible.is_shown_by(body)),
         };
         assert!(
             is_explained,
@@ -238,9 +238,9 @@ impl Knower {
         let digits = self.policies(field).filter_map(|policy| policy.significant_digits).min();
         if let Some(digits) = digits {
             let text = format!("{}", number.abs());
-            let stated = text.replace('.', "");
-            let stated = stated.trim_matches('0').len();
-            assert!(stated <= digits.into(), "{name} has more than {digits} digits: {number}");
+            let shown = text.replace('.', "");
+            let shown = shown.trim_matches('0').len();
+            assert!(shown <= digits.into(), "{name} has more than {digits} digits: {number}");
         }
     }
 
@@ -273,7 +273,7 @@ impl Knower {
         rated.extend(Some(at).filter(|_| has_rate));
     }
 
-    /// Begins another source or consent: nothing of before may be stated.
+    /// Begins another source or consent: nothing of before may be shown.
     fn begin(&mut self, field: usize, source: usize) {
         self.fields[field].possible.clear();
         self.fields[field].source = source;
@@ -283,7 +283,7 @@ impl Knower {
     }
 
     /// Changes policies. What came before a condition, or as a single value before a window, may
-    /// not be stated any more.
+    /// not be shown any more.
     fn change(&mut self, change: impl FnOnce(&mut Self)) {
         let windows = |knower: &Self, field: usize| {
             let aggregates = knower.policies(field).filter_map(|policy| policy.aggregate);

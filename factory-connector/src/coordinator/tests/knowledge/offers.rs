@@ -128,10 +128,10 @@ impl Plant {
                 outcomes[place] = values::write_value(state, &key, source, value.clone(), now).ok();
             }
         }
-        // One who writes learns whether it leaves, but for what a state withholds.
-        let released =
+        // The answer to a write says whether it leaves, but for what a state withholds.
+        let answered =
             outcomes.iter().flatten().filter(|outcome| **outcome != GateOutcome::Suppressed);
-        self.seen.extend(released.map(|outcome| format!("outcome {}", is_released(*outcome))));
+        self.seen.extend(answered.map(|outcome| format!("outcome {}", is_released(*outcome))));
         outcomes
     }
 

@@ -1,4 +1,4 @@
-//! Values of which something may be stated, and what may be made of them. Computed without the gate's
+//! Values of which something may be shown, and what may be made of them. Computed without the gate's
 //! code.
 
 use asi_model::{
@@ -10,7 +10,7 @@ use disclosure::WorkingHours;
 
 use super::*;
 
-/// A candidate of which something may be stated.
+/// A candidate of which something may be shown.
 #[derive(Debug, Clone)]
 pub(super) struct Possible {
     pub(super) value: DataValue,
@@ -23,7 +23,7 @@ pub(super) struct Possible {
     pub(super) time_step: Duration,
     /// True where its window ended before the clock was set back.
     pub(super) is_window_over: bool,
-    /// True where it might be stated before the clock was set back; it still may.
+    /// True where it might be shown before the clock was set back; it still may.
     pub(super) was_due: bool,
 }
 
@@ -49,17 +49,17 @@ impl Possible {
     }
 
     /// Returns true where one number may have been made of the other.
-    pub(super) fn is_near(&self, raw: f64, stated: f64) -> bool {
+    pub(super) fn is_near(&self, raw: f64, shown: f64) -> bool {
         // Rounded again under each policy since it came: a half, a twentieth, ...
-        (raw - stated).abs() <= 0.556 * self.step + self.hidden_part * raw.abs()
+        (raw - shown).abs() <= 0.556 * self.step + self.hidden_part * raw.abs()
     }
 
-    pub(super) fn explains(&self, stated: f64) -> bool {
-        matches!(self.elements()[..], [raw] if self.is_near(raw, stated))
+    pub(super) fn explains(&self, shown: f64) -> bool {
+        matches!(self.elements()[..], [raw] if self.is_near(raw, shown))
     }
 
     /// Returns true where a value that is no number may have been made of this one.
-    pub(super) fn is_stated_by(&self, body: &Value) -> bool {
+    pub(super) fn is_shown_by(&self, body: &Value) -> bool {
         let coarse = |scalar: &Scalar| match scalar {
             Scalar::DateTime(at) => Scalar::DateTime(at.floor_to(self.time_step)),
             other => other.clone(),
@@ -83,21 +83,21 @@ pub(super) fn number_of(body: &Value) -> Option<f64> {
 }
 
 /// Returns true for a number between the values of which it may be the mean.
-pub(super) fn is_mean(values: &[&Possible], stated: f64) -> bool {
+pub(super) fn is_mean(values: &[&Possible], shown: f64) -> bool {
     let numbers = || values.iter().flat_map(|possible| possible.elements());
     let room = values.iter().map(|possible| 0.556 * possible.step).fold(0.0, f64::max);
     let part = values.iter().map(|possible| possible.hidden_part).fold(0.0, f64::max);
     let (least, most) = (numbers().fold(f64::MAX, f64::min), numbers().fold(f64::MIN, f64::max));
     let room = room + part * least.abs().max(most.abs());
-    (least - room..=most + room).contains(&stated)
+    (least - room..=most + room).contains(&shown)
 }
 
 /// Returns true for a number of at most the sum of all values.
-pub(super) fn is_sum(values: &[&Possible], stated: f64) -> bool {
+pub(super) fn is_sum(values: &[&Possible], shown: f64) -> bool {
     let room = values.iter().map(|possible| 0.556 * possible.step).fold(0.0, f64::max);
     let part = values.iter().map(|possible| possible.hidden_part).fold(0.0, f64::max);
     let sum: f64 = values.iter().flat_map(|possible| possible.elements()).map(f64::abs).sum();
-    stated.abs() <= sum * (1.0 + part) + room
+    shown.abs() <= sum * (1.0 + part) + room
 }
 
 /// Returns true within hours, computed without the gate's code.
