@@ -714,6 +714,7 @@ export interface components {
         AccessCheckpointView: {
             /** @description The checkpoint, a C2SP signed note; absent in the first minute of a log. */
             checkpoint?: string | null;
+            retention?: components["schemas"]["AccessRetentionEntry"] | null;
             /**
              * @description The key that signed it, as `name+id+key`. Note it once, and keep checkpoints where the
              *     platform cannot change them.
@@ -725,6 +726,37 @@ export interface components {
          * @enum {string}
          */
         AccessKind: "LOOKED" | "STREAMED" | "EXPORTED" | "FORWARDED";
+        /** @description Statement in a log about what retention removed from it. What is missing without one is a fault. */
+        AccessRetention: {
+            before?: components["schemas"]["DateTime"] | null;
+            /**
+             * Format: int64
+             * @description Number of entries that are kept; of `COUNT` only.
+             */
+            kept?: number | null;
+            /**
+             * Format: int64
+             * @description Number of the last entry that was removed, with all before it.
+             */
+            removedThrough: number;
+            rule: components["schemas"]["AccessRetentionRule"];
+        };
+        /** @description The entry of a statement, whose canonical text is a leaf of the tree. */
+        AccessRetentionEntry: {
+            factoryId: components["schemas"]["FactoryId"];
+            /**
+             * Format: int64
+             * @description Number in the log, from 1 without gaps.
+             */
+            number: number;
+            recordedAt: components["schemas"]["DateTime"];
+            retention: components["schemas"]["AccessRetention"];
+        };
+        /**
+         * @description Rule by which the oldest entries are removed.
+         * @enum {string}
+         */
+        AccessRetentionRule: "AGE" | "COUNT" | "FORMER_VERSION";
         /** @description An entry of the record of who read a factory's values. */
         AccessView: components["schemas"]["Access"] & {
             /** @description Name of the person or tool; for the own organisation's only. */
@@ -774,7 +806,7 @@ export interface components {
         /** @description A concrete asset of a factory, as in its status data sets (OPC 10000-100 AssetId). */
         AssetId: string;
         /**
-         * @description Kind of those who change something: a person, or a program.
+         * @description Kind of person or program that makes a change.
          * @enum {string}
          */
         AuditAgentKind: "USER" | "TOOL" | "FACTORY" | "COMMAND";
@@ -827,7 +859,7 @@ export interface components {
              */
             waiting: number;
         };
-        /** @description Profile in a configuration: a name, or a table of templates. */
+        /** @description In configuration a profile is a name, or a table of templates. */
         BrokerProfile: string | components["schemas"]["BrokerTemplates"];
         /** @description Templates of a profile; each contains `{address}`, `{address:percent}` or `{address:path}`. */
         BrokerTemplates: {
@@ -929,28 +961,7 @@ export interface components {
             replayedAt?: components["schemas"]["DateTime"] | null;
             subject?: string | null;
         };
-        /** @description Effects of a departure, and what is in its way. */
-        Departure: {
-            /**
-             * Format: int64
-             * @description Number of broker credentials that end, with the connections that use them.
-             */
-            credentials: number;
-            /** @description Places of what is in force and has to be ended first, at most a hundred of a kind. */
-            inForce: string[];
-            /** @description True once it has left. */
-            isDone: boolean;
-            /** @description People whose accounts end. */
-            people: string[];
-            /** @description Places of requests whose reports no tool gets any more, at most a hundred. */
-            requests: string[];
-            /**
-             * Format: int64
-             * @description Number of sessions that end.
-             */
-            sessions: number;
-        };
-        /** @description Coarsening of a value before it leaves, in words and numbers. */
+        /** @description In words and numbers, how a value is coarsened before it leaves. */
         DisclosureStatement: {
             aggregate?: components["schemas"]["AggregateStatement"] | null;
             /** @description Values are these bounds: of each the greatest not above it, in the field's unit. */
@@ -964,7 +975,7 @@ export interface components {
             description: string;
             /** @description Values leave within these hours only; all of them hold. */
             hoursList?: components["schemas"]["HoursStatement"][];
-            /** @description True where no value leaves in certain states; the states themselves are not disclosed. */
+            /** @description Nothing leaves in certain states; the states themselves are not disclosed. */
             isWithheldInStates?: boolean;
             /**
              * Format: int64
@@ -1070,7 +1081,7 @@ export interface components {
         };
         /** @description A factory: one connector, one PublisherId, one pair of addresses on the broker. */
         FactoryId: string;
-        /** @description Fault of a message that a partner can mend. */
+        /** @description Something wrong with a message, as a partner can mend it. */
         Fault: {
             /** @description A stable code, as `UNKNOWN_OPERATION`. */
             code: string;
@@ -1331,7 +1342,7 @@ export interface components {
              */
             data: {
                 factoryId: components["schemas"]["FactoryId"];
-                /** @description Time as `GET /factories` shows it to the same viewer. */
+                /** @description As `GET /factories` shows it to the same viewer. */
                 lastSeenAt: components["schemas"]["DateTime"];
                 /** @description State that its publisher reported last. */
                 publisherState?: string | null;
@@ -2007,7 +2018,7 @@ export interface components {
         TokenView: {
             /** @description End of its validity. */
             expiresAt: components["schemas"]["DateTime"];
-            /** @description Token for `factory-connector enrol`; contains the platform's address. */
+            /** @description For `factory-connector enrol`; contains the platform's address. */
             token: string;
         };
         /** @description A tool of an organisation; it may do what a planner of that organisation may do. */
@@ -2128,7 +2139,7 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"];
             };
         };
-        /** @description No user is signed in. */
+        /** @description Nobody is signed in. */
         Unauthorized: {
             headers: {
                 [name: string]: unknown;
@@ -2558,11 +2569,11 @@ export interface operations {
     listAccesses: {
         parameters: {
             query?: {
-                /** @description Restriction to accesses of this organisation. */
+                /** @description Only those of this organisation. */
                 viewer?: components["schemas"]["OrganisationId"];
-                /** @description Restriction to values of this network. */
+                /** @description Only those to values of this network. */
                 network?: components["schemas"]["OperationNetworkId"];
-                /** @description Restriction to values of this request. */
+                /** @description Only those to values of this request. */
                 request?: components["schemas"]["DynamicDataRequestId"];
                 /** @description `nextCursor` of the page before; absent for the first page. */
                 cursor?: string;
@@ -2814,8 +2825,8 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description Counterpart of the header `Last-Event-ID`, for the first connection of a page: `lastEventId`
-                 *     of the view it shows.
+                 * @description As the header `Last-Event-ID`, for the first connection of a page: `lastEventId` of the view
+                 *     it shows.
                  */
                 lastEventId?: string;
             };
@@ -3205,11 +3216,11 @@ export interface operations {
     listReports: {
         parameters: {
             query?: {
-                /** @description Restriction to this network. */
+                /** @description Only of this network. */
                 network?: components["schemas"]["OperationNetworkId"];
-                /** @description Restriction to this request. */
+                /** @description Only of this request. */
                 request?: components["schemas"]["DynamicDataRequestId"];
-                /** @description Number of the report after which those listed arrived; `nextCursor` of the page before. */
+                /** @description Only those that arrived after the report with this number; `nextCursor` of the page before. */
                 after?: string;
                 /** @description Most entries wanted, 1 to 1000. */
                 limit?: number;
