@@ -217,7 +217,7 @@ impl Removals<'_> {
         first: &str,
         second: &str,
     ) -> Result<Vec<String>, StoreError> {
-        sqlx::query_scalar(sql)
+        let rows = sqlx::query(sql)
             .bind(first)
             .bind(second)
             .bind(LISTED_MAX)
