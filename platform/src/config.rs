@@ -80,8 +80,7 @@ pub struct BrokerSettings {
     pub listen: SocketAddr,
     /// Address of a listener without TLS, in addition; loopback only.
     pub plain_listen: Option<SocketAddr>,
-    /// Address of a listener for AMQP in WebSockets, in addition; with TLS and the same
-    /// certificate.
+    /// Listener for AMQP in WebSockets, in addition; with TLS and the same certificate.
     pub websocket_listen: Option<SocketAddr>,
     /// Run the embedded broker in the platform's own process, not in one that it watches.
     pub in_process: bool,

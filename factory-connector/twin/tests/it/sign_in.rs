@@ -24,7 +24,7 @@ use crate::harness::{DEADLINE, TestTwin};
 /// Form of a password in a token.
 #[derive(Debug, Clone, Copy)]
 enum Secret {
-    /// As it is.
+    /// Text without encryption.
     Plain,
     /// Encrypted as another policy has it.
     As(SecurityPolicy),
