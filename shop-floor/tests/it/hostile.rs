@@ -8,7 +8,7 @@ use tokio::{
     sync::oneshot,
 };
 
-use crate::support::Floor;
+use crate::support::TestShopFloor;
 
 /// Most bytes that the network itself may take before the client's end is noticed.
 const IN_FLIGHT_MAX: usize = 32 << 20;
@@ -50,7 +50,7 @@ fn acknowledgement() -> Vec<u8> {
 
 #[tokio::test]
 async fn what_a_server_claims_is_not_buffered() {
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     for (what, greeting) in [
         ("an acknowledgement of 4 GiB", header(b"ACKF", u32::MAX)),
         ("a channel of 4 GiB", [acknowledgement(), header(b"OPNF", u32::MAX)].concat()),

@@ -101,7 +101,7 @@ async fn a_password_is_sent_unprotected_only_where_that_is_allowed_by_name() {
     (machine.security.unprotected, machine.security.protected) = (true, false);
     let simulation = Simulation::of(vec![machine]).await;
     let press = simulation.machine("Press");
-    let floor = Floor::start();
+    let floor = TestShopFloor::start();
     let mut source = source(&press, "press");
     source.security = SecurityChoice::None;
     let id = source.source_id.clone();
