@@ -152,7 +152,8 @@ impl Plant {
             let value_source = ValueSource::External;
             let command = DecisionCommand::Map { value_source, mapping: None, policy };
             let (decided_by, basis) = ("eve".to_owned(), DecisionBasis::default());
-            let request = DecisionRequest { command, reason: None, decided_by, basis };
+            let request =
+                DecisionRequest { command, reason: None, decided_by, basis, preview: None };
             pending.merge(decide(&mut state, field, request, now()).context("a decision")?);
         }
         let mut plant = Self { store, state, pending, key, fields, next: 0, count: 0, entries: 0 };

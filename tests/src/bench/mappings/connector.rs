@@ -200,7 +200,7 @@ async fn fill(data: &std::path::Path, bank: &Bank, steps: &Value) -> anyhow::Res
             policy: DisclosurePolicy::default(),
         };
         let (decided_by, basis) = ("engineer".to_owned(), DecisionBasis::default());
-        let request = DecisionRequest { command, reason: None, decided_by, basis };
+        let request = DecisionRequest { command, reason: None, decided_by, basis, preview: None };
         pending.merge(decide(&mut state, &key, request, now)?);
     }
     let source = bank.source()?;
