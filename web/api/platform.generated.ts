@@ -859,7 +859,7 @@ export interface components {
              */
             waiting: number;
         };
-        /** @description In configuration a profile is a name, or a table of templates. */
+        /** @description Profile in a configuration: a name, or a table of templates. */
         BrokerProfile: string | components["schemas"]["BrokerTemplates"];
         /** @description Templates of a profile; each contains `{address}`, `{address:percent}` or `{address:path}`. */
         BrokerTemplates: {
@@ -961,7 +961,7 @@ export interface components {
             replayedAt?: components["schemas"]["DateTime"] | null;
             subject?: string | null;
         };
-        /** @description In words and numbers, how a value is coarsened before it leaves. */
+        /** @description Coarsening of a value before it leaves, in words and numbers. */
         DisclosureStatement: {
             aggregate?: components["schemas"]["AggregateStatement"] | null;
             /** @description Values are these bounds: of each the greatest not above it, in the field's unit. */
@@ -975,7 +975,7 @@ export interface components {
             description: string;
             /** @description Values leave within these hours only; all of them hold. */
             hoursList?: components["schemas"]["HoursStatement"][];
-            /** @description Nothing leaves in certain states; the states themselves are not disclosed. */
+            /** @description True where no value leaves in certain states; the states themselves are not disclosed. */
             isWithheldInStates?: boolean;
             /**
              * Format: int64
@@ -1081,7 +1081,7 @@ export interface components {
         };
         /** @description A factory: one connector, one PublisherId, one pair of addresses on the broker. */
         FactoryId: string;
-        /** @description Something wrong with a message, as a partner can mend it. */
+        /** @description Fault of a message that a partner can mend. */
         Fault: {
             /** @description A stable code, as `UNKNOWN_OPERATION`. */
             code: string;
@@ -1342,7 +1342,7 @@ export interface components {
              */
             data: {
                 factoryId: components["schemas"]["FactoryId"];
-                /** @description As `GET /factories` shows it to the same viewer. */
+                /** @description Time as `GET /factories` shows it to the same viewer. */
                 lastSeenAt: components["schemas"]["DateTime"];
                 /** @description State that its publisher reported last. */
                 publisherState?: string | null;
@@ -2018,7 +2018,7 @@ export interface components {
         TokenView: {
             /** @description End of its validity. */
             expiresAt: components["schemas"]["DateTime"];
-            /** @description For `factory-connector enrol`; contains the platform's address. */
+            /** @description Token for `factory-connector enrol`; contains the platform's address. */
             token: string;
         };
         /** @description A tool of an organisation; it may do what a planner of that organisation may do. */
@@ -2139,7 +2139,7 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"];
             };
         };
-        /** @description Nobody is signed in. */
+        /** @description No user is signed in. */
         Unauthorized: {
             headers: {
                 [name: string]: unknown;
@@ -2569,11 +2569,11 @@ export interface operations {
     listAccesses: {
         parameters: {
             query?: {
-                /** @description Only those of this organisation. */
+                /** @description Restriction to accesses of this organisation. */
                 viewer?: components["schemas"]["OrganisationId"];
-                /** @description Only those to values of this network. */
+                /** @description Restriction to values of this network. */
                 network?: components["schemas"]["OperationNetworkId"];
-                /** @description Only those to values of this request. */
+                /** @description Restriction to values of this request. */
                 request?: components["schemas"]["DynamicDataRequestId"];
                 /** @description `nextCursor` of the page before; absent for the first page. */
                 cursor?: string;
@@ -2825,8 +2825,8 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description As the header `Last-Event-ID`, for the first connection of a page: `lastEventId` of the view
-                 *     it shows.
+                 * @description Counterpart of the header `Last-Event-ID`, for the first connection of a page: `lastEventId`
+                 *     of the view it shows.
                  */
                 lastEventId?: string;
             };
@@ -3216,11 +3216,11 @@ export interface operations {
     listReports: {
         parameters: {
             query?: {
-                /** @description Only of this network. */
+                /** @description Restriction to this network. */
                 network?: components["schemas"]["OperationNetworkId"];
-                /** @description Only of this request. */
+                /** @description Restriction to this request. */
                 request?: components["schemas"]["DynamicDataRequestId"];
-                /** @description Only those that arrived after the report with this number; `nextCursor` of the page before. */
+                /** @description Number of the report after which those listed arrived; `nextCursor` of the page before. */
                 after?: string;
                 /** @description Most entries wanted, 1 to 1000. */
                 limit?: number;
