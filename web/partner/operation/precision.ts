@@ -15,7 +15,9 @@ export function precisionText(
 ): string {
   const parts = partsOf(statement ?? {}, unit)
   const said = sentence(parts, language.code) ?? ''
-  return statement == null || sentence(parts, 'en') === statement.description ? said : statement.description
+  return statement == null || sentence(parts, 'en') === statement.description
+    ? said
+    : statement.description
 }
 
 function partsOf(
@@ -30,19 +32,23 @@ function partsOf(
       function: aggregate,
       windowMs: statement.aggregate.windowMs,
     })
-  if (statement.roundingStep != null) parts.push({ code: 'ROUNDED', step: statement.roundingStep, unit })
+  if (statement.roundingStep != null)
+    parts.push({ code: 'ROUNDED', step: statement.roundingStep, unit })
   if (statement.bandList && statement.bandList.length > 0)
     parts.push({ code: 'BANDED', bounds: statement.bandList, unit })
-  if (statement.significantDigits != null) parts.push({ code: 'DIGITS', digits: statement.significantDigits })
+  if (statement.significantDigits != null)
+    parts.push({ code: 'DIGITS', digits: statement.significantDigits })
   if (statement.minimumIntervalMs != null)
     parts.push({ code: 'INTERVAL', periodMs: statement.minimumIntervalMs })
   for (const limit of statement.rateLimitList ?? []) parts.push({ code: 'RATE', ...limit })
-  if (statement.timeStepMs != null) parts.push({ code: 'TIME_STEP', periodMs: statement.timeStepMs })
+  if (statement.timeStepMs != null)
+    parts.push({ code: 'TIME_STEP', periodMs: statement.timeStepMs })
   if (statement.delayMs != null) parts.push({ code: 'DELAYED', periodMs: statement.delayMs })
   for (const { dayList, from, until } of statement.hoursList ?? [])
     parts.push({ code: 'HOURS', hours: { days: dayList.filter(isDay), from, until } })
   if (statement.isWithheldInStates === true) parts.push({ code: 'WITHHELD' })
-  if (statement.statusCodes != null) parts.push({ code: 'STATUS_CODES', resolution: statement.statusCodes })
+  if (statement.statusCodes != null)
+    parts.push({ code: 'STATUS_CODES', resolution: statement.statusCodes })
   return parts.length === 0 ? [{ code: 'UNCHANGED' }] : parts
 }
 
