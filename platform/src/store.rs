@@ -75,7 +75,7 @@ pub use parts::{NetworkPart, PartState, Parts, SeenPart};
 pub use past_releases::{PastReleases, ReleasedRange};
 pub use recipient_sets::{RecipientSetId, RecipientSets};
 pub use recipients::{Recipient, Recipients};
-pub use removals::{Leaver, Removal, Removals};
+pub use removals::{Leaver, RemovalEffects, Removals};
 pub use reports::{NewReport, Report, ReportQuery, Reports};
 pub use revocations::{RevocationEntry, Revocations};
 pub use scope::Scope;

@@ -10,7 +10,7 @@ use super::{administrator_only, problems::ChangeProblems};
 use crate::{
     application::Application,
     principal::Principal,
-    store::{AuditOutcome, Leaver, Removal},
+    store::{AuditOutcome, Leaver, RemovalEffects},
 };
 
 /// Things in force that a refusal names.
@@ -28,49 +28,49 @@ pub struct RemovalQuery {
 
 /// Removes a person: the sessions end. The last administrator stays.
 #[utoipa::path(delete, operation_id = "removeUser", path = "/users/{userName}", tag = "users", security(("session" = [])),
-    params(("userName" = String, Path), RemovalQuery), responses((status = 200, body = Removal), ChangeProblems))]
+    params(("userName" = String, Path), RemovalQuery), responses((status = 200, body = RemovalEffects), ChangeProblems))]
 pub async fn user(
     State(app): State<Application>,
     who: SignedIn<Principal>,
     ApiPath(name): ApiPath<String>,
     ApiQuery(query): ApiQuery<RemovalQuery>,
-) -> Result<Json<Removal>, Problem> {
+) -> Result<Json<RemovalEffects>, Problem> {
     leave(&app, &who, "removeUser", Leaver::User(name), &query).await
 }
 
 /// Removes a tool: credentials and connections end, and it gets no more reports.
 #[utoipa::path(delete, operation_id = "removeTool", path = "/tools/{toolId}", tag = "tools", security(("session" = [])),
-    params(("toolId" = String, Path), RemovalQuery), responses((status = 200, body = Removal), ChangeProblems))]
+    params(("toolId" = String, Path), RemovalQuery), responses((status = 200, body = RemovalEffects), ChangeProblems))]
 pub async fn tool(
     State(app): State<Application>,
     who: SignedIn<Principal>,
     ApiPath(id): ApiPath<ToolId>,
     ApiQuery(query): ApiQuery<RemovalQuery>,
-) -> Result<Json<Removal>, Problem> {
+) -> Result<Json<RemovalEffects>, Problem> {
     leave(&app, &who, "removeTool", Leaver::Tool(id), &query).await
 }
 
 /// Removes a factory that is in no collaboration any more: credentials, tokens and connections end.
 #[utoipa::path(delete, operation_id = "removeFactory", path = "/factories/{factoryId}", tag = "factories", security(("session" = [])),
-    params(("factoryId" = String, Path), RemovalQuery), responses((status = 200, body = Removal), ChangeProblems))]
+    params(("factoryId" = String, Path), RemovalQuery), responses((status = 200, body = RemovalEffects), ChangeProblems))]
 pub async fn factory(
     State(app): State<Application>,
     who: SignedIn<Principal>,
     ApiPath(id): ApiPath<FactoryId>,
     ApiQuery(query): ApiQuery<RemovalQuery>,
-) -> Result<Json<Removal>, Problem> {
+) -> Result<Json<RemovalEffects>, Problem> {
     leave(&app, &who, "removeFactory", Leaver::Factory(id), &query).await
 }
 
 /// Removes an organisation of which nothing is left in force, with its people.
 #[utoipa::path(delete, operation_id = "removeOrganisation", path = "/organisations/{organisationId}", tag = "organisations", security(("session" = [])),
-    params(("organisationId" = String, Path), RemovalQuery), responses((status = 200, body = Removal), ChangeProblems))]
+    params(("organisationId" = String, Path), RemovalQuery), responses((status = 200, body = RemovalEffects), ChangeProblems))]
 pub async fn organisation(
     State(app): State<Application>,
     who: SignedIn<Principal>,
     ApiPath(id): ApiPath<OrganisationId>,
     ApiQuery(query): ApiQuery<RemovalQuery>,
-) -> Result<Json<Removal>, Problem> {
+) -> Result<Json<RemovalEffects>, Problem> {
     leave(&app, &who, "removeOrganisation", Leaver::Organisation(id), &query).await
 }
 
@@ -78,26 +78,26 @@ pub async fn organisation(
 /// readable to it.
 #[utoipa::path(delete, operation_id = "removeMember", path = "/collaborations/{collaborationId}/members/{organisationId}", tag = "collaborations",
     security(("session" = [])), params(("collaborationId" = String, Path), ("organisationId" = String, Path), RemovalQuery),
-    responses((status = 200, body = Removal), ChangeProblems))]
+    responses((status = 200, body = RemovalEffects), ChangeProblems))]
 pub async fn member(
     State(app): State<Application>,
     who: SignedIn<Principal>,
     ApiPath((of, id)): ApiPath<(CollaborationId, OrganisationId)>,
     ApiQuery(query): ApiQuery<RemovalQuery>,
-) -> Result<Json<Removal>, Problem> {
+) -> Result<Json<RemovalEffects>, Problem> {
     leave(&app, &who, "removeMember", Leaver::Member(of, id), &query).await
 }
 
 /// Takes a factory out of a collaboration in which it performs nothing.
 #[utoipa::path(delete, operation_id = "removeCollaborationFactory", path = "/collaborations/{collaborationId}/factories/{factoryId}", tag = "collaborations",
     security(("session" = [])), params(("collaborationId" = String, Path), ("factoryId" = String, Path), RemovalQuery),
-    responses((status = 200, body = Removal), ChangeProblems))]
+    responses((status = 200, body = RemovalEffects), ChangeProblems))]
 pub async fn collaboration_factory(
     State(app): State<Application>,
     who: SignedIn<Principal>,
     ApiPath((of, id)): ApiPath<(CollaborationId, FactoryId)>,
     ApiQuery(query): ApiQuery<RemovalQuery>,
-) -> Result<Json<Removal>, Problem> {
+) -> Result<Json<RemovalEffects>, Problem> {
     let leaver = Leaver::CollaborationFactory(of, id);
     leave(&app, &who, "removeCollaborationFactory", leaver, &query).await
 }
@@ -109,7 +109,7 @@ async fn leave(
     operation: &'static str,
     leaver: Leaver,
     query: &RemovalQuery,
-) -> Result<Json<Removal>, Problem> {
+) -> Result<Json<RemovalEffects>, Problem> {
     administrator_only::check(who)?;
     let mut work = app.store.begin(&who.principal, operation).await?;
     let subject = work.removals().subject(&leaver).await?;
@@ -127,7 +127,7 @@ async fn leave(
         app.broker_access.revoked(&app.store.reader(), &holder).await?;
     }
     tracing::info!(leaver = leaver.path(), "A person, program, plant or organisation has left.");
-    Ok(Json(Removal { is_done: true, ..removal }))
+    Ok(Json(RemovalEffects { is_done: true, ..removal }))
 }
 
 fn in_force(paths: &[String]) -> Problem {

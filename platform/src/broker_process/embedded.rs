@@ -9,7 +9,7 @@ use broker::{
 
 use super::{
     supervisor::BrokerProcessHandle,
-    wire::{Answer, Request},
+    wire::{Answer, BrokerRequest},
 };
 
 /// Handle to the embedded broker; clones share it.
@@ -73,7 +73,7 @@ impl EmbeddedBroker {
         match self {
             Self::Here(broker) => broker.disconnect_user(user_name),
             Self::Process(process) => {
-                let request = Request::Disconnect { user_name: user_name.to_owned() };
+                let request = BrokerRequest::Disconnect { user_name: user_name.to_owned() };
                 match process.ask(request).await {
                     Some(Answer::Count(count)) => usize::try_from(count).unwrap_or(usize::MAX),
                     _ => 0,
@@ -86,7 +86,7 @@ impl EmbeddedBroker {
     pub async fn queues(&self) -> Option<Vec<QueueStatus>> {
         match self {
             Self::Here(broker) => Some(broker.queues()),
-            Self::Process(process) => match process.ask(Request::Queues).await {
+            Self::Process(process) => match process.ask(BrokerRequest::Queues).await {
                 Some(Answer::Queues(queues)) => Some(queues),
                 _ => None,
             },
@@ -97,7 +97,7 @@ impl EmbeddedBroker {
     pub async fn connections(&self) -> Option<Vec<ConnectionStatus>> {
         match self {
             Self::Here(broker) => Some(broker.connections()),
-            Self::Process(process) => match process.ask(Request::Connections).await {
+            Self::Process(process) => match process.ask(BrokerRequest::Connections).await {
                 Some(Answer::Connections(connections)) => Some(connections),
                 _ => None,
             },
@@ -116,7 +116,7 @@ impl EmbeddedBroker {
         match self {
             Self::Here(broker) => Ok(broker.dead_letters(after, limit).await?),
             Self::Process(process) => {
-                match process.ask(Request::DeadLetters { after, limit }).await {
+                match process.ask(BrokerRequest::DeadLetters { after, limit }).await {
                     Some(Answer::DeadLetters(letters)) => Ok(letters),
                     other => Err(failure(other)),
                 }
@@ -132,7 +132,7 @@ impl EmbeddedBroker {
         match self {
             Self::Here(broker) => Ok(broker.replay_dead_letters(ids).await?),
             Self::Process(process) => {
-                match process.ask(Request::ReplayDeadLetters { ids: ids.to_vec() }).await {
+                match process.ask(BrokerRequest::ReplayDeadLetters { ids: ids.to_vec() }).await {
                     Some(Answer::Count(count)) => Ok(count),
                     other => Err(failure(other)),
                 }

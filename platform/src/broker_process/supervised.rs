@@ -10,7 +10,7 @@ use tokio::{
 };
 use tokio_util::sync::CancellationToken;
 
-use super::wire::{self, Answer, Line, Order, Request, Setup};
+use super::wire::{self, Answer, BrokerRequest, Line, Order, Setup};
 
 /// The process of the broker ends without having been told to.
 #[derive(Debug, thiserror::Error)]
@@ -65,7 +65,7 @@ pub async fn run_supervised() -> Result<(), SupervisedError> {
         // At once: what was accepted is committed, and nobody is left to do anything for.
         let line = line.ok_or(SupervisedError::Orphaned)?;
         let Order { id, request } = serde_json::from_str(&line)?;
-        if matches!(request, Request::Stop) {
+        if matches!(request, BrokerRequest::Stop) {
             stop.cancel();
             return Ok(running.await.map_err(|_| BrokerError::Stopped)??);
         }
@@ -78,30 +78,30 @@ async fn carry_out(
     handle: &BrokerHandle,
     users: &CredentialTable,
     metrics: &Metrics,
-    request: Request,
+    request: BrokerRequest,
 ) -> Answer {
     let failed = |error: BrokerError| Answer::Failed(error.to_string());
     match request {
-        Request::SetUsers(all) => {
+        BrokerRequest::SetUsers(all) => {
             users.replace(wire::from_wire(all));
             Answer::Done
         }
-        Request::DeclareQueue { queue, options } => {
+        BrokerRequest::DeclareQueue { queue, options } => {
             handle.declare_queue(&queue, options).await.map_or_else(failed, |()| Answer::Done)
         }
-        Request::Disconnect { user_name } => {
+        BrokerRequest::Disconnect { user_name } => {
             Answer::Count(handle.disconnect_user(&user_name) as u64)
         }
-        Request::Queues => Answer::Queues(handle.queues()),
-        Request::Connections => Answer::Connections(handle.connections()),
-        Request::DeadLetters { after, limit } => {
+        BrokerRequest::Queues => Answer::Queues(handle.queues()),
+        BrokerRequest::Connections => Answer::Connections(handle.connections()),
+        BrokerRequest::DeadLetters { after, limit } => {
             handle.dead_letters(after, limit).await.map_or_else(failed, Answer::DeadLetters)
         }
-        Request::ReplayDeadLetters { ids } => {
+        BrokerRequest::ReplayDeadLetters { ids } => {
             handle.replay_dead_letters(&ids).await.map_or_else(failed, Answer::Count)
         }
-        Request::Metrics => Answer::Metrics(metrics.render()),
-        Request::Stop => Answer::Done,
+        BrokerRequest::Metrics => Answer::Metrics(metrics.render()),
+        BrokerRequest::Stop => Answer::Done,
     }
 }
 

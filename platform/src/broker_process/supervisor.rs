@@ -21,7 +21,7 @@ use tokio::{
 };
 use tokio_util::sync::CancellationToken;
 
-use super::wire::{self, Answer, Line, Order, Request, Setup};
+use super::wire::{self, Answer, BrokerRequest, Line, Order, Setup};
 
 /// Time for a new process to listen.
 const START_TIMEOUT: Duration = Duration::from_secs(30);
@@ -57,15 +57,15 @@ pub enum BrokerProcessError {
 
 /// A process that listens, to be kept alive by [`run`](Self::run).
 pub struct BrokerProcess {
-    shared: Arc<Shared>,
+    shared: Arc<ProcessState>,
     running: Running,
 }
 
 /// Handle to the broker's process, whichever runs at the moment; clones share it.
 #[derive(Clone)]
-pub struct BrokerProcessHandle(Arc<Shared>);
+pub struct BrokerProcessHandle(Arc<ProcessState>);
 
-struct Shared {
+struct ProcessState {
     program: PathBuf,
     addresses: Vec<SocketAddr>,
     desired: Mutex<Desired>,
@@ -82,7 +82,7 @@ struct Desired {
 }
 
 struct Asked {
-    request: Request,
+    request: BrokerRequest,
     /// None for the metrics, whose answer is kept.
     reply: Option<oneshot::Sender<Answer>>,
 }
@@ -124,7 +124,7 @@ impl BrokerProcess {
         for (listener, address) in setup.listeners.iter_mut().zip(&running.addresses) {
             listener.address = *address;
         }
-        let shared = Arc::new(Shared {
+        let shared = Arc::new(ProcessState {
             program,
             addresses: running.addresses.clone(),
             desired: Mutex::new(Desired { setup, queues: BTreeMap::new() }),
@@ -203,7 +203,7 @@ impl Running {
     }
 
     /// Carries orders and answers until the process ends, or is told to.
-    async fn serve(self, shared: &Shared, shutdown: &CancellationToken) {
+    async fn serve(self, shared: &ProcessState, shutdown: &CancellationToken) {
         let Self { mut child, mut input, mut output, users: first_users, .. } = self;
         let (orders, mut asked) = mpsc::channel(ORDERS_MAX);
         // A task of its own writes, so that a process that waits for its answers to be read never
@@ -219,15 +219,14 @@ impl Running {
         // What was said while there was no process comes before whatever is said from now on.
         {
             let desired = shared.desired.lock();
-            let users = Request::SetUsers(desired.setup.users.clone());
-            let queues = desired.queues.iter().map(|(queue, options)| Request::DeclareQueue {
-                queue: queue.clone(),
-                options: *options,
+            let users = BrokerRequest::SetUsers(desired.setup.users.clone());
+            let queues = desired.queues.iter().map(|(queue, options)| {
+                BrokerRequest::DeclareQueue { queue: queue.clone(), options: *options }
             });
             // A user that was removed while the process started may have signed in to it.
             let is_gone = |name: &&String| !desired.setup.users.iter().any(|u| u.name == **name);
             let removed = first_users.iter().filter(is_gone);
-            let removed = removed.map(|name| Request::Disconnect { user_name: name.clone() });
+            let removed = removed.map(|name| BrokerRequest::Disconnect { user_name: name.clone() });
             for request in std::iter::once(users).chain(removed).chain(queues) {
                 let _ = lines.try_send(line(&Order { id: 0, request }));
             }
@@ -239,7 +238,7 @@ impl Running {
         loop {
             let next = tokio::select! {
                 () = shutdown.cancelled() => break,
-                _ = ticks.tick() => Asked { request: Request::Metrics, reply: None },
+                _ = ticks.tick() => Asked { request: BrokerRequest::Metrics, reply: None },
                 Some(next) = asked.recv() => next,
                 answered = output.next_line() => {
                     let Ok(Some(text)) = answered else { break };
@@ -259,7 +258,7 @@ impl Running {
             }
         }
         if shutdown.is_cancelled() {
-            let _ = lines.send(line(&Order { id: 0, request: Request::Stop })).await;
+            let _ = lines.send(line(&Order { id: 0, request: BrokerRequest::Stop })).await;
         }
         // Ends the writer, and with it the input of the process.
         drop(lines);
@@ -298,7 +297,7 @@ impl BrokerProcessHandle {
         let users = wire::to_wire(users);
         self.0.desired.lock().setup.users.clone_from(&users);
         // Without an answer there is no process that knows the old ones.
-        self.ask(Request::SetUsers(users)).await;
+        self.ask(BrokerRequest::SetUsers(users)).await;
     }
 
     /// Declares a queue, in this process and in those to come.
@@ -307,12 +306,12 @@ impl BrokerProcessHandle {
         if known == Some(options) {
             return Answer::Done;
         }
-        let request = Request::DeclareQueue { queue: queue.clone(), options };
+        let request = BrokerRequest::DeclareQueue { queue: queue.clone(), options };
         self.ask(request).await.unwrap_or(Answer::Done)
     }
 
     /// Orders and waits for the answer; none while there is no process.
-    pub(super) async fn ask(&self, request: Request) -> Option<Answer> {
+    pub(super) async fn ask(&self, request: BrokerRequest) -> Option<Answer> {
         let orders = self.0.orders.lock().clone()?;
         let (reply, answer) = oneshot::channel();
         orders.send(Asked { request, reply: Some(reply) }).await.ok()?;

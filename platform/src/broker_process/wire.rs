@@ -43,11 +43,11 @@ pub(super) struct UserSetup {
 #[derive(Serialize, Deserialize)]
 pub(super) struct Order {
     pub id: u64,
-    pub request: Request,
+    pub request: BrokerRequest,
 }
 
 #[derive(Serialize, Deserialize)]
-pub(super) enum Request {
+pub(super) enum BrokerRequest {
     /// Replace all users.
     SetUsers(Vec<UserSetup>),
     DeclareQueue {

@@ -52,7 +52,8 @@ impl Leaver {
 /// Effects of a removal, and what is in its way.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
-pub struct Removal {
+#[schema(as = Removal)]
+pub struct RemovalEffects {
     /// True once it has left.
     pub is_done: bool,
     /// Places of what is in force and has to be ended first, at most a hundred of a kind.
@@ -127,8 +128,8 @@ impl Removals<'_> {
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn preview(&mut self, leaver: &Leaver) -> Result<Removal, StoreError> {
-        let mut removal = Removal::default();
+    pub async fn preview(&mut self, leaver: &Leaver) -> Result<RemovalEffects, StoreError> {
+        let mut removal = RemovalEffects::default();
         match leaver {
             Leaver::User(name) => {
                 removal.people.push(name.clone());
