@@ -119,6 +119,16 @@ fn every_attack_has_a_test_and_every_mutant_its_attack() {
 }
 
 #[test]
+fn every_threat_names_tests_that_exist() {
+    let document = fs::read_to_string(root().join("docs/threat-model.md")).unwrap();
+    let (proofs, tests) = (named_proofs(&document), tests());
+    let named: Vec<&String> = proofs.iter().filter(|proof| proof.contains("::")).collect();
+    assert!(named.len() > 40, "{} tests were read", named.len());
+    let missing: Vec<&&String> = named.iter().filter(|proof| !tests.contains(**proof)).collect();
+    assert!(missing.is_empty(), "named in docs/threat-model.md and not there:\n{missing:#?}");
+}
+
+#[test]
 fn every_row_has_a_proof_or_says_what_brings_one() {
     let document = fs::read_to_string(root().join("docs/promises.md")).unwrap();
     let is_head = |row: &&str| row.ends_with(" Proof |") || row.starts_with("|---");

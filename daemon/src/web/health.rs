@@ -1,10 +1,11 @@
 //! `/healthz`, `/readyz` and `/metrics`.
 
-use std::{collections::BTreeMap, sync::Arc};
+use std::{collections::BTreeMap, net::SocketAddr, sync::Arc};
 
 use axum::{
     Json, Router,
-    http::{StatusCode, header},
+    extract::ConnectInfo,
+    http::{HeaderMap, StatusCode, header},
     response::{IntoResponse, Response},
     routing::get,
 };
@@ -53,7 +54,11 @@ struct ReadinessReport {
     waiting_for: BTreeMap<&'static str, String>,
 }
 
-/// The three routes. They tell nothing of plant or partners and need no session.
+/// Header fields by which a proxy says for whom it asks.
+const FORWARDING_HEADERS: [&str; 4] = ["forwarded", "via", "x-forwarded-for", "x-real-ip"];
+
+/// The three routes, which need no session. The metrics are for programs on the same machine: how
+/// many values there were before the gate, and when, is more than partners and viewers may learn.
 pub fn routes<S: Clone + Send + Sync + 'static>(
     readiness: Readiness,
     metrics: Metrics,
@@ -63,17 +68,62 @@ pub fn routes<S: Clone + Send + Sync + 'static>(
         .route("/readyz", get(move || async move { ready_answer(&readiness) }))
         .route(
             "/metrics",
-            get(move || async move {
-                (
-                    [(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")],
-                    metrics.render(),
-                )
-            }),
+            get(
+                move |ConnectInfo(client): ConnectInfo<SocketAddr>, headers: HeaderMap| async move {
+                    metrics_answer(client, &headers, &metrics)
+                },
+            ),
         )
+}
+
+fn metrics_answer(client: SocketAddr, headers: &HeaderMap, metrics: &Metrics) -> Response {
+    if !is_of_this_machine(client, headers) {
+        return (StatusCode::FORBIDDEN, "metrics are for programs on this machine\n")
+            .into_response();
+    }
+    let content_type = "text/plain; version=0.0.4; charset=utf-8";
+    ([(header::CONTENT_TYPE, content_type)], metrics.render()).into_response()
+}
+
+/// Returns false also where a proxy on this machine asks for another one.
+fn is_of_this_machine(client: SocketAddr, headers: &HeaderMap) -> bool {
+    client.ip().to_canonical().is_loopback()
+        && !FORWARDING_HEADERS.iter().any(|name| headers.contains_key(*name))
 }
 
 fn ready_answer(readiness: &Readiness) -> Response {
     let report = readiness.report();
     let status = if report.ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
     (status, Json(report)).into_response()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn metrics_are_for_programs_on_the_same_machine() {
+        let no_headers = HeaderMap::new();
+        for (client, expected) in [
+            ("127.0.0.1:40000", true),
+            ("[::1]:40000", true),
+            ("[::ffff:127.0.0.1]:40000", true),
+            ("192.0.2.7:40000", false),
+            ("[::ffff:192.0.2.7]:40000", false),
+            ("[2001:db8::1]:40000", false),
+        ] {
+            let address = client.parse().expect("an address");
+            assert_eq!(is_of_this_machine(address, &no_headers), expected, "{client}");
+        }
+    }
+
+    #[test]
+    fn a_proxy_on_the_machine_gets_no_metrics_for_others() {
+        let client = "127.0.0.1:40000".parse().expect("an address");
+        for name in FORWARDING_HEADERS {
+            let mut headers = HeaderMap::new();
+            headers.insert(name, header::HeaderValue::from_static("192.0.2.7"));
+            assert!(!is_of_this_machine(client, &headers), "{name}");
+        }
+    }
 }

@@ -62,4 +62,7 @@ async fn health_says_what_it_waits_for() {
     harness.readiness.ready("broker");
     assert_eq!(get().await.0, 200);
     assert_eq!(harness.get("/metrics").await.status(), 200);
+    let by_proxy =
+        harness.api.request(Method::GET, "/metrics").header("x-forwarded-for", "192.0.2.7");
+    assert_eq!(by_proxy.send().await.expect("an answer").status(), 403);
 }
