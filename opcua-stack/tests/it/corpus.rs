@@ -5,10 +5,13 @@ use std::path::Path;
 #[path = "../../fuzz/src/edge.rs"]
 mod edge;
 
+/// Fuzz target: takes bytes, and fails by a panic.
+type Target = fn(&[u8]);
+
 #[test]
 fn the_corpus_replays() {
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus");
-    let targets: [(&str, fn(&[u8])); 2] = [("chunks", edge::chunks), ("services", edge::services)];
+    let targets: [(&str, Target); 2] = [("chunks", edge::chunks), ("services", edge::services)];
     for (target, run) in targets {
         let mut count = 0;
         for file in std::fs::read_dir(corpus.join(target)).expect("a folder per target") {

@@ -154,8 +154,8 @@ pub(super) fn from_wire(users: Vec<UserSetup>) -> HashMap<String, BrokerUser> {
     users
         .into_iter()
         .map(|setup| {
-            let mut user = BrokerUser::default();
-            user.secrets = setup.secrets.into_iter().map(SecretHash::from_bytes).collect();
+            let secrets = setup.secrets.into_iter().map(SecretHash::from_bytes).collect();
+            let mut user = BrokerUser { secrets, ..BrokerUser::default() };
             user.permissions.consume = setup.consume;
             user.permissions.produce = setup.produce;
             (setup.name, user)

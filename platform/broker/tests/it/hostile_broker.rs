@@ -84,17 +84,15 @@ async fn serve(
             Performative::Attach(attach) => {
                 let null = || vec![0x40];
                 let address = string("factory.f1.requests");
-                let (source, target) =
-                    (described(0x28, &[address.clone()]), described(0x29, &[address]));
+                let address = [address];
+                let (source, target) = (described(0x28, &address), described(0x29, &address));
                 let link = [string(&attach.name), uint(0), boolean(false), null(), null()];
                 let rest = [source, target, null(), null(), uint(0)];
                 peer.send(&frame(AMQP, 0, &described(0x12, &[&link[..], &rest].concat()))).await;
             }
-            Performative::Flow(flow) if flow.handle.is_some() => {
-                if outcomes.lock().is_empty() {
-                    for (id, delivery) in (0..).zip(deliveries) {
-                        deliver(&mut peer, id, delivery).await;
-                    }
+            Performative::Flow(flow) if flow.handle.is_some() && outcomes.lock().is_empty() => {
+                for (id, delivery) in (0..).zip(deliveries) {
+                    deliver(&mut peer, id, delivery).await;
                 }
             }
             Performative::Disposition(disposition) => {
