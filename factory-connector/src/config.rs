@@ -12,7 +12,16 @@ use std::{
 
 use asi_model::pubsub::json::Encoding;
 pub use broker::{BrokerSection, ProxySection};
-use daemon::{Confidential, configuration::Setting, telemetry::LogConfig, web::server::TlsFiles};
+use daemon::{
+    Confidential,
+    configuration::Setting,
+    telemetry::LogConfig,
+    web::{
+        address_range::AddressRange,
+        client_address::{ForwardedHeader, TrustedProxies},
+        server::{ServerLimits, TlsFiles},
+    },
+};
 pub use limits::{LedgerConfig, RetentionLimits, SpoolLimits};
 use mapping_engine::MappingEngineConfig;
 use serde::Deserialize;
@@ -75,11 +84,34 @@ pub struct WebConfig {
     pub listen: SocketAddr,
     /// Certificate and key; plain HTTP without them.
     pub tls: Option<TlsFiles>,
+    /// Proxies in front of the pages, whose word about their clients counts.
+    pub trusted_proxies: Vec<AddressRange>,
+    /// Header in which these proxies tell the address of their client.
+    pub forwarded_header: ForwardedHeader,
 }
 
 impl Default for WebConfig {
     fn default() -> Self {
-        Self { listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 8090)), tls: None }
+        Self {
+            listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 8090)),
+            tls: None,
+            trusted_proxies: Vec::new(),
+            forwarded_header: ForwardedHeader::default(),
+        }
+    }
+}
+
+impl WebConfig {
+    /// Returns the proxies in front of the pages.
+    #[must_use]
+    pub fn proxies(&self) -> TrustedProxies {
+        TrustedProxies { ranges: self.trusted_proxies.clone(), header: self.forwarded_header }
+    }
+
+    /// Returns the bounds of their server.
+    #[must_use]
+    pub fn limits(&self) -> ServerLimits {
+        ServerLimits { shared_addresses: self.trusted_proxies.clone(), ..ServerLimits::default() }
     }
 }
 

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use asi_model::{DateTime, OrganisationId};
 use daemon::{
     Confidential,
-    web::session::{PasswordError, PasswordHash, PasswordPolicy, random_token},
+    web::session::{HashingError, PasswordHashing, PasswordPolicy, random_token},
 };
 
 use crate::{
@@ -19,8 +19,8 @@ use crate::{
 #[derive(Debug, thiserror::Error)]
 pub enum AdministratorError {
     /// The password is refused.
-    #[error("admin.password is refused")]
-    Password(#[from] PasswordError),
+    #[error("the password is not taken")]
+    Password(#[from] HashingError),
     /// The password cannot be written down.
     #[error("the password cannot be written down")]
     Write(#[from] CertificateError),
@@ -43,6 +43,7 @@ pub fn password_path(config: &PlatformConfig) -> PathBuf {
 pub async fn ensure(
     store: &Store,
     config: &PlatformConfig,
+    hashing: &PasswordHashing,
     now: DateTime,
 ) -> Result<(), AdministratorError> {
     let admin = &config.admin;
@@ -59,7 +60,10 @@ pub async fn ensure(
         // The configured password is the one in force; storing it again would end all
         // sessions for nothing.
         (Some(password), _) => {
-            if known.is_some_and(|(stored, hash)| stored == user && hash.is_of(password)) {
+            if let Some((stored, hash)) = known
+                && stored == user
+                && hashing.verify(Some(hash), password.clone()).await?
+            {
                 return Ok(());
             }
             password.clone()
@@ -76,7 +80,7 @@ pub async fn ensure(
         }
         (None, _) => return Ok(()),
     };
-    put(store, &user, &password, now).await
+    put(store, &user, password, hashing, now).await
 }
 
 /// Adds or changes a user; an organisation that is not known yet is made.
@@ -86,10 +90,11 @@ pub async fn ensure(
 pub async fn put(
     store: &Store,
     user: &User,
-    password: &Confidential<String>,
+    password: Confidential<String>,
+    hashing: &PasswordHashing,
     now: DateTime,
 ) -> Result<(), AdministratorError> {
-    let hash = PasswordHash::of(password, PasswordPolicy::default())?;
+    let hash = hashing.hash(password, PasswordPolicy::default()).await?;
     let mut work = store.begin().await?;
     if let Some(id) = &user.organisation_id {
         let organisation =

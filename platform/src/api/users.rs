@@ -57,7 +57,8 @@ pub async fn put(
         return Err(unknown_reference("/organisationId", "such organisation"));
     }
     let user = User { user_name, role: body.role, organisation_id: body.organisation_id };
-    administrator::put(&app.store, &user, &body.password, app.clock.now()).await?;
+    let hashing = app.sessions.hashing();
+    administrator::put(&app.store, &user, body.password, hashing, app.clock.now()).await?;
     Ok(Json(UserView {
         user_name: user.user_name,
         role: user.role,

@@ -8,7 +8,7 @@ use std::{
 
 use anyhow::Context;
 use asi_model::{FactoryId, OrganisationId};
-use daemon::Confidential;
+use daemon::{Confidential, web::session::PasswordHashing};
 use platform::{
     administrator,
     clock::Clock,
@@ -95,7 +95,8 @@ pub async fn set_user(
     let password: Confidential<String> = line.trim_end_matches(['\r', '\n']).into();
     let organisation_id: Option<OrganisationId> = organisation.map(|id| id.parse()).transpose()?;
     let user = User { user_name, role, organisation_id };
-    Ok(administrator::put(&store, &user, &password, Clock::system().now()).await?)
+    let hashing = PasswordHashing::default();
+    Ok(administrator::put(&store, &user, password, &hashing, Clock::system().now()).await?)
 }
 
 async fn open(config: &PlatformConfig) -> anyhow::Result<Store> {

@@ -9,8 +9,9 @@ use axum::{
 use daemon::{
     telemetry::Metrics,
     web::{
+        client_address::TrustedProxies,
         health::Readiness,
-        session::{PasswordHash, PasswordPolicy},
+        session::{PasswordHash, PasswordHashing, PasswordPolicy},
     },
 };
 use mapping_engine::{MappingEngine, MappingEngineConfig};
@@ -167,6 +168,8 @@ impl Plant {
                 metrics: Metrics::install().expect("a recorder"),
                 shutdown: CancellationToken::new(),
                 has_tls: false,
+                trusted_proxies: TrustedProxies::default(),
+                hashing: PasswordHashing::default(),
             },
         };
         api::router(Api::new(parts), false)
