@@ -3,6 +3,7 @@
 //! - [`configuration`]: TOML files with environment overrides, and errors with origin and
 //!   remedy.
 //! - [`lifecycle`]: named tasks, one shutdown, and the consequence of a task's failure.
+//! - [`descriptors`]: the limit of open files.
 //! - [`exit`]: message and exit code after an error.
 //! - [`telemetry`]: logs and metrics.
 //! - [`confidential`]: values that must never reach a log.
@@ -12,6 +13,7 @@
 
 pub mod confidential;
 pub mod configuration;
+pub mod descriptors;
 pub mod exit;
 pub mod lifecycle;
 pub mod telemetry;

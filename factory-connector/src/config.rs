@@ -82,8 +82,12 @@ impl Default for ConnectorConfig {
 pub struct WebConfig {
     /// Address of the listener; loopback unless TLS is configured.
     pub listen: SocketAddr,
+    /// Base URL for browsers, where it is another than that of the listener.
+    pub public_url: Option<String>,
     /// Certificate and key; plain HTTP without them.
     pub tls: Option<TlsFiles>,
+    /// Address of metrics and of readiness with reasons; loopback only.
+    pub metrics_listen: Option<SocketAddr>,
     /// Proxies in front of the pages, whose word about their clients counts.
     pub trusted_proxies: Vec<AddressRange>,
     /// Header in which these proxies tell the address of their client.
@@ -94,7 +98,9 @@ impl Default for WebConfig {
     fn default() -> Self {
         Self {
             listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 8090)),
+            public_url: None,
             tls: None,
+            metrics_listen: None,
             trusted_proxies: Vec::new(),
             forwarded_header: ForwardedHeader::default(),
         }
@@ -106,6 +112,13 @@ impl WebConfig {
     #[must_use]
     pub fn proxies(&self) -> TrustedProxies {
         TrustedProxies { ranges: self.trusted_proxies.clone(), header: self.forwarded_header }
+    }
+
+    /// Returns true if browsers come by HTTPS: to the listener or to a proxy in front of it.
+    #[must_use]
+    pub fn is_secure(&self) -> bool {
+        self.tls.is_some()
+            || self.public_url.as_ref().is_some_and(|url| url.starts_with("https://"))
     }
 
     /// Returns the bounds of their server.
@@ -182,6 +195,12 @@ impl ConnectorConfig {
                  on 127.0.0.1 behind a proxy that speaks TLS",
                 self.web.listen
             ));
+        }
+        if self.web.metrics_listen.is_some_and(|address| !address.ip().is_loopback()) {
+            faults.push(
+                "web.metrics_listen must be a loopback address; an agent on this machine passes metrics on"
+                    .to_owned(),
+            );
         }
         if !(1..=60_000).contains(&self.reports.publishing_interval_ms) {
             faults.push("reports.publishing_interval_ms must lie between 1 and 60000".to_owned());

@@ -16,7 +16,7 @@ use daemon::{
     telemetry::Metrics,
     web::{
         events::EventLog,
-        health::Readiness,
+        health::{Readiness, serve_operator},
         server::{listen, serve},
         session::{PasswordHash, PasswordHashing, PasswordPolicy, random_token},
     },
@@ -76,6 +76,11 @@ pub async fn start(
     readiness.waiting("twin", "the twin is starting");
     let web_listener = listen(config.web.listen).await?;
     let web_address = web_listener.local_addr()?;
+    let metrics_listener = match config.web.metrics_listen {
+        Some(address) => Some(listen(address).await?),
+        None => None,
+    };
+    let metrics = opened.metrics;
     let tls = config.web.tls.as_ref().map(daemon::web::server::TlsFiles::load).transpose()?;
     let token = shutdown.clone();
     let (pages, link_state, source_states) =
@@ -105,9 +110,9 @@ pub async fn start(
             },
             server: api::ServerParts {
                 readiness: readiness.clone(),
-                metrics: opened.metrics,
                 shutdown: shutdown.clone(),
-                has_tls: tls.is_some(),
+                is_secure: config.web.is_secure(),
+                port: web_address.port(),
                 trusted_proxies: config.web.proxies(),
                 hashing: opened.hashing,
             },
@@ -116,6 +121,13 @@ pub async fn start(
     );
 
     opened.tasks.spawn(lifecycle);
+    if let Some(listener) = metrics_listener {
+        let serving = serve_operator(listener, readiness.clone(), metrics, shutdown.clone());
+        lifecycle.spawn("metrics page", Importance::Essential, async move {
+            serving.await;
+            anyhow::Ok(())
+        });
+    }
     let limits = config.web.limits();
     lifecycle.spawn("web", Importance::Essential, async move {
         serve(web_listener, tls, router, limits, shutdown).await;

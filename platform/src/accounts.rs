@@ -1,13 +1,31 @@
 //! Accounts and sessions in the platform's store, as the web server reads them.
 
+use std::time::SystemTime;
+
+use asi_model::DateTime;
 use async_trait::async_trait;
-use daemon::web::session::{Accounts, AccountsError, PasswordHash, SessionId, StoredSession};
+use daemon::web::session::{
+    Accounts, AccountsError, PasswordHash, SessionId, StoredSecondFactor, StoredSession,
+};
 
 use crate::{
     clock::Clock,
     principal::Principal,
     store::{Store, StoreError, User},
 };
+
+/// Runs one statement of a repository in a transaction.
+macro_rules! in_transaction {
+    ($accounts:ident, $work:ident => $change:expr) => {{
+        let done = async {
+            let mut $work = $accounts.store.begin().await?;
+            let done = $change.await?;
+            $work.commit().await?;
+            Ok::<_, StoreError>(done)
+        };
+        done.await.map_err(AccountsError::new)
+    }};
+}
 
 /// Users and sessions in the platform's store.
 #[derive(Debug, Clone)]
@@ -42,13 +60,27 @@ impl Accounts for StoredAccounts {
         Ok(found.map(|(user, _)| Principal { user }))
     }
 
+    async fn set_password(
+        &self,
+        user_name: &str,
+        password: &PasswordHash,
+        kept: &SessionId,
+    ) -> Result<(), AccountsError> {
+        in_transaction!(self, work => work.users().set_password(user_name, password, kept))
+    }
+
     async fn put_session(&self, session: &StoredSession) -> Result<(), AccountsError> {
-        let put = async {
-            let mut work = self.store.begin().await?;
-            work.users().put_session(session, self.clock.now()).await?;
-            work.commit().await
-        };
-        put.await.map_err(AccountsError::new)
+        let now = self.clock.now();
+        in_transaction!(self, work => work.users().put_session(session, now))
+    }
+
+    async fn sessions_of(&self, user_name: &str) -> Result<Vec<StoredSession>, AccountsError> {
+        let sessions = async { self.store.read().await?.users().sessions_of(user_name).await };
+        sessions.await.map_err(AccountsError::new)
+    }
+
+    async fn touch_session(&self, id: &SessionId, at: SystemTime) -> Result<(), AccountsError> {
+        in_transaction!(self, work => work.users().touch_session(id, DateTime::from(at)))
     }
 
     async fn session(&self, id: &SessionId) -> Result<Option<StoredSession>, AccountsError> {
@@ -57,11 +89,38 @@ impl Accounts for StoredAccounts {
     }
 
     async fn delete_session(&self, id: &SessionId) -> Result<(), AccountsError> {
-        let delete = async {
-            let mut work = self.store.begin().await?;
-            work.users().delete_session(id).await?;
-            work.commit().await
-        };
-        delete.await.map_err(AccountsError::new)
+        in_transaction!(self, work => work.users().delete_session(id))
+    }
+
+    async fn second_factor(
+        &self,
+        user_name: &str,
+    ) -> Result<Option<StoredSecondFactor>, AccountsError> {
+        let factor = async { self.store.read().await?.second_factors().lookup(user_name).await };
+        factor.await.map_err(AccountsError::new)
+    }
+
+    async fn put_second_factor(
+        &self,
+        user_name: &str,
+        factor: &StoredSecondFactor,
+    ) -> Result<(), AccountsError> {
+        in_transaction!(self, work => work.second_factors().put(user_name, factor))
+    }
+
+    async fn delete_second_factor(&self, user_name: &str) -> Result<bool, AccountsError> {
+        in_transaction!(self, work => work.second_factors().remove(user_name))
+    }
+
+    async fn use_time_step(&self, user_name: &str, step: u64) -> Result<bool, AccountsError> {
+        in_transaction!(self, work => work.second_factors().use_time_step(user_name, step))
+    }
+
+    async fn use_recovery_code(
+        &self,
+        user_name: &str,
+        digest: &str,
+    ) -> Result<bool, AccountsError> {
+        in_transaction!(self, work => work.second_factors().use_recovery_code(user_name, digest))
     }
 }

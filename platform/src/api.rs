@@ -4,6 +4,7 @@
 //! outside the viewer's scope is "not found".
 
 mod accesses;
+mod account;
 mod administrator_only;
 mod collaborations;
 mod comments;
@@ -59,7 +60,6 @@ pub fn router(application: &Application, has_tls: bool) -> Router {
         state: application.clone(),
         sessions: application.sessions.clone(),
         readiness: application.readiness.clone(),
-        metrics: application.metrics.clone(),
         body_bytes_max: BODY_BYTES_MAX,
         has_tls,
         trusted_proxies: application.config.web.proxies(),
@@ -82,6 +82,18 @@ fn operations() -> Operations<Application> {
 fn guarded() -> OpenApiRouter<Application> {
     OpenApiRouter::new()
         .routes(routes!(session::show, session::sign_out))
+        .routes(routes!(account::change_password))
+        .routes(routes!(account::list_sessions))
+        .routes(routes!(account::end_session))
+        .routes(routes!(
+            account::show_second_factor,
+            account::begin_second_factor,
+            account::confirm_second_factor
+        ))
+        .routes(routes!(account::remove_second_factor))
+        .routes(routes!(account::list_user_sessions))
+        .routes(routes!(account::end_user_session))
+        .routes(routes!(account::reset_second_factor))
         .routes(routes!(status::show))
         .routes(routes!(organisations::list, organisations::add))
         .routes(routes!(users::put))

@@ -1,6 +1,8 @@
 //! Configuration of the platform. `platform.example.toml` shows every key with its default; a test
 //! compares the two.
 
+mod web;
+
 use std::{
     net::{Ipv4Addr, SocketAddr},
     path::PathBuf,
@@ -9,17 +11,10 @@ use std::{
 
 use asi_model::OrganisationId;
 use broker::AddressPattern;
-use daemon::{
-    Confidential,
-    telemetry::LogConfig,
-    web::{
-        address_range::AddressRange,
-        client_address::{ForwardedHeader, TrustedProxies},
-        server::{ServerLimits, TlsFiles},
-    },
-};
+use daemon::{Confidential, telemetry::LogConfig};
 use messaging::{BrokerProfile, BrokerUrl};
 use serde::{Deserialize, Deserializer};
+pub use web::WebConfig;
 
 /// The commented example, also printed by `platform config example`.
 pub const EXAMPLE: &str = include_str!("../platform.example.toml");
@@ -58,49 +53,6 @@ impl Default for PlatformConfig {
             retention: RetentionConfig::default(),
             log: LogConfig::default(),
         }
-    }
-}
-
-/// Pages and API.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct WebConfig {
-    /// Address to listen on.
-    pub listen: SocketAddr,
-    /// Base URL for browsers and connectors; part of enrolment tokens.
-    pub public_url: Option<String>,
-    /// Certificate and key; without them plain HTTP, for loopback or behind a proxy that speaks
-    /// TLS.
-    pub tls: Option<TlsFiles>,
-    /// Proxies in front of the pages, whose word about their clients counts.
-    pub trusted_proxies: Vec<AddressRange>,
-    /// Header in which these proxies tell the address of their client.
-    pub forwarded_header: ForwardedHeader,
-}
-
-impl Default for WebConfig {
-    fn default() -> Self {
-        Self {
-            listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 8080)),
-            public_url: None,
-            tls: None,
-            trusted_proxies: Vec::new(),
-            forwarded_header: ForwardedHeader::default(),
-        }
-    }
-}
-
-impl WebConfig {
-    /// Returns the proxies in front of the pages.
-    #[must_use]
-    pub fn proxies(&self) -> TrustedProxies {
-        TrustedProxies { ranges: self.trusted_proxies.clone(), header: self.forwarded_header }
-    }
-
-    /// Returns the bounds of their server.
-    #[must_use]
-    pub fn limits(&self) -> ServerLimits {
-        ServerLimits { shared_addresses: self.trusted_proxies.clone(), ..ServerLimits::default() }
     }
 }
 
@@ -280,6 +232,12 @@ impl PlatformConfig {
         if self.broker.plain_listen.is_some_and(|address| !address.ip().is_loopback()) {
             faults.push(
                 "broker.plain_listen: only a loopback address may go without TLS; use 127.0.0.1 or remove the key"
+                    .to_owned(),
+            );
+        }
+        if self.web.metrics_listen.is_some_and(|address| !address.ip().is_loopback()) {
+            faults.push(
+                "web.metrics_listen: only a loopback address; an agent on this machine passes metrics on"
                     .to_owned(),
             );
         }

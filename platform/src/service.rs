@@ -11,7 +11,7 @@ use daemon::{
     lifecycle::{Importance, Lifecycle},
     telemetry::Metrics,
     web::{
-        health::Readiness,
+        health::{Readiness, serve_operator},
         server::{self, ServerError},
         session::{PasswordHashing, SessionConfig, Sessions},
     },
@@ -48,6 +48,7 @@ pub struct Platform {
     application: Application,
     web_listener: TcpListener,
     web_tls: Option<Arc<rustls::ServerConfig>>,
+    metrics_listener: Option<TcpListener>,
     broker: Option<Broker>,
     link: Link,
     ingest: Ingest,
@@ -118,12 +119,21 @@ impl Platform {
         let web_address = web_listener
             .local_addr()
             .map_err(|source| ServerError::Listen { address: config.web.listen, source })?;
+        let metrics_listener = match config.web.metrics_listen {
+            Some(address) => Some(server::listen(address).await?),
+            None => None,
+        };
         let scheme = if web_tls.is_some() { "https" } else { "http" };
         let public_url =
             config.web.public_url.clone().unwrap_or_else(|| format!("{scheme}://{web_address}"));
         let is_secure = public_url.starts_with("https://");
         let sessions = Sessions::new(
-            SessionConfig::new("verbund_platform", is_secure),
+            SessionConfig::new(
+                "verbund_platform",
+                "Verbund platform",
+                is_secure,
+                web_address.port(),
+            ),
             StoredAccounts::new(store.clone(), clock.clone()),
             hashing,
         );
@@ -147,15 +157,32 @@ impl Platform {
         let handle =
             PlatformHandle { web_address, broker_addresses, application: application.clone() };
         Ok((
-            Self { application, web_listener, web_tls, broker, link, ingest, progress_notifier },
+            Self {
+                application,
+                web_listener,
+                web_tls,
+                metrics_listener,
+                broker,
+                link,
+                ingest,
+                progress_notifier,
+            },
             handle,
         ))
     }
 
     /// Starts all tasks in the lifecycle.
     pub fn start(self, lifecycle: &Lifecycle) {
-        let Self { application, web_listener, web_tls, broker, link, ingest, progress_notifier } =
-            self;
+        let Self {
+            application,
+            web_listener,
+            web_tls,
+            metrics_listener,
+            broker,
+            link,
+            ingest,
+            progress_notifier,
+        } = self;
         let (store, broker_access, clock) = (
             application.store.clone(),
             application.broker_access.clone(),
@@ -218,6 +245,14 @@ impl Platform {
             metrics.await;
             Ok::<(), Infallible>(())
         });
+        if let Some(listener) = metrics_listener {
+            let (readiness, metrics) = (application.readiness.clone(), application.metrics.clone());
+            let serving = serve_operator(listener, readiness, metrics, lifecycle.shutdown());
+            lifecycle.spawn("metrics page", Importance::Essential, async move {
+                serving.await;
+                Ok::<(), Infallible>(())
+            });
+        }
         let router = api::router(&application, web_tls.is_some());
         let limits = application.config.web.limits();
         let serving = server::serve(web_listener, web_tls, router, limits, lifecycle.shutdown());

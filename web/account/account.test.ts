@@ -78,7 +78,7 @@ describe('one’s own account', () => {
     const log = daemon({
       'POST /session/second-factor': () => ({
         secret: 'MZXW6YTBOI',
-        address: 'otpauth://totp/Verbund:eva?secret=MZXW6YTBOI',
+        uri: 'otpauth://totp/Verbund:eva?secret=MZXW6YTBOI',
         qrCode: '<svg xmlns="http://www.w3.org/2000/svg"/>',
       }),
       'PUT /session/second-factor': () => {

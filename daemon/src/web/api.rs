@@ -28,7 +28,6 @@ use super::{
     roles::SESSION,
     session::{Accounts, Sessions, require_session},
 };
-use crate::telemetry::Metrics;
 
 /// Path below which all operations are.
 const API: &str = "/api/v1";
@@ -51,8 +50,6 @@ pub struct Shell<S, A: Accounts> {
     pub sessions: Sessions<A>,
     /// Readiness behind `/readyz`.
     pub readiness: Readiness,
-    /// Metrics behind `/metrics`.
-    pub metrics: Metrics,
     /// Largest body of any request, in bytes, unless an operation says otherwise.
     pub body_bytes_max: usize,
     /// Cookies and pages are for TLS only.
@@ -86,7 +83,7 @@ where
     let router = Router::new()
         .nest(API, api)
         .with_state(shell.state)
-        .merge(health::routes(shell.readiness, shell.metrics));
+        .merge(health::public_routes(shell.readiness));
     let router = with_client_address(with_app::<P, ()>(router), shell.trusted_proxies);
     secured(router, shell.has_tls)
         .layer(CompressionLayer::new())
@@ -94,8 +91,8 @@ where
         .layer(TraceLayer::new_for_http())
 }
 
-/// Adds all operations to what `description` says of the API as a whole; `cookie` is the name of
-/// the session's cookie. The id of an operation is its handler's name in camel case.
+/// Adds all operations to what `description` says of the API as a whole; `cookie` is the first part of
+/// the name of the session's cookie. The id of an operation is its handler's name in camel case.
 #[must_use]
 pub fn described<S>(
     mut description: OpenApi,
@@ -106,7 +103,10 @@ pub fn described<S>(
 where
     S: Clone + Send + Sync + 'static,
 {
-    let scheme = SecurityScheme::ApiKey(ApiKey::Cookie(ApiKeyValue::new(cookie)));
+    let scheme = SecurityScheme::ApiKey(ApiKey::Cookie(ApiKeyValue::with_description(
+        cookie,
+        "The name ends with the port, as in `daemon_8080`, and begins with `__Host-` over HTTPS.",
+    )));
     description.components.get_or_insert_default().add_security_scheme(SESSION, scheme);
     // Merged first: `nest` would replace a path that both parts have, as `/session`.
     let (_, mut all) = operations.guarded.merge(operations.open).split_for_parts();

@@ -1,4 +1,4 @@
-//! `/healthz`, `/readyz` and `/metrics`.
+//! `/healthz` and `/readyz` for everybody; reasons and `/metrics` for those who run the machine.
 
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -10,7 +10,10 @@ use axum::{
 };
 use parking_lot::Mutex;
 use serde::Serialize;
+use tokio::net::TcpListener;
+use tokio_util::sync::CancellationToken;
 
+use super::server::{self, ServerLimits};
 use crate::telemetry::Metrics;
 
 /// Conditions that a daemon waits for before it is ready. Parts set their own entry; clones share them.
@@ -29,7 +32,7 @@ impl Readiness {
         self.0.lock().insert(part, None);
     }
 
-    /// Reports that a part does not work, with the reason that `/readyz` shows.
+    /// Reports that a part does not work, with the reason that the listener of metrics shows.
     pub fn waiting(&self, part: &'static str, reason: impl Into<String>) {
         self.0.lock().insert(part, Some(reason.into()));
     }
@@ -38,10 +41,9 @@ impl Readiness {
         let parts = self.0.lock().clone();
         ReadinessReport {
             ready: parts.values().all(Option::is_none),
-            waiting_for: parts
-                .into_iter()
-                .filter_map(|(part, reason)| Some((part, reason?)))
-                .collect(),
+            waiting_for: Some(
+                parts.into_iter().filter_map(|(part, reason)| Some((part, reason?))).collect(),
+            ),
         }
     }
 }
@@ -50,17 +52,28 @@ impl Readiness {
 #[serde(rename_all = "camelCase")]
 struct ReadinessReport {
     ready: bool,
-    waiting_for: BTreeMap<&'static str, String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    waiting_for: Option<BTreeMap<&'static str, String>>,
 }
 
-/// The three routes. They tell nothing of plant or partners and need no session.
-pub fn routes<S: Clone + Send + Sync + 'static>(
-    readiness: Readiness,
-    metrics: Metrics,
-) -> Router<S> {
+impl ReadinessReport {
+    fn without_reasons(self) -> Self {
+        Self { waiting_for: None, ..self }
+    }
+}
+
+/// Routes beside the pages, which need no session: whether the daemon lives and is ready, not why.
+pub fn public_routes<S: Clone + Send + Sync + 'static>(readiness: Readiness) -> Router<S> {
     Router::new()
         .route("/healthz", get(|| async { "ok\n" }))
-        .route("/readyz", get(move || async move { ready_answer(&readiness) }))
+        .route("/readyz", get(move || async move { answer(&readiness.report().without_reasons()) }))
+}
+
+/// Routes of a listener of their own: readiness with reasons, and metrics, whose labels name factories.
+pub fn operator_routes(readiness: Readiness, metrics: Metrics) -> Router {
+    Router::new()
+        .route("/healthz", get(|| async { "ok\n" }))
+        .route("/readyz", get(move || async move { answer(&readiness.report()) }))
         .route(
             "/metrics",
             get(move || async move {
@@ -72,8 +85,19 @@ pub fn routes<S: Clone + Send + Sync + 'static>(
         )
 }
 
-fn ready_answer(readiness: &Readiness) -> Response {
-    let report = readiness.report();
+/// Serves the operator's routes until shutdown.
+pub async fn serve_operator(
+    listener: TcpListener,
+    readiness: Readiness,
+    metrics: Metrics,
+    shutdown: CancellationToken,
+) {
+    let router = operator_routes(readiness, metrics);
+    let limits = ServerLimits { listener: "metrics", ..ServerLimits::default() };
+    server::serve(listener, None, router, limits, shutdown).await;
+}
+
+fn answer(report: &ReadinessReport) -> Response {
     let status = if report.ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
     (status, Json(report)).into_response()
 }

@@ -8,8 +8,11 @@ mod accounts;
 mod credentials;
 mod guard;
 mod hashing;
+mod own_account;
 mod password;
+mod second_factor;
 mod sessions;
+mod sign_in;
 mod sign_in_gate;
 mod throttle;
 
@@ -17,6 +20,11 @@ pub use accounts::{Accounts, AccountsError, SessionId, StoredSession};
 pub use credentials::{Caller, SignIn, UserName, UserNameError};
 pub use guard::require_session;
 pub use hashing::{HashingError, PasswordHashing};
+pub use own_account::{PasswordChange, SessionList, SessionSummary};
 pub use password::{PasswordError, PasswordHash, PasswordPolicy};
+pub use second_factor::{
+    RecoveryCodes, SecondFactorBegin, SecondFactorCode, SecondFactorOffer, SecondFactorRemoval,
+    SecondFactorState, StoredSecondFactor,
+};
 pub use sessions::{CSRF_HEADER, SessionConfig, Sessions, SignedIn, random_token};
 pub use throttle::{LoginThrottle, ThrottleConfig};

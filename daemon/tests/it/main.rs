@@ -1,13 +1,22 @@
 //! The web side as a browser meets it: over a real socket, with cookies.
 
-mod harness;
 mod guessing;
+mod harness;
+mod second_factor;
 mod session;
 mod slow_clients;
 mod tls;
 
+use std::time::Duration;
+
+use daemon::{
+    telemetry::Metrics,
+    web::{health::serve_operator, server},
+};
 use harness::Harness;
 use reqwest::Method;
+use testkit::ApiClient;
+use tokio_util::sync::CancellationToken;
 
 #[tokio::test]
 async fn problems_are_documents_everywhere() {
@@ -52,16 +61,28 @@ async fn every_answer_carries_the_security_headers() {
 }
 
 #[tokio::test]
-async fn health_says_what_it_waits_for() {
+async fn strangers_learn_whether_it_is_ready_and_operators_why_not() {
     let harness = Harness::start().await;
-    let get = async || {
-        let response = harness.get("/readyz").await;
-        (response.status().as_u16(), response.json::<serde_json::Value>().await.expect("JSON"))
+    let metrics = Metrics::install().expect("the recorder");
+    let listener = server::listen(([127, 0, 0, 1], 0).into()).await.expect("a free port");
+    let origin = format!("http://{}", listener.local_addr().expect("bound"));
+    let shutdown = CancellationToken::new();
+    let _stops = shutdown.clone().drop_guard();
+    tokio::spawn(serve_operator(listener, harness.readiness.clone(), metrics, shutdown));
+    let operator = ApiClient::new(origin, Duration::from_secs(60)).expect("a client");
+    let get = async |client: &ApiClient, path| {
+        client.call(Method::GET, path, None).await.expect("an answer")
     };
+
     harness.readiness.waiting("broker", "not connected yet");
-    let (status, report) = get().await;
-    assert_eq!((status, &report["waitingFor"]["broker"]), (503, &"not connected yet".into()));
+    let (public, private) = (get(&harness.api, "/readyz").await, get(&operator, "/readyz").await);
+    assert_eq!((public.status.as_u16(), private.status.as_u16()), (503, 503));
+    assert_eq!(public.json(), serde_json::json!({ "ready": false }));
+    assert_eq!(private.json()["waitingFor"]["broker"], "not connected yet");
     harness.readiness.ready("broker");
-    assert_eq!(get().await.0, 200);
-    assert_eq!(harness.get("/metrics").await.status(), 200);
+    assert_eq!(get(&harness.api, "/readyz").await.status, 200);
+
+    assert_eq!(get(&harness.api, "/metrics").await.status, 404);
+    let shown = get(&operator, "/metrics").await;
+    assert!(shown.text.contains("verbund_http_connections{listener=\"pages\"}"), "{}", shown.text);
 }

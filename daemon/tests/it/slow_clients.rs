@@ -55,7 +55,8 @@ async fn rest(stream: &mut TcpStream) -> Vec<u8> {
 
 #[tokio::test]
 async fn half_open_connections_are_closed_in_time_and_hold_nobody_up() {
-    let (harness, address) = started(ServerLimits { connections_per_client_max: 400, ..limits() }).await;
+    let (harness, address) =
+        started(ServerLimits { connections_per_client_max: 400, ..limits() }).await;
     let begun = Instant::now();
     let mut halves = join_all((0..300).map(|_| half_open(address))).await;
     assert_eq!(harness.get("/healthz").await.status(), 200, "an honest client is served meanwhile");

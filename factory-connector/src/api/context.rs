@@ -6,7 +6,6 @@ use asi_model::{DateTime, FactoryId, pubsub::json::Encoding};
 use connector_state::ConnectorEvent;
 use daemon::{
     configuration::Setting,
-    telemetry::Metrics,
     web::{
         Problem,
         client_address::TrustedProxies,
@@ -30,7 +29,7 @@ use crate::{
     store::{Readers, StoreSession},
 };
 
-/// Name of the session cookie.
+/// First part of the name of the session's cookie.
 pub(super) const COOKIE: &str = "verbund_connector";
 
 /// Parts of the connector that operations use.
@@ -68,10 +67,11 @@ pub struct RunningConnector {
 /// Parts of the web server.
 pub struct ServerParts {
     pub readiness: Readiness,
-    pub metrics: Metrics,
     pub shutdown: CancellationToken,
     /// True if cookies are for TLS only.
-    pub has_tls: bool,
+    pub is_secure: bool,
+    /// Port of the pages, part of the cookie's name.
+    pub port: u16,
     pub trusted_proxies: TrustedProxies,
     /// Work of hashing, shared with the OPC UA server.
     pub hashing: PasswordHashing,
@@ -90,8 +90,14 @@ impl Api {
     /// Returns the context of these parts, without any session.
     #[must_use]
     pub fn new(parts: ApiParts) -> Self {
-        let accounts = StoredAccounts::new(parts.readers.clone());
-        let config = SessionConfig::new(COOKIE, parts.server.has_tls);
+        let accounts = StoredAccounts::new(
+            parts.readers.clone(),
+            parts.instance.data_directory.clone(),
+            Arc::clone(&parts.users_changed),
+        );
+        let issuer = format!("Verbund {}", parts.instance.factory_id);
+        let (is_secure, port) = (parts.server.is_secure, parts.server.port);
+        let config = SessionConfig::new(COOKIE, issuer, is_secure, port);
         let sessions = Sessions::new(config, accounts.clone(), parts.server.hashing.clone());
         Self { parts: Arc::new(parts), sessions, accounts, previews: Arc::default() }
     }

@@ -27,6 +27,13 @@ const ROLES: &[(&str, Least)] = &[
     ("signIn", Anonymous),
     ("showSession", Viewer),
     ("signOut", Viewer),
+    ("changePassword", Viewer),
+    ("listSessions", Viewer),
+    ("endSession", Viewer),
+    ("showSecondFactor", Viewer),
+    ("beginSecondFactor", Viewer),
+    ("confirmSecondFactor", Viewer),
+    ("removeSecondFactor", Viewer),
     // State of the connector.
     ("showStatus", Viewer),
     ("streamEvents", Viewer),
@@ -37,6 +44,9 @@ const ROLES: &[(&str, Least)] = &[
     ("listUsers", Engineer),
     ("putUser", Engineer),
     ("removeUser", Engineer),
+    ("listUserSessions", Engineer),
+    ("endUserSession", Engineer),
+    ("resetSecondFactor", Engineer),
     // Networks and requests.
     ("listInbox", Viewer),
     ("showRequest", Viewer),

@@ -79,7 +79,8 @@ pub async fn print_token(config: &PlatformConfig, id: &str) -> anyhow::Result<()
     Ok(())
 }
 
-/// Adds or changes a user; the password is one line of standard input.
+/// Adds or changes a user; the password is one line of standard input. A second factor is removed: this is
+/// the way back for an administrator who has lost it.
 pub async fn set_user(
     config: &PlatformConfig,
     user_name: String,
@@ -96,7 +97,10 @@ pub async fn set_user(
     let organisation_id: Option<OrganisationId> = organisation.map(|id| id.parse()).transpose()?;
     let user = User { user_name, role, organisation_id };
     let hashing = PasswordHashing::default();
-    Ok(administrator::put(&store, &user, password, &hashing, Clock::system().now()).await?)
+    administrator::put(&store, &user, password, &hashing, Clock::system().now()).await?;
+    let mut work = store.begin().await?;
+    work.second_factors().remove(&user.user_name).await?;
+    Ok(work.commit().await?)
 }
 
 async fn open(config: &PlatformConfig) -> anyhow::Result<Store> {

@@ -11,6 +11,7 @@ const DRAIN_TIMEOUT: Duration = Duration::from_secs(15);
 /// Serves until a signal.
 pub async fn serve(config: PlatformConfig) -> anyhow::Result<()> {
     telemetry::install_logs(&config.log)?;
+    daemon::descriptors::raise_limit();
     let lifecycle = Lifecycle::new();
     let (platform, handle) = Platform::open(config, Clock::system(), &lifecycle).await?;
     platform.start(&lifecycle);
@@ -28,6 +29,7 @@ pub async fn serve(config: PlatformConfig) -> anyhow::Result<()> {
 /// database.
 pub async fn broker(config: PlatformConfig) -> anyhow::Result<()> {
     telemetry::install_logs(&config.log)?;
+    daemon::descriptors::raise_limit();
     let lifecycle = Lifecycle::new();
     let addresses =
         platform::service::start_broker_alone(&config, &Clock::system(), &lifecycle).await?;

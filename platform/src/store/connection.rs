@@ -10,7 +10,7 @@ use sqlx::{
 
 use super::{error::StoreError, work::Work};
 
-const MIGRATIONS: [(i64, &str, &str); 10] = [
+const MIGRATIONS: [(i64, &str, &str); 12] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
@@ -21,6 +21,8 @@ const MIGRATIONS: [(i64, &str, &str); 10] = [
     (8, "accesses", include_str!("../../migrations/sqlite/0008_accesses.sql")),
     (10, "revocations", include_str!("../../migrations/sqlite/0010_revocations.sql")),
     (11, "sight", include_str!("../../migrations/sqlite/0011_sight.sql")),
+    (20, "sessions", include_str!("../../migrations/sqlite/0020_sessions.sql")),
+    (21, "second factors", include_str!("../../migrations/sqlite/0021_second_factors.sql")),
 ];
 
 /// Reads of pages at once; more would only share the same disk.

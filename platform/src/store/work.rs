@@ -27,6 +27,7 @@ use super::{
     recipients::Recipients,
     reports::Reports,
     revocations::Revocations,
+    second_factors::SecondFactors,
     tools::Tools,
     users::Users,
     writers::Writers,
@@ -162,6 +163,11 @@ impl Work {
     /// Returns the repository of planning tools.
     pub fn tools(&mut self) -> Tools<'_> {
         Tools(self.connection())
+    }
+
+    /// Returns the repository of second factors.
+    pub fn second_factors(&mut self) -> SecondFactors<'_> {
+        SecondFactors(self.connection())
     }
 
     /// Returns the repository of users and their sessions.

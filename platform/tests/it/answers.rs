@@ -14,7 +14,7 @@ use crate::{
 };
 
 /// Members whose values differ from run to run, or depend on the machine.
-const VOLATILE: [&str; 16] = [
+const VOLATILE: [&str; 21] = [
     "agentId",
     "brokerUrl",
     "checkpoint",
@@ -25,9 +25,14 @@ const VOLATILE: [&str; 16] = [
     "link",
     "password",
     "profile",
+    "qrCode",
     "queues",
+    "recoveryCodes",
     "rootCertificatePem",
+    "secret",
+    "sessionId",
     "token",
+    "uri",
     "verifierKey",
     "version",
     "witnessKey",
@@ -140,6 +145,7 @@ async fn every_operation_answers_as_in_its_snapshot() {
     comments(&mut answers, &buyer).await;
     events(&mut answers, &buyer, &view).await;
     networks(&mut answers, &buyer).await;
+    account(&mut answers, &world, &admin).await;
     let body = json!({ "userName": "acme-aero-viewer", "password": PASSWORD });
     answers.post(&world.anonymous(), "signIn", "/session", body).await;
     answers.delete(&buyer, "signOut", "/session").await;
@@ -149,6 +155,35 @@ async fn every_operation_answers_as_in_its_snapshot() {
     let mut operations = answers.contract.operations();
     operations.remove(STREAM);
     assert_eq!(answers.seen, operations);
+}
+
+/// Everything about a person's own account.
+async fn account(answers: &mut Answers, world: &World, admin: &Api) {
+    let (here, there) =
+        (world.sign_in("new-viewer", PASSWORD).await, world.sign_in("new-viewer", PASSWORD).await);
+    let present = async |api: &Api| {
+        let sessions = api.get("/sessions").await.body["items"].clone();
+        let present =
+            sessions.as_array().into_iter().flatten().find(|one| one["isPresent"] == true);
+        present.expect("a session")["sessionId"].as_str().expect("an id").to_owned()
+    };
+    answers.delete(&here, "endSession", &format!("/sessions/{}", present(&there).await)).await;
+    answers.get(&here, "listSessions", "/sessions").await;
+    answers.get(admin, "listUserSessions", "/users/new-viewer/sessions").await;
+    let new_password = "another correct horse";
+    let body = json!({ "presentPassword": PASSWORD, "newPassword": new_password });
+    answers.put(&here, "changePassword", "/session/password", body).await;
+
+    let path = "/session/second-factor";
+    answers.get(&here, "showSecondFactor", path).await;
+    let offer = here.post(path, json!({ "password": new_password })).await;
+    answers.check("beginSecondFactor", &offer);
+    answers.put(&here, "confirmSecondFactor", path, json!({ "code": "no code" })).await;
+    let body = json!({ "password": new_password, "code": "no code" });
+    answers.post(&here, "removeSecondFactor", "/session/second-factor/removal", body).await;
+    answers.delete(admin, "resetSecondFactor", "/users/new-viewer/second-factor").await;
+    let path = format!("/users/new-viewer/sessions/{}", present(&here).await);
+    answers.delete(admin, "endUserSession", &path).await;
 }
 
 async fn accesses(answers: &mut Answers, maker: &Api) {

@@ -22,6 +22,7 @@ mod receipts;
 mod revocations;
 mod rights;
 mod rubbish;
+mod second_factor;
 mod sight;
 mod store;
 mod story;

@@ -18,7 +18,7 @@ use crate::{
     chain::{self, CARRIER_FACTORY, MEMBERS, body, seen},
     connector::Peer,
     harness::{Api, World, eventually},
-    isolation::{OPEN, operations},
+    isolation::{OPEN, is_own, operations},
     story::{self, NETWORK, network_path, planner},
 };
 
@@ -114,7 +114,7 @@ async fn no_member_changes_what_belongs_to_another() {
         for owner in members.iter().filter(|owner| owner.id != author.id) {
             for (method, path) in operations() {
                 let key = format!("{method} {path}");
-                if method == "GET" || path == "/session" || OPEN.contains(&key.as_str()) {
+                if method == "GET" || is_own(&path) || OPEN.contains(&key.as_str()) {
                     continue;
                 }
                 for (path, body) in attempts(&key, author, owner, &chain, &shown) {
@@ -153,6 +153,8 @@ fn readings(operation: &str, owner: &Member) -> Vec<String> {
     let network = owner.path();
     match operation {
         "/session"
+        | "/session/second-factor"
+        | "/sessions"
         | "/status"
         | "/organisations"
         | "/factories"
@@ -160,6 +162,7 @@ fn readings(operation: &str, owner: &Member) -> Vec<String> {
         | "/tools"
         | "/dead-letters"
         | "/operation-networks" => vec![operation.to_owned()],
+        "/users/{userName}/sessions" => vec![format!("/users/{}-planner/sessions", owner.id)],
         "/reports" => {
             let id = owner.network();
             vec!["/reports".into(), format!("/reports?network={id}"), "/reports?newest=true".into()]

@@ -28,7 +28,7 @@ async fn a_forged_publisher_is_rejected_and_counted() {
     hamburg.send("ua-data", &story::report("forged", 0, 99));
     let letter = dead_letter(&admin, "FORGED_PUBLISHER").await;
     assert_eq!(letter["address"], "factory.INS_HAM.ingress");
-    let metrics = admin.client.call(Method::GET, "/metrics", None).await.expect("an answer").text;
+    let metrics = world.handle().application.metrics.render();
     assert!(metrics.contains("verbund_forged_messages_total{factory=\"INS_HAM\"}"), "{metrics}");
 
     // Its own name, but another factory's request.

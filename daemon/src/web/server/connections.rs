@@ -93,7 +93,7 @@ impl Connections {
         let close = CancellationToken::new();
         let entry = Entry { client, activity: activity.clone(), close: close.clone() };
         state.entries.insert(id, entry);
-        show_number(state.entries.len());
+        show_number(self.limits.listener, state.entries.len());
         Some(Admitted { connections: Arc::clone(self), id, activity, close })
     }
 }
@@ -164,7 +164,7 @@ impl Drop for Admitted {
     fn drop(&mut self) {
         let mut state = self.connections.state.lock();
         state.entries.remove(&self.id);
-        show_number(state.entries.len());
+        show_number(self.connections.limits.listener, state.entries.len());
     }
 }
 
@@ -174,8 +174,8 @@ pub(super) fn count_refused(reason: &'static str) {
 }
 
 #[expect(clippy::cast_precision_loss, reason = "a thousand connections at most")]
-fn show_number(connections: usize) {
-    metrics::gauge!("verbund_http_connections").set(connections as f64);
+fn show_number(listener: &'static str, connections: usize) {
+    metrics::gauge!("verbund_http_connections", "listener" => listener).set(connections as f64);
 }
 
 #[cfg(test)]
@@ -232,7 +232,9 @@ mod tests {
         let soon = Instant::now();
         let later = soon + SHORTAGE_PATIENCE + Duration::from_secs(1);
         one.activity.receives();
-        assert!(one.activity.idle_since(soon).is_none() && one.activity.idle_since(later).is_some());
+        assert!(
+            one.activity.idle_since(soon).is_none() && one.activity.idle_since(later).is_some()
+        );
         one.activity.received();
         assert!(one.activity.idle_since(later).is_none());
         one.activity.stalls();

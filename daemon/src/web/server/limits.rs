@@ -7,6 +7,8 @@ use crate::web::address_range::AddressRange;
 /// Bounds on connections and on the patience with them.
 #[derive(Debug, Clone)]
 pub struct ServerLimits {
+    /// Name of the listener in metrics.
+    pub listener: &'static str,
     /// Connections at once. One more takes the place of the one that has waited longest without asking
     /// for anything.
     pub connections_max: usize,
@@ -29,6 +31,7 @@ pub struct ServerLimits {
 impl Default for ServerLimits {
     fn default() -> Self {
         Self {
+            listener: "pages",
             connections_max: 1024,
             connections_per_client_max: 256,
             shared_addresses: Vec::new(),

@@ -1,23 +1,19 @@
-//! Sessions: sign-in, sign-out, and the user of a cookie.
+//! Sessions: their configuration, and the user of a cookie.
 
 use std::{
     sync::Arc,
     time::{Duration, SystemTime},
 };
 
-use axum::{
-    extract::FromRequestParts,
-    http::{StatusCode, request::Parts},
-};
+use axum::{extract::FromRequestParts, http::request::Parts};
 use axum_extra::extract::cookie::{Cookie, SameSite};
 use base64::{Engine, engine::general_purpose::URL_SAFE_NO_PAD};
 use rand::RngCore;
 
 use super::{
     accounts::{Accounts, AccountsError, SessionId, StoredSession},
-    credentials::{Caller, SignIn},
     hashing::{HashingError, PasswordHashing},
-    sign_in_gate::{SignInGate, busy, count},
+    sign_in_gate::{SignInGate, busy},
     throttle::ThrottleConfig,
 };
 use crate::web::problem::Problem;
@@ -25,16 +21,21 @@ use crate::web::problem::Problem;
 /// Header that carries the CSRF token of a session with every change.
 pub const CSRF_HEADER: &str = "x-csrf-token";
 
+/// Precision of a session's last use; noting each request would be a write for each.
+const USE_PRECISION: Duration = Duration::from_secs(60);
+
 /// Cookie, lifetime and bounds of sessions.
 #[derive(Debug, Clone)]
 pub struct SessionConfig {
-    /// The cookie's name. Cookies know no ports, so daemons that may share a host need different
-    /// names.
-    pub cookie_name: String,
+    cookie_name: String,
     /// True where pages are served over TLS: the cookie is then sent over TLS only.
-    pub is_secure: bool,
+    is_secure: bool,
+    /// Name of the daemon in authenticator apps.
+    pub issuer: String,
     /// Time after which a session ends.
     pub lifetime: Duration,
+    /// Time without a request after which a session ends. Open pages ask by themselves.
+    pub idle_max: Duration,
     /// Limits of attempts to sign in.
     pub throttle: ThrottleConfig,
     /// Interval at which a live stream checks that its session has not ended.
@@ -42,17 +43,29 @@ pub struct SessionConfig {
 }
 
 impl SessionConfig {
-    /// Twelve hours, the default throttle; live streams end within five seconds after their
-    /// session.
+    /// Twelve hours, one without use, the default throttle; live streams end within five seconds after
+    /// their session.
+    ///
+    /// Cookies know no ports, so the name of the cookie is the daemon's with its port. Over TLS it
+    /// begins with `__Host-`: browsers take such a cookie from this host over TLS alone.
     #[must_use]
-    pub fn new(cookie_name: impl Into<String>, is_secure: bool) -> Self {
+    pub fn new(daemon: &str, issuer: impl Into<String>, is_secure: bool, port: u16) -> Self {
+        let prefix = if is_secure { "__Host-" } else { "" };
         Self {
-            cookie_name: cookie_name.into(),
+            cookie_name: format!("{prefix}{daemon}_{port}"),
             is_secure,
+            issuer: issuer.into(),
             lifetime: Duration::from_secs(12 * 3600),
+            idle_max: Duration::from_secs(3600),
             throttle: ThrottleConfig::default(),
             stream_check_interval: Duration::from_secs(5),
         }
+    }
+
+    /// Returns the name of the session's cookie.
+    #[must_use]
+    pub fn cookie_name(&self) -> &str {
+        &self.cookie_name
     }
 }
 
@@ -73,6 +86,7 @@ struct Inner<A> {
 pub struct SignedIn<P> {
     /// Id of the session, to end it.
     pub session: SessionId,
+    pub user_name: String,
     pub principal: P,
     /// Token that requests with changes must carry in `x-csrf-token`; pages get it with their user.
     pub csrf_token: String,
@@ -117,6 +131,10 @@ impl<A: Accounts> Sessions<A> {
         &self.inner.config
     }
 
+    pub(super) fn gate(&self) -> &SignInGate {
+        &self.inner.gate
+    }
+
     /// Returns the accounts of the daemon.
     #[must_use]
     pub fn accounts(&self) -> &A {
@@ -129,66 +147,6 @@ impl<A: Accounts> Sessions<A> {
         &self.inner.hashing
     }
 
-    /// Checks a password and opens a session; the cookie goes into the answer.
-    ///
-    /// # Errors
-    /// A [`Problem`]: 401 for a wrong name or password (without saying which), 429 after
-    /// too many attempts, 503 when too many sign in at once.
-    pub async fn sign_in(
-        &self,
-        caller: &Caller,
-        sign_in: &SignIn,
-    ) -> Result<(Cookie<'static>, SignedIn<A::Principal>), Problem> {
-        let user_name = sign_in.user_name.as_str();
-        let open = self.inner.gate.enter(caller.address, user_name).await?;
-        let principal = match self.verified(sign_in).await {
-            Ok(Some(principal)) => principal,
-            Ok(None) => {
-                drop(open);
-                count("refused");
-                tracing::warn!(client = %caller.address, "An attempt to sign in was refused.");
-                return Err(wrong_credentials());
-            }
-            Err(problem) => {
-                open.withdrawn();
-                return Err(problem);
-            }
-        };
-        open.succeeded();
-        count("accepted");
-
-        let token = random_token();
-        let id = SessionId::of(&token);
-        let session = StoredSession {
-            id: id.clone(),
-            user_name: user_name.to_owned(),
-            csrf_token: random_token(),
-            expires_at: now() + self.inner.config.lifetime,
-        };
-        self.inner.accounts.put_session(&session).await.map_err(internal)?;
-        let signed_in = SignedIn { session: id, principal, csrf_token: session.csrf_token };
-        Ok((self.cookie(token, self.inner.config.lifetime), signed_in))
-    }
-
-    /// Returns the user where name and password are right.
-    async fn verified(&self, sign_in: &SignIn) -> Result<Option<A::Principal>, Problem> {
-        let user_name = sign_in.user_name.as_str();
-        let hash = self.inner.accounts.password_hash(user_name).await.map_err(internal)?;
-        if !self.inner.hashing.verify(hash, sign_in.password.clone()).await.map_err(not_hashed)? {
-            return Ok(None);
-        }
-        self.inner.accounts.principal(user_name).await.map_err(internal)
-    }
-
-    /// Ends a session; the cookie that removes the browser's goes into the answer.
-    ///
-    /// # Errors
-    /// A [`Problem`] when the store fails.
-    pub async fn sign_out(&self, session: &SessionId) -> Result<Cookie<'static>, Problem> {
-        self.inner.accounts.delete_session(session).await.map_err(internal)?;
-        Ok(self.cookie(String::new(), Duration::ZERO))
-    }
-
     /// Returns the user whose session a cookie's token belongs to; `None` for an ended session.
     pub(super) async fn resume(
         &self,
@@ -196,16 +154,36 @@ impl<A: Accounts> Sessions<A> {
     ) -> Result<Option<SignedIn<A::Principal>>, AccountsError> {
         let id = SessionId::of(token);
         let Some(session) = self.inner.accounts.session(&id).await? else { return Ok(None) };
-        if session.expires_at <= now() {
+        let now = now();
+        if self.has_ended(&session, now) {
             self.inner.accounts.delete_session(&id).await?;
             return Ok(None);
         }
         let principal = self.inner.accounts.principal(&session.user_name).await?;
+        if principal.is_some() && session.last_used_at + USE_PRECISION <= now {
+            self.inner.accounts.touch_session(&id, now).await?;
+        }
         Ok(principal.map(|principal| SignedIn {
             session: id,
+            user_name: session.user_name,
             principal,
             csrf_token: session.csrf_token,
         }))
+    }
+
+    /// Returns the sessions of a user that have not ended.
+    pub(super) async fn live_sessions(
+        &self,
+        user_name: &str,
+    ) -> Result<Vec<StoredSession>, Problem> {
+        let mut sessions = self.inner.accounts.sessions_of(user_name).await.map_err(internal)?;
+        let now = now();
+        sessions.retain(|session| !self.has_ended(session, now));
+        Ok(sessions)
+    }
+
+    fn has_ended(&self, session: &StoredSession, now: SystemTime) -> bool {
+        session.expires_at <= now || session.last_used_at + self.inner.config.idle_max <= now
     }
 
     /// Waits for the check interval of streams; then returns true while the session of a cookie's
@@ -216,7 +194,7 @@ impl<A: Accounts> Sessions<A> {
         self.resume(token).await.map_or(true, |signed_in| signed_in.is_some())
     }
 
-    fn cookie(&self, token: String, max_age: Duration) -> Cookie<'static> {
+    pub(super) fn cookie(&self, token: String, max_age: Duration) -> Cookie<'static> {
         let seconds = i64::try_from(max_age.as_secs()).unwrap_or(i64::MAX);
         Cookie::build((self.inner.config.cookie_name.clone(), token))
             .path("/")
@@ -228,13 +206,8 @@ impl<A: Accounts> Sessions<A> {
     }
 }
 
-fn wrong_credentials() -> Problem {
-    let detail = "User name or password is wrong.";
-    Problem::new(StatusCode::UNAUTHORIZED, "WRONG_CREDENTIALS", detail)
-}
-
 /// Returns the problem of a password that was not checked.
-fn not_hashed(error: HashingError) -> Problem {
+pub(super) fn not_hashed(error: HashingError) -> Problem {
     match error {
         HashingError::Busy => busy(),
         HashingError::Password(_) | HashingError::Broken => Problem::internal(&error),
@@ -245,9 +218,9 @@ pub(super) fn internal(error: AccountsError) -> Problem {
     Problem::internal(error.0.as_ref())
 }
 
-/// Returns the time by which sessions end.
+/// Returns the time by which sessions end and codes change.
 #[expect(clippy::disallowed_methods, reason = "the clock of sessions")]
-fn now() -> SystemTime {
+pub(super) fn now() -> SystemTime {
     SystemTime::now()
 }
 

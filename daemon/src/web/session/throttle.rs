@@ -116,14 +116,14 @@ impl LoginThrottle {
         } else {
             self.key(&[b"user", user_name.as_bytes()])
         };
-        let attempt = Attempt { user, place: self.key(&[b"place", place.as_bytes()]), user_at_place };
+        let attempt =
+            Attempt { user, place: self.key(&[b"place", place.as_bytes()]), user_at_place };
         let free = self.config.free_failures.max(1);
         self.check(&attempt.user, free, now)?;
         self.check(&attempt.place, free.saturating_mul(PLACE_FACTOR), now)?;
         for key in [attempt.user, attempt.place] {
             self.make_room(&key);
-            let count =
-                self.counts.entry(key).or_insert(Count { failures: 0, open: 0, last: now });
+            let count = self.counts.entry(key).or_insert(Count { failures: 0, open: 0, last: now });
             count.open += 1;
         }
         Ok(attempt)

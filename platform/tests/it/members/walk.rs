@@ -24,6 +24,7 @@ impl Ids {
             "factoryId" => self.factories.clone(),
             "request" => self.requests.clone(),
             "viewer" => self.organisations.clone(),
+            "userName" => self.organisations.iter().map(|id| format!("{id}-planner")).collect(),
             "cursor" | "after" => texts(&["1"]),
             "limit" => texts(&["1", "1000"]),
             "newest" => texts(&["true", "false"]),

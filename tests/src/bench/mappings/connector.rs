@@ -66,6 +66,8 @@ impl Filled {
 pub(super) struct Connector {
     daemon: Daemon,
     api: Api,
+    /// The listener of metrics.
+    metrics: Api,
     _folder: TempDir,
 }
 
@@ -74,10 +76,10 @@ impl Connector {
     pub async fn start(filled: Filled) -> anyhow::Result<Self> {
         let folder = filled.folder;
         let data = folder.path().join("data");
-        let [web, twin] = free_ports::reserve()?;
+        let [web, twin, metrics] = free_ports::reserve()?;
         let config = folder.path().join("connector.toml");
         let text = format!(
-            "data_directory = {data:?}\n\n[web]\nlisten = \"127.0.0.1:{web}\"\n\n[twin]\nlisten = \"127.0.0.1:{twin}\"\n\n\
+            "data_directory = {data:?}\n\n[web]\nlisten = \"127.0.0.1:{web}\"\nmetrics_listen = \"127.0.0.1:{metrics}\"\n\n[twin]\nlisten = \"127.0.0.1:{twin}\"\n\n\
              [reports]\npublishing_interval_ms = 1000\n\n[admin]\nuser_name = \"engineer\"\npassword = \"{PASSWORD}\"\n"
         );
         fs::write(&config, text)?;
@@ -96,7 +98,10 @@ impl Connector {
         })
         .await;
         match answers {
-            Ok(api) => Ok(Self { daemon, api, _folder: folder }),
+            Ok(api) => {
+                let metrics = Api::new(format!("http://127.0.0.1:{metrics}"))?;
+                Ok(Self { daemon, api, metrics, _folder: folder })
+            }
             Err(error) => {
                 daemon.kill().ok();
                 anyhow::bail!("{error:#}\n{}", daemon.log_tail(20));
@@ -134,7 +139,7 @@ impl Connector {
 
     /// Candidates that were accepted since the start.
     pub async fn candidates(&self) -> anyhow::Result<f64> {
-        let metrics = self.api.text("/metrics").await?;
+        let metrics = self.metrics.text("/metrics").await?;
         let line = metrics.lines().find_map(|line| line.strip_prefix("verbund_candidates_total "));
         Ok(line.and_then(|value| value.trim().parse().ok()).unwrap_or_default())
     }

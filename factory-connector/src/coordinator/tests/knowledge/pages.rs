@@ -6,13 +6,10 @@ use axum::{
     extract::ConnectInfo,
     http::{Request, header, response::Parts},
 };
-use daemon::{
-    telemetry::Metrics,
-    web::{
-        client_address::TrustedProxies,
-        health::Readiness,
-        session::{PasswordHash, PasswordHashing, PasswordPolicy},
-    },
+use daemon::web::{
+    client_address::TrustedProxies,
+    health::Readiness,
+    session::{PasswordHash, PasswordHashing, PasswordPolicy},
 };
 use mapping_engine::{MappingEngine, MappingEngineConfig};
 use tokio::sync::watch;
@@ -32,8 +29,8 @@ use crate::{
 };
 
 const PASSWORD: &str = "the viewer's own password";
-/// Addresses of what never ends, and of a session's random token.
-const LEFT_OUT: [&str; 2] = ["/api/v1/events", "/api/v1/session"];
+/// Addresses of what never ends, and of sessions with their random ids and tokens.
+const LEFT_OUT: [&str; 3] = ["/api/v1/events", "/api/v1/session", "/api/v1/sessions"];
 
 /// Addresses to read at the end of a history, and the password of who reads.
 pub(super) struct Pages {
@@ -165,9 +162,9 @@ impl Plant {
             },
             server: ServerParts {
                 readiness: Readiness::new(),
-                metrics: Metrics::install().expect("a recorder"),
                 shutdown: CancellationToken::new(),
-                has_tls: false,
+                is_secure: false,
+                port: 8090,
                 trusted_proxies: TrustedProxies::default(),
                 hashing: PasswordHashing::default(),
             },
