@@ -12,7 +12,7 @@ use std::{
 
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
-use daemon::configuration;
+use daemon::{configuration, data_directory};
 use platform::{
     config::{EXAMPLE, PlatformConfig},
     store::Role,
@@ -131,6 +131,7 @@ pub fn run(arguments: Arguments) -> ExitCode {
 }
 
 fn run_command(command: Command, config: PlatformConfig) -> anyhow::Result<()> {
+    data_directory::tighten(&config.data_directory, config.allow_shared_data_directory)?;
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         .build()
