@@ -88,10 +88,14 @@ knowledge: ## 1 000 histories of whole connectors: partners learn nothing below 
 	VERBUND_KNOWLEDGE_CASES=$(or $(CASES),1000) $(if $(SEED),VERBUND_KNOWLEDGE_SEED=$(SEED)) \
 	  $(CARGO) test --locked -p factory-connector --lib coordinator::tests::knowledge -- --nocapture
 
-test-slow: ## what takes too long for each change: histories, foreign peers, scale, every page, chaos, mutants of gate and platform
+fuzz: ## random input for every edge, shared by its targets: HOURS=1, or SECONDS=60 for each; TARGETS="..."
+	tools/fuzz.sh $(or $(SECONDS),$(if $(HOURS),$$(( $(HOURS) * 3600 * $$(nproc) / 10 )),60)) $(TARGETS)
+
+test-slow: ## what takes too long for each change: histories, foreign peers, fuzzing, scale, every page, chaos, mutants of gate and platform
 	$(MAKE) knowledge
 	$(MAKE) asi-foreign
 	$(MAKE) foreign-kills
+	$(MAKE) fuzz
 	$(MAKE) scale
 	$(MAKE) screenshots
 	$(MAKE) chaos MINUTES=$(or $(MINUTES),30)
@@ -142,4 +146,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: test-slow knowledge mutants-gate mutants-platform foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test
+.PHONY: fuzz test-slow knowledge mutants-gate mutants-platform foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test

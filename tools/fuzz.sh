@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# Feeds random input to every edge of the programs and prints what came of it.
+#
+#   tools/fuzz.sh SECONDS [TARGET...]
+#
+# Each folder `fuzz` of a package has targets for libFuzzer and, below `corpus/TARGET`, what former runs found worth
+# keeping; the tests of the package replay it. A target gets SECONDS, as many at a time as there are processors. New inputs go
+# to target/fuzz/corpus, and what broke a target to target/fuzz/found. Needs the Rust and C++ compilers only: the
+# instrumentation is one of stable options of the compiler.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+root=$PWD seconds=$1
+shift
+host=$(rustc -vV | sed -n 's/^host: //p')
+export CARGO_TARGET_DIR=$root/target/fuzz/build
+flags="--cfg fuzzing -Cpasses=sancov-module -Cdebug-assertions -Coverflow-checks"
+for argument in level=4 inline-8bit-counters pc-table trace-compares; do
+  flags+=" -Cllvm-args=-sanitizer-coverage-$argument"
+done
+
+targets=()
+for manifest in asi-model/fuzz platform/broker/fuzz opcua-stack/fuzz mapping-engine/script-protocol/fuzz daemon/fuzz; do
+  [ -f "$manifest/Cargo.toml" ] || continue
+  for source in "$manifest"/fuzz_targets/*.rs; do
+    name=$(basename "$source" .rs)
+    [ $# = 0 ] || [[ " $* " == *" $name "* ]] || continue
+    # With a target triple the flags are for the fuzzed code only, not for build scripts.
+    RUSTFLAGS=$flags cargo build --quiet --release --locked --target "$host" --manifest-path "$manifest/Cargo.toml" \
+      --bin "$name"
+    targets+=("$manifest $name")
+  done
+done
+[ ${#targets[@]} != 0 ] || { echo "No target is called $*." >&2; exit 2; }
+
+play() {
+  local folder=$1 name=$2 log=$root/target/fuzz/$2.log
+  local corpus=$root/target/fuzz/corpus/$name found=$root/target/fuzz/found/$name seeds=()
+  mkdir -p "$corpus" "$found"
+  [ ! -d "$root/$folder/corpus/$name" ] || seeds+=("$root/$folder/corpus/$name")
+  local result="nothing found"
+  "$CARGO_TARGET_DIR/$host/release/$name" "$corpus" "${seeds[@]}" -max_total_time="$seconds" -timeout=30 -max_len=4096 \
+    -rss_limit_mb=2048 -artifact_prefix="$found/" -print_final_stats=1 >"$log" 2>&1 || result="FOUND: $found, $log"
+  local count most
+  count=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
+  most=$(sed -n 's/^stat::peak_rss_mb: *//p' "$log")
+  echo "$name: ${count:-no} inputs, at most ${most:-unknown} MB: $result"
+  [ "$result" = "nothing found" ]
+}
+export -f play
+export root seconds host
+printf '%s\n' "${targets[@]}" | xargs -P "$(nproc)" -L 1 bash -c 'play "$0" "$1"'
