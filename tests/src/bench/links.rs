@@ -32,7 +32,7 @@ use crate::harness::until;
 const ROUNDS: usize = 3;
 /// Messages over which memory must not grow, and when it is looked at first.
 const MANY: u64 = 1_000_000;
-const WARM: u64 = 100_000;
+const WARM: u64 = 200_000;
 /// Messages that wait in the broker meanwhile, at most.
 const BACKLOG: u64 = 20_000;
 const PATIENCE: Duration = Duration::from_secs(600);
@@ -156,10 +156,10 @@ pub(super) async fn traffic() -> anyhow::Result<Vec<Value>> {
             MANY as f64 / took.as_secs_f64(),
             "messages per second",
         ),
-        figure("memory of link and broker after 100 000 messages", early / megabyte, "MiB"),
+        figure("memory of link and broker after 200 000 messages", early / megabyte, "MiB"),
         figure("the most memory up to a million messages", highest / megabyte, "MiB"),
         figure(
-            "the most memory up to a million messages against 100 000",
+            "the most memory up to a million messages against 200 000",
             highest / early,
             "times",
         ),
