@@ -1,8 +1,13 @@
-//! Coarsening of one value: rounding, banding, significant digits, status codes and time steps.
+//! Coarsening of one value: rounding, banding, significant digits, status codes and time steps. A policy
+//! holds within values that hold others, too - variants, values with a status and structures: a request for such
+//! a type would otherwise be a way around it.
 
 use std::sync::Arc;
 
-use asi_model::{BuiltInType, DataValue, Scalar, StatusCode, Variant, values::Array};
+use asi_model::{
+    BuiltInType, DataValue, Scalar, StatusCode, Variant,
+    values::{Array, DiagnosticInfo, ExtensionBody, ExtensionObject, StructureValue},
+};
 
 use super::{Decimal, DisclosurePolicy, RoundingStep, decimal::divide_to_nearest};
 
@@ -56,7 +61,9 @@ fn coarsen_variant(policy: &DisclosurePolicy, value: &Variant) -> Variant {
 fn coarsen_scalar(policy: &DisclosurePolicy, scalar: &Scalar) -> Scalar {
     match scalar {
         Scalar::DateTime(time) => Scalar::DateTime(time.floor_to(policy.time_step())),
-        scalar if !scalar.built_in_type().is_numeric() => scalar.clone(),
+        scalar if !scalar.built_in_type().is_numeric() => {
+            coarsen_holding(policy, scalar).unwrap_or_else(|| scalar.clone())
+        }
         // The maker of a value chooses the bits of "not a number".
         Scalar::Double(value) if value.is_nan() => Scalar::Double(f64::NAN),
         Scalar::Float(value) if value.is_nan() => Scalar::Float(f32::NAN),
@@ -146,9 +153,96 @@ fn band(scalar: &Scalar, bounds: &[f64]) -> Scalar {
     }
 }
 
+/// Types whose values hold values of other types.
+const HOLDING: [BuiltInType; 4] = [
+    BuiltInType::ExtensionObject,
+    BuiltInType::DataValue,
+    BuiltInType::Variant,
+    BuiltInType::DiagnosticInfo,
+];
+
+/// Returns true where a field of this type can have parts of a policy that are about numbers: it is a number, or
+/// its values hold some.
+pub(super) fn holds_numbers(field_type: BuiltInType) -> bool {
+    field_type.is_numeric() || HOLDING.contains(&field_type)
+}
+
+/// Returns true where a policy lets through only a part of a value, and not just fewer values.
+fn coarsens_values(policy: &DisclosurePolicy) -> bool {
+    policy.rounding_step.is_some()
+        || !policy.bands.is_empty()
+        || policy.significant_digits.is_some()
+        || !policy.time_step().is_zero()
+}
+
+/// Coarsens what a value of a holding type holds; none for a value that holds nothing.
+fn coarsen_holding(policy: &DisclosurePolicy, scalar: &Scalar) -> Option<Scalar> {
+    Some(match scalar {
+        Scalar::Variant(value) => Scalar::Variant(Box::new(coarsen_held(policy, value))),
+        Scalar::DataValue(value) => Scalar::DataValue(Box::new(coarsen_data_value(policy, value))),
+        Scalar::ExtensionObject(object) => Scalar::ExtensionObject(Box::new(ExtensionObject {
+            type_id: object.type_id.clone(),
+            body: coarsen_body(policy, &object.body),
+        })),
+        Scalar::DiagnosticInfo(info) => {
+            Scalar::DiagnosticInfo(Box::new(coarsen_diagnostics(policy, info)))
+        }
+        _ => return None,
+    })
+}
+
+/// Coarsens a held value. Its type is known only now: steps and bounds are adapted to it.
+fn coarsen_held(policy: &DisclosurePolicy, value: &Variant) -> Variant {
+    match value.built_in_type() {
+        Some(held) if held.is_integer() => coarsen_variant(&policy.fitted_to(held, false), value),
+        _ => coarsen_variant(policy, value),
+    }
+}
+
+fn coarsen_data_value(policy: &DisclosurePolicy, value: &DataValue) -> DataValue {
+    let is_bad = value.status.is_bad();
+    DataValue {
+        value: if is_bad { Variant::Null } else { coarsen_held(policy, &value.value) },
+        status: policy.status_codes.coarsen(value.status),
+        source_timestamp: value.source_timestamp.map(|time| time.floor_to(policy.time_step())),
+        // As beside the value of a report: a server's time and a finer clock would reveal more.
+        ..DataValue::default()
+    }
+}
+
+/// Coarsens the content of a structure. What has no description cannot be coarsened, and is left out by a policy
+/// that coarsens.
+fn coarsen_body(policy: &DisclosurePolicy, body: &ExtensionBody) -> ExtensionBody {
+    match body {
+        ExtensionBody::Structure(structure) => {
+            let fields = structure.fields.iter();
+            let fields =
+                fields.map(|(name, value)| (Arc::clone(name), coarsen_held(policy, value)));
+            ExtensionBody::Structure(StructureValue { fields: fields.collect(), ..*structure })
+        }
+        ExtensionBody::Json(_) | ExtensionBody::Binary(_) | ExtensionBody::Xml(_)
+            if coarsens_values(policy) =>
+        {
+            ExtensionBody::None
+        }
+        other => other.clone(),
+    }
+}
+
+fn coarsen_diagnostics(policy: &DisclosurePolicy, info: &DiagnosticInfo) -> DiagnosticInfo {
+    DiagnosticInfo {
+        inner_status_code: info.inner_status_code.map(|code| policy.status_codes.coarsen(code)),
+        inner_diagnostic_info: info
+            .inner_diagnostic_info
+            .as_ref()
+            .map(|inner| Box::new(coarsen_diagnostics(policy, inner))),
+        ..info.clone()
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use asi_model::DateTime;
+    use asi_model::{DateTime, NodeId};
 
     use super::*;
 
@@ -195,5 +289,61 @@ mod tests {
             (coarse.value.value, coarse.value.status),
             (Variant::Null, StatusCode::BAD_TYPE_MISMATCH)
         );
+    }
+
+    fn policy() -> DisclosurePolicy {
+        serde_json::from_str(r#"{"roundingStep":2.5,"timeStepMs":60000}"#).expect("a policy")
+    }
+
+    fn time(text: &str) -> DateTime {
+        text.parse().expect("a time")
+    }
+
+    fn structure(number: f64, count: i32, at: DateTime, value: DataValue) -> Scalar {
+        let fields = [
+            ("speed", Variant::from(number)),
+            ("count", Variant::from(count)),
+            ("at", Variant::Scalar(Scalar::DateTime(at))),
+            ("value", Variant::Scalar(Scalar::DataValue(Box::new(value)))),
+        ];
+        let fields = fields.into_iter().map(|(name, value)| (Arc::from(name), value)).collect();
+        let body = ExtensionBody::Structure(StructureValue { fields, ..Default::default() });
+        Scalar::ExtensionObject(Box::new(ExtensionObject {
+            type_id: NodeId::numeric("urn:machine", 3_000).into(),
+            body,
+        }))
+    }
+
+    #[test]
+    fn a_policy_holds_at_any_depth() {
+        let fine = DataValue {
+            status: StatusCode(0x0096_0000),
+            server_timestamp: Some(time("2026-11-25T06:10:11.123Z")),
+            source_picoseconds: 17,
+            ..DataValue::good(8.1_f64, time("2026-11-25T06:10:11.123Z"))
+        };
+        let coarse = DataValue::good(7.5_f64, time("2026-11-25T06:10:00Z"));
+        let at = time("2026-11-25T06:10:59Z");
+        let held = Scalar::Variant(Box::new(Variant::Scalar(structure(6.3, 7, at, fine))));
+        let at = time("2026-11-25T06:10:00Z");
+        let expected = Scalar::Variant(Box::new(Variant::Scalar(structure(7.5, 6, at, coarse))));
+        assert_eq!(coarsen_scalar(&policy(), &held), expected);
+    }
+
+    #[test]
+    fn a_bad_value_within_another_has_its_status_only() {
+        let bad = DataValue {
+            status: StatusCode::BAD_SENSOR_FAILURE,
+            ..DataValue::good(8.1_f64, time("2026-11-25T06:10:00Z"))
+        };
+        let shown = coarsen_data_value(&DisclosurePolicy::default(), &bad);
+        assert_eq!((shown.value, shown.status), (Variant::Null, StatusCode::BAD));
+    }
+
+    #[test]
+    fn what_has_no_description_passes_only_policies_that_coarsen_nothing() {
+        let opaque = ExtensionBody::Json(r#"{"at":"2026-11-25T06:10:11.123Z"}"#.into());
+        assert_eq!(coarsen_body(&policy(), &opaque), ExtensionBody::None);
+        assert_eq!(coarsen_body(&DisclosurePolicy::default(), &opaque), opaque);
     }
 }

@@ -4,6 +4,7 @@ use asi_model::{BuiltInType, DateTime};
 
 use super::{
     AggregateFunction, DisclosurePolicy, StateValue,
+    coarsening::holds_numbers,
     policy::PERIOD_MS_MAX,
     rate::{LIMITS_MAX, VALUES_MAX},
     withholding::{CONDITIONS_MAX, STATE_CHARS_MAX, STATES_MAX},
@@ -48,7 +49,7 @@ impl DisclosurePolicy {
         let mut faults = self.own_faults();
         let mut found = Faults(Vec::new());
         if let Some(step) = self.rounding_step {
-            if !field_type.is_numeric() {
+            if !holds_numbers(field_type) {
                 found.add(
                     "roundingStep",
                     format!("only numbers can be rounded, and this field is a {field_type}"),
@@ -60,7 +61,7 @@ impl DisclosurePolicy {
                 );
             }
         }
-        if !self.bands.is_empty() && !field_type.is_numeric() {
+        if !self.bands.is_empty() && !holds_numbers(field_type) {
             found.add(
                 "bands",
                 format!("only numbers can be put into bands, and this field is a {field_type}"),
@@ -71,7 +72,7 @@ impl DisclosurePolicy {
             found
                 .add("bands", format!("the bounds must be whole numbers, as a {field_type} needs"));
         }
-        if self.significant_digits.is_some() && !field_type.is_numeric() {
+        if self.significant_digits.is_some() && !holds_numbers(field_type) {
             found.add(
                 "significantDigits",
                 format!("only numbers have digits, and this field is a {field_type}"),

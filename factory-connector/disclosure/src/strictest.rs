@@ -7,7 +7,7 @@ use asi_model::BuiltInType;
 
 use super::{
     AggregateFunction, Decimal, DisclosurePolicy, RateLimit, RoundingStep, WindowAggregate,
-    WithholdCondition,
+    WithholdCondition, coarsening::holds_numbers,
 };
 
 impl DisclosurePolicy {
@@ -67,7 +67,7 @@ impl DisclosurePolicy {
     #[must_use]
     pub fn fitted_to(&self, field_type: BuiltInType, is_array: bool) -> Self {
         let mut fitted = self.clone();
-        if !field_type.is_numeric() {
+        if !holds_numbers(field_type) {
             fitted.rounding_step = None;
             fitted.bands = Vec::new();
             fitted.significant_digits = None;

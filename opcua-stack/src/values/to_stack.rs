@@ -214,7 +214,11 @@ fn extension_object_to_stack(
     let type_name = || object.type_id.node_id.to_string();
     match &object.body {
         ExtensionBody::None => Ok(stack::ExtensionObject::null()),
-        ExtensionBody::Json(_) => Err(ConversionError::JsonBody { type_id: type_name() }),
+        ExtensionBody::Json(_) => {
+            // A type of a foreign namespace is the first thing to say, whatever its body.
+            node_id_to_stack(&object.type_id.node_id, encoder.namespaces)?;
+            Err(ConversionError::JsonBody { type_id: type_name() })
+        }
         ExtensionBody::Xml(text) => {
             let id = node_id_to_stack(&object.type_id.node_id, encoder.namespaces)?;
             Ok(stack::ExtensionObject::new(stack::XmlBody::new(

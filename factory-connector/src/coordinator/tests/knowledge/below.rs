@@ -101,8 +101,19 @@ fn nearby(value: &Variant, policy: &DisclosurePolicy) -> Variant {
 
 #[allow(clippy::cast_possible_truncation)]
 fn nearby_scalar(scalar: &Scalar, policy: &DisclosurePolicy) -> Scalar {
-    if let Scalar::DateTime(at) = scalar {
-        return Scalar::DateTime(at.floor_to(policy.time_step()));
+    match scalar {
+        Scalar::DateTime(at) => return Scalar::DateTime(at.floor_to(policy.time_step())),
+        Scalar::Variant(held) => return Scalar::Variant(Box::new(nearby(held, policy))),
+        Scalar::DataValue(held) => {
+            return Scalar::DataValue(Box::new(DataValue {
+                value: nearby(&held.value, policy),
+                status: another_status(held.status, policy.status_codes),
+                source_timestamp: held.source_timestamp.map(|at| at.floor_to(policy.time_step())),
+                source_picoseconds: 7,
+                ..DataValue::default()
+            }));
+        }
+        _ => {}
     }
     let field_type = scalar.built_in_type();
     let number = scalar.as_f64().filter(|_| field_type.is_numeric());

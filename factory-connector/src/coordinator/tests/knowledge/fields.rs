@@ -27,7 +27,7 @@ const fn array_of(request: usize, name: &'static str, field_type: BuiltInType) -
     FieldOf { request, name, field_type, is_array: true }
 }
 
-pub(super) const FIELDS: [FieldOf; 14] = [
+pub(super) const FIELDS: [FieldOf; 16] = [
     of(0, "made", BuiltInType::UInt64),
     of(0, "level", BuiltInType::Double),
     of(0, "note", BuiltInType::String),
@@ -42,6 +42,8 @@ pub(super) const FIELDS: [FieldOf; 14] = [
     of(1, "image", BuiltInType::ByteString),
     of(1, "title", BuiltInType::LocalizedText),
     array_of(1, "marks", BuiltInType::DateTime),
+    array_of(0, "samples", BuiltInType::DataValue),
+    array_of(1, "mixed", BuiltInType::Variant),
 ];
 
 /// The field at whose state others look.
@@ -96,8 +98,27 @@ impl FieldOf {
                 locale: Some("de".into()),
                 text: Some(format!("Text {number}").into()),
             })),
+            BuiltInType::DataValue => Scalar::DataValue(Box::new(sample(number))),
+            // A number and a time, in an array of two.
+            BuiltInType::Variant if number.is_multiple_of(2) => {
+                Scalar::Variant(Box::new(Variant::from(f64::from(number))))
+            }
+            BuiltInType::Variant => {
+                let time = plant::start().after(Duration::from_millis(number.into()));
+                Scalar::Variant(Box::new(Variant::Scalar(Scalar::DateTime(time))))
+            }
             _ => Scalar::DateTime(plant::start().after(Duration::from_millis(number.into()))),
         }
+    }
+}
+
+/// Makes a value with a status and times of its own.
+fn sample(number: u32) -> DataValue {
+    let at = plant::start().after(Duration::from_millis(number.into()));
+    DataValue {
+        status: StatusCode(0x00A2_0000),
+        server_timestamp: Some(at.after(Duration::from_millis(2))),
+        ..DataValue::good(f64::from(number), at)
     }
 }
 

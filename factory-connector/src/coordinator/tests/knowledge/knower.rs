@@ -7,7 +7,7 @@ use disclosure::{AggregateFunction, DisclosurePolicy, StatusCodes, WithholdCondi
 use super::{
     below,
     fields::{FIELDS, PARTNERS, STATE, WITHHELD_STATE, recipients},
-    possible::{Possible, is_mean, is_sum, is_within, number_of},
+    possible::{Possible, held_statuses, is_mean, is_sum, is_within, number_of},
     *,
 };
 
@@ -160,13 +160,16 @@ impl Knower {
             let is_of = |kind: BuiltInType| member["Type"] == json!(kind.id());
             let (status, value) = if is_of(BuiltInType::StatusCode) {
                 (&member["Body"], &Value::Null)
-            } else if is_of(BuiltInType::DataValue) {
+            } else if is_of(BuiltInType::DataValue) && !member["Body"].is_array() {
                 (&member["Body"]["Status"], &member["Body"]["Value"]["Body"])
             } else {
                 (&Value::Null, &member["Body"])
             };
             self.check_status(field, status);
             if !value.is_null() {
+                for status in held_statuses(value) {
+                    self.check_status(field, status);
+                }
                 self.check_value(field, value, now);
             }
         }

@@ -2,7 +2,7 @@
 //! runs them.
 
 use connector_state::{
-    transaction,
+    Effects, transaction,
     use_cases::{
         import_mappings::{MappingImport, import_mappings},
         keep_alive::keep_alives,
@@ -277,8 +277,13 @@ impl Plant {
             let place = FIELDS.iter().position(|field| field.key() == *key).expect("a field");
             self.releases.push((place, now));
         }
-        self.seen.push(format!("{:?} {}", effects.decisions, effects.resent_report_count));
-        self.seen.push(format!("twin {:?} {:?}", effects.twin, effects.link));
+        // A transaction without an effect is seen by nobody.
+        let counts =
+            |effects: &Effects| format!("{:?} {}", effects.decisions, effects.resent_report_count);
+        let signals = |effects: &Effects| format!("twin {:?} {:?}", effects.twin, effects.link);
+        let nothing = Effects::default();
+        let had = [(counts(&effects), counts(&nothing)), (signals(&effects), signals(&nothing))];
+        self.seen.extend(had.into_iter().filter_map(|(had, none)| (had != none).then_some(had)));
         let events = effects.take_events();
         self.seen.extend(events.iter().map(|event| format!("event {event:?}")));
         // Log and metrics of it are noted, too. Events have been taken: nobody listens.

@@ -4,7 +4,6 @@
 use asi_model::{
     Scalar, Variant,
     opcua_json::{DataEncoding, encode_variant},
-    values::Array,
 };
 use disclosure::WorkingHours;
 
@@ -60,21 +59,49 @@ impl Possible {
 
     /// Returns true where a value that is no number may have been made of this one.
     pub(super) fn is_shown_by(&self, body: &Value) -> bool {
-        let coarse = |scalar: &Scalar| match scalar {
-            Scalar::DateTime(at) => Scalar::DateTime(at.floor_to(self.time_step)),
-            other => other.clone(),
-        };
-        let value = match &self.value.value {
-            Variant::Null => Variant::Null,
-            Variant::Scalar(scalar) => Variant::Scalar(coarse(scalar)),
-            Variant::Array(array) => Variant::Array(Arc::new(Array {
-                elements: array.elements.iter().map(coarse).collect(),
-                ..Array::clone(array)
-            })),
-        };
-        let json = encode_variant(&value, DataEncoding::Reversible104);
+        let json = encode_variant(&self.value.value, DataEncoding::Reversible104);
         let json: Value = serde_json::from_slice(&json).expect("JSON");
-        json["Body"] == *body
+        self.is_made_of(&json["Body"], body)
+    }
+
+    /// Compares what is shown with a value member by member; what is left out says nothing.
+    fn is_made_of(&self, raw: &Value, shown: &Value) -> bool {
+        let time = |value: &Value| serde_json::from_value::<DateTime>(value.clone()).ok();
+        match (raw, shown) {
+            (Value::Object(raw), Value::Object(shown)) => shown.iter().all(|(name, shown)| {
+                let is_exact = name.starts_with("Type");
+                // Statuses are checked where they are.
+                name == "Status"
+                    || raw.get(name).is_some_and(|raw| {
+                        if is_exact { raw == shown } else { self.is_made_of(raw, shown) }
+                    })
+            }),
+            (Value::Array(raw), Value::Array(shown)) => {
+                raw.len() == shown.len()
+                    && raw.iter().zip(shown).all(|(raw, shown)| self.is_made_of(raw, shown))
+            }
+            _ => match (time(raw), time(shown), number_of(raw), number_of(shown)) {
+                (Some(raw), Some(shown), ..) => raw.floor_to(self.time_step) == shown,
+                (.., Some(raw), Some(shown)) => self.is_near(raw, shown),
+                _ => raw == shown,
+            },
+        }
+    }
+}
+
+/// Returns the statuses of values within a value.
+pub(super) fn held_statuses(body: &Value) -> Vec<&Value> {
+    match body {
+        Value::Object(members) => members
+            .iter()
+            .flat_map(
+                |(name, value)| {
+                    if name == "Status" { vec![value] } else { held_statuses(value) }
+                },
+            )
+            .collect(),
+        Value::Array(elements) => elements.iter().flat_map(held_statuses).collect(),
+        _ => Vec::new(),
     }
 }
 
