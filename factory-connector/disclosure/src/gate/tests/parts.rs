@@ -33,3 +33,16 @@ fn a_mean_does_not_weigh_the_time_in_a_withheld_state_of_another_field() {
     gate.on_time(at(60_000));
     assert_eq!(shown(&gate), Some(30));
 }
+
+/// 10 holds for ten seconds, the state in which nothing is shown for thirty, and 40 for twenty.
+#[test]
+fn a_mean_does_not_weigh_the_time_in_a_withheld_state_of_its_own() {
+    let mut gate = gate(
+        r#"{"aggregate":{"function":"MEAN","windowMs":60000},"withholdWhile":[{"states":[7]}]}"#,
+    );
+    gate.on(at(0), candidate(0, 10));
+    assert_eq!(gate.on(at(10_000), candidate(10_000, 7)), GateOutcome::Suppressed);
+    gate.on(at(40_000), candidate(40_000, 40));
+    gate.on_time(at(60_000));
+    assert_eq!(shown(&gate), Some(30));
+}

@@ -18,6 +18,8 @@ struct Known {
     own: Option<DisclosurePolicy>,
     source: usize,
     possible: Vec<Possible>,
+    /// End of a window behind whose begin the clock was set back.
+    window_end: Option<DateTime>,
     /// Times of releases; they go on to count over decisions.
     released: Vec<DateTime>,
     /// Times of releases while a rate was in force.
@@ -64,6 +66,7 @@ impl Knower {
                 hidden_part: self.hidden_part(*field),
                 time_step: self.time_step(*field),
                 is_window_over: false,
+                window_end: self.fields[*field].window_end.filter(|end| now < *end),
                 was_due: false,
             };
             self.fields[*field]
@@ -118,7 +121,11 @@ impl Knower {
     pub(super) fn set_clock_back(&mut self, former: DateTime, now: DateTime) {
         for field in 0..FIELDS.len() {
             let (window, delay) = (self.window(field), self.delay(field));
-            let Known { released, rated, .. } = &mut self.fields[field];
+            let Known { possible, window_end, released, rated, .. } = &mut self.fields[field];
+            let is_behind = |possible: &Possible| possible.arrived_at.floor_to(window) > now;
+            if !window.is_zero() && possible.iter().any(is_behind) {
+                *window_end = Some(now.after(window));
+            }
             for released in released.iter_mut().chain(rated) {
                 *released = (*released).min(now);
             }
@@ -301,6 +308,9 @@ impl Knower {
             let is_added = now.iter().any(|condition| !conditions.contains(condition));
             if is_added || (other.is_some() && other != window) {
                 self.fields[field].possible.clear();
+            }
+            if other != window {
+                self.fields[field].window_end = None;
             }
             let (step, is_later) = (self.step(field), self.delay(field) > delay);
             let (part, time_step) = (self.hidden_part(field), self.time_step(field));

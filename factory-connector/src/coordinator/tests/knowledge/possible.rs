@@ -22,6 +22,9 @@ pub(super) struct Possible {
     pub(super) time_step: Duration,
     /// True where its window ended before the clock was set back.
     pub(super) is_window_over: bool,
+    /// End of the window in which it came, where the clock was set back behind that window's begin: it counts
+    /// from then on.
+    pub(super) window_end: Option<DateTime>,
     /// True where it might be shown before the clock was set back; it still may.
     pub(super) was_due: bool,
 }
@@ -32,7 +35,8 @@ impl Possible {
         if window.is_zero() || self.is_window_over {
             self.arrived_at
         } else {
-            self.arrived_at.floor_to(window).after(window)
+            let end = self.arrived_at.floor_to(window).after(window);
+            self.window_end.map_or(end, |other| other.min(end))
         }
     }
 
