@@ -250,7 +250,8 @@ impl OpenWindow {
     fn count(&mut self, value: &DataValue) {
         let usable = usable(value);
         self.has_doubtful |= usable.is_none() || !value.status.is_good();
-        let Some(scalar) = usable else { return };
+        // Others have no order, and their extremes no meaning.
+        let Some(scalar) = usable.filter(|scalar| scalar.as_f64().is_some()) else { return };
         if self.minimum.as_ref().is_none_or(|least| is_less(scalar, least)) {
             self.minimum = Some(scalar.clone());
         }

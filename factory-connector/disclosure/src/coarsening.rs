@@ -9,7 +9,7 @@ use asi_model::{
     values::{Array, DiagnosticInfo, ExtensionBody, ExtensionObject, StructureValue},
 };
 
-use super::{Decimal, DisclosurePolicy, RoundingStep, decimal::divide_to_nearest};
+use super::{Decimal, DisclosurePolicy, RoundingStep, StatusCodes, decimal::divide_to_nearest};
 
 /// A coarsened candidate; `is_coarsened` when it differs from the candidate.
 pub(super) struct Coarsened {
@@ -61,6 +61,7 @@ fn coarsen_variant(policy: &DisclosurePolicy, value: &Variant) -> Variant {
 fn coarsen_scalar(policy: &DisclosurePolicy, scalar: &Scalar) -> Scalar {
     match scalar {
         Scalar::DateTime(time) => Scalar::DateTime(time.floor_to(policy.time_step())),
+        Scalar::StatusCode(status) => Scalar::StatusCode(policy.status_codes.coarsen(*status)),
         scalar if !scalar.built_in_type().is_numeric() => {
             coarsen_holding(policy, scalar).unwrap_or_else(|| scalar.clone())
         }
@@ -153,6 +154,18 @@ fn band(scalar: &Scalar, bounds: &[f64]) -> Scalar {
     }
 }
 
+/// Types whose values are texts, bytes or ids: who makes them chooses all that they say.
+const TEXTS: [BuiltInType; 8] = [
+    BuiltInType::String,
+    BuiltInType::ByteString,
+    BuiltInType::XmlElement,
+    BuiltInType::Guid,
+    BuiltInType::NodeId,
+    BuiltInType::ExpandedNodeId,
+    BuiltInType::QualifiedName,
+    BuiltInType::LocalizedText,
+];
+
 /// Types whose values hold values of other types.
 const HOLDING: [BuiltInType; 4] = [
     BuiltInType::ExtensionObject,
@@ -191,9 +204,11 @@ fn coarsen_holding(policy: &DisclosurePolicy, scalar: &Scalar) -> Option<Scalar>
     })
 }
 
-/// Coarsens a held value. Its type is known only now: steps and bounds are adapted to it.
+/// Coarsens a held value. Its type is known only now: steps and bounds are adapted to it. A text can
+/// say what a number or a time beside it must not, and is left out by a policy that coarsens.
 fn coarsen_held(policy: &DisclosurePolicy, value: &Variant) -> Variant {
     match value.built_in_type() {
+        Some(held) if TEXTS.contains(&held) && coarsens_values(policy) => Variant::Null,
         Some(held) if held.is_integer() => coarsen_variant(&policy.fitted_to(held, false), value),
         _ => coarsen_variant(policy, value),
     }
@@ -229,14 +244,20 @@ fn coarsen_body(policy: &DisclosurePolicy, body: &ExtensionBody) -> ExtensionBod
     }
 }
 
+/// Coarsens diagnostics. Only their status codes are of a known kind: a policy that coarsens leaves out the rest.
 fn coarsen_diagnostics(policy: &DisclosurePolicy, info: &DiagnosticInfo) -> DiagnosticInfo {
+    let rest = if coarsens_values(policy) || policy.status_codes != StatusCodes::Full {
+        DiagnosticInfo::default()
+    } else {
+        info.clone()
+    };
     DiagnosticInfo {
         inner_status_code: info.inner_status_code.map(|code| policy.status_codes.coarsen(code)),
         inner_diagnostic_info: info
             .inner_diagnostic_info
             .as_ref()
             .map(|inner| Box::new(coarsen_diagnostics(policy, inner))),
-        ..info.clone()
+        ..rest
     }
 }
 
@@ -345,5 +366,33 @@ mod tests {
         let opaque = ExtensionBody::Json(r#"{"at":"2026-11-25T06:10:11.123Z"}"#.into());
         assert_eq!(coarsen_body(&policy(), &opaque), ExtensionBody::None);
         assert_eq!(coarsen_body(&DisclosurePolicy::default(), &opaque), opaque);
+    }
+
+    #[test]
+    fn held_texts_and_codes_reveal_no_more_than_numbers_may() {
+        let held = |value: Variant| Scalar::Variant(Box::new(value));
+        let text = held(Variant::from("17.34"));
+        assert_eq!(coarsen_scalar(&policy(), &text), held(Variant::Null));
+        let as_it_is = DisclosurePolicy::default();
+        assert_eq!(coarsen_scalar(&as_it_is, &text), text);
+        let code = |code: u32| Scalar::StatusCode(StatusCode(code));
+        assert_eq!(coarsen_scalar(&as_it_is, &code(0x4000_1734)), code(0x4000_0000));
+        let code = |inner: u32| held(Variant::Scalar(code(inner)));
+        assert_eq!(coarsen_scalar(&as_it_is, &code(0x4000_1734)), code(0x4000_0000));
+    }
+
+    #[test]
+    fn diagnostics_show_status_codes_only() {
+        let info = DiagnosticInfo {
+            symbolic_id: Some(17),
+            additional_info: Some("17.34".into()),
+            inner_status_code: Some(StatusCode(0x8000_1734)),
+            ..DiagnosticInfo::default()
+        };
+        let expected = DiagnosticInfo {
+            inner_status_code: Some(StatusCode::BAD),
+            ..DiagnosticInfo::default()
+        };
+        assert_eq!(coarsen_diagnostics(&DisclosurePolicy::default(), &info), expected);
     }
 }

@@ -175,7 +175,7 @@ fn data_value_from_json(json: &str) -> Result<DataValue, String> {
 
 #[cfg(test)]
 mod tests {
-    use asi_model::StatusCode;
+    use asi_model::{BuiltInType, StatusCode};
 
     use super::*;
 
@@ -238,5 +238,18 @@ mod tests {
         let former = json.replace(r#""coveredFrom":"2027-01-15T08:00:00Z","#, "");
         let aggregation = Aggregation { covered_from: None, ..state.aggregation };
         assert_eq!(gate_from_json(&former), Ok(GateState { aggregation, ..state }));
+    }
+
+    #[test]
+    fn a_window_of_values_without_an_order_can_be_read_again() {
+        let at = DateTime::from_unix_micros(1_800_000_000_000_000);
+        let policy = r#"{"aggregate":{"function":"LAST","windowMs":60000}}"#;
+        let policy = std::sync::Arc::new(serde_json::from_str(policy).expect("a policy"));
+        let (field_type, state) = (BuiltInType::StatusCode, GateState::default());
+        let mut gate = crate::Gate::new(policy, field_type, state, at);
+        let code = Variant::Scalar(Scalar::StatusCode(StatusCode::BAD_NO_DATA));
+        gate.on(at, DataValue::good(code, at));
+        let read = gate_from_json(&gate_to_json(&gate.state())).expect("it can be read");
+        assert!(read.aggregation.open.is_some(), "the window is open still");
     }
 }

@@ -1,7 +1,7 @@
 //! Differences below a policy: another value of which the policy makes the same. Computed without
 //! the gate's code.
 
-use asi_model::{Scalar, Variant, values::Array};
+use asi_model::{BuiltInType, Scalar, Variant, values::Array};
 use disclosure::{DisclosurePolicy, GateOutcome, StatusCodes};
 
 use super::{
@@ -99,10 +99,24 @@ fn nearby(value: &Variant, policy: &DisclosurePolicy) -> Variant {
     }
 }
 
+fn is_coarse(policy: &DisclosurePolicy) -> bool {
+    let is_of_numbers = policy.rounding_step.is_some() || policy.significant_digits.is_some();
+    is_of_numbers || !policy.bands.is_empty() || !policy.time_step().is_zero()
+}
+
 #[allow(clippy::cast_possible_truncation)]
 fn nearby_scalar(scalar: &Scalar, policy: &DisclosurePolicy) -> Scalar {
     match scalar {
         Scalar::DateTime(at) => return Scalar::DateTime(at.floor_to(policy.time_step())),
+        Scalar::StatusCode(code) => {
+            return Scalar::StatusCode(another_status(*code, policy.status_codes));
+        }
+        // A text beside coarse numbers is not shown at all.
+        Scalar::Variant(held)
+            if held.built_in_type() == Some(BuiltInType::String) && is_coarse(policy) =>
+        {
+            return Scalar::Variant(Box::new(Variant::from("another text")));
+        }
         Scalar::Variant(held) => return Scalar::Variant(Box::new(nearby(held, policy))),
         Scalar::DataValue(held) => {
             return Scalar::DataValue(Box::new(DataValue {

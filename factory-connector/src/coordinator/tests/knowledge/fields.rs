@@ -27,7 +27,7 @@ const fn array_of(request: usize, name: &'static str, field_type: BuiltInType) -
     FieldOf { request, name, field_type, is_array: true }
 }
 
-pub(super) const FIELDS: [FieldOf; 16] = [
+pub(super) const FIELDS: [FieldOf; 17] = [
     of(0, "made", BuiltInType::UInt64),
     of(0, "level", BuiltInType::Double),
     of(0, "note", BuiltInType::String),
@@ -44,6 +44,7 @@ pub(super) const FIELDS: [FieldOf; 16] = [
     array_of(1, "marks", BuiltInType::DateTime),
     array_of(0, "samples", BuiltInType::DataValue),
     array_of(1, "mixed", BuiltInType::Variant),
+    of(1, "quality", BuiltInType::StatusCode),
 ];
 
 /// The field at whose state others look.
@@ -99,17 +100,29 @@ impl FieldOf {
                 text: Some(format!("Text {number}").into()),
             })),
             BuiltInType::DataValue => Scalar::DataValue(Box::new(sample(number))),
-            // A number and a time, in an array of two.
-            BuiltInType::Variant if number.is_multiple_of(2) => {
-                Scalar::Variant(Box::new(Variant::from(f64::from(number))))
-            }
-            BuiltInType::Variant => {
-                let time = plant::start().after(Duration::from_millis(number.into()));
-                Scalar::Variant(Box::new(Variant::Scalar(Scalar::DateTime(time))))
-            }
+            BuiltInType::Variant => Scalar::Variant(Box::new(held(number))),
+            BuiltInType::StatusCode => Scalar::StatusCode(code(number)),
             _ => Scalar::DateTime(plant::start().after(Duration::from_millis(number.into()))),
         }
     }
+}
+
+/// Makes a value of one of four types, so that an array has several.
+fn held(number: u32) -> Variant {
+    match number % 4 {
+        0 => Variant::from(f64::from(number)),
+        1 => {
+            let time = plant::start().after(Duration::from_millis(number.into()));
+            Variant::Scalar(Scalar::DateTime(time))
+        }
+        2 => Variant::from(format!("held {number}").as_str()),
+        _ => Variant::Scalar(Scalar::StatusCode(code(number))),
+    }
+}
+
+/// Makes a status code with a cause within the plant.
+const fn code(number: u32) -> StatusCode {
+    StatusCode([0x0096_0000, 0x4094_0000, 0x8089_0000][number as usize % 3])
 }
 
 /// Makes a value with a status and times of its own.

@@ -199,6 +199,9 @@ impl Knower {
 
     fn check_value(&self, field: usize, body: &Value, now: DateTime) {
         let of = &FIELDS[field];
+        if of.field_type == BuiltInType::StatusCode {
+            return self.check_status(field, body);
+        }
         let elements: Vec<f64> = match body {
             Value::Array(elements) => elements.iter().filter_map(number_of).collect(),
             other => number_of(other).into_iter().collect(),

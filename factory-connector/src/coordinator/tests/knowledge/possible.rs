@@ -2,7 +2,7 @@
 //! code.
 
 use asi_model::{
-    Scalar, Variant,
+    BuiltInType, Scalar, Variant,
     opcua_json::{DataEncoding, encode_variant},
 };
 use disclosure::WorkingHours;
@@ -72,6 +72,9 @@ impl Possible {
     fn is_made_of(&self, raw: &Value, shown: &Value) -> bool {
         let time = |value: &Value| serde_json::from_value::<DateTime>(value.clone()).ok();
         match (raw, shown) {
+            (Value::Object(_), Value::Null) => true,
+            // Checked as a status.
+            (Value::Object(raw), Value::Object(_)) if is_status(raw) => true,
             (Value::Object(raw), Value::Object(shown)) => shown.iter().all(|(name, shown)| {
                 let is_exact = name.starts_with("Type");
                 // Statuses are checked where they are.
@@ -93,9 +96,15 @@ impl Possible {
     }
 }
 
-/// Returns the statuses of values within a value.
+/// Returns true for a status code as a value.
+fn is_status(members: &serde_json::Map<String, Value>) -> bool {
+    members.get("Type").is_some_and(|id| *id == json!(BuiltInType::StatusCode.id()))
+}
+
+/// Returns the statuses of values within a value, and the status codes that are values.
 pub(super) fn held_statuses(body: &Value) -> Vec<&Value> {
     match body {
+        Value::Object(members) if is_status(members) => members.get("Body").into_iter().collect(),
         Value::Object(members) => members
             .iter()
             .flat_map(
