@@ -67,13 +67,13 @@ web-checks: web
 web-lint web-check web-test: web
 	cd web && npm run --silent $(@:web-%=%)
 
-bench: prerequisites web ## latency and throughput of the whole path, release build; writes target/bench/results.json
+bench: prerequisites-test foreign web ## latency and throughput of the whole path, release build; writes target/bench/results.json
 	$(CARGO) build --locked --release $(PROGRAMS) --bin bench --bin asi
 	target/release/bench
 
-chaos: prerequisites-test web ## kills, cuts, lost stores, clocks, full disks: MINUTES=30 SEED=n; proves nothing lost or doubled
+chaos: prerequisites-test web ## kills, cuts, lost stores, clocks, full disks: MINUTES=30 SEED=n; fails below KILLS=n; proves nothing lost or doubled
 	$(CARGO) build --locked $(PROGRAMS) --bin chaos
-	target/debug/chaos --minutes $(or $(MINUTES),5) $(if $(SEED),--seed $(SEED))
+	target/debug/chaos --minutes $(or $(MINUTES),5) $(if $(SEED),--seed $(SEED)) $(if $(KILLS),--at-least-kills $(KILLS))
 
 mutants: prerequisites-test web ## breaks one guarantee of delivery after the other; chaos has to find each: MINUTES=5 SEED=7
 	tests/mutants/run.sh $(or $(MINUTES),5) $(or $(SEED),7)

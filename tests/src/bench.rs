@@ -40,24 +40,20 @@ const REQUESTS: u32 = 40;
 pub async fn run(subjects: &[Subject]) -> anyhow::Result<()> {
     let subjects = if subjects.is_empty() { Subject::value_variants() } else { subjects };
     say(&format!("{}\n", machine()));
-    let mut results = Vec::new();
+    let (mut results, mut measured, mut outcome) = (Vec::new(), Vec::new(), Ok(()));
     for subject in subjects {
-        results.extend(match subject {
-            Subject::Reports => reports::measure()?,
-            Subject::Path => path().await?,
-            Subject::Twin => twin::measure().await?,
-            Subject::Mappings => mappings::measure().await?,
-            Subject::Ledger => ledger::measure().await?,
-            Subject::Links => links::measure().await?,
-        });
+        match measure(*subject).await {
+            Ok(figures) => results.extend(figures),
+            Err(error) => {
+                outcome = Err(error.context(format!("{subject:?} could not be measured")));
+                break;
+            }
+        }
+        measured.push(*subject);
     }
-    let file = repository()?.join("target/bench/results.json");
-    std::fs::create_dir_all(file.parent().context("the file lies in a folder")?)?;
-    let short = goals::judge(&mut results, subjects);
-    std::fs::write(&file, serde_json::to_vec_pretty(&results)?)?;
-    let summary = goals::summary(&results);
-    say(&format!("\nFigures with goals:\n  {}", summary.join("\n  ")));
-    say(&format!("\nWritten to {}", file.display()));
+    // What was measured before a failure took minutes, and is written nonetheless.
+    let short = write(&mut results, &measured)?;
+    outcome?;
     anyhow::ensure!(
         short.is_empty(),
         "{} goals are not met:\n  {}",
@@ -65,6 +61,30 @@ pub async fn run(subjects: &[Subject]) -> anyhow::Result<()> {
         short.join("\n  ")
     );
     Ok(())
+}
+
+async fn measure(subject: Subject) -> anyhow::Result<Vec<Value>> {
+    match subject {
+        Subject::Reports => reports::measure(),
+        Subject::Path => path().await,
+        Subject::Twin => twin::measure().await,
+        Subject::Mappings => mappings::measure().await,
+        Subject::Ledger => ledger::measure().await,
+        Subject::Links => links::measure().await,
+    }
+}
+
+/// Judges the figures of these subjects, writes and prints them. Returns a line for each goal that
+/// is not met.
+fn write(results: &mut [Value], subjects: &[Subject]) -> anyhow::Result<Vec<String>> {
+    let file = repository()?.join("target/bench/results.json");
+    std::fs::create_dir_all(file.parent().context("the file lies in a folder")?)?;
+    let short = goals::judge(results, subjects);
+    std::fs::write(&file, serde_json::to_vec_pretty(results)?)?;
+    let summary = goals::summary(results);
+    say(&format!("\nFigures with goals:\n  {}", summary.join("\n  ")));
+    say(&format!("\nWritten to {}", file.display()));
+    Ok(short)
 }
 
 async fn path() -> anyhow::Result<Vec<Value>> {
