@@ -11,7 +11,7 @@ const SEED: u64 = 1;
 #[tokio::test(flavor = "multi_thread")]
 async fn nothing_is_lost_or_doubled_whatever_is_killed() {
     rustls::crypto::ring::default_provider().install_default().ok();
-    let length = Length { span: Duration::from_secs(15), kills: 30 };
+    let length = Length { span: Duration::from_secs(15), kills: 30, at_least_kills: 1 };
     chaos::run(SEED, length, false).await.unwrap();
 }
 

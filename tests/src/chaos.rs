@@ -41,6 +41,8 @@ pub struct Length {
     pub span: Duration,
     /// No new round after so many kills.
     pub kills: u32,
+    /// A run with fewer kills proves less than was asked for, and fails.
+    pub at_least_kills: u32,
 }
 
 /// Time for everything to work again after a round. A peer that is gone without a word is
@@ -122,6 +124,12 @@ async fn play(
         counts.join(", "),
         stage.ended
     ));
+    anyhow::ensure!(
+        stage.kills >= length.at_least_kills,
+        "{} kills in the whole run, at least {} were asked for: let it go on for longer",
+        stage.kills,
+        length.at_least_kills
+    );
     Ok(())
 }
 

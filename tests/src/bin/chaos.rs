@@ -22,6 +22,9 @@ struct Arguments {
     /// No new faults after so many kills.
     #[arg(long, default_value_t = u32::MAX)]
     kills: u32,
+    /// Fails when there were fewer kills in the end.
+    #[arg(long, default_value_t = 0)]
+    at_least_kills: u32,
     /// Keeps the folder for a look at logs and data.
     #[arg(long)]
     keep: bool,
@@ -30,8 +33,8 @@ struct Arguments {
 #[tokio::main]
 async fn main() -> ExitCode {
     rustls::crypto::ring::default_provider().install_default().ok();
-    let Arguments { minutes, seed, kills, keep } = Arguments::parse();
-    let length = Length { span: Duration::from_secs(minutes * 60), kills };
+    let Arguments { minutes, seed, kills, at_least_kills, keep } = Arguments::parse();
+    let length = Length { span: Duration::from_secs(minutes * 60), kills, at_least_kills };
     match chaos::run(seed.unwrap_or_else(rand::random), length, keep).await {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
