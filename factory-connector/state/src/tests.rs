@@ -1,6 +1,7 @@
 //! Use cases and transactions on a small plant.
 
 mod caps;
+mod commit_size;
 mod decisions;
 mod entries;
 mod mappings;
