@@ -7,6 +7,32 @@ use super::{committed, root};
 /// Headings of the journeys.
 const JOURNEYS: [&str; 2] = ["The journey of a value", "The journey of a request"];
 
+/// A module that stands in a drawing more than once, with the reason.
+struct Repeated {
+    journey: &'static str,
+    module: &'static str,
+    times: usize,
+    reason: &'static str,
+}
+
+const fn repeated(
+    journey: &'static str,
+    module: &'static str,
+    times: usize,
+    reason: &'static str,
+) -> Repeated {
+    Repeated { journey, module, times, reason }
+}
+
+/// Modules that stand in a drawing more than once; ARCHITECTURE.md names the same ones.
+const REPEATED: [Repeated; 5] = [
+    repeated(JOURNEYS[0], "engine::core", 2, "it calls the transform and takes its candidates"),
+    repeated(JOURNEYS[0], "coordinator", 2, "it takes candidates at once and commits them later"),
+    repeated(JOURNEYS[0], "transaction", 2, "the store is asked between its steps"),
+    repeated(JOURNEYS[0], "in_flight", 3, "before and after the commit, and when a report leaves"),
+    repeated(JOURNEYS[0], "apply", 2, "messages one by one, then the rows of all of them"),
+];
+
 /// A module with functions in brackets, as a journey names them.
 #[derive(Debug)]
 struct Step {
@@ -82,6 +108,32 @@ fn journeys_name_functions_where_they_are() {
             assert!(is_true, "{heading}: {} has not all of {:?}", step.module, step.functions);
         }
     }
+}
+
+#[test]
+fn a_module_stands_once_in_a_journey() {
+    let document = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let mut unknown = Vec::new();
+    let mut known: Vec<&Repeated> = REPEATED.iter().collect();
+    for heading in JOURNEYS {
+        let mut times = BTreeMap::<String, usize>::new();
+        for step in steps(&drawing(&document, heading)) {
+            *times.entry(step.module).or_default() += 1;
+        }
+        for (module, times) in times.into_iter().filter(|(_, times)| *times > 1) {
+            let is_one = |one: &&Repeated| {
+                one.journey == heading && one.module == module && one.times == times
+            };
+            match known.iter().position(is_one) {
+                Some(at) => _ = known.remove(at),
+                None => unknown.push(format!("{heading}: {module} stands {times} times")),
+            }
+        }
+    }
+    assert!(unknown.is_empty(), "{}", unknown.join("\n"));
+    let unneeded =
+        known.iter().map(|one| format!("{} in {}: {}", one.module, one.journey, one.reason));
+    assert_eq!(unneeded.collect::<Vec<_>>(), [""; 0], "exceptions that nothing needs");
 }
 
 #[test]
