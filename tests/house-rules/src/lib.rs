@@ -9,6 +9,7 @@ mod asserts;
 mod circles;
 mod columns;
 mod docs;
+mod exceptions;
 mod finding;
 mod imports;
 mod lexer;
@@ -26,6 +27,7 @@ mod walls;
 mod web_code;
 mod words;
 
+pub use exceptions::unneeded_exceptions;
 pub use finding::{Finding, Rule};
 pub use package::{Package, ReadError, Role, SourceFile};
 pub use texts::check_texts;

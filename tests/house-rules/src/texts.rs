@@ -11,12 +11,12 @@ use crate::{
     package::{GENERATED, LEFT_OUT},
     size::{FILE_LINES_MAX, too_long},
     web_code,
-    words::{API_PATHS, banned_in, names_in, without_names_of_rules},
+    words::{API_PATHS, BannedWord, banned_in, names_in, without_names_of_rules},
 };
 
 /// Kind of a source, by what is written in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum TextKind {
+pub(crate) enum TextKind {
     /// TypeScript, JavaScript and Svelte: names, comments and texts of pages.
     Web,
     /// Documentation, manifests, SQL, style sheets and other scripts.
@@ -24,13 +24,12 @@ enum TextKind {
 }
 
 /// Banned words that an API has as names of members. A page cannot choose another word.
-const NAMES_OF_MEMBERS: [&str; 3] = ["grounds", "resting", "standing"];
+pub(crate) const NAMES_OF_MEMBERS: [&str; 3] = ["grounds", "resting", "standing"];
 /// Migrations that stores have run: a store refuses one whose checksum has changed since.
-const RUN_MIGRATIONS: [&str; 4] = [
+pub(crate) const RUN_MIGRATIONS: [&str; 3] = [
     "factory-connector/migrations/0020_policies.sql",
     "platform/migrations/sqlite/0001_house.sql",
     "platform/migrations/sqlite/0003_leases.sql",
-    "platform/migrations/sqlite/0031_removals.sql",
 ];
 /// Folder of what a program builds for the pages.
 const BUILT_PAGES: &str = "dist";
@@ -48,12 +47,21 @@ const GENERATED_FROM: &str = "// Generated from";
 /// When a folder or a file cannot be read.
 pub fn check_texts(root: &Path) -> io::Result<Vec<Finding>> {
     let mut findings = Vec::new();
-    walk(root, "", &mut findings)?;
+    for path in sources(root)?.iter().filter(|path| kind_of(path).is_some()) {
+        findings.extend(check_text(path, &fs::read_to_string(root.join(path))?));
+    }
     findings.sort();
     Ok(findings)
 }
 
-fn walk(folder: &Path, inner: &str, findings: &mut Vec<Finding>) -> io::Result<()> {
+/// Returns the paths of all files below a folder that are neither hidden, foreign nor built.
+pub(crate) fn sources(root: &Path) -> io::Result<Vec<String>> {
+    let mut paths = Vec::new();
+    walk(root, "", &mut paths)?;
+    Ok(paths)
+}
+
+fn walk(folder: &Path, inner: &str, paths: &mut Vec<String>) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
         let name = entry.file_name().to_string_lossy().into_owned();
@@ -62,9 +70,9 @@ fn walk(folder: &Path, inner: &str, findings: &mut Vec<Finding>) -> io::Result<(
         }
         let inner = if inner.is_empty() { name } else { format!("{inner}/{name}") };
         if entry.file_type()?.is_dir() {
-            walk(&entry.path(), &inner, findings)?;
-        } else if kind_of(&inner).is_some() {
-            findings.extend(check_text(&inner, &fs::read_to_string(entry.path())?));
+            walk(&entry.path(), &inner, paths)?;
+        } else {
+            paths.push(inner);
         }
     }
     Ok(())
@@ -73,12 +81,8 @@ fn walk(folder: &Path, inner: &str, findings: &mut Vec<Finding>) -> io::Result<(
 /// Reports each banned word once a line.
 pub(crate) fn check_text(path: &str, text: &str) -> Vec<Finding> {
     let Some(kind) = kind_of(path) else { return Vec::new() };
-    if RUN_MIGRATIONS.iter().any(|migration| migration.ends_with(path)) {
-        return Vec::new();
-    }
-    let is_generated = text.starts_with(GENERATED_FROM)
-        || text.lines().take(5).any(|line| line.contains(GENERATED));
-    if is_generated {
+    let is_run = RUN_MIGRATIONS.iter().any(|migration| migration.ends_with(path));
+    if is_run || is_generated(text) {
         return Vec::new();
     }
     let mut findings = Vec::new();
@@ -90,18 +94,30 @@ pub(crate) fn check_text(path: &str, text: &str) -> Vec<Finding> {
         TextKind::Web => &NAMES_OF_MEMBERS,
         TextKind::Other => &[],
     };
+    let words = banned_by_line(kind, text).into_iter();
+    let words = words.filter(|(_, banned)| !excused.contains(&banned.word));
+    findings.extend(words.map(|(line, banned)| banned.finding(path, line)));
+    findings
+}
+
+/// Returns true for what a script writes.
+pub(crate) fn is_generated(text: &str) -> bool {
+    text.starts_with(GENERATED_FROM) || text.lines().take(5).any(|line| line.contains(GENERATED))
+}
+
+/// Returns the banned words of a text, each with the number of its line, from 1.
+pub(crate) fn banned_by_line(kind: TextKind, text: &str) -> Vec<(usize, &'static BannedWord)> {
     let code = if kind == TextKind::Web { web_code::lines(text) } else { Vec::new() };
+    let mut found = Vec::new();
     for (at, line) in text.lines().enumerate() {
         let mut line = without_names_of_rules(line);
         for path in API_PATHS {
             line = line.replace(path, "");
         }
         let names = code.get(at).map(|code| names_in(code)).unwrap_or_default();
-        let words = banned_in(&line).into_iter().chain(names);
-        let words = words.filter(|word| !excused.contains(&word.word));
-        findings.extend(words.map(|word| word.finding(path, at + 1)));
+        found.extend(banned_in(&line).into_iter().chain(names).map(|banned| (at + 1, banned)));
     }
-    findings
+    found
 }
 
 /// Returns true for programs, whose length is bounded; documentation and style sheets are read in parts.
@@ -111,7 +127,7 @@ fn is_program(path: &str) -> bool {
 }
 
 /// Returns the kind of a file to read, `None` for all others.
-fn kind_of(path: &str) -> Option<TextKind> {
+pub(crate) fn kind_of(path: &str) -> Option<TextKind> {
     let name = path.rsplit('/').next().unwrap_or(path);
     if name == HISTORY {
         return None;
