@@ -137,3 +137,45 @@ impl RevocationReceipt {
         serde_json::to_string(self).expect("a receipt has text keys only")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn field(request: &RequestKey, name: &str) -> RevokedField {
+        RevokedField { field: request.field(name.parse().expect("a name")), consent_version: 2 }
+    }
+
+    /// The partner's page reads this text: `web/partner/networks/receipt.test.ts` opens the snapshot.
+    #[test]
+    fn a_statement_for_partners_reads_as_the_page_expects() {
+        let request = RequestKey {
+            operation_network_id: "frame".parse().expect("an id"),
+            operation_id: "MakeFrame".parse().expect("an id"),
+            dynamic_data_request_id: "Req".parse().expect("an id"),
+        };
+        let writer = RevokedWriter {
+            data_set_writer_id: 1,
+            epoch: 3,
+            request: request.clone(),
+            recipient_list: vec!["acme".parse().expect("an id")],
+            last_queued_sequence: Some(9),
+            last_sent_sequence: Some(8),
+            last_delivered_sequence: Some(7),
+            in_flight: Sequences::of(vec![8]),
+            taken_back: Sequences::of(vec![9]),
+        };
+        let receipt = RevocationReceipt {
+            revocation_id: "R".to_owned(),
+            factory_id: "FOR_MUC".parse().expect("an id"),
+            revoked_at: DateTime::from_unix_micros(1_800_000_000_000_000),
+            revoked_by: Some("eve".to_owned()),
+            reason: Some("Order closed".to_owned()),
+            cause: GapCause::Revoked,
+            fields: vec![field(&request, "count"), field(&request, "model")],
+            writers: vec![writer.clone()],
+        };
+        let [statement] = &receipt.for_partners(&writer)[..] else { panic!("one statement") };
+        insta::assert_snapshot!("statement_for_partners", statement.canonical());
+    }
+}
