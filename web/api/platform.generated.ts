@@ -771,7 +771,7 @@ export interface components {
         /** @description A comment to add. */
         AddComment: {
             dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"] | null;
-            /** @description The factory to talk to; one that has a part in the network. */
+            /** @description The factory that the comment is for; one that has a part in the network. */
             factoryId: components["schemas"]["FactoryId"];
             fieldName?: components["schemas"]["FieldName"] | null;
             /** @description Text, 1 to 10000 characters. */

@@ -21,7 +21,7 @@ use crate::{
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct AddComment {
-    /// The factory to talk to; one that has a part in the network.
+    /// The factory that the comment is for; one that has a part in the network.
     factory_id: FactoryId,
     /// The request that the comment is about.
     dynamic_data_request_id: Option<DynamicDataRequestId>,

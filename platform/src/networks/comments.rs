@@ -15,7 +15,7 @@ pub enum CommentError {
     /// The author sees nothing of such a network.
     #[error("there is no such network")]
     NoNetwork,
-    /// The author only looks on, or has no part in the talk.
+    /// The author only looks on, or may not read such comments.
     #[error("the role or the organisation does not allow it")]
     NotAllowed,
     /// The author sees no part of the factory in the network.

@@ -196,7 +196,7 @@ fn in_networks(
                 format!("{}/comments", owner.path()),
                 about(&json!(owner.factory), &request),
             )];
-            // Whose factory is asked has a part in the talk.
+            // Whose factory is asked has a part in the comments.
             for (_, id, factory) in asked.iter().filter(|(_, _, factory)| factory != author.factory)
             {
                 all.push((format!("{}/comments", network_path()), about(factory, id)));
