@@ -4,7 +4,7 @@ use connector_state::ConnectorEvent;
 use daemon::web::events::EventLog;
 
 /// Logs of events for open pages. Viewers read another one than operators and engineers, with
-/// numbers of its own: gaps in its ids would tell how many events it does not have. Clones share it.
+/// numbers of its own: a `reset` would come earlier by the events that it does not have. Clones share it.
 #[derive(Clone, Debug)]
 pub struct LiveEvents {
     all: EventLog<ConnectorEvent>,

@@ -21,7 +21,7 @@ mkdir -p "$copy/web/dist" && [ ! -d web/dist ] || cp -r web/dist "$copy/web/"
 cd "$copy"
 
 # Modules of tests, each with a test for a rule that an attack broke.
-modules=(rights:: sight:: entitlement:: foreign_requests:: receipts:: audit:: removals:: visibility::)
+modules=(rights:: sight:: isolation:: entitlement:: foreign_requests:: receipts:: audit:: removals:: visibility::)
 survivors=()
 for name in "${names[@]}"; do
   patch=$root/tests/mutants/platform/$name.patch log=$root/target/mutants-platform/$name.log

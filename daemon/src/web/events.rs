@@ -3,8 +3,10 @@
 //! An [`EventLog`] keeps the newest events in a ring. Every reader has its own cursor into it, so a
 //! slow page costs nothing but its own place: when the ring has moved on, the page is told `reset`
 //! and loads afresh. Ids carry a mark of this start of the daemon, so that an id from before a
-//! restart also leads to `reset`.
+//! restart also leads to `reset`. The number behind the mark is sealed: events count over all that
+//! happens, and a reader learns of its own only.
 
+mod event_ids;
 mod server_sent_event;
 
 use std::{collections::VecDeque, convert::Infallible, sync::Arc, time::Duration};
@@ -21,13 +23,14 @@ use parking_lot::RwLock;
 use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 
+use self::event_ids::EventIds;
 pub use self::server_sent_event::ServerSentEvent;
 
 /// The newest events, shared by all readers. Clones share one log.
 pub struct EventLog<T> {
     ring: Arc<RwLock<Ring<T>>>,
     newest: Arc<watch::Sender<u64>>,
-    start_mark: u64,
+    ids: Arc<EventIds>,
     capacity: usize,
 }
 
@@ -42,7 +45,7 @@ impl<T> Clone for EventLog<T> {
         Self {
             ring: Arc::clone(&self.ring),
             newest: Arc::clone(&self.newest),
-            start_mark: self.start_mark,
+            ids: Arc::clone(&self.ids),
             capacity: self.capacity,
         }
     }
@@ -76,7 +79,7 @@ impl<T: Send + Sync + 'static> EventLog<T> {
         Self {
             ring: Arc::new(RwLock::new(ring)),
             newest: Arc::new(watch::Sender::new(0)),
-            start_mark,
+            ids: Arc::new(EventIds::new(start_mark)),
             capacity,
         }
     }
@@ -97,20 +100,11 @@ impl<T: Send + Sync + 'static> EventLog<T> {
     }
 
     /// The id of the newest event: a page that has loaded its state after asking for this id misses
-    /// nothing when it reads on from it.
+    /// nothing when it reads on from it. Each call returns another id of it.
     #[must_use]
     pub fn newest_id(&self) -> String {
-        self.id(*self.newest.borrow())
-    }
-
-    fn id(&self, number: u64) -> String {
-        format!("{:x}-{number}", self.start_mark)
-    }
-
-    /// The number behind an id of this start; `None` for ids of another.
-    fn number(&self, id: &str) -> Option<u64> {
-        let (mark, number) = id.split_once('-')?;
-        (u64::from_str_radix(mark, 16).ok()? == self.start_mark).then(|| number.parse().ok())?
+        let newest = *self.newest.borrow();
+        self.ids.seal(newest)
     }
 
     fn next(&self, after: u64) -> Next<T> {
@@ -144,7 +138,7 @@ impl<T: Send + Sync + 'static> EventLog<T> {
     {
         let (start, must_reset) = match last_event_id {
             None => (*self.newest.borrow(), false),
-            Some(id) => match self.number(id) {
+            Some(id) => match self.ids.open(id) {
                 Some(number) if number <= *self.newest.borrow() => (number, false),
                 _ => (*self.newest.borrow(), true),
             },
@@ -153,7 +147,7 @@ impl<T: Send + Sync + 'static> EventLog<T> {
         let mut wake = self.newest.subscribe();
         let stream = async_stream(move |sink| async move {
             let mut after = start;
-            if must_reset && sink.send(reset.with_id(log.id(after))).await.is_err() {
+            if must_reset && sink.send(reset.with_id(log.ids.seal(after))).await.is_err() {
                 return;
             }
             loop {
@@ -163,12 +157,12 @@ impl<T: Send + Sync + 'static> EventLog<T> {
                         Next::Nothing => break,
                         Next::Reset(newest) => {
                             after = newest;
-                            reset.with_id(log.id(newest))
+                            reset.with_id(log.ids.seal(newest))
                         }
                         Next::Event(number, event) => {
                             after = number;
                             match show(event).await {
-                                Ok(Some(shown)) => shown.with_id(log.id(number)),
+                                Ok(Some(shown)) => shown.with_id(log.ids.seal(number)),
                                 Ok(None) => continue,
                                 Err(StreamEnd) => return,
                             }
@@ -251,40 +245,69 @@ mod tests {
         text
     }
 
+    /// Returns the text with the number in place of each id.
+    fn opened(log: &EventLog<u32>, text: &str) -> String {
+        let lines = text.lines().map(|line| match line.strip_prefix("id: ") {
+            Some(id) => format!("id: {}\n", log.ids.open(id).expect("an id of this log")),
+            None => format!("{line}\n"),
+        });
+        lines.collect()
+    }
+
     #[tokio::test]
     async fn a_page_catches_up_after_its_last_event() {
         let log = log();
-        assert_eq!(log.newest_id(), "ab-2");
-        assert_eq!(read(&log, Some("ab-1"), 1).await, "id: ab-2\nevent: value\ndata: 2\n\n");
+        let (newest, again) = (log.newest_id(), log.newest_id());
+        assert_ne!(newest, again);
+        assert_eq!(log.ids.open(&newest), log.ids.open(&again));
+        let text = read(&log, Some(&log.ids.seal(1)), 1).await;
+        assert_eq!(opened(&log, &text), "id: 2\nevent: value\ndata: 2\n\n");
+        log.publish([3]);
+        for id in [newest, again] {
+            let text = read(&log, Some(&id), 1).await;
+            assert_eq!(opened(&log, &text), "id: 3\nevent: value\ndata: 3\n\n");
+        }
     }
 
     #[tokio::test]
     async fn what_the_viewer_must_not_see_is_skipped() {
         let log = log();
+        let last = log.newest_id();
         log.publish([13, 4]);
-        assert_eq!(read(&log, Some("ab-2"), 1).await, "id: ab-4\nevent: value\ndata: 4\n\n");
+        let text = read(&log, Some(&last), 1).await;
+        assert_eq!(opened(&log, &text), "id: 4\nevent: value\ndata: 4\n\n");
+    }
+
+    #[tokio::test]
+    async fn two_readers_of_an_event_get_different_ids() {
+        let log = log();
+        let last = log.newest_id();
+        log.publish([4]);
+        let (one, other) = (read(&log, Some(&last), 1).await, read(&log, Some(&last), 1).await);
+        assert_ne!(one, other);
+        assert_eq!((one.len(), opened(&log, &one)), (other.len(), opened(&log, &other)));
     }
 
     #[tokio::test]
     async fn who_is_too_far_behind_or_from_another_start_is_reset() {
         let log = log();
         log.publish([3, 4, 5]);
-        for id in ["ab-1", "cd-5", "ab-99", "nonsense"] {
-            assert_eq!(
-                read(&log, Some(id), 1).await,
-                "id: ab-5\nevent: reset\ndata: {}\n\n",
-                "{id}"
-            );
+        let other = EventLog::<u32>::new(3, 0xcd).newest_id();
+        let ids = [log.ids.seal(1), other, log.ids.seal(99), "ab-4".into(), "nonsense".into()];
+        for id in ids {
+            let text = read(&log, Some(&id), 1).await;
+            assert_eq!(opened(&log, &text), "id: 5\nevent: reset\ndata: {}\n\n", "{id}");
         }
     }
 
     #[tokio::test]
     async fn an_event_wakes_a_waiting_page() {
         let log = log();
-        let reader = log.clone();
-        let waiting = tokio::spawn(async move { read(&reader, Some("ab-2"), 1).await });
+        let (reader, last) = (log.clone(), log.newest_id());
+        let waiting = tokio::spawn(async move { read(&reader, Some(&last), 1).await });
         tokio::task::yield_now().await;
         log.publish([7]);
-        assert_eq!(waiting.await.expect("no panic"), "id: ab-3\nevent: value\ndata: 7\n\n");
+        let text = waiting.await.expect("no panic");
+        assert_eq!(opened(&log, &text), "id: 3\nevent: value\ndata: 7\n\n");
     }
 }

@@ -5,6 +5,7 @@ use std::{future::Future, path::Path, sync::Arc, time::Duration};
 use access_log::{AccessKind, AccessLogKey, AgentKind};
 use asi_model::DateTime;
 use async_trait::async_trait;
+use base64::{Engine as _, engine::general_purpose::URL_SAFE_NO_PAD};
 use daemon::lifecycle::Lifecycle;
 use platform::{
     accesses::{AccessRecorder, AccessStorage, NotRecorded, Reader, Reading, Withheld},
@@ -233,6 +234,16 @@ impl Live {
         let event = tokio::time::timeout(PATIENCE, self.stream.next()).await.ok()?;
         Some(event.expect("no error").expect("the stream goes on"))
     }
+}
+
+/// Form of an id of a live event: the mark of the start, and as many characters as each id of it has.
+/// What they say is sealed, and differs from id to id.
+pub fn event_form(id: &Value) -> String {
+    let id = id.as_str().expect("an id");
+    let (mark, sealed) = id.split_once('-').expect("a mark");
+    assert!(mark.len() == 16 && mark.bytes().all(|byte| byte.is_ascii_hexdigit()), "{id}");
+    let sealed = URL_SAFE_NO_PAD.decode(sealed).expect("base64");
+    format!("{mark}-[{} bytes]", sealed.len())
 }
 
 /// Polls until the condition yields a value.

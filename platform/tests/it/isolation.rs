@@ -1,10 +1,13 @@
 //! Access to *every* operation of the description: each demands a session, and shows a stranger
 //! nothing of a collaboration of others. A new operation that no case covers fails the test.
 
+use std::collections::BTreeSet;
+
+use base64::{Engine as _, engine::general_purpose::URL_SAFE_NO_PAD};
 use serde_json::{Value, json};
 
 use crate::{
-    harness::{Api, World},
+    harness::{Api, World, event_form},
     story::{self, NETWORK},
 };
 
@@ -194,4 +197,66 @@ async fn members_see_the_network_but_only_recipients_the_values() {
     let view = admin.get(&story::network_path()).await.expect_ok();
     assert_eq!((&view["fields"], view["parts"].as_array().map(Vec::len)), (&json!([]), Some(2)));
     assert_eq!(admin.get("/reports").await.expect_ok()["items"], json!([]));
+}
+
+/// Values that a factory sends to others, with an id asked for after each. By chance, the ids of this
+/// many would have an order once in half a billion runs.
+const POLLS: u32 = 12;
+
+/// Asserts that these ids of live events of one platform differ in random bytes only, so that neither
+/// their text nor a part of it counts what happened between them.
+fn assert_no_number(ids: &[String]) {
+    assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), ids.len(), "{ids:?}");
+    let forms: BTreeSet<String> = ids.iter().map(|id| event_form(&json!(id))).collect();
+    assert_eq!(forms.len(), 1, "{forms:?}");
+    let is_order = |ids: &[Vec<u8>]| ids.is_sorted() || ids.iter().rev().is_sorted();
+    let texts: Vec<Vec<u8>> = ids.iter().map(|id| id.as_bytes().to_vec()).collect();
+    assert!(!is_order(&texts), "{ids:?}");
+    let sealed: Vec<Vec<u8>> = ids
+        .iter()
+        .map(|id| {
+            let (_, sealed) = id.split_once('-').expect("a mark");
+            assert!(sealed.parse::<u64>().is_err() && u64::from_str_radix(sealed, 16).is_err());
+            URL_SAFE_NO_PAD.decode(sealed).expect("base64")
+        })
+        .collect();
+    for width in [1, 2, 4, 8] {
+        for begin in 0..=sealed[0].len() - width {
+            let part = |id: &Vec<u8>| id[begin..begin + width].to_vec();
+            let big_endian: Vec<Vec<u8>> = sealed.iter().map(part).collect();
+            let reversed = |part: &Vec<u8>| part.iter().rev().copied().collect::<Vec<u8>>();
+            let little_endian: Vec<Vec<u8>> = big_endian.iter().map(reversed).collect();
+            assert!(!is_order(&big_endian) && !is_order(&little_endian), "bytes from {begin}");
+        }
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn ids_of_live_events_count_nothing_for_a_member() {
+    let world = World::start().await;
+    let (_, buyer, munich, _hamburg) = story::accepted(&world).await;
+    munich.send("decision", &story::decision("MAPPED", None));
+    let inspector = story::planner(&world, "inspect-hamburg").await;
+    let (mut live, mut of_buyer) = (inspector.live(None).await, buyer.live(None).await);
+    let mut ids = Vec::new();
+    for sequence in 0..POLLS {
+        let id = format!("m{sequence}");
+        munich.send("ua-data", &story::report(&id, sequence, sequence.into()));
+        of_buyer.next("value").await;
+        let view = inspector.get(&story::network_path()).await.expect_ok();
+        ids.push(view["lastEventId"].as_str().expect("an id").to_owned());
+    }
+
+    // From any of them on, and from the open stream, the member hears what concerns it next.
+    let mut network = story::network();
+    network["name"] = json!("Another name");
+    story::put_network(&buyer, network).await;
+    let (heard, event) = live.next("network").await;
+    for position in [0, ids.len() - 1] {
+        let (id, again) = inspector.live(Some(&ids[position])).await.next("network").await;
+        assert_eq!(again, event);
+        ids.push(id);
+    }
+    ids.push(heard);
+    assert_no_number(&ids);
 }

@@ -18,7 +18,7 @@ use super::{
 use crate::{
     chain::{self, seen},
     connector::Peer,
-    harness::{Api, World, eventually},
+    harness::{Api, World, event_form, eventually},
     story::{self, NETWORK},
 };
 
@@ -241,17 +241,21 @@ async fn view(side: &Side, author: &Member) -> BTreeMap<String, Value> {
     views.collect()
 }
 
-/// Returns an answer without signs of life of a factory.
+/// Returns an answer without signs of life of a factory, and with the form of ids of live events.
 fn without(body: &Value, factory: &str) -> Value {
     match body {
         Value::Object(members) => {
             let is_of_factory = body["factoryId"] == factory;
             let signs: &[&str] = match is_of_factory {
-                true => &["lastEventId", "lastSeenAt", "publisherState"],
-                false => &["lastEventId"],
+                true => &["lastSeenAt", "publisherState"],
+                false => &[],
             };
             let others = members.iter().filter(|(name, _)| !signs.contains(&name.as_str()));
-            others.map(|(name, member)| (name.clone(), without(member, factory))).collect()
+            let shown = others.map(|(name, member)| match name.as_str() {
+                "lastEventId" => (name.clone(), json!(event_form(member))),
+                _ => (name.clone(), without(member, factory)),
+            });
+            shown.collect()
         }
         Value::Array(elements) => elements.iter().map(|each| without(each, factory)).collect(),
         other => other.clone(),
