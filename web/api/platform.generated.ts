@@ -1885,11 +1885,6 @@ export interface components {
             isReplay: boolean;
             /** @description Time of arrival at the platform. */
             receivedAt: components["schemas"]["DateTime"];
-            /**
-             * Format: int64
-             * @description Its number on this platform, counting up in the order of arrival.
-             */
-            reportId: number;
             /** @description Name of its format, as the request has it. */
             reportName: string;
             reportTimestamp?: components["schemas"]["DateTime"] | null;
@@ -3220,7 +3215,7 @@ export interface operations {
                 network?: components["schemas"]["OperationNetworkId"];
                 /** @description Restriction to this request. */
                 request?: components["schemas"]["DynamicDataRequestId"];
-                /** @description Number of the report after which those listed arrived; `nextCursor` of the page before. */
+                /** @description The report after which those listed arrived; `nextCursor` of the page before. */
                 after?: string;
                 /** @description Most entries wanted, 1 to 1000. */
                 limit?: number;

@@ -14,7 +14,7 @@ use super::{
 use crate::{
     application::Application,
     principal::Principal,
-    store::{Report, ReportQuery},
+    store::{Report, ReportCursor, ReportQuery},
 };
 
 /// Filter and page of the history.
@@ -25,9 +25,9 @@ pub struct ReportsQuery {
     network: Option<OperationNetworkId>,
     /// Restriction to this request.
     request: Option<DynamicDataRequestId>,
-    /// Number of the report after which those listed arrived; `nextCursor` of the page before.
+    /// The report after which those listed arrived; `nextCursor` of the page before.
     #[param(value_type = Option<String>)]
-    after: Option<u64>,
+    after: Option<ReportCursor>,
     /// Most entries wanted, 1 to 1000.
     limit: Option<u32>,
     /// The newest entries instead of the oldest; still in the order of their arrival, and without a
@@ -53,7 +53,7 @@ pub async fn list(
     let wanted = ReportQuery {
         network: query.network,
         request: query.request,
-        after: query.after.unwrap_or(0),
+        after: query.after,
         limit,
         is_newest,
     };
@@ -67,5 +67,5 @@ pub async fn list(
     if is_newest {
         return Ok(Json(Page::whole(reports)));
     }
-    Ok(Json(Page::new(reports, limit, |report| report.report_id.to_string())))
+    Ok(Json(Page::new(reports, limit, |report| ReportCursor::from(report).to_string())))
 }

@@ -12,6 +12,7 @@ use super::{
     database::{Connection, Database},
     error::StoreError,
     recipient_sets::{RecipientSetId, add_released},
+    report_cursor::ReportCursor,
     row::{Columns, DatabaseRow, document},
     scope::Scope,
 };
@@ -49,8 +50,6 @@ pub struct NewReport {
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Report {
-    /// Its number on this platform, counting up in the order of arrival.
-    pub report_id: u64,
     pub factory_id: FactoryId,
     pub data_set_writer_id: u16,
     pub epoch: u32,
@@ -74,6 +73,17 @@ pub struct Report {
     pub fields: IndexMap<String, ReportedValue>,
 }
 
+impl From<&Report> for ReportCursor {
+    fn from(report: &Report) -> Self {
+        Self {
+            factory_id: report.factory_id.clone(),
+            data_set_writer_id: report.data_set_writer_id,
+            epoch: report.epoch,
+            sequence: report.sequence,
+        }
+    }
+}
+
 impl Values for Vec<Report> {
     fn contents(&self) -> Vec<Contents> {
         Contents::gather(self.iter().flat_map(|report| {
@@ -93,28 +103,38 @@ pub struct ReportQuery {
     pub network: Option<OperationNetworkId>,
     /// Restricts to this request.
     pub request: Option<DynamicDataRequestId>,
-    /// Restricts to greater numbers.
-    pub after: u64,
+    /// Restricts to those that arrived after this one. One that was not released to the viewer is like
+    /// one that never came: it restricts nothing.
+    pub after: Option<ReportCursor>,
     /// Most reports to return.
     pub limit: u32,
     /// The newest ones instead of the oldest; listed in the order of arrival all the same.
     pub is_newest: bool,
 }
 
-/// Condition on a row `p` of `report`: it was released to the viewer `$1`, and matches the query.
-/// Reports of before the column was there are for the recipients of that time.
-macro_rules! chosen {
+/// Condition on a row `p` of `report`: it was released to the viewer `$1`. Reports of before the column
+/// was there are for the recipients of that time.
+macro_rules! released {
     () => {
-        "p.report_id > $2
-             AND (CAST($3 AS TEXT) IS NULL OR p.operation_network_id = $3)
-             AND (CAST($4 AS TEXT) IS NULL OR p.dynamic_data_request_id = $4)
-             AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
+        "(CAST($1 AS TEXT) IS NULL OR EXISTS (
                  SELECT 1 FROM recipient_set_member m WHERE m.organisation_id = $1
                  AND m.recipient_set_id = COALESCE(p.recipient_set_id, (
                      SELECT r.recipient_set_id FROM former_report_recipients r
                      WHERE r.operation_network_id = p.operation_network_id
                      AND r.dynamic_data_request_id = p.dynamic_data_request_id
                      AND r.factory_id = p.factory_id AND p.report_id <= r.last_report_id))))"
+    };
+}
+
+/// Condition on a row `p` of `report`: it was released to the viewer `$1`, and matches the query.
+macro_rules! chosen {
+    () => {
+        concat!(
+            "p.report_id > $2
+             AND (CAST($3 AS TEXT) IS NULL OR p.operation_network_id = $3)
+             AND (CAST($4 AS TEXT) IS NULL OR p.dynamic_data_request_id = $4) AND ",
+            released!()
+        )
     };
 }
 
@@ -250,9 +270,13 @@ impl Reports<'_> {
             chosen!(),
             " ORDER BY p.report_id DESC LIMIT $5"
         );
+        let after = match &query.after {
+            Some(cursor) => self.arrival(scope, cursor).await?.unwrap_or(0),
+            None => 0,
+        };
         let mut rows = sqlx::query(if query.is_newest { newest } else { sql })
             .bind(scope.recipient())
-            .bind(i64::try_from(query.after).unwrap_or(i64::MAX))
+            .bind(after)
             .bind(query.network.as_ref().map(OperationNetworkId::as_str))
             .bind(query.request.as_ref().map(DynamicDataRequestId::as_str))
             .bind(i64::from(query.limit))
@@ -265,11 +289,34 @@ impl Reports<'_> {
         let reports: Result<Vec<Report>, StoreError> = rows.iter().map(read).collect();
         reports.map(Withheld::new)
     }
+
+    /// Returns the place of a report in the order of arrival; `None` where none was released to the
+    /// viewer under these numbers.
+    async fn arrival(
+        &mut self,
+        scope: &Scope,
+        cursor: &ReportCursor,
+    ) -> Result<Option<i64>, StoreError> {
+        let sql = concat!(
+            "SELECT p.report_id FROM report p WHERE p.factory_id = $2 AND p.data_set_writer_id = $3
+             AND p.epoch = $4 AND p.sequence = $5 AND ",
+            released!()
+        );
+        let row = sqlx::query(sql)
+            .bind(scope.recipient())
+            .bind(cursor.factory_id.as_str())
+            .bind(i64::from(cursor.data_set_writer_id))
+            .bind(i64::from(cursor.epoch))
+            .bind(i64::from(cursor.sequence))
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("look a report up"))?;
+        row.map(|row| row.column("report_id")).transpose()
+    }
 }
 
 fn read(row: &DatabaseRow) -> Result<Report, StoreError> {
     Ok(Report {
-        report_id: row.unsigned("report_id")?,
         factory_id: row.parsed("factory_id")?,
         data_set_writer_id: row.unsigned("data_set_writer_id")?,
         epoch: row.unsigned("epoch")?,

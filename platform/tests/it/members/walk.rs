@@ -8,6 +8,9 @@ use testkit::ApiClient;
 /// Operation whose answer has no end; its events are read as they come.
 const STREAM: &str = "/live";
 
+/// Epoch of the writers in the stories.
+const EPOCH: u32 = 608_926_829;
+
 /// Ids that parameters take, those of things that do not exist among them.
 pub struct Ids {
     pub networks: Vec<String>,
@@ -24,7 +27,11 @@ impl Ids {
             "factoryId" => self.factories.clone(),
             "request" => self.requests.clone(),
             "viewer" => self.organisations.clone(),
-            "cursor" | "after" => texts(&["1"]),
+            "cursor" => texts(&["1"]),
+            "after" => {
+                let cursor = |factory: &String| format!("1-{EPOCH}-0-{factory}");
+                self.factories.iter().map(cursor).collect()
+            }
             "limit" => texts(&["1", "1000"]),
             "newest" => texts(&["true", "false"]),
             other => panic!("the parameter {other} has no values"),
