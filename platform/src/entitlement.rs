@@ -2,8 +2,8 @@
 //! factory alone.
 //!
 //! The factory says in the report to whom it released it; the platform's own list of recipients
-//! narrows that, and nothing widens it. Reports of connectors that name no recipients are for those
-//! to whom the factory had consented by then. A release of the past, which names reports of the
+//! narrows that, and nothing widens it. Reports of connectors that never named recipients are for those
+//! to whom the factory had consented by then; once one did, a report without them is for nobody. A release of the past, which names reports of the
 //! factory and one recipient, is the only thing that adds a reader afterwards.
 
 use std::collections::{BTreeSet, HashMap};

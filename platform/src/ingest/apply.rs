@@ -15,7 +15,7 @@ use messaging::LogicalAddress;
 
 use self::{past_releases::PastReleaseCollector, reports::ReportCollector};
 use super::{
-    decode::{Content, Incoming},
+    decode::{Content, Incoming, describes_recipients},
     heartbeats::Heartbeats,
     lease_arbiter::LeaseArbiter,
     unit::{Effects, IngestUnit},
@@ -131,6 +131,9 @@ impl<'w> Applier<'w> {
             (Content::MetaData(writer, meta_data), Some(factory)) => {
                 let (received_at, body) = (incoming.received_at, &incoming.body);
                 unit.work.meta_data().put(factory, *writer, received_at, body).await?;
+                if describes_recipients(meta_data) {
+                    unit.record_naming(factory).await?;
+                }
                 let key = (factory.clone(), *writer);
                 unit.effects.meta_data.push((key, (**meta_data).clone()));
                 Ok(())

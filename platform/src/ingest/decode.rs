@@ -77,8 +77,8 @@ pub struct IncomingReport {
     pub shopfloor_timestamp: Option<DateTime>,
     /// Time of the report at the connector.
     pub report_timestamp: Option<DateTime>,
-    /// The organisations to which the factory released it; none of them where it should say so and
-    /// does not, absent where its writer's reports do not say so at all.
+    /// The organisations to which the factory released it; none of them where its writer's metadata
+    /// says that it names them and it does not, absent where it names none.
     pub released_to: Option<Vec<OrganisationId>>,
     /// The fields with their values, names in payload order.
     pub fields: Vec<(String, DataValue)>,
@@ -331,8 +331,12 @@ fn report(
 
 /// Returns whether the reports of an epoch say to whom they are released.
 fn names_recipients(meta_data: &DataSetMetaData, epoch: u32) -> bool {
-    meta_data.configuration_version.major == epoch
-        && meta_data.field(ReportHeader::RECIPIENT_LIST).is_some_and(|field| field.value_rank > 0)
+    meta_data.configuration_version.major == epoch && describes_recipients(meta_data)
+}
+
+/// Returns whether metadata describes the member that says to whom a report is released.
+pub(super) fn describes_recipients(meta_data: &DataSetMetaData) -> bool {
+    meta_data.field(ReportHeader::RECIPIENT_LIST).is_some_and(|field| field.value_rank > 0)
 }
 
 fn time_of(value: &DataValue) -> Option<DateTime> {

@@ -14,7 +14,7 @@ use asi_model::{
 };
 use messaging::LogicalAddress;
 
-use super::decode::Incoming;
+use super::decode::{Incoming, IncomingReport};
 use crate::{
     accesses::{Contents, Reader, Reading},
     live::Notification,
@@ -55,6 +55,8 @@ pub(super) struct IngestUnit<'w> {
     pub(super) effects: Effects,
     writers: HashMap<WriterKey, WriterRow>,
     heard: HashMap<FactoryId, Heard>,
+    /// Factories that were asked about, each true if it says to whom it releases its reports.
+    naming: HashMap<FactoryId, bool>,
 }
 
 impl<'w> IngestUnit<'w> {
@@ -65,6 +67,7 @@ impl<'w> IngestUnit<'w> {
             effects: Effects::default(),
             writers: HashMap::new(),
             heard: HashMap::new(),
+            naming: HashMap::new(),
         }
     }
 
@@ -97,6 +100,38 @@ impl<'w> IngestUnit<'w> {
         self.record_arrival(factory, received_at);
         let heard = self.heard(factory);
         heard.sign_at = heard.sign_at.max(Some(received_at.floor_to(SIGN_STEP)));
+    }
+
+    /// Notes that a factory says to whom it releases its reports.
+    pub(super) async fn record_naming(&mut self, factory: &FactoryId) -> Result<(), StoreError> {
+        if !self.names_recipients(factory).await? {
+            self.work.factories().named_recipients(factory, self.now).await?;
+            self.naming.insert(factory.clone(), true);
+        }
+        Ok(())
+    }
+
+    async fn names_recipients(&mut self, factory: &FactoryId) -> Result<bool, StoreError> {
+        if let Some(known) = self.naming.get(factory) {
+            return Ok(*known);
+        }
+        let is_naming = self.work.factories().names_recipients(factory).await?;
+        self.naming.insert(factory.clone(), is_naming);
+        Ok(is_naming)
+    }
+
+    /// Returns to whom a factory released a report; `None` where it never says so. Once it did, a
+    /// report that does not is for nobody: the list may have been taken out on the way.
+    pub(super) async fn released_to<'r>(
+        &mut self,
+        factory: &FactoryId,
+        report: &'r IncomingReport,
+    ) -> Result<Option<&'r [OrganisationId]>, StoreError> {
+        if let Some(named) = &report.released_to {
+            self.record_naming(factory).await?;
+            return Ok(Some(named));
+        }
+        Ok(self.names_recipients(factory).await?.then_some(&[]))
     }
 
     /// Returns the row of a data set writer, to be updated.

@@ -10,7 +10,7 @@ use sqlx::{
 
 use super::{error::StoreError, work::Work};
 
-const MIGRATIONS: [(i64, &str, &str); 12] = [
+const MIGRATIONS: [(i64, &str, &str); 13] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
@@ -23,6 +23,7 @@ const MIGRATIONS: [(i64, &str, &str); 12] = [
     (11, "sight", include_str!("../../migrations/sqlite/0011_sight.sql")),
     (30, "audit", include_str!("../../migrations/sqlite/0030_audit.sql")),
     (31, "removals", include_str!("../../migrations/sqlite/0031_removals.sql")),
+    (32, "recipients named", include_str!("../../migrations/sqlite/0032_recipients_named.sql")),
 ];
 
 /// Reads of pages at once; more would only share the same disk.

@@ -164,6 +164,41 @@ impl Factories<'_> {
         Ok(())
     }
 
+    /// Notes that the factory says to whom it releases its reports; for good.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn named_recipients(
+        &mut self,
+        id: &FactoryId,
+        now: DateTime,
+    ) -> Result<(), StoreError> {
+        let sql = "UPDATE factory SET names_recipients_since = $2
+                   WHERE factory_id = $1 AND names_recipients_since IS NULL";
+        sqlx::query(sql)
+            .bind(id.as_str())
+            .bind(now.ticks())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("note that a factory names recipients"))?;
+        Ok(())
+    }
+
+    /// Returns true where the factory has ever said to whom it releases its reports.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn names_recipients(&mut self, id: &FactoryId) -> Result<bool, StoreError> {
+        let sql = "SELECT 1 FROM factory
+                   WHERE factory_id = $1 AND names_recipients_since IS NOT NULL";
+        let found = sqlx::query(sql)
+            .bind(id.as_str())
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("ask whether a factory names recipients"))?;
+        Ok(found.is_some())
+    }
+
     /// Notes what arrived of a factory.
     ///
     /// # Errors

@@ -147,6 +147,37 @@ async fn a_removed_recipient_keeps_the_past_and_gets_nothing_new() {
     assert_eq!(sequences(&buyer).await, [0, 1]);
 }
 
+/// The cursor names a report by what its readers know of it; the place in the order of arrival counts
+/// over the reports of all.
+#[tokio::test(flavor = "multi_thread")]
+async fn the_history_says_nothing_of_reports_to_others() {
+    let world = World::start().await;
+    let (admin, buyer, munich, _hamburg) =
+        story::accepted_network(&world, network_to(&[BUYER, INSPECTOR])).await;
+    for (sequence, recipient) in [(0, BUYER), (1, INSPECTOR), (2, BUYER)] {
+        let id = format!("m{sequence}");
+        munich.send("ua-data", &story::report_to(&[recipient], &id, sequence, 3));
+    }
+    held(&admin, 3).await;
+    let page = async |after: &str| {
+        let page = buyer.get(&format!("/reports?limit=1{after}")).await.expect_ok();
+        let cursor = page["nextCursor"].as_str().map(str::to_owned);
+        let report = &page["items"][0];
+        assert_eq!(report["reportId"], Value::Null);
+        (report["sequence"].clone(), cursor)
+    };
+    let cursor_of = |sequence: u32| format!("1-608926829-{sequence}-FOR_MUC");
+    let (first, second) = (page("").await, page(&format!("&after={}", cursor_of(0))).await);
+    assert_eq!(first, (json!(0), Some(cursor_of(0))));
+    assert_eq!(second, (json!(2), Some(cursor_of(2))));
+    assert_eq!(page(&format!("&after={}", cursor_of(2))).await, (Value::Null, None));
+    // A report to another is no place to begin at, as one that never came.
+    for unknown in [cursor_of(1), cursor_of(77)] {
+        assert_eq!(page(&format!("&after={unknown}")).await, first, "{unknown}");
+    }
+    assert_eq!(buyer.get("/reports?after=2").await.status, 400);
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn a_pending_field_shows_no_value() {
     let world = World::start().await;
@@ -263,6 +294,30 @@ async fn a_report_without_recipients_is_for_those_of_the_consent() {
     held(&admin, 5).await;
     assert_eq!(sequences(&inspector).await, [4]);
     assert_eq!(sequences(&buyer).await, [0, 2, 3, 4]);
+}
+
+/// A list that is taken out on the way does not make the platform's own list decide.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_report_without_recipients_is_for_nobody_once_its_factory_named_some() {
+    let world = World::start().await;
+    let (admin, buyer, munich, _hamburg) = story::accepted(&world).await;
+    munich.send("ua-data", &story::former_report("m0", 0, 3));
+    held(&admin, 1).await;
+    munich.send("ua-data", &story::report_to(&[BUYER], "m1", 1, 4));
+    munich.send("ua-data", &story::former_report("m2", 2, 5));
+    held(&admin, 3).await;
+    // Neither another writer nor another epoch is one of a connector of before again.
+    for (sequence, member) in [(3, "DataSetWriterId"), (4, "MetaDataVersion")] {
+        let mut report = story::former_report(&format!("m{sequence}"), sequence, 6);
+        report["Messages"][0][member] = match member {
+            "DataSetWriterId" => json!(2),
+            _ => json!({ "MajorVersion": 608_926_830, "MinorVersion": 608_926_830 }),
+        };
+        munich.send("ua-data", &report);
+    }
+    munich.send("ua-data", &story::report_to(&[BUYER], "m5", 5, 7));
+    held(&admin, 4).await;
+    assert_eq!(sequences(&buyer).await, [0, 1, 5]);
 }
 
 /// A consent that comes while a revision is under way is known to be to its recipients once the

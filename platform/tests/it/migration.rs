@@ -47,6 +47,8 @@ const ROWS: &str = "
         VALUES ('F', 1, 1, 7, 'net', 'op', 'req', 'r', 0, 0, '{}'), ('G', 1, 1, 8, 'net', 'op', 'req', 'r', 0, 0, '{}');
     INSERT INTO data_set_writer VALUES ('F', 1, 1, 7, '[]', 1, 0, 'net', 'req', 0, NULL, 0),
         ('G', 1, 1, 8, '[]', 1, 0, 'net', 'req', 0, NULL, 0);
+    INSERT INTO writer_meta_data (factory_id, data_set_writer_id, received_at, body)
+        VALUES ('F', 1, 5, '{\"Fields\":[{\"Name\":\"recipientList\"}]}'), ('G', 1, 6, '{\"Fields\":[]}');
     INSERT INTO field_value
         VALUES ('net', 'req', 'open', 'op', 1, 7, '1', 7, 0, NULL, NULL, 0),
             ('net', 'req', 'closed', 'op', 1, 7, '2', 7, 0, NULL, NULL, 0);";
@@ -106,6 +108,9 @@ async fn what_was_stored_stays_with_those_who_could_read_it() {
         let factory: FactoryId = factory.parse().expect("an id");
         let found = work.asked_requests().is_asked(&net, &request, &factory).await.expect("read");
         assert_eq!(found, is_asked, "{factory}");
+        // The metadata of one describes the member that names recipients.
+        let names = work.factories().names_recipients(&factory).await.expect("read");
+        assert_eq!(names, is_asked, "{factory}");
         let writers = work.writers().of_factory(&organisation("a"), &factory).await.expect("read");
         assert_eq!(writers.len(), usize::from(is_asked), "{factory}");
         for SeenWriter { writer, is_whole, .. } in writers {

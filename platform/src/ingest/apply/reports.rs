@@ -179,8 +179,8 @@ impl ReportCollector {
         report: &IncomingReport,
     ) -> Result<BTreeSet<OrganisationId>, StoreError> {
         let reported_at = report.report_timestamp.or(report.shopfloor_timestamp);
-        let mut entitled =
-            entitled(&request.recipients, report.released_to.as_deref(), reported_at);
+        let released_to = unit.released_to(from.factory, report).await?;
+        let mut entitled = entitled(&request.recipients, released_to, reported_at);
         entitled.extend(request.released_to(from.factory, report).cloned());
         let recipient_set = self.recipient_set(unit, &entitled).await?;
         if request.is_asked(from.factory, report) {
