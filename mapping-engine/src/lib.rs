@@ -27,4 +27,7 @@ pub use engine::{
     SurveyedMapping,
 };
 pub use inputs::Inputs;
-pub use script::config::{ScriptConfig, ScriptRuntime};
+pub use script::{
+    config::{ScriptConfig, ScriptRuntime},
+    status::{LandlockState, ScriptWorkerStatus, WorkerPurpose, WorkerWalls},
+};

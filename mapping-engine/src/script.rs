@@ -7,6 +7,7 @@
 pub(crate) mod breaker;
 pub(crate) mod config;
 mod process;
+pub(crate) mod status;
 pub(crate) mod values;
 pub(crate) mod worker;
 pub(crate) mod worker_queue;

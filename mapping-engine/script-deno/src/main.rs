@@ -15,7 +15,8 @@ use engine::Deno;
 
 #[allow(clippy::print_stderr)]
 fn main() -> ExitCode {
-    // Before the sandbox: the platform may start threads.
+    let confined = script_protocol::worker::confine();
+    // Before the rest of the sandbox: the platform may start threads.
     deno_core::JsRuntime::init_platform(None);
     let timer = match timer::Timer::start() {
         Ok(timer) => timer,
@@ -24,7 +25,7 @@ fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    match script_protocol::worker::serve(|limits| Deno::new(*limits, timer)) {
+    match script_protocol::worker::serve(&confined, |limits| Deno::new(*limits, timer)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{error}");

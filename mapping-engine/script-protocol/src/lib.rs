@@ -15,6 +15,7 @@
 pub mod codec;
 pub mod frame;
 pub mod message;
+pub mod sandbox;
 pub mod value;
 #[cfg(feature = "worker")]
 pub mod worker;
@@ -23,7 +24,8 @@ pub use message::{
     Call, CallResult, CallValue, FaultKind, HostMessage, InputValue, Load, ScriptFault, ScriptId,
     ScriptLimits, Spoken, WorkerMessage, Yielded,
 };
+pub use sandbox::{Landlock, Sandbox};
 pub use value::ScriptValue;
 
 /// The version of the protocol. Both sides must have the same; they are shipped together.
-pub const PROTOCOL_VERSION: u16 = 1;
+pub const PROTOCOL_VERSION: u16 = 2;

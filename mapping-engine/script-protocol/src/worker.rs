@@ -26,6 +26,7 @@ use crate::{
 pub use clock::{process_time, thread_time};
 pub use loaded::LoadedScript;
 pub use prelude::PRELUDE;
+pub use sandbox::{Confined, confine};
 use watchdog::Watchdog;
 
 /// A JavaScript engine behind the protocol. One instance serves many scripts; each is apart from
@@ -50,7 +51,10 @@ pub trait ScriptEngine {
 ///
 /// # Errors
 /// Those of the streams and of the sandbox; `InvalidData` for what is no message.
-pub fn serve<E: ScriptEngine>(create: impl FnOnce(&ScriptLimits) -> E) -> io::Result<()> {
+pub fn serve<E: ScriptEngine>(
+    confined: &Confined,
+    create: impl FnOnce(&ScriptLimits) -> E,
+) -> io::Result<()> {
     // Unbuffered: whole frames are written at once.
     let output = File::from(io::stdout().as_fd().try_clone_to_owned()?);
     let mut input =
@@ -59,12 +63,12 @@ pub fn serve<E: ScriptEngine>(create: impl FnOnce(&ScriptLimits) -> E) -> io::Re
         return Err(io::Error::new(io::ErrorKind::InvalidData, "the host did not say hello"));
     };
     let watchdog = Watchdog::start(output, &limits)?;
-    let is_filtered = sandbox::enter(&limits)?;
+    let sandbox = sandbox::enter(&limits, confined)?;
     let mut engine = create(&limits);
     watchdog.say(&WorkerMessage::Welcome {
         version: PROTOCOL_VERSION,
         engine: engine.name().into(),
-        is_filtered,
+        sandbox,
     })?;
     if version != PROTOCOL_VERSION {
         // The host sees our version and knows.

@@ -16,7 +16,8 @@ use engine::QuickJs;
 
 #[allow(clippy::print_stderr)]
 fn main() -> ExitCode {
-    match script_protocol::worker::serve(QuickJs::new) {
+    let confined = script_protocol::worker::confine();
+    match script_protocol::worker::serve(&confined, QuickJs::new) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             // The host reads this stream and logs it.

@@ -17,7 +17,7 @@ use tokio_util::sync::CancellationToken;
 
 use crate::{
     dry_run::{DryRunSample, Trace, TraceRun},
-    script::{config::ScriptConfig, values, worker::ScriptWorker},
+    script::{config::ScriptConfig, status::WorkerPlace, values, worker::ScriptWorker},
 };
 
 /// Idle time after which the worker process ends. It takes memory, and its next start milliseconds.
@@ -40,10 +40,11 @@ pub(super) struct DryRunRequest {
 /// Serves dry runs, one after the other, until `shutdown`.
 pub(super) async fn serve(
     config: Arc<ScriptConfig>,
+    place: WorkerPlace,
     mut requests: mpsc::Receiver<DryRunRequest>,
     shutdown: CancellationToken,
 ) {
-    let mut worker = ScriptWorker::new(config);
+    let mut worker = ScriptWorker::new(config, place);
     loop {
         let next = tokio::select! {
             () = shutdown.cancelled() => break,

@@ -15,13 +15,17 @@ use super::{
     status::MappingStatus,
     survey::{MappingHealth, MappingSurvey},
 };
-use crate::dry_run::{DryRunSample, SAMPLES_MAX, Trace};
+use crate::{
+    dry_run::{DryRunSample, SAMPLES_MAX, Trace},
+    script::status::{ScriptWorkerStatus, ScriptWorkers},
+};
 
 /// Cloneable handle to the engine's task.
 #[derive(Debug, Clone)]
 pub struct MappingEngineHandle {
     pub(super) commands: mpsc::Sender<MappingCommand>,
     pub(super) dry_runs: mpsc::Sender<DryRunRequest>,
+    pub(super) workers: ScriptWorkers,
 }
 
 impl MappingEngineHandle {
@@ -104,6 +108,12 @@ impl MappingEngineHandle {
         let (reply, answer) = oneshot::channel();
         self.send(MappingCommand::Status(mapping_id.clone(), reply)).await?;
         answer.await.map_err(|_| EngineError::Stopped)
+    }
+
+    /// Returns the workers of scripts that were started or could not be, with the walls around each.
+    #[must_use]
+    pub fn script_workers(&self) -> Vec<ScriptWorkerStatus> {
+        self.workers.list()
     }
 
     /// Closes the circuit breakers of a mapping's scripts, so that they run again at once. Returns

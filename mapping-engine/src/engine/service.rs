@@ -24,6 +24,7 @@ use crate::{
     inputs::Inputs,
     script::{
         config::ScriptConfig,
+        status::{ScriptWorkers, WorkerPurpose},
         worker_queue::{Completion, WorkerQueue},
     },
 };
@@ -41,6 +42,7 @@ pub struct MappingEngine {
     changes: mpsc::Receiver<Vec<InputChange>>,
     commands: mpsc::Receiver<MappingCommand>,
     dry_runs: mpsc::Receiver<DryRunRequest>,
+    workers: ScriptWorkers,
     candidates: mpsc::Sender<Vec<Candidate>>,
 }
 
@@ -57,13 +59,15 @@ impl MappingEngine {
         let (commands, for_commands) = mpsc::channel(64);
         let (dry_runs, for_dry_runs) = mpsc::channel(16);
         let (candidates, consumer) = mpsc::channel(config.waiting_batches_max.max(1));
-        let handle = MappingEngineHandle { commands, dry_runs };
+        let workers = ScriptWorkers::default();
+        let handle = MappingEngineHandle { commands, dry_runs, workers: workers.clone() };
         let engine = Self {
             config,
             inputs: Box::new(inputs),
             changes,
             commands: for_commands,
             dry_runs: for_dry_runs,
+            workers,
             candidates,
         };
         (engine, handle, consumer)
@@ -72,12 +76,18 @@ impl MappingEngine {
     /// Runs until `shutdown`, or until the receiver of candidates is dropped. Then it sends the
     /// candidates that wait and ends the workers.
     pub async fn run(self, shutdown: CancellationToken) {
-        let Self { config, inputs, mut changes, mut commands, dry_runs, candidates } = self;
+        let Self { config, inputs, mut changes, mut commands, dry_runs, workers, candidates } =
+            self;
         let workers_stop = CancellationToken::new();
         let mut tasks = JoinSet::new();
         let script = Arc::new(config.script.clone());
-        let (queues, mut completions) = start_workers(&script, &mut tasks, &workers_stop);
-        tasks.spawn(dry_runner::serve(script, dry_runs, workers_stop.clone()));
+        let (queues, mut completions) = start_workers(&script, &workers, &mut tasks, &workers_stop);
+        tasks.spawn(dry_runner::serve(
+            script,
+            workers.place(WorkerPurpose::DryRuns, 0),
+            dry_runs,
+            workers_stop.clone(),
+        ));
         let mut core = Core::new(config, inputs, queues);
         let (mut has_changes, mut has_handles) = (true, true);
         loop {
@@ -121,6 +131,7 @@ impl MappingEngine {
 
 fn start_workers(
     config: &Arc<ScriptConfig>,
+    statuses: &ScriptWorkers,
     tasks: &mut JoinSet<()>,
     stop: &CancellationToken,
 ) -> (Vec<WorkerQueue>, mpsc::Receiver<Completion>) {
@@ -128,8 +139,9 @@ fn start_workers(
     let (completion, completions) = mpsc::channel(workers);
     let mut queues = Vec::with_capacity(workers);
     for index in 0..workers {
+        let place = statuses.place(WorkerPurpose::Mappings, index);
         let (queue, serving) =
-            WorkerQueue::new(index, Arc::clone(config), completion.clone(), stop.clone());
+            WorkerQueue::new(index, Arc::clone(config), place, completion.clone(), stop.clone());
         queues.push(queue);
         tasks.spawn(serving);
     }

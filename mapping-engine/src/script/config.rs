@@ -5,6 +5,9 @@ use std::{path::PathBuf, time::Duration};
 use script_protocol::ScriptLimits;
 use serde::{Deserialize, Serialize};
 
+/// User without rights on any system.
+const NOBODY: u32 = 65_534;
+
 /// JavaScript engine. Each is a worker binary of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -42,6 +45,11 @@ pub struct ScriptConfig {
     pub engine: ScriptRuntime,
     /// The worker's binary; beside the running program where absent.
     pub worker_path: Option<PathBuf>,
+    /// Run no script where the kernel does not filter the system calls of its worker.
+    pub require_filter: bool,
+    /// User that workers run as where the connector runs as root, `nobody` by default; 0 for the
+    /// connector's own.
+    pub user_id: u32,
     /// Number of worker processes that share the scripts.
     pub workers: usize,
     /// Most scripts per worker.
@@ -66,6 +74,8 @@ impl Default for ScriptConfig {
         Self {
             engine: ScriptRuntime::default(),
             worker_path: None,
+            require_filter: cfg!(target_os = "linux"),
+            user_id: NOBODY,
             workers: 1,
             scripts_per_worker_max: 2000,
             call_budget_ms: 100,

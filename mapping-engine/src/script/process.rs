@@ -1,6 +1,6 @@
 //! One worker process from its start to its end.
 
-use std::{io, process::Stdio, time::Duration};
+use std::{io, path::Path, process::Stdio, time::Duration};
 
 use script_protocol::{
     HostMessage, PROTOCOL_VERSION, WorkerMessage,
@@ -13,7 +13,10 @@ use tokio::{
     time::timeout,
 };
 
-use super::config::ScriptConfig;
+use super::{
+    config::ScriptConfig,
+    status::{WorkerPlace, WorkerWalls, refusal},
+};
 
 /// Time that a worker has to answer the greeting.
 const GREETING_BUDGET: Duration = Duration::from_secs(10);
@@ -35,6 +38,8 @@ pub(super) enum ProcessError {
     Nonsense(#[source] DecodeError),
     #[error("the script worker said something else than the answer")]
     Unexpected,
+    #[error("{0}")]
+    Refused(&'static str),
     #[error("a message to the script worker is too long")]
     TooLong(#[source] frame::FrameTooLong),
 }
@@ -49,36 +54,52 @@ pub(super) struct Process {
 }
 
 impl Process {
-    /// Starts a worker and greets it.
-    pub async fn start(config: &ScriptConfig) -> Result<Self, ProcessError> {
+    /// Starts a worker, greets it and judges its walls.
+    pub async fn start(config: &ScriptConfig, place: &WorkerPlace) -> Result<Self, ProcessError> {
         let path = config.find_worker().map_err(ProcessError::NotFound)?;
-        let mut child = Command::new(path)
-            // The environment of a daemon may hold passwords.
-            .env_clear()
-            // Without a file to look up: dates are in UTC.
-            .env("TZ", "UTC0")
-            // Arenas reserve address space per thread.
-            .env("MALLOC_ARENA_MAX", "1")
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            // Nothing that a script causes gets into a log.
-            .stderr(Stdio::null())
-            .kill_on_drop(true)
-            .spawn()
-            .map_err(ProcessError::Start)?;
+        // The worker starts in another folder.
+        let path = std::path::absolute(path).map_err(ProcessError::Start)?;
+        let host_user = rustix::process::geteuid();
+        let own_user = (host_user.is_root() && config.user_id != 0).then_some(config.user_id);
+        let mut child = match spawn(&path, own_user) {
+            // As from a folder that is the connector's alone: its other walls stand.
+            Err(error) if own_user.is_some() && error.kind() == io::ErrorKind::PermissionDenied => {
+                tracing::warn!(
+                    user.id = own_user,
+                    file = %path.display(),
+                    "The user of script workers may not run this file; they run as the connector's user."
+                );
+                spawn(&path, None)
+            }
+            spawned => spawned,
+        }
+        .map_err(ProcessError::Start)?;
         let (Some(input), Some(output)) = (child.stdin.take(), child.stdout.take()) else {
             return Err(ProcessError::Start(io::Error::other("its streams are not there")));
         };
         let mut process = Self { child, input, output };
         let hello = HostMessage::Hello { version: PROTOCOL_VERSION, limits: config.limits() };
         match process.ask(&hello.encode(), GREETING_BUDGET).await? {
-            WorkerMessage::Welcome { version: PROTOCOL_VERSION, engine, is_filtered } => {
+            WorkerMessage::Welcome { version: PROTOCOL_VERSION, engine, sandbox } => {
+                let walls = WorkerWalls::of(&sandbox, host_user.as_raw());
+                if let Some(refusal) = refusal(config, &walls) {
+                    return Err(ProcessError::Refused(refusal));
+                }
                 tracing::info!(
                     script.engine = &*engine,
                     process.id = process.child.id(),
-                    is_filtered,
+                    is_filtered = walls.is_filtered,
+                    landlock = ?walls.landlock,
+                    user.id = walls.user_id,
                     "A script worker has started."
                 );
+                if !walls.is_filtered {
+                    tracing::warn!(
+                        "Scripts run WITHOUT a filter of system calls, as mapping.script.requireFilter = false allows: a \
+                         script that breaks its engine has the rights of its worker's user."
+                    );
+                }
+                place.runs(&engine, walls);
                 Ok(process)
             }
             WorkerMessage::Welcome { version, .. } => Err(ProcessError::Version(version)),
@@ -119,6 +140,30 @@ impl Process {
         // The only failure is that it has ended already.
         let _ = self.child.kill().await;
     }
+}
+
+/// Starts the binary, as another user where one is given; that takes a root.
+fn spawn(path: &Path, user_id: Option<u32>) -> io::Result<Child> {
+    let mut command = Command::new(path);
+    command
+        // The environment of a daemon may hold passwords.
+        .env_clear()
+        // Without a file to look up: dates are in UTC.
+        .env("TZ", "UTC0")
+        // Arenas reserve address space per thread.
+        .env("MALLOC_ARENA_MAX", "1")
+        // The connector's own may be closed to another user.
+        .current_dir("/")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        // Nothing that a script causes gets into a log.
+        .stderr(Stdio::null())
+        .kill_on_drop(true);
+    if let Some(id) = user_id {
+        // Without supplementary groups, too: the library drops them where it changes the user.
+        command.uid(id).gid(id);
+    }
+    command.spawn()
 }
 
 async fn receive(output: &mut ChildStdout) -> Result<WorkerMessage, ProcessError> {

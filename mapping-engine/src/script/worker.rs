@@ -14,6 +14,7 @@ use super::{
     config::ScriptConfig,
     fault_of,
     process::{Process, ProcessError},
+    status::WorkerPlace,
     unavailable,
 };
 use asi_model::StatusCode;
@@ -27,6 +28,7 @@ const RESTART_PAUSE: Duration = Duration::from_secs(1);
 #[derive(Debug)]
 pub(crate) struct ScriptWorker {
     config: Arc<ScriptConfig>,
+    place: WorkerPlace,
     process: Option<Process>,
     /// Scripts to load again after a restart, with their newest state and inputs.
     scripts: HashMap<ScriptId, Load>,
@@ -36,8 +38,8 @@ pub(crate) struct ScriptWorker {
 
 impl ScriptWorker {
     /// Creates a worker without a process; the first script starts it.
-    pub fn new(config: Arc<ScriptConfig>) -> Self {
-        Self { config, process: None, scripts: HashMap::new(), broken: None }
+    pub fn new(config: Arc<ScriptConfig>, place: WorkerPlace) -> Self {
+        Self { config, place, process: None, scripts: HashMap::new(), broken: None }
     }
 
     /// Loads a script. On a fault it is not there afterwards.
@@ -160,7 +162,7 @@ impl ScriptWorker {
             {
                 return Err(unavailable(Arc::clone(message)));
             }
-            match Process::start(&self.config).await {
+            match Process::start(&self.config, &self.place).await {
                 Ok(process) => {
                     self.process = Some(process);
                     self.broken = None;
@@ -171,6 +173,7 @@ impl ScriptWorker {
                         "A script worker does not start."
                     );
                     let message = Arc::<str>::from(chain(&error));
+                    self.place.failed(&message);
                     self.broken = Some((Instant::now(), Arc::clone(&message)));
                     return Err(unavailable(message));
                 }

@@ -14,7 +14,7 @@ use script_protocol::{Call, Load, ScriptId};
 use tokio::sync::mpsc;
 use tokio_util::sync::CancellationToken;
 
-use super::{ScriptOutcome, config::ScriptConfig, worker::ScriptWorker};
+use super::{ScriptOutcome, config::ScriptConfig, status::WorkerPlace, worker::ScriptWorker};
 
 /// Most calls of a batch.
 const BATCH_CALLS_MAX: usize = 256;
@@ -80,11 +80,13 @@ impl WorkerQueue {
     pub fn new(
         worker: usize,
         config: Arc<ScriptConfig>,
+        place: WorkerPlace,
         completions: mpsc::Sender<Completion>,
         shutdown: CancellationToken,
     ) -> (Self, impl Future<Output = ()> + Send) {
         let (jobs, receiver) = mpsc::channel(1);
-        let serving = serve(worker, ScriptWorker::new(config), receiver, completions, shutdown);
+        let script_worker = ScriptWorker::new(config, place);
+        let serving = serve(worker, script_worker, receiver, completions, shutdown);
         let queue = Self {
             jobs,
             is_busy: false,
@@ -260,6 +262,7 @@ mod tests {
     use script_protocol::CallValue;
 
     use super::*;
+    use crate::script::status::{ScriptWorkers, WorkerPurpose};
 
     fn waiting(script: u32) -> Waiting {
         let call =
@@ -270,8 +273,9 @@ mod tests {
     /// A queue whose worker takes nothing, with so many scripts.
     fn queue(scripts: u32) -> WorkerQueue {
         let (completions, _) = mpsc::channel(1);
+        let place = ScriptWorkers::default().place(WorkerPurpose::Mappings, 0);
         let (mut queue, _) =
-            WorkerQueue::new(0, Arc::default(), completions, CancellationToken::new());
+            WorkerQueue::new(0, Arc::default(), place, completions, CancellationToken::new());
         queue.is_busy = true;
         queue.scripts = scripts as usize;
         queue

@@ -5,6 +5,7 @@ mod bench;
 mod hostile;
 mod language;
 mod lifecycle;
+mod walls;
 
 pub use bench::Worker;
 pub use hostile::hostile_scripts_end_in_time_and_disturb_nobody;
@@ -14,6 +15,7 @@ pub use lifecycle::{
     scripts_rest_and_are_reset_by_hand, state_survives_the_worker,
     values_keep_their_order_under_load,
 };
+pub use walls::its_walls_are_reported;
 
 impl bench::Bench {
     /// Publishes a script mapping `id` of the inputs named, to a field of a type.

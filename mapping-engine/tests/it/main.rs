@@ -8,3 +8,4 @@ mod bench;
 mod publishing;
 mod routing;
 mod survey;
+mod walls;

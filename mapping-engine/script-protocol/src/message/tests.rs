@@ -1,5 +1,5 @@
 use super::*;
-use crate::{ScriptValue, frame, value::DEPTH_MAX};
+use crate::{Landlock, Sandbox, ScriptValue, frame, value::DEPTH_MAX};
 use proptest::{collection::vec, option, prelude::*};
 
 fn text() -> impl Strategy<Value = Arc<str>> {
@@ -82,6 +82,18 @@ fn host_message() -> impl Strategy<Value = HostMessage> {
     ]
 }
 
+fn sandbox() -> impl Strategy<Value = Sandbox> {
+    let landlock = prop_oneof![Just(Landlock::None), Just(Landlock::Partial), Just(Landlock::Full)];
+    (any::<bool>(), landlock, any::<u32>(), any::<bool>()).prop_map(
+        |(is_filtered, landlock, user_id, has_limits)| Sandbox {
+            is_filtered,
+            landlock,
+            user_id,
+            has_limits,
+        },
+    )
+}
+
 fn worker_message() -> impl Strategy<Value = WorkerMessage> {
     let outcome = prop_oneof![
         Just(Ok(Yielded::Nothing)),
@@ -94,8 +106,8 @@ fn worker_message() -> impl Strategy<Value = WorkerMessage> {
         });
     let results = vec(result, 0..5).boxed();
     prop_oneof![
-        (any::<u16>(), text(), any::<bool>()).prop_map(|(version, engine, is_filtered)| {
-            WorkerMessage::Welcome { version, engine, is_filtered }
+        (any::<u16>(), text(), sandbox()).prop_map(|(version, engine, sandbox)| {
+            WorkerMessage::Welcome { version, engine, sandbox }
         }),
         (any::<u32>(), option::of(fault()))
             .prop_map(|(script, fault)| WorkerMessage::Loaded { script: ScriptId(script), fault }),

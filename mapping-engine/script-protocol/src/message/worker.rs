@@ -4,6 +4,7 @@ use std::{sync::Arc, time::Duration};
 
 use super::{ScriptFault, ScriptId};
 use crate::{
+    Sandbox,
     codec::{DecodeError, MessageDecoder, MessageEncoder},
     value::ScriptValue,
 };
@@ -17,8 +18,8 @@ pub enum WorkerMessage {
         version: u16,
         /// Name and version of the engine.
         engine: Arc<str>,
-        /// True where the kernel filters the worker's system calls.
-        is_filtered: bool,
+        /// Walls around the worker.
+        sandbox: Sandbox,
     },
     /// Answers `Load` after the script was compiled and run once.
     Loaded {
@@ -79,11 +80,11 @@ impl WorkerMessage {
     pub fn encode(&self) -> Vec<u8> {
         let mut to = MessageEncoder::new();
         match self {
-            Self::Welcome { version, engine, is_filtered } => {
+            Self::Welcome { version, engine, sandbox } => {
                 to.u8(0);
                 to.u16(*version);
                 to.text(engine);
-                to.u8((*is_filtered).into());
+                sandbox.encode(&mut to);
             }
             Self::Loaded { script, fault } => {
                 to.u8(1);
@@ -116,7 +117,7 @@ impl WorkerMessage {
             0 => Self::Welcome {
                 version: from.u16()?,
                 engine: from.text()?,
-                is_filtered: from.u8()? == 1,
+                sandbox: Sandbox::decode(&mut from)?,
             },
             1 => Self::Loaded {
                 script: ScriptId(from.u32()?),

@@ -7,29 +7,83 @@
 
 use std::io;
 
-use rustix::process::{DumpableBehavior, Resource, Rlimit, set_dumpable_behavior, setrlimit};
+use rustix::process::{
+    DumpableBehavior, Resource, Rlimit, getrlimit, getuid, set_dumpable_behavior, setrlimit,
+};
 
-use crate::ScriptLimits;
+use crate::{Landlock, Sandbox, ScriptLimits};
 
 /// Open files: the three standard streams and the two copies of them.
 const FILES_MAX: u64 = 8;
 
-/// Enters the sandbox. True if the kernel filters system calls from here on.
-pub(super) fn enter(limits: &ScriptLimits) -> io::Result<bool> {
-    let bound = |value| Rlimit { current: Some(value), maximum: Some(value) };
-    setrlimit(Resource::As, bound(limits.address_space_bytes))?;
-    setrlimit(Resource::Core, bound(0))?;
-    setrlimit(Resource::Fsize, bound(0))?;
-    setrlimit(Resource::Nofile, bound(FILES_MAX))?;
-    setrlimit(Resource::Nproc, bound(0))?;
+/// First step into the sandbox, made by [`confine`].
+#[derive(Debug)]
+pub struct Confined {
+    landlock: Landlock,
+}
+
+/// Gives up all access to files, network and other processes' names, as far as the kernel has Landlock.
+/// Called before anything starts a thread: threads inherit it, and those that run already would not.
+#[must_use]
+pub fn confine() -> Confined {
     #[cfg(target_os = "linux")]
-    {
+    let landlock = rules::enforce();
+    #[cfg(not(target_os = "linux"))]
+    let landlock = Landlock::None;
+    Confined { landlock }
+}
+
+/// Enters the sandbox and returns the walls that hold from here on.
+pub(super) fn enter(limits: &ScriptLimits, confined: &Confined) -> io::Result<Sandbox> {
+    let bound = |value| Rlimit { current: Some(value), maximum: Some(value) };
+    let bounds = [
+        (Resource::As, bound(limits.address_space_bytes)),
+        (Resource::Core, bound(0)),
+        (Resource::Fsize, bound(0)),
+        (Resource::Nofile, bound(FILES_MAX)),
+        (Resource::Nproc, bound(0)),
+    ];
+    for (resource, limit) in &bounds {
+        setrlimit(*resource, *limit)?;
+    }
+    let has_limits = bounds.iter().all(|(resource, limit)| getrlimit(*resource) == *limit);
+    let user_id = getuid().as_raw();
+    #[cfg(target_os = "linux")]
+    let is_filtered = {
         set_dumpable_behavior(DumpableBehavior::NotDumpable)?;
         rustix::thread::set_no_new_privs(true)?;
-        Ok(filter::install())
-    }
+        filter::install()
+    };
     #[cfg(not(target_os = "linux"))]
-    Ok(false)
+    let is_filtered = false;
+    Ok(Sandbox { is_filtered, landlock: confined.landlock, user_id, has_limits })
+}
+
+#[cfg(target_os = "linux")]
+mod rules {
+    use landlock::{
+        ABI, Access as _, AccessFs, AccessNet, Ruleset, RulesetAttr as _, RulesetStatus, Scope,
+    };
+
+    use crate::Landlock;
+
+    /// Newest rules that are asked for; an older kernel enforces those that it knows.
+    const NEWEST: ABI = ABI::V6;
+
+    /// Denies everything that Landlock knows, with no exception.
+    pub fn enforce() -> Landlock {
+        let enforced = Ruleset::default()
+            .handle_access(AccessFs::from_all(NEWEST))
+            .and_then(|rules| rules.handle_access(AccessNet::from_all(NEWEST)))
+            .and_then(|rules| rules.scope(Scope::from_all(NEWEST)))
+            .and_then(Ruleset::create)
+            .and_then(landlock::RulesetCreated::restrict_self);
+        match enforced.map(|status| status.ruleset) {
+            Ok(RulesetStatus::FullyEnforced) => Landlock::Full,
+            Ok(RulesetStatus::PartiallyEnforced) => Landlock::Partial,
+            Ok(RulesetStatus::NotEnforced) | Err(_) => Landlock::None,
+        }
+    }
 }
 
 #[cfg(target_os = "linux")]
@@ -70,7 +124,6 @@ mod filter {
         "sched_yield",
         "set_robust_list",
         "sigaltstack",
-        "tgkill",
         "write",
         "writev",
     ];
@@ -78,15 +131,81 @@ mod filter {
     /// False where the kernel has no filters or this processor is not known: the worker then has
     /// the other walls.
     pub fn install() -> bool {
-        let names: Vec<String> =
-            ALLOWED.iter().map(|name| format!("{{\"syscall\":\"{name}\"}}")).collect();
-        let rules = format!(
-            "{{\"worker\":{{\"mismatch_action\":{{\"errno\":1}},\"match_action\":\"allow\",\"filter\":[{}]}}}}",
-            names.join(",")
-        );
         let Ok(arch) = TargetArch::try_from(std::env::consts::ARCH) else { return false };
-        let filters: Result<BpfMap, _> = compile_from_json(rules.as_bytes(), arch);
+        let filters: Result<BpfMap, _> =
+            compile_from_json(rules(std::process::id()).as_bytes(), arch);
         let Ok(filters) = filters else { return false };
         filters.get("worker").is_some_and(|filter| apply_filter_all_threads(filter).is_ok())
+    }
+
+    /// Returns the rules for a process. It may signal itself, as `abort` does, and nobody else.
+    pub(super) fn rules(process_id: u32) -> String {
+        let mut names: Vec<String> =
+            ALLOWED.iter().map(|name| format!("{{\"syscall\":\"{name}\"}}")).collect();
+        names.push(format!(
+            "{{\"syscall\":\"tgkill\",\"args\":[{{\"index\":0,\"type\":\"dword\",\"op\":\"eq\",\"val\":{process_id}}}]}}"
+        ));
+        format!(
+            "{{\"worker\":{{\"mismatch_action\":{{\"errno\":1}},\"match_action\":\"allow\",\"filter\":[{}]}}}}",
+            names.join(",")
+        )
+    }
+
+    #[cfg(test)]
+    mod tests {
+        use seccompiler::sock_filter;
+
+        use super::*;
+
+        /// Numbers that the kernel knows the filter's input by.
+        const ARCH: u32 = if cfg!(target_arch = "x86_64") { 0xC000_003E } else { 0xC000_00B7 };
+        const TGKILL: u32 = if cfg!(target_arch = "x86_64") { 234 } else { 131 };
+        const GETPID: u32 = if cfg!(target_arch = "x86_64") { 39 } else { 172 };
+        const KILL: u32 = if cfg!(target_arch = "x86_64") { 62 } else { 129 };
+
+        const ALLOW: u32 = 0x7FFF_0000;
+        const DENY: u32 = 0x0005_0001;
+
+        /// Runs a filter as the kernel does, on a system call with its first argument.
+        fn decision(program: &[sock_filter], call: u32, argument: u64) -> u32 {
+            let mut data = [0; 64];
+            data[..4].copy_from_slice(&call.to_ne_bytes());
+            data[4..8].copy_from_slice(&ARCH.to_ne_bytes());
+            data[16..24].copy_from_slice(&argument.to_ne_bytes());
+            let (mut accumulator, mut at) = (0, 0);
+            loop {
+                let sock_filter { code, jt, jf, k } = program[at].clone();
+                at += 1;
+                let jump = |is_so: bool| usize::from(if is_so { jt } else { jf });
+                match code {
+                    0x20 => {
+                        let place = k as usize;
+                        let word = data[place..place + 4].try_into().expect("a word");
+                        accumulator = u32::from_ne_bytes(word);
+                    }
+                    0x05 => at += k as usize,
+                    0x15 => at += jump(accumulator == k),
+                    0x25 => at += jump(accumulator > k),
+                    0x35 => at += jump(accumulator >= k),
+                    0x54 => accumulator &= k,
+                    0x06 => return k,
+                    other => panic!("instruction {other:#x} is not known here"),
+                }
+            }
+        }
+
+        #[test]
+        fn a_worker_may_signal_itself_and_nobody_else() {
+            let arch = TargetArch::try_from(std::env::consts::ARCH).expect("a known processor");
+            let filters: BpfMap =
+                compile_from_json(rules(4711).as_bytes(), arch).expect("the rules are valid");
+            let filter = &filters["worker"];
+            assert_eq!(decision(filter, GETPID, 0), ALLOW);
+            assert_eq!(decision(filter, KILL, 4711), DENY);
+            assert_eq!(decision(filter, TGKILL, 4711), ALLOW);
+            for other in [1, 4710, 4712, u64::from(u32::MAX)] {
+                assert_eq!(decision(filter, TGKILL, other), DENY, "{other}");
+            }
+        }
     }
 }

@@ -32,6 +32,7 @@ conform! {
     checks_and_dry_runs_show_everything,
     faults_have_kind_and_place,
     hostile_scripts_end_in_time_and_disturb_nobody,
+    its_walls_are_reported,
     results_are_typed,
     scripts_rest_and_are_reset_by_hand,
     state_survives_the_worker,

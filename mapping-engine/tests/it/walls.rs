@@ -1,0 +1,74 @@
+//! Walls around the workers of scripts: none gets a script without them, and each is reported.
+
+use std::{os::unix::fs::PermissionsExt as _, path::PathBuf};
+
+use mapping_engine::{LandlockState, ScriptRuntime, ScriptWorkerStatus};
+use script_protocol::{Landlock, PROTOCOL_VERSION, Sandbox, WorkerMessage, frame};
+use tempfile::TempDir;
+
+use crate::bench::{Bench, Worker, script_mapping};
+
+/// Writes a worker that reports these walls and ends.
+fn worker_that_reports(folder: &TempDir, sandbox: Sandbox) -> Worker {
+    let engine = "a worker of this test".into();
+    let welcome = WorkerMessage::Welcome { version: PROTOCOL_VERSION, engine, sandbox };
+    let bytes = frame::framed(&welcome.encode()).expect("short");
+    let escaped: String = bytes.iter().map(|byte| format!("\\{byte:03o}")).collect();
+    let path: PathBuf = folder.path().join("worker");
+    let program = format!("#!/bin/sh\nprintf '{escaped}'\nread -r _\n");
+    std::fs::write(&path, program).expect("written");
+    for open in [folder.path(), &path] {
+        let mode = std::fs::Permissions::from_mode(0o755);
+        std::fs::set_permissions(open, mode).expect("ours");
+    }
+    Worker { engine: ScriptRuntime::QuickJs, path }
+}
+
+/// Tries a script, and returns what is said of it and of the worker.
+async fn tried(worker: &Worker, require_filter: bool) -> (String, ScriptWorkerStatus) {
+    let bench = Bench::start(worker, |config| config.require_filter = require_filter);
+    let mapping = script_mapping("tried", &["a"], "Double", "(v) => v");
+    let diagnostics = bench.handle.check(mapping).await.expect("the engine runs");
+    let said = diagnostics.iter().map(|diagnostic| diagnostic.message.as_str()).collect();
+    let status = bench.handle.script_workers().remove(0);
+    bench.stop().await;
+    (said, status)
+}
+
+const UNFILTERED: Sandbox =
+    Sandbox { is_filtered: false, landlock: Landlock::Partial, user_id: 7, has_limits: true };
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_worker_without_a_filter_gets_no_script_and_the_page_says_why() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let worker = worker_that_reports(&folder, UNFILTERED);
+    let (said, status) = tried(&worker, true).await;
+    assert!(said.contains("mapping.script.requireFilter = false"), "{said}");
+    assert!(status.walls.is_none() && status.engine.is_none(), "{status:?}");
+    let fault = status.fault.expect("a reason");
+    assert!(fault.contains("requireFilter"), "{fault}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_setting_allows_it_and_the_page_shows_what_is_missing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let worker = worker_that_reports(&folder, UNFILTERED);
+    let (said, status) = tried(&worker, false).await;
+    assert!(!said.contains("requireFilter"), "{said}");
+    let walls = status.walls.expect("it was taken into use");
+    assert_eq!((walls.is_filtered, walls.landlock), (false, LandlockState::Partial));
+    assert_eq!(walls.user_id, 7);
+    assert!(walls.has_own_user && walls.has_limits);
+    assert_eq!(status.engine.as_deref(), Some("a worker of this test"));
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_worker_without_bounds_gets_no_script_whatever_is_set() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let worker = worker_that_reports(
+        &folder,
+        Sandbox { is_filtered: true, has_limits: false, ..UNFILTERED },
+    );
+    let (said, status) = tried(&worker, false).await;
+    assert!(said.contains("bounds") && status.fault.is_some(), "{said}");
+}
