@@ -2,18 +2,26 @@
 //!
 //! - [`configuration`]: TOML files with environment overrides, and errors with origin and
 //!   remedy.
+//! - [`data_directory`]: the folder of a daemon's files, for its own user alone.
+//! - [`certificate_pin`]: a server's certificate, known by another way than the connection.
+//! - [`plaintext`]: ways to other machines without TLS.
 //! - [`lifecycle`]: named tasks, one shutdown, and the consequence of a task's failure.
 //! - [`exit`]: message and exit code after an error.
+//! - [`sealing`]: passwords in a store, sealed under a key that is kept elsewhere.
 //! - [`telemetry`]: logs and metrics.
 //! - [`confidential`]: values that must never reach a log.
 //! - [`web`]: problem documents, sessions, security headers, embedded pages, live events, health.
 //!
 //! Independent of the purpose of either daemon.
 
+pub mod certificate_pin;
 pub mod confidential;
 pub mod configuration;
+pub mod data_directory;
 pub mod exit;
 pub mod lifecycle;
+pub mod plaintext;
+pub mod sealing;
 pub mod telemetry;
 pub mod web;
 

@@ -3,10 +3,11 @@
 mod certificate;
 mod ledger;
 mod output;
+mod seal;
 mod spool;
 
 use std::{
-    io::Read as _,
+    io::{BufRead as _, IsTerminal as _, Read as _},
     path::{Path, PathBuf},
     process::ExitCode,
     time::Duration,
@@ -15,7 +16,7 @@ use std::{
 use anyhow::Context as _;
 use clap::{Parser, Subcommand};
 use daemon::{
-    Confidential, configuration,
+    Confidential, configuration, data_directory,
     lifecycle::Lifecycle,
     telemetry,
     web::session::{PasswordHash, PasswordPolicy},
@@ -26,10 +27,13 @@ use factory_connector::{
     enrolment, service,
     store::{Role, Store, User},
 };
-use output::print;
+use output::{print, print_note};
 
 /// Time for all tasks together to finish after the first signal.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(15);
+
+/// Longest password or token on standard input.
+const INPUT_BYTES_MAX: u64 = 4096;
 
 /// Prefix of the environment variables that override the file.
 const ENVIRONMENT: &str = "VERBUND";
@@ -51,8 +55,12 @@ enum Command {
     Run,
     /// Spend a single-use token of the platform and keep the credential it yields.
     Enrol {
-        /// The token that the platform's administrator gave you.
-        token: String,
+        /// File with the token that the platform's administrator gave you; standard input without it.
+        #[arg(long)]
+        token_file: Option<PathBuf>,
+        /// The token itself. Deprecated: every user of this machine sees the arguments of programs.
+        #[arg(hide = true, conflicts_with = "token_file")]
+        token: Option<String>,
         /// The platform's address, where it differs from the one in the token.
         #[arg(long)]
         platform: Option<String>,
@@ -66,6 +74,9 @@ enum Command {
     /// The ledger of everything that left.
     #[command(subcommand)]
     Ledger(ledger::LedgerCommand),
+    /// The key that seals the passwords in the store.
+    #[command(subcommand)]
+    Seal(seal::SealCommand),
     /// The messages that wait to leave.
     #[command(subcommand)]
     Spool(spool::SpoolCommand),
@@ -123,6 +134,7 @@ pub fn run(arguments: Arguments) -> ExitCode {
 }
 
 fn run_command(command: Command, config: ConnectorConfig) -> anyhow::Result<()> {
+    data_directory::tighten(&config.data_directory, config.allow_shared_data_directory)?;
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         .build()
@@ -130,13 +142,14 @@ fn run_command(command: Command, config: ConnectorConfig) -> anyhow::Result<()> 
     runtime.block_on(async {
         match command {
             Command::Run => serve(config).await,
-            Command::Enrol { token, platform } => {
-                let factory =
-                    enrolment::enrol(&config.data_directory, platform.as_deref(), &token).await?;
+            Command::Enrol { token_file, token, platform } => {
+                let token = enrolment_token(token_file.as_deref(), token)?;
+                let factory = enrolment::enrol(&config, platform.as_deref(), &token).await?;
                 print(&format!("This connector is now that of the factory {factory}."))
             }
             Command::Certificate(command) => certificate::run(command, &config).await,
             Command::Ledger(command) => ledger::run(command, &config).await,
+            Command::Seal(command) => seal::run(command, &config).await,
             Command::Spool(command) => spool::run(command, &config).await,
             Command::Users(command) => manage_users(command, &config).await,
             Command::Config(_) => Ok(()),
@@ -157,6 +170,43 @@ async fn serve(config: ConnectorConfig) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Returns the token of a file, of standard input, or of the arguments.
+fn enrolment_token(
+    file: Option<&Path>,
+    argument: Option<String>,
+) -> anyhow::Result<Confidential<String>> {
+    if let Some(token) = argument {
+        print_note(
+            "a token among the arguments is seen by every user of this machine; give it by --token-file or on standard input",
+        )?;
+        return Ok(token.into());
+    }
+    let text = match file {
+        Some(path) => std::fs::read_to_string(path)
+            .with_context(|| format!("reading the token of {}", path.display()))?,
+        None => {
+            // A line: a person pastes it at a terminal.
+            if std::io::stdin().is_terminal() {
+                print_note("paste the token and press Enter")?;
+            }
+            let mut line = String::new();
+            let input = std::io::stdin().lock().take(INPUT_BYTES_MAX).read_line(&mut line);
+            input.context("reading the token of standard input")?;
+            line
+        }
+    };
+    let token = text.trim();
+    anyhow::ensure!(!token.is_empty(), "there is no token in it");
+    Ok(token.into())
+}
+
+/// Reads standard input up to a few kilobytes.
+fn from_input() -> std::io::Result<String> {
+    let mut text = String::new();
+    std::io::stdin().take(INPUT_BYTES_MAX).read_to_string(&mut text)?;
+    Ok(text)
+}
+
 async fn manage_users(command: UsersCommand, config: &ConnectorConfig) -> anyhow::Result<()> {
     let mut session = Store::connect(&config.data_directory).await?;
     match command {
@@ -166,11 +216,7 @@ async fn manage_users(command: UsersCommand, config: &ConnectorConfig) -> anyhow
             }
         }
         UsersCommand::Set { user, role } => {
-            let mut password = String::new();
-            std::io::stdin()
-                .take(4096)
-                .read_to_string(&mut password)
-                .context("reading the password")?;
+            let password = from_input().context("reading the password")?;
             let password = Confidential::from(password.trim_end_matches(['\r', '\n']).to_owned());
             let hash = PasswordHash::of(&password, PasswordPolicy::default())?;
             let user = User { user_name: user, role, password_hash: hash.as_str().to_owned() };

@@ -3,6 +3,7 @@
 
 mod broker;
 mod limits;
+mod plaintext;
 
 use std::{
     net::{Ipv4Addr, SocketAddr},
@@ -12,7 +13,13 @@ use std::{
 
 use asi_model::pubsub::json::Encoding;
 pub use broker::{BrokerSection, ProxySection};
-use daemon::{Confidential, configuration::Setting, telemetry::LogConfig, web::server::TlsFiles};
+use daemon::{
+    Confidential,
+    configuration::Setting,
+    sealing::{Sealer, SealingConfig},
+    telemetry::LogConfig,
+    web::server::TlsFiles,
+};
 pub use limits::{LedgerConfig, RetentionLimits, SpoolLimits};
 use mapping_engine::MappingEngineConfig;
 use serde::Deserialize;
@@ -27,10 +34,15 @@ pub const EXAMPLE: &str = include_str!("../factory-connector.example.toml");
 pub struct ConnectorConfig {
     /// Folder of the database, keys and certificates; on a local disk.
     pub data_directory: PathBuf,
+    /// Use the folder although group or others may enter it.
+    pub allow_shared_data_directory: bool,
+    /// Key that seals the passwords in the store.
+    pub sealing: SealingConfig,
     /// Listener of pages and API.
     pub web: WebConfig,
     /// Endpoint, security and limits of the OPC UA server.
     pub twin: TwinSection,
+    pub enrolment: EnrolmentSection,
     /// Route to the platform's broker.
     pub broker: BrokerSection,
     /// Encoding and pace of reports.
@@ -53,8 +65,11 @@ impl Default for ConnectorConfig {
     fn default() -> Self {
         Self {
             data_directory: PathBuf::from("connector-data"),
+            allow_shared_data_directory: false,
+            sealing: SealingConfig::default(),
             web: WebConfig::default(),
             twin: TwinSection::default(),
+            enrolment: EnrolmentSection::default(),
             broker: BrokerSection::default(),
             reports: ReportConfig::default(),
             spool: SpoolLimits::default(),
@@ -75,11 +90,25 @@ pub struct WebConfig {
     pub listen: SocketAddr,
     /// Certificate and key; plain HTTP without them.
     pub tls: Option<TlsFiles>,
+    /// Speak plain HTTP with other machines.
+    pub allow_plaintext: bool,
+}
+
+/// Enrolment at the platform.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct EnrolmentSection {
+    /// Send the token to a platform on another machine without TLS.
+    pub allow_plaintext: bool,
 }
 
 impl Default for WebConfig {
     fn default() -> Self {
-        Self { listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 8090)), tls: None }
+        Self {
+            listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 8090)),
+            tls: None,
+            allow_plaintext: false,
+        }
     }
 }
 
@@ -144,13 +173,7 @@ impl ConnectorConfig {
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let mut faults = Vec::new();
-        if self.web.tls.is_none() && !self.web.listen.ip().is_loopback() {
-            faults.push(format!(
-                "web.listen is {}, which others can reach, but there is no [web.tls]: give certificate and key, or listen \
-                 on 127.0.0.1 behind a proxy that speaks TLS",
-                self.web.listen
-            ));
-        }
+        faults.extend(self.plaintext_faults());
         if !(1..=60_000).contains(&self.reports.publishing_interval_ms) {
             faults.push("reports.publishing_interval_ms must lie between 1 and 60000".to_owned());
         }
@@ -160,6 +183,12 @@ impl ConnectorConfig {
         faults.extend(self.broker.faults());
         faults.extend(self.twin_config().faults().into_iter().map(|fault| format!("twin.{fault}")));
         faults
+    }
+
+    /// Returns what seals passwords in the store and opens them.
+    #[must_use]
+    pub fn sealer(&self) -> Sealer {
+        Sealer::new(&self.sealing, &self.data_directory)
     }
 
     /// Returns the shortest time between two reports of one data set.

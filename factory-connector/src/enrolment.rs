@@ -1,16 +1,26 @@
 //! Enrolment: a single-use token becomes this connector's own credential for the broker.
 
-use std::{path::Path, time::Duration};
+mod token;
+
+use std::{str::FromStr as _, time::Duration};
 
 use anyhow::Context as _;
 use asi_model::FactoryId;
-use messaging::BrokerProfile;
+use daemon::{Confidential, data_directory};
+use messaging::{BrokerProfile, BrokerUrl};
+use reqwest::redirect;
 use serde::Deserialize;
+use token::TokenParts;
 
 use crate::{
     clock::now,
-    store::{Enrolment, Store},
+    config::ConnectorConfig,
+    passwords,
+    store::{Enrolment, PasswordHolder, Store},
 };
+
+/// Time limit of the exchange: a person waits for it at a terminal.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// The platform's answer: address of the broker, and the credential there.
 #[derive(Deserialize)]
@@ -20,71 +30,83 @@ struct EnrolmentAnswer {
     broker_url: String,
     profile: BrokerProfile,
     user_name: String,
-    password: String,
+    password: Confidential<String>,
     root_certificate_pem: Option<String>,
 }
 
-/// Spends a token at the platform and stores the credential in the data directory.
+/// Spends a token at the platform and stores the credential in the data directory. Where the token carries
+/// the pin of the platform's certificate, it goes to nobody else.
 ///
 /// # Errors
-/// A sentence that says what to do: the platform is not reachable, or refuses the token.
+/// A sentence that says what to do: the platform is not reachable, is not the one that made the token, or
+/// refuses it; an address would have password or token travel without TLS.
 pub async fn enrol(
-    data_directory: &Path,
+    config: &ConnectorConfig,
     platform: Option<&str>,
-    token: &str,
+    token: &Confidential<String>,
 ) -> anyhow::Result<FactoryId> {
-    let platform = platform.map_or_else(|| address_in(token), |address| Ok(address.to_owned()))?;
-    let url = format!("{}/api/v1/enrolments", platform.trim_end_matches('/'));
-    // A person waits for the answer at a terminal.
-    let http = reqwest::Client::builder().timeout(Duration::from_secs(30)).build()?;
-    let answer =
-        http.post(&url).json(&serde_json::json!({ "token": token })).send().await.with_context(
-            || format!("reaching the platform at {url}; is the address right and the way open?"),
-        )?;
-    if !answer.status().is_success() {
-        let status = answer.status();
-        let problem: serde_json::Value = answer.json().await.unwrap_or_default();
-        let detail = problem["detail"].as_str().unwrap_or("it gave no reason");
-        anyhow::bail!("the platform refused to enrol this connector ({status}): {detail}");
-    }
-    let answer: EnrolmentAnswer = answer.json().await.context("reading the platform's answer")?;
-    std::fs::create_dir_all(data_directory)
-        .with_context(|| format!("making the data directory {}", data_directory.display()))?;
-    let mut session = Store::connect(data_directory).await?;
+    let parts = TokenParts::of(token.expose())?;
+    let platform = platform.map_or_else(|| parts.address(), |address| Ok(address.to_owned()))?;
+    config.check_platform(&platform).map_err(anyhow::Error::msg)?;
+    // Before the token is spent: a folder that is refused afterwards would have cost it.
+    data_directory::create(&config.data_directory, config.allow_shared_data_directory)?;
+    let answer = ask(&platform, &parts, token).await?;
+    let named = BrokerUrl::from_str(&answer.broker_url)
+        .context("reading the broker's address that the platform named")?;
+    config.check_named_broker(&named).map_err(anyhow::Error::msg)?;
+    let sealed =
+        passwords::seal(&config.sealer(), &PasswordHolder::Broker, answer.password.expose())?;
     let enrolment = Enrolment {
         factory_id: answer.factory_id.to_string(),
         broker_url: answer.broker_url,
         profile: serde_json::to_string(&answer.profile)?,
         user_name: answer.user_name,
-        password: answer.password,
+        sealed_password: Some(sealed),
         root_certificate_pem: answer.root_certificate_pem,
     };
+    let mut session = Store::connect(&config.data_directory).await?;
     session.enrolments().put(&enrolment, now()).await?;
     Ok(answer.factory_id)
 }
 
-/// Returns the address of the platform, which a token carries before its dot.
-fn address_in(token: &str) -> anyhow::Result<String> {
-    use base64::{Engine as _, engine::general_purpose::URL_SAFE_NO_PAD};
-    let address = token
-        .split_once('.')
-        .and_then(|(address, _)| URL_SAFE_NO_PAD.decode(address).ok())
-        .and_then(|bytes| String::from_utf8(bytes).ok());
-    address.context(
-        "the token carries no address of a platform; copy it again, or give --platform URL",
-    )
+async fn ask(
+    platform: &str,
+    parts: &TokenParts,
+    token: &Confidential<String>,
+) -> anyhow::Result<EnrolmentAnswer> {
+    let url = format!("{}/api/v1/enrolments", platform.trim_end_matches('/'));
+    // A redirect could lead the token to another machine, or out of TLS.
+    let mut http =
+        reqwest::Client::builder().timeout(ANSWER_TIMEOUT).redirect(redirect::Policy::none());
+    if let Some(pin) = parts.pin {
+        http = http.tls_backend_preconfigured(pin.client_config()?);
+    }
+    let body = serde_json::json!({ "token": token.expose() });
+    let answer = http.build()?.post(&url).json(&body).send().await.with_context(|| {
+        let remedy = if parts.pin.is_some() {
+            "is the address right and the way open, and has the platform still the certificate that the token was made with? \
+             If that was changed, ask for a new token"
+        } else {
+            "is the address right and the way open?"
+        };
+        format!("reaching the platform at {url}; {remedy}")
+    })?;
+    let status = answer.status();
+    if let Some(elsewhere) =
+        answer.headers().get(reqwest::header::LOCATION).filter(|_| status.is_redirection())
+    {
+        anyhow::bail!(
+            "{url} sends to {}: the token was not sent there; give the platform's own address with --platform",
+            String::from_utf8_lossy(elsewhere.as_bytes())
+        );
+    }
+    if !status.is_success() {
+        let problem: serde_json::Value = answer.json().await.unwrap_or_default();
+        let detail = problem["detail"].as_str().unwrap_or("it gave no reason");
+        anyhow::bail!("the platform refused to enrol this connector ({status}): {detail}");
+    }
+    answer.json().await.context("reading the platform's answer")
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_token_carries_the_address_of_its_platform() {
-        assert_eq!(
-            address_in("aHR0cHM6Ly92ZXJidW5kLmV4YW1wbGU.secret").ok().as_deref(),
-            Some("https://verbund.example")
-        );
-        assert!(address_in("secret").is_err());
-    }
-}
+mod tests;

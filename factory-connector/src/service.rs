@@ -1,18 +1,22 @@
 //! Composition of the connector: opens every part that can fail, then spawns the tasks.
 
+mod broker_login;
 mod link;
 mod mappings;
 mod status_events;
 mod tasks;
 
-use std::{net::SocketAddr, path::Path, sync::Arc};
+use std::{net::SocketAddr, path::Path, str::FromStr as _, sync::Arc};
 
 use anyhow::Context as _;
 use asi_model::{DateTime, FactoryId};
+use broker_login::BrokerLogin;
 use connector_state::StateConfig;
 use daemon::{
-    Confidential,
+    Confidential, data_directory,
     lifecycle::{Importance, Lifecycle},
+    plaintext::{self, PlaintextWay},
+    sealing::Sealer,
     telemetry::Metrics,
     web::{
         health::Readiness,
@@ -22,7 +26,7 @@ use daemon::{
 };
 use link::OpenedLink;
 use mapping_engine::{MappingEngine, MappingEngineHandle};
-use messaging::LinkHandle;
+use messaging::{BrokerUrl, LinkHandle};
 use shop_floor::{ShopFloor, ShopFloorHandle, SourceConfig};
 use tasks::Tasks;
 use tokio::sync::{Notify, mpsc, watch};
@@ -37,7 +41,8 @@ use crate::{
     lease::LeaseStatus,
     ledger_key::{self, LEDGER_KEY_FILE},
     live_events::LiveEvents,
-    store::{Enrolment, Readers, Role, Store, StoreSession, User},
+    passwords,
+    store::{Enrolment, ReaderUse, Readers, Role, Store, StoreSession, User},
     twin_adapter::{CoordinatorWriter, StoredUsers, UserWatch},
 };
 
@@ -69,6 +74,7 @@ pub async fn start(
     let directory = config.data_directory.clone();
     let enrolled = prepare(&config).await?;
     let factory_id = FactoryId::new(&enrolled.factory_id)?;
+    let plaintext_ways = plaintext_ways(&config, &enrolled)?;
     let shutdown = lifecycle.shutdown();
     let opened = open(&config, &enrolled, &factory_id, started_at).await?;
 
@@ -100,8 +106,10 @@ pub async fn start(
                 factory_id: factory_id.clone(),
                 started_at,
                 data_directory: directory,
+                sealer: config.sealer(),
                 encoding: config.reports.encoding,
                 settings: config.settings.clone(),
+                plaintext_ways,
             },
             server: api::ServerParts {
                 readiness: readiness.clone(),
@@ -126,15 +134,32 @@ pub async fn start(
 /// enrolment, without which a connector cannot start.
 async fn prepare(config: &ConnectorConfig) -> anyhow::Result<Enrolment> {
     let directory = &config.data_directory;
-    std::fs::create_dir_all(directory)
-        .with_context(|| format!("making the data directory {}", directory.display()))?;
+    data_directory::create(directory, config.allow_shared_data_directory)?;
     let mut session = Store::connect(directory).await?;
+    // Before anything reads them: a store of before has them in plain text.
+    let sealed = passwords::seal_all(&mut session, &config.sealer()).await?;
+    if sealed > 0 {
+        tracing::info!(passwords.count = sealed, "Passwords in the store were sealed.");
+    }
     let enrolled = session.enrolments().current().await?.context(
         "this connector is not enrolled yet: ask an administrator of the platform for a token and run \
-         `factory-connector enrol <token>` with the same --config",
+         `factory-connector enrol --token-file FILE` with the same --config",
     )?;
     ensure_first_user(&mut session, config).await?;
     Ok(enrolled)
+}
+
+/// Checks the broker's address of the enrolment like an own one, and warns of what is allowed without TLS.
+fn plaintext_ways(
+    config: &ConnectorConfig,
+    enrolled: &Enrolment,
+) -> anyhow::Result<Vec<PlaintextWay>> {
+    let named = BrokerUrl::from_str(&enrolled.broker_url)
+        .context("reading the broker's address of the enrolment")?;
+    if config.broker.url.is_none() {
+        config.check_named_broker(&named).map_err(anyhow::Error::msg)?;
+    }
+    Ok(plaintext::warned(config.plaintext_ways(&named)))
 }
 
 /// Parts of an opened connector: its tasks, and the handles that pages and API use.
@@ -167,19 +192,21 @@ async fn open(
     let metrics = Metrics::install()?;
     let identity = store.identity().clone();
     let readers = store.readers();
+    let sign_in = readers.reserved_for(ReaderUse::SignIn);
 
     let (coordinator_handle, commands) = coordinator::channel();
-    let (twin, twin_handle) = open_twin(config, factory_id, &coordinator_handle, &readers)?;
+    let (twin, twin_handle) = open_twin(config, factory_id, &coordinator_handle, &sign_in)?;
     let users_changed = Arc::new(Notify::new());
     let user_watch =
-        UserWatch::new(readers.clone(), twin_handle.clone(), Arc::clone(&users_changed)).await?;
+        UserWatch::new(sign_in.clone(), twin_handle.clone(), Arc::clone(&users_changed)).await?;
     let (floor, floor_handle, changes) = ShopFloor::new(floor_config(directory, factory_id));
     let (engine, engine_handle, candidates) =
         MappingEngine::new(config.mapping.clone(), floor_handle.clone(), changes);
     let (catalog, catalog_handle) = Catalog::new(floor_handle.clone());
     // The mark of this start: a page that comes with an id from before it loads everything.
     let events = LiveEvents::new(EVENTS_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
-    let link_config = link::link_config(enrolled, &config.broker, factory_id)?;
+    let password = passwords::of_broker(&config.sealer(), enrolled)?;
+    let link_config = link::link_config(enrolled, &password, &config.broker, factory_id)?;
     let OpenedLink {
         link,
         handle: link_handle,
@@ -201,7 +228,7 @@ async fn open(
     let coordinator_config = coordinator_config(config, factory_id);
     let coordinator =
         Coordinator::new(coordinator_config, store, outputs, key, commands, candidates).await?;
-    for source in stored_sources(&readers).await? {
+    for source in stored_sources(&readers, &config.sealer()).await? {
         floor_handle.put_source(source)?;
     }
     let tasks = Tasks {
@@ -214,6 +241,7 @@ async fn open(
         engine_handle: engine_handle.clone(),
         mapping_work,
         lease_client,
+        broker_login: BrokerLogin::new(sign_in, config.sealer(), &link_handle, enrolled),
         link,
     };
     Ok(Opened {
@@ -265,14 +293,14 @@ fn coordinator_config(config: &ConnectorConfig, factory_id: &FactoryId) -> Coord
 }
 
 /// Returns the configured sources, passwords included.
-async fn stored_sources(readers: &Readers) -> anyhow::Result<Vec<SourceConfig>> {
+async fn stored_sources(readers: &Readers, sealer: &Sealer) -> anyhow::Result<Vec<SourceConfig>> {
     let mut configs = Vec::new();
     for row in readers.session().await?.sources().all().await? {
         let mut json: serde_json::Value = serde_json::from_str(&row.config)
             .with_context(|| format!("reading the stored source {}", row.source_id))?;
         // A column of its own, so that the document can be shown without it.
-        if let Some(password) = row.password {
-            json["identity"]["password"] = password.into();
+        if let Some(password) = passwords::of_source(sealer, &row)? {
+            json["identity"]["password"] = password.expose().as_str().into();
         }
         configs.push(
             serde_json::from_value(json)

@@ -26,6 +26,7 @@ mod migrations;
 mod names;
 mod networks;
 mod operator_entries;
+mod passwords;
 mod past_decisions;
 mod past_reports;
 mod place;
@@ -48,14 +49,15 @@ mod write_connection;
 mod writers;
 
 pub use comments::{Comments, StoredComment};
+pub use connector_state::writes::SourceRow;
 use connector_state::{
     Snapshot, StoredBudgets, StoredLedger, StoredMappings, StoredNetwork, StoredPolicies, Writes,
     writes::{
         AnchorRow, CarriedFieldRow, CheckpointRow, CommentRow, ConsentRow, ControlRow,
         DeadLetterRow, DocumentRow, FieldRow, FieldValueRow, FormerDisclosureRow, NetworkRow,
         NewReport, PastDecisionRow, PolicyWrites, PreviewRow, RecipientPolicyRow, RemovedEntries,
-        ReportMove, RevocationRow, RuleDecisionRow, ShadowRow, SourceRow, TemplateRow, VersionRow,
-        WaitingRow, WriterRow,
+        ReportMove, RevocationRow, RuleDecisionRow, ShadowRow, TemplateRow, VersionRow, WaitingRow,
+        WriterRow,
     },
 };
 pub use control_messages::ControlMessage;
@@ -74,6 +76,7 @@ pub use mapping_templates::MappingTemplates;
 pub use mapping_versions::{StoredMappingVersions, VERSIONS_MAX};
 pub use networks::{Networks, Revisions};
 pub use operator_entries::OperatorEntries;
+pub use passwords::{PasswordHolder, Passwords, StoredPassword};
 pub use past_decisions::{PastDecisions, StoredPastDecision};
 pub use past_reports::{EpochRecipients, PastReports};
 pub use policy_documents::{DocumentKind, PolicyDocuments};
@@ -82,7 +85,7 @@ pub use recipient_policies::RecipientPolicies;
 pub use reports::{LastSequences, ReportMessage, Reports};
 pub use revocations::{Revocations, StoredRevocation};
 pub use rule_decisions::{RuleDecision, RuleDecisions};
-pub use session::{Readers, StoreSession};
+pub use session::{ReaderUse, Readers, StoreSession};
 pub use shadow_mappings::ShadowMappings;
 pub use sources::Sources;
 pub use spool::{Message, Spool, SpooledMessage};

@@ -17,7 +17,7 @@ use tokio_util::sync::CancellationToken;
 
 use crate::{
     address::LogicalAddress,
-    config::{LinkConfig, LinkError},
+    config::{LinkConfig, LinkError, Login},
     envelope::Envelope,
     inbox::Inbox,
     spool::SpoolStore,
@@ -50,8 +50,9 @@ impl Link {
         inbox: Arc<dyn Inbox>,
     ) -> Result<(Self, LinkHandle), LinkError> {
         let broker = config.brokers.first().ok_or(LinkError::NoBroker)?.to_string();
-        let transport = transport::new(&config)?;
-        let context = Arc::new(LinkContext::new(broker, config.consumed.clone()));
+        let context = LinkContext::new(broker, config.consumed.clone(), config.login.clone());
+        let transport = transport::new(&config, context.login.subscribe())?;
+        let context = Arc::new(context);
         let handle = LinkHandle { context: Arc::clone(&context) };
         Ok((Self { supervisor: Supervisor { config, transport, store, inbox, context } }, handle))
     }
@@ -110,6 +111,13 @@ impl LinkHandle {
     /// Notes that a receipt of the platform arrived.
     pub fn receipted(&self, at: OffsetDateTime) {
         self.context.state.send_modify(|state| state.last_receipted_at = Some(at));
+    }
+
+    /// Replaces the login from the next connection on, and ends a pause after a refusal. A connection that
+    /// is up stays: the broker decides how long a former password holds.
+    pub fn set_login(&self, login: Login) {
+        self.context.login.send_replace(login);
+        self.reconnect_now();
     }
 
     /// Connects now instead of at the end of the pause, as after a person removed the cause.

@@ -6,7 +6,9 @@ mod dial;
 mod mqtt;
 mod tls;
 
-use crate::config::{BrokerUrl, LinkConfig, LinkError};
+use tokio::sync::watch;
+
+use crate::config::{BrokerUrl, LinkConfig, LinkError, Login};
 
 pub(crate) use connection::{
     BrokerOutcome, Connection, ConnectionFault, DeliveryToken, EndpointFault, MessageReceiver,
@@ -14,7 +16,11 @@ pub(crate) use connection::{
 };
 
 /// Chooses the transport for the configured brokers.
-pub(crate) fn new(config: &LinkConfig) -> Result<Box<dyn Transport>, LinkError> {
+/// The login is that of the time of each connection.
+pub(crate) fn new(
+    config: &LinkConfig,
+    login: watch::Receiver<Login>,
+) -> Result<Box<dyn Transport>, LinkError> {
     let is_encrypted = config.brokers.iter().any(BrokerUrl::is_encrypted);
     let client = is_encrypted.then(|| tls::client_config(&config.tls)).transpose()?;
     let dialler = dial::Dialler {
@@ -26,9 +32,9 @@ pub(crate) fn new(config: &LinkConfig) -> Result<Box<dyn Transport>, LinkError> 
     };
     let mqtt = config.brokers.iter().filter(|broker| broker.is_mqtt()).count();
     if mqtt == 0 {
-        Ok(Box::new(amqp::AmqpTransport::new(config, dialler)))
+        Ok(Box::new(amqp::AmqpTransport::new(config, login, dialler)))
     } else if mqtt == config.brokers.len() {
-        Ok(Box::new(mqtt::MqttTransport::new(config, dialler)))
+        Ok(Box::new(mqtt::MqttTransport::new(config, login, dialler)))
     } else {
         Err(LinkError::MixedProtocols)
     }

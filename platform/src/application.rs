@@ -4,6 +4,7 @@ use std::{sync::Arc, time::Duration};
 
 use asi_model::DateTime;
 use daemon::{
+    plaintext::PlaintextWay,
     telemetry::Metrics,
     web::{health::Readiness, session::Sessions},
 };
@@ -12,8 +13,8 @@ use tokio_util::sync::CancellationToken;
 
 use crate::{
     accesses::AccessRecorder, accounts::StoredAccounts, audit::RecordingStore,
-    broker_access::BrokerAccess, clock::Clock, config::PlatformConfig, ingest::IngestHandle,
-    live::LiveLog, witness::WitnessKey,
+    broker_access::BrokerAccess, clock::Clock, config::PlatformConfig, enrolment::EnrolmentAddress,
+    ingest::IngestHandle, live::LiveLog, witness::WitnessKey,
 };
 
 /// Endpoint of the broker for connectors and tools, handed out with their credentials.
@@ -49,8 +50,10 @@ pub struct ApplicationParts {
     pub clock: Clock,
     /// Endpoint of the broker for connectors and tools.
     pub broker_endpoint: BrokerEndpoint,
-    /// Base URL for browsers and connectors.
-    pub public_url: String,
+    /// Base URL for browsers and connectors, with the certificate shown there.
+    pub enrolment_address: EnrolmentAddress,
+    /// Ways to other machines without TLS.
+    pub plaintext_ways: Vec<PlaintextWay>,
     /// Conditions of readiness.
     pub readiness: Readiness,
     pub metrics: Metrics,

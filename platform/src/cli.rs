@@ -12,7 +12,7 @@ use std::{
 
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
-use daemon::configuration;
+use daemon::{configuration, data_directory};
 use platform::{
     config::{EXAMPLE, PlatformConfig},
     store::Role,
@@ -149,6 +149,7 @@ fn start_runtime() -> anyhow::Result<tokio::runtime::Runtime> {
 }
 
 fn run_command(command: Command, config: PlatformConfig) -> anyhow::Result<()> {
+    data_directory::tighten(&config.data_directory, config.allow_shared_data_directory)?;
     start_runtime()?.block_on(async {
         match command {
             Command::Serve => serve::serve(config).await,

@@ -1,6 +1,8 @@
 //! Configuration of the platform. `platform.example.toml` shows every key with its default; a test
 //! compares the two.
 
+mod plaintext;
+
 use std::{
     net::{Ipv4Addr, SocketAddr},
     path::PathBuf,
@@ -22,6 +24,8 @@ pub const EXAMPLE: &str = include_str!("../platform.example.toml");
 pub struct PlatformConfig {
     /// Folder of the database, the broker's store and the certificate authority, on a local disk.
     pub data_directory: PathBuf,
+    /// Use the folder although group or others may enter it.
+    pub allow_shared_data_directory: bool,
     /// Pages and API.
     pub web: WebConfig,
     /// The broker, embedded or another.
@@ -41,6 +45,7 @@ impl Default for PlatformConfig {
     fn default() -> Self {
         Self {
             data_directory: PathBuf::from("platform-data"),
+            allow_shared_data_directory: false,
             web: WebConfig::default(),
             broker: BrokerSettings::default(),
             admin: AdminConfig::default(),
@@ -64,11 +69,22 @@ pub struct WebConfig {
     /// Certificate and key; without them plain HTTP, for loopback or behind a proxy that speaks
     /// TLS.
     pub tls: Option<TlsFiles>,
+    /// PEM file of the certificate that clients are shown at the public URL, or of an authority that is
+    /// sent along; that of `tls` where absent. Connectors enrol with nobody else.
+    pub public_certificate: Option<PathBuf>,
+    /// Speak plain HTTP with other machines.
+    pub allow_plaintext: bool,
 }
 
 impl Default for WebConfig {
     fn default() -> Self {
-        Self { listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 8080)), public_url: None, tls: None }
+        Self {
+            listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 8080)),
+            public_url: None,
+            tls: None,
+            public_certificate: None,
+            allow_plaintext: false,
+        }
     }
 }
 
@@ -86,6 +102,8 @@ pub struct BrokerSettings {
     pub in_process: bool,
     /// URL of the broker for connectors, handed out at enrolment.
     pub public_url: Option<BrokerUrl>,
+    /// Send connectors and tools to a public URL without TLS.
+    pub allow_plaintext: bool,
     /// Names and addresses that the embedded broker's certificate is for, beside localhost.
     pub host_names: Vec<String>,
     /// Further users of the embedded broker, as for other programs.
@@ -102,6 +120,7 @@ impl Default for BrokerSettings {
             websocket_listen: None,
             in_process: false,
             public_url: None,
+            allow_plaintext: false,
             host_names: Vec::new(),
             users: Vec::new(),
             external: None,
@@ -136,6 +155,9 @@ fn patterns<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<AddressPat
 pub struct ExternalBrokerConfig {
     /// Its addresses; the next one is tried when one fails.
     pub urls: Vec<BrokerUrl>,
+    /// Speak with a broker on another machine without TLS.
+    #[serde(default)]
+    pub allow_plaintext: bool,
     /// Names of logical addresses there: `rabbitmq-3`, `rabbitmq-4`, `activemq` or own templates.
     pub profile: BrokerProfile,
     /// The platform's user there.
@@ -266,15 +288,7 @@ impl PlatformConfig {
                 );
             }
         }
-        if self.web.tls.is_none()
-            && !self.web.listen.ip().is_loopback()
-            && self.web.public_url.is_none()
-        {
-            faults.push(
-                "web.listen: pages on other than loopback need web.tls, or web.public_url when a proxy speaks TLS"
-                    .to_owned(),
-            );
-        }
+        faults.extend(self.address_faults());
         for account in self.broker.external.iter().flat_map(|external| &external.accounts) {
             if account.password.expose().len() < 16 {
                 let name = &account.user_name;
@@ -345,56 +359,4 @@ impl PlatformConfig {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn parse(text: &str) -> PlatformConfig {
-        daemon::configuration::parse(None, text, "VERBUND", []).expect("valid")
-    }
-
-    #[test]
-    fn the_example_shows_the_defaults() {
-        assert_eq!(format!("{:#?}", parse(EXAMPLE)), format!("{:#?}", PlatformConfig::default()));
-    }
-
-    #[test]
-    fn what_the_example_shows_as_comments_is_valid() {
-        let shown: String = EXAMPLE
-            .lines()
-            .map(|line| line.strip_prefix("#: ").unwrap_or(line))
-            .flat_map(|line| [line, "\n"])
-            .collect();
-        let config = parse(&shown);
-        assert_eq!(config.faults(), Vec::<String>::new());
-        assert!(
-            config.broker.external.is_some()
-                && !config.broker.users.is_empty()
-                && config.web.tls.is_some()
-        );
-    }
-
-    #[test]
-    fn unsafe_settings_are_named() {
-        let config =
-            parse("[web]\nlisten = \"0.0.0.0:80\"\n[broker]\nplain_listen = \"0.0.0.0:5672\"\n");
-        let faults = config.faults();
-        assert_eq!(faults.len(), 2, "{faults:?}");
-        assert!(
-            faults[0].starts_with("broker.plain_listen") && faults[1].starts_with("web.listen")
-        );
-    }
-
-    #[test]
-    fn an_address_that_leads_nowhere_is_named() {
-        for (text, words) in [
-            ("public_url = \"amqp+wss://a.example\"\n", Some("set broker.websocket_listen")),
-            ("public_url = \"amqp+wss://a.example\"\nwebsocket_listen = \"0.0.0.0:443\"\n", None),
-            ("public_url = \"mqtts://a.example\"\n", Some("speaks AMQP")),
-            ("public_url = \"amqps://a.example\"\n", None),
-        ] {
-            let faults = parse(&format!("[broker]\n{text}")).faults();
-            assert_eq!(faults.len(), usize::from(words.is_some()), "{text}: {faults:?}");
-            assert!(words.is_none_or(|words| faults[0].contains(words)), "{text}: {faults:?}");
-        }
-    }
-}
+mod tests;

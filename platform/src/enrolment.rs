@@ -1,19 +1,22 @@
 //! Enrolment: a single-use token becomes a connector's own credential.
 
+use std::path::PathBuf;
+
 use asi_model::{DateTime, FactoryId, ToolId};
 use base64::{Engine, engine::general_purpose::URL_SAFE_NO_PAD};
-use daemon::{Confidential, web::session::random_token};
+use daemon::{Confidential, certificate_pin::CertificatePin, web::session::random_token};
 use sha2::{Digest, Sha256};
 
 use crate::{
-    config::PlatformConfig,
+    config::{PlatformConfig, WebConfig},
     store::{BrokerCredential, Holder, StoreError, Work},
 };
 
 /// A token, shown once.
 #[derive(Debug)]
 pub struct EnrolmentToken {
-    /// `<platform's address, base64url>.<secret>`: all a connector needs to enrol.
+    /// `<platform's address, base64url>.<pin of its certificate>.<secret>`, without the pin where the
+    /// platform does not know its certificate: all a connector needs to enrol.
     pub token: Confidential<String>,
     /// End of its validity.
     pub expires_at: DateTime,
@@ -27,6 +30,41 @@ pub struct NewCredential {
     pub secret: Confidential<String>,
 }
 
+/// Address at which connectors enrol, as a token carries it.
+#[derive(Debug, Clone)]
+pub struct EnrolmentAddress {
+    /// Base URL of the platform for others.
+    pub public_url: String,
+    /// Certificate that the server shows there, where it is known.
+    pub pin: Option<CertificatePin>,
+}
+
+impl EnrolmentAddress {
+    /// Reads the pin of the configured certificate.
+    ///
+    /// # Errors
+    /// [`CertificateUnreadable`] where its file cannot be read.
+    pub fn new(web: &WebConfig, public_url: String) -> Result<Self, CertificateUnreadable> {
+        let shown = web.public_certificate.as_ref();
+        let own = web.tls.as_ref().map(|files| &files.certificate);
+        let file = shown.or(own).filter(|_| public_url.starts_with("https://"));
+        let pin = file.map(|path| {
+            CertificatePin::of_pem_file(path)
+                .map_err(|source| CertificateUnreadable { path: path.clone(), source })
+        });
+        Ok(Self { public_url, pin: pin.transpose()? })
+    }
+}
+
+/// The certificate that connectors are shown cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot read the certificate {} for enrolment tokens", path.display())]
+pub struct CertificateUnreadable {
+    path: PathBuf,
+    #[source]
+    source: rustls::pki_types::pem::Error,
+}
+
 /// Makes a token for a factory.
 ///
 /// # Errors
@@ -34,7 +72,7 @@ pub struct NewCredential {
 pub async fn make_token(
     work: &mut Work,
     factory: &FactoryId,
-    public_url: &str,
+    address: &EnrolmentAddress,
     now: DateTime,
     lifetime: std::time::Duration,
 ) -> Result<EnrolmentToken, StoreError> {
@@ -42,7 +80,8 @@ pub async fn make_token(
     let expires_at = now.after(lifetime);
     // The hash alone: a copy of the database enrols nobody.
     work.credentials().add_token(&hash(&secret), factory, now, expires_at).await?;
-    let token = format!("{}.{secret}", URL_SAFE_NO_PAD.encode(public_url));
+    let pin = address.pin.map(|pin| format!("{pin}.")).unwrap_or_default();
+    let token = format!("{}.{pin}{secret}", URL_SAFE_NO_PAD.encode(&address.public_url));
     Ok(EnrolmentToken { token: token.into(), expires_at })
 }
 
@@ -123,4 +162,57 @@ async fn add_credential(
 
 fn hash(secret: &str) -> [u8; 32] {
     Sha256::digest(secret.as_bytes()).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use rcgen::{CertificateParams, KeyPair};
+
+    use super::*;
+    use crate::store::Store;
+
+    #[tokio::test]
+    async fn a_token_pins_the_certificate_that_connectors_are_shown() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let key = KeyPair::generate().expect("a key");
+        let params = CertificateParams::new(vec!["verbund.example".to_owned()]).expect("a name");
+        let shown = params.self_signed(&key).expect("signed");
+        let path = folder.path().join("shown.pem");
+        std::fs::write(&path, shown.pem()).expect("written");
+        let web = WebConfig { public_certificate: Some(path), ..WebConfig::default() };
+        let store = Store::open(&folder.path().join("store.sqlite")).await.expect("a store");
+        let mut work = store.begin().await.expect("begun");
+        let (factory, organisation) = ("F".parse().expect("an id"), "O".parse().expect("an id"));
+        let now = crate::clock::Clock::system().now();
+        let made = crate::store::Organisation {
+            organisation_id: organisation,
+            name: "O".to_owned(),
+            created_at: now,
+        };
+        work.organisations().add(&made).await.expect("added");
+        work.factories().add(&factory, &made.organisation_id, "F", now).await.expect("added");
+        work.commit().await.expect("stored");
+        let token = async |public_url: &str| {
+            let address = EnrolmentAddress::new(&web, public_url.to_owned()).expect("readable");
+            let day = std::time::Duration::from_secs(86_400);
+            let mut work = store.begin().await.expect("begun");
+            let made = make_token(&mut work, &factory, &address, now, day).await.expect("made");
+            work.commit().await.expect("stored");
+            made.token.expose().clone()
+        };
+        let pinned = token("https://verbund.example").await;
+        let parts: Vec<&str> = pinned.split('.').collect();
+        assert_eq!(parts.len(), 3, "address, pin and secret");
+        assert_eq!(parts[1], CertificatePin::of(shown.der()).to_string());
+        assert_eq!(
+            token("http://127.0.0.1:8080").await.split('.').count(),
+            2,
+            "without TLS none is shown"
+        );
+        let (config, token) = (PlatformConfig::default(), pinned.into());
+        let mut work = store.begin().await.expect("begun");
+        let (enrolled, _) =
+            enrol(&mut work, &config, &token, now).await.expect("it is a token all the same");
+        assert_eq!(enrolled, factory);
+    }
 }

@@ -1,13 +1,14 @@
 //! The platform as a component: opened from its configuration, run until shutdown.
 
 mod brokers;
-mod data_directory;
 mod error;
 
 use std::{convert::Infallible, net::SocketAddr, path::Path, sync::Arc, time::Duration};
 
 use daemon::{
+    data_directory,
     lifecycle::{Importance, Lifecycle},
+    plaintext,
     telemetry::Metrics,
     web::{
         health::Readiness,
@@ -30,6 +31,7 @@ use crate::{
     broker_process::{BrokerProcessHandle, EmbeddedBroker},
     clock::Clock,
     config::PlatformConfig,
+    enrolment::EnrolmentAddress,
     ingest::{Ingest, IngestConfig},
     live::{EVENTS_MAX, LiveLog},
     networks::Resender,
@@ -80,7 +82,8 @@ impl Platform {
         lifecycle: &Lifecycle,
         program: &Path,
     ) -> Result<(Self, PlatformHandle), StartError> {
-        data_directory::create(&config)?;
+        data_directory::create(&config.data_directory, config.allow_shared_data_directory)?;
+        let plaintext_ways = plaintext::warned(config.plaintext_ways());
         let metrics = Metrics::install()?;
         let store = Store::open(&config.database_path()).await?;
         let recording = RecordingStore::new(store.clone(), clock.clone());
@@ -126,7 +129,6 @@ impl Platform {
             StoredAccounts::new(store.clone(), clock.clone()),
         );
         let application = Application::new(ApplicationParts {
-            config,
             store: recording,
             accesses,
             live,
@@ -136,7 +138,9 @@ impl Platform {
             sessions,
             clock,
             broker_endpoint: access,
-            public_url,
+            enrolment_address: EnrolmentAddress::new(&config.web, public_url)?,
+            plaintext_ways,
+            config,
             readiness: Readiness::new(),
             metrics,
             started_at,

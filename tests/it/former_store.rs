@@ -2,6 +2,8 @@
 
 use std::{
     collections::BTreeSet,
+    fs::Permissions,
+    os::unix::fs::PermissionsExt as _,
     path::{Path, PathBuf},
     process::Command,
     time::Duration,
@@ -53,6 +55,28 @@ fn connector_command(places: &Places, factory_id: &str, arguments: &[&str]) -> S
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{arguments:?} of {factory_id} failed: {errors}");
     String::from_utf8(output.stdout).unwrap()
+}
+
+/// Closes the data directory of a connector as its refusal says: version 0.1 left it open to every user
+/// of the machine.
+fn close_to_others(places: &Places, factory_id: &str) {
+    let config = places.folder.join(format!("connector-{factory_id}.toml"));
+    let mut command = Command::new(binary("factory-connector").unwrap());
+    let refused = command.args(["users", "list", "--config"]).arg(config).output().unwrap();
+    let (remedy, folder) = (String::from_utf8(refused.stderr).unwrap(), places.folder.clone());
+    let folder = folder.join(format!("connector-{factory_id}"));
+    assert!(!refused.status.success());
+    assert!(remedy.contains(&format!("chmod 700 {}", folder.display())), "{remedy}");
+    std::fs::set_permissions(&folder, Permissions::from_mode(0o700)).unwrap();
+}
+
+/// Expects that no file of a store is open to others.
+fn files_are_closed(places: &Places, factory_id: &str) {
+    for file in ["connector.sqlite", "connector.sqlite-wal", "generation", "ledger-key.pem"] {
+        let path = places.folder.join(format!("connector-{factory_id}")).join(file);
+        let mode = std::fs::metadata(&path).unwrap().permissions().mode();
+        assert_eq!(mode & 0o077, 0, "{}", path.display());
+    }
 }
 
 fn verify_ledger(places: &Places, factory_id: &str) -> Value {
@@ -295,6 +319,7 @@ async fn stores_of_version_0_1_open_verify_and_go_on() {
     // log of a killed program.
     let mut ledgers = Vec::new();
     for factory_id in [MUNICH, HAMBURG] {
+        close_to_others(&places, factory_id);
         let expected = &expected_of(factory_id)["ledger"];
         ledgers.push(ledger_is_as_written(&places, factory_id, expected));
     }
@@ -304,6 +329,7 @@ async fn stores_of_version_0_1_open_verify_and_go_on() {
     for factory_id in [MUNICH, HAMBURG] {
         world.start_connector(factory_id, None).await.unwrap();
         let connector = world.connector_api(factory_id).await.unwrap();
+        files_are_closed(&places, factory_id);
         documents_are_as_written(factory_id, &connector, expected_of(factory_id)).await;
         move_sources(&world, &connector, factory_id).await;
     }

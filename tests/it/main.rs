@@ -2,10 +2,12 @@
 #![allow(clippy::unwrap_used)]
 
 mod chaos;
+mod data_directories;
 mod demo;
 mod former_store;
 mod house;
 mod mutants;
 mod mutants_cover;
 mod openapi;
+mod passwords;
 mod promises;

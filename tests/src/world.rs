@@ -97,12 +97,15 @@ impl World {
         let config = folder.join(format!("connector-{factory_id}.toml")).display().to_string();
         let name = format!("connector-{factory_id}");
         if let Some(token) = token {
+            let token_file = folder.join(format!("token-{factory_id}"));
+            std::fs::write(&token_file, token)?;
             let mut enrol = daemon(
                 &format!("enrol-{factory_id}"),
                 "factory-connector",
                 &[
                     "enrol",
-                    token,
+                    "--token-file",
+                    &token_file.display().to_string(),
                     "--platform",
                     &format!("http://127.0.0.1:{}", self.places.platform_web),
                     "--config",

@@ -5,6 +5,8 @@ use std::{path::PathBuf, sync::Arc};
 use asi_model::{DateTime, FactoryId, pubsub::json::Encoding};
 use daemon::{
     configuration::Setting,
+    plaintext::PlaintextWay,
+    sealing::Sealer,
     telemetry::Metrics,
     web::{
         Problem,
@@ -15,7 +17,7 @@ use daemon::{
 use mapping_engine::MappingEngineHandle;
 use messaging::LinkHandle;
 use shop_floor::ShopFloorHandle;
-use tokio::sync::{Notify, watch};
+use tokio::sync::{Notify, Semaphore, watch};
 use tokio_util::sync::CancellationToken;
 use twin::TwinHandle;
 
@@ -25,7 +27,7 @@ use crate::{
     coordinator::CoordinatorHandle,
     lease::LeaseStatus,
     live_events::LiveEvents,
-    store::{Readers, StoreSession},
+    store::{ReaderUse, Readers, StoreSession},
 };
 
 /// Name of the session cookie.
@@ -59,8 +61,12 @@ pub struct RunningConnector {
     pub started_at: DateTime,
     /// Directory of the store and of keys.
     pub data_directory: PathBuf,
+    /// Seals the passwords of machines.
+    pub sealer: Sealer,
     pub encoding: Encoding,
     pub settings: Vec<Setting>,
+    /// Ways to other machines without TLS.
+    pub plaintext_ways: Vec<PlaintextWay>,
 }
 
 /// Parts of the web server.
@@ -79,16 +85,32 @@ pub struct Api {
     pub(super) sessions: Sessions<StoredAccounts>,
     pub(super) accounts: StoredAccounts,
     pub(super) previews: Arc<ShownPreviews>,
+    /// Turn of the export that reads its next block: exports together take one reader.
+    pub(super) export_turn: Arc<Semaphore>,
+    /// Right to verify the ledger, which reads all of it.
+    pub(super) verification: Arc<Semaphore>,
 }
 
 impl Api {
     /// Returns the context of these parts, without any session.
     #[must_use]
     pub fn new(parts: ApiParts) -> Self {
-        let accounts = StoredAccounts::new(parts.readers.clone());
+        let accounts = StoredAccounts::new(parts.readers.reserved_for(ReaderUse::SignIn));
         let config = SessionConfig::new(COOKIE, parts.server.has_tls);
         let sessions = Sessions::new(config, accounts.clone());
-        Self { parts: Arc::new(parts), sessions, accounts, previews: Arc::default() }
+        Self {
+            parts: Arc::new(parts),
+            sessions,
+            accounts,
+            previews: Arc::default(),
+            export_turn: Arc::new(Semaphore::new(1)),
+            verification: Arc::new(Semaphore::new(1)),
+        }
+    }
+
+    /// Takes a reading connection for what has to answer whatever else is read.
+    pub(super) async fn reserved_store(&self) -> Result<StoreSession, Problem> {
+        Ok(self.parts.readers.reserved_for(ReaderUse::SignIn).session().await?)
     }
 
     /// Takes a reading connection to the store.

@@ -17,6 +17,7 @@ use super::{
     values::ShownValue,
     view::Page,
 };
+use crate::{passwords, store::PasswordHolder};
 
 /// Children per page without a limit, and at most: a server may list a hundred thousand in one
 /// folder.
@@ -106,12 +107,16 @@ pub async fn change_source(
 }
 
 async fn put(api: &Api, source: SourceConfig) -> Result<(), Problem> {
-    let password = match &source.identity {
-        Identity::UserName { password, .. } => Some(password.expose().to_owned()),
+    let holder = PasswordHolder::Source(source.source_id.to_string());
+    let sealed_password = match &source.identity {
+        Identity::UserName { password, .. } => {
+            Some(passwords::seal(&api.instance.sealer, &holder, password.expose()))
+        }
         Identity::Anonymous | Identity::Certificate { .. } => None,
     };
+    let sealed_password = sealed_password.transpose().map_err(|error| Problem::internal(&error))?;
     let config = serde_json::to_string(&source).map_err(|error| Problem::internal(&error))?;
-    let row = SourceRow { source_id: source.source_id.to_string(), config, password };
+    let row = SourceRow { source_id: source.source_id.to_string(), config, sealed_password };
     api.shop_floor.check_source(&source).map_err(shop_floor)?;
     api.coordinator.execute(|_, _| configuration::put_source(row)).await?;
     // Connected once it is stored: what the next start does not know has never been in use.

@@ -3,8 +3,9 @@
 use asi_model::{DateTime, OrganisationId};
 use axum::{Json, extract::State};
 use connector_state::ConnectorState;
-use daemon::web::Problem;
+use daemon::{plaintext::PlaintextWay, web::Problem};
 use ledger::LogConflict;
+use mapping_engine::ScriptWorkerStatus;
 use messaging::{Backlog, LinkPhase, LinkState};
 use serde::Serialize;
 use shop_floor::SourceStatus;
@@ -33,6 +34,10 @@ pub struct Status {
     spool: Backlog,
     /// Status of each local server.
     sources: Vec<SourceStatus>,
+    /// Worker processes of scripts, with the walls around each.
+    script_workers: Vec<ScriptWorkerStatus>,
+    /// Ways to other machines without TLS that the configuration allows.
+    plaintext_ways: Vec<PlaintextWay>,
     /// Conflicts with the platform as the witness of the ledger. While there is one, values wait in
     /// the spool.
     ledger_conflicts: Vec<LedgerConflictStatus>,
@@ -112,7 +117,7 @@ pub struct TwinStatus {
     responses((status = 200, body = Status), Problems)
 )]
 pub async fn show_status(_: Viewer, State(api): State<Api>) -> Result<Json<Status>, Problem> {
-    let spool = api.store().await?.spool().backlog().await?;
+    let spool = api.reserved_store().await?.spool().backlog().await?;
     let ledger_conflicts = api.coordinator.read(ledger_conflicts).await?;
     Ok(Json(Status {
         factory_id: api.instance.factory_id.to_string(),
@@ -126,6 +131,8 @@ pub async fn show_status(_: Viewer, State(api): State<Api>) -> Result<Json<Statu
         },
         spool,
         sources: api.shop_floor.states(),
+        script_workers: api.engine.script_workers(),
+        plaintext_ways: api.instance.plaintext_ways.clone(),
         ledger_conflicts,
     }))
 }

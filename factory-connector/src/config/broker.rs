@@ -12,6 +12,8 @@ use serde::Deserialize;
 pub struct BrokerSection {
     /// Address that leads to the same broker, in the same protocol.
     pub url: Option<BrokerUrl>,
+    /// Speak with a broker on another machine without TLS.
+    pub allow_plaintext: bool,
     /// PEM file with the authorities of the broker's certificate; those of the enrolment where
     /// absent.
     pub root_certificates: Option<PathBuf>,
@@ -34,12 +36,6 @@ impl BrokerSection {
     /// Returns the faults of the section: sentences that name key and remedy.
     pub(super) fn faults(&self) -> Vec<String> {
         let mut faults = Vec::new();
-        if self.url.as_ref().is_some_and(|url| !url.is_encrypted() && !url.is_loopback()) {
-            faults.push(
-                "broker.url: the password would travel without TLS; write amqps://, amqp+wss://, mqtts:// or mqtt+wss://"
-                    .to_owned(),
-            );
-        }
         if let Some(proxy) = &self.proxy {
             if let Err(fault) = proxy.http_proxy() {
                 faults.push(format!("broker.proxy.url: {fault}"));

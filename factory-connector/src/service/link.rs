@@ -5,6 +5,7 @@ use std::{str::FromStr as _, sync::Arc};
 
 use anyhow::Context as _;
 use asi_model::{DateTime, FactoryId};
+use daemon::Confidential;
 use messaging::{BrokerUrl, Link, LinkConfig, LinkError, LinkHandle, Login, Roots};
 use tokio::sync::watch;
 
@@ -16,7 +17,7 @@ use crate::{
     lease::{self, ConnectorInstance, LeaseClient, LeaseGate, LeaseStatus},
     link_adapter::{ConnectorSpool, PlatformInbox},
     live_events::LiveEvents,
-    store::{Enrolment, Readers, StoreIdentity},
+    store::{Enrolment, ReaderUse, Readers, StoreIdentity},
 };
 
 /// The link with the client of its lease, and the queues that the coordinator fills.
@@ -47,7 +48,7 @@ pub(super) fn open(
     let gate = Arc::new(LeaseGate::default());
     let spool = ConnectorSpool::new(
         factory_id.clone(),
-        readers.clone(),
+        readers.reserved_for(ReaderUse::Spool),
         coordinator.clone(),
         Arc::clone(&keep_alives),
         Arc::clone(&in_flight),
@@ -76,6 +77,7 @@ pub(super) fn open(
 /// lease.
 pub(super) fn link_config(
     enrolled: &Enrolment,
+    password: &Confidential<String>,
     section: &BrokerSection,
     factory_id: &FactoryId,
 ) -> anyhow::Result<LinkConfig> {
@@ -88,7 +90,7 @@ pub(super) fn link_config(
              protocol; write the same protocol, or remove the key"
         );
     }
-    let login = Login::new(&enrolled.user_name, &enrolled.password);
+    let login = Login::new(&enrolled.user_name, password.expose());
     // Unique per running instance, so that a broker distinguishes two instances.
     let mut link = LinkConfig::new(broker, login, format!("{factory_id}.{}", uuid::Uuid::new_v4()));
     link.profile = serde_json::from_str(&enrolled.profile)
@@ -116,13 +118,18 @@ mod tests {
             broker_url: "amqps://verbund.example:5671".to_owned(),
             profile: "\"embedded\"".to_owned(),
             user_name: "factory.FOR_MUC".to_owned(),
-            password: "secret".to_owned(),
+            sealed_password: None,
             root_certificate_pem: Some("enrolled".to_owned()),
         }
     }
 
     fn configured(section: &BrokerSection) -> anyhow::Result<LinkConfig> {
-        link_config(&enrolled(), section, &FactoryId::new("FOR_MUC").expect("an id"))
+        link_config(
+            &enrolled(),
+            &"secret".into(),
+            section,
+            &FactoryId::new("FOR_MUC").expect("an id"),
+        )
     }
 
     #[test]
@@ -144,7 +151,12 @@ mod tests {
             password: Some("gate".into()),
         };
         let url = Some("amqp+wss://verbund.example".parse().expect("an address"));
-        let section = BrokerSection { url, root_certificates: Some(pem), proxy: Some(proxy) };
+        let section = BrokerSection {
+            url,
+            root_certificates: Some(pem),
+            proxy: Some(proxy),
+            ..BrokerSection::default()
+        };
         let link = configured(&section).expect("a configuration");
         assert_eq!(link.brokers[0].to_string(), "amqp+wss://verbund.example:443/");
         assert!(matches!(link.tls.roots, Roots::Pem(pem) if pem == "own"));

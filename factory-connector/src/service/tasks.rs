@@ -8,7 +8,7 @@ use shop_floor::ShopFloor;
 use tokio::sync::mpsc;
 use twin::Twin;
 
-use super::mappings;
+use super::{broker_login::BrokerLogin, mappings};
 use crate::{
     catalog::Catalog, coordinator::Coordinator, lease::LeaseClient, twin_adapter::UserWatch,
 };
@@ -25,6 +25,7 @@ pub(super) struct Tasks {
     /// Commands for the mapping engine, in the order of the decisions.
     pub(super) mapping_work: mpsc::Receiver<Vec<EngineCommand>>,
     pub(super) lease_client: LeaseClient,
+    pub(super) broker_login: BrokerLogin,
     pub(super) link: Link,
 }
 
@@ -41,6 +42,7 @@ impl Tasks {
             engine_handle,
             mapping_work,
             lease_client,
+            broker_login,
             link,
         } = self;
         let token = lifecycle.shutdown();
@@ -79,6 +81,11 @@ impl Tasks {
         let token = lifecycle.shutdown();
         lifecycle.spawn("lease", Importance::Essential, async move {
             lease_client.run(token).await;
+            anyhow::Ok(())
+        });
+        let token = lifecycle.shutdown();
+        lifecycle.spawn("broker login", Importance::Essential, async move {
+            broker_login.run(token).await;
             anyhow::Ok(())
         });
         let token = lifecycle.shutdown();

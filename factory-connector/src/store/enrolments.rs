@@ -20,7 +20,9 @@ pub struct Enrolment {
     pub profile: String,
     /// The connector's user at the broker.
     pub user_name: String,
-    pub password: String,
+    /// Sealed password; none where no key opened it and it was removed, or before the first start of a
+    /// version that seals.
+    pub sealed_password: Option<String>,
     /// Root of the broker's certificate; none for a root of the system.
     pub root_certificate_pem: Option<String>,
 }
@@ -54,12 +56,13 @@ impl Enrolments<'_> {
     /// [`StoreError`] where the table cannot be written.
     pub async fn put(&mut self, enrolment: &Enrolment, now: DateTime) -> Result<(), StoreError> {
         let sql = "INSERT INTO enrolment (id, factory_id, broker_url, profile, user_name, password,
-                       root_certificate_pem, enrolled_at)
-                   VALUES (1, ?, ?, ?, ?, ?, ?, ?)
+                       sealed_password, root_certificate_pem, enrolled_at)
+                   VALUES (1, ?, ?, ?, ?, '', ?, ?, ?)
                    ON CONFLICT (id) DO UPDATE SET
                        factory_id = excluded.factory_id, broker_url = excluded.broker_url,
                        profile = excluded.profile, user_name = excluded.user_name,
                        password = excluded.password,
+                       sealed_password = excluded.sealed_password,
                        root_certificate_pem = excluded.root_certificate_pem,
                        enrolled_at = excluded.enrolled_at";
         query(sql)
@@ -67,7 +70,7 @@ impl Enrolments<'_> {
             .bind(enrolment.broker_url.clone())
             .bind(enrolment.profile.clone())
             .bind(enrolment.user_name.clone())
-            .bind(enrolment.password.clone())
+            .bind(enrolment.sealed_password.clone())
             .bind(enrolment.root_certificate_pem.clone())
             .bind(now.unix_micros())
             .execute(&mut *self.0)
@@ -83,7 +86,7 @@ fn enrolment(row: &SqliteRow) -> Result<Enrolment, StoreError> {
         broker_url: row.column("broker_url")?,
         profile: row.column("profile")?,
         user_name: row.column("user_name")?,
-        password: row.column("password")?,
+        sealed_password: row.column("sealed_password")?,
         root_certificate_pem: row.column("root_certificate_pem")?,
     })
 }

@@ -9,7 +9,7 @@ use std::{
 use asi_model::{DateTime, FactoryId, InstanceId};
 use rusqlite::Transaction;
 use sqlx::{
-    ConnectOptions as _,
+    ConnectOptions as _, SqlitePool,
     sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous},
 };
 use uuid::Uuid;
@@ -21,15 +21,17 @@ use super::{
     load,
     migrations::migrate,
     place::{host_of, place_of},
-    session::{Readers, StoreSession},
+    session::{ReaderPools, Readers, StoreSession},
     write_connection::WriteConnection,
 };
 
 const DATABASE_FILE: &str = "connector.sqlite";
 const LOCK_FILE: &str = "connector.lock";
 const GENERATION_FILE: &str = "generation";
-/// Readers wait for each other here and never delay the writer; pages need few.
+/// Readers of pages wait for each other here and never delay the writer; pages need few.
 const READERS_MAX: u32 = 4;
+/// Readers apart from those of pages, so that nobody stops reports or sign-in by asking for much.
+const RESERVED_READERS_MAX: u32 = 2;
 /// Time to wait for the lock of a command that changes users beside the running connector.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 /// Rows that are read before they are taken: reader and taker are threads, and seldom wait for each
@@ -51,7 +53,7 @@ pub struct Store {
 }
 
 impl Store {
-    /// Opens the store in a folder, making both where they are missing.
+    /// Opens the store in a folder, making it where it is missing.
     ///
     /// # Errors
     /// [`StoreError`] where the folder is in use, belongs to another factory, or cannot be read and
@@ -65,7 +67,6 @@ impl Store {
             let path = path.to_owned();
             move |source| StoreError::Access { path, source }
         };
-        std::fs::create_dir_all(directory).map_err(access(directory))?;
         // Before the file is opened: a second connector must not even bring its tables up to date.
         let lock = lock(directory)?;
         let mut session = Self::connect(directory).await?;
@@ -84,16 +85,15 @@ impl Store {
         std::fs::write(&generation_file, identity.instance_id.as_str())
             .map_err(access(&generation_file))?;
         let database = directory.join(DATABASE_FILE);
-        let pool = SqlitePoolOptions::new()
-            .max_connections(READERS_MAX)
-            // So that nothing is written beside the one connection that writes.
-            .connect_with(options(&database).read_only(true))
-            .await
-            .map_err(StoreError::while_doing("open the store for reading"))?;
+        let pools = ReaderPools {
+            pages: open_readers(&database, READERS_MAX).await?,
+            sign_in: open_readers(&database, RESERVED_READERS_MAX).await?,
+            spool: open_readers(&database, RESERVED_READERS_MAX).await?,
+        };
         Ok(Self {
             writer: WriteConnection::open(&database, BUSY_TIMEOUT, LOG_BYTES)?,
             session,
-            readers: Readers::new(pool),
+            readers: Readers::new(pools),
             identity,
             directory: directory.to_owned(),
             _lock: lock,
@@ -127,7 +127,7 @@ impl Store {
         &self.directory
     }
 
-    /// Returns connections for others to read.
+    /// Returns connections for pages to read.
     #[must_use]
     pub fn readers(&self) -> Readers {
         self.readers.clone()
@@ -164,6 +164,15 @@ impl Store {
         self.session.close().await;
         self.writer.close().await;
     }
+}
+
+async fn open_readers(database: &Path, connections_max: u32) -> Result<SqlitePool, StoreError> {
+    SqlitePoolOptions::new()
+        .max_connections(connections_max)
+        // So that nothing is written beside the one connection that writes.
+        .connect_with(options(database).read_only(true))
+        .await
+        .map_err(StoreError::while_doing("open the store for reading"))
 }
 
 fn options(database: &Path) -> SqliteConnectOptions {

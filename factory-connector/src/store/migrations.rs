@@ -24,6 +24,7 @@ const MIGRATIONS: &[(i64, &str, &str)] = &[
     (45, "retention", include_str!("../../migrations/0045_retention.sql")),
     (46, "past decisions", include_str!("../../migrations/0046_past_decisions.sql")),
     (47, "former disclosures", include_str!("../../migrations/0047_former_disclosures.sql")),
+    (55, "sealed passwords", include_str!("../../migrations/0055_sealed_passwords.sql")),
 ];
 
 /// Brings the tables up to date.

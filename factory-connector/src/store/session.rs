@@ -1,5 +1,7 @@
 //! Connections for reading, and the repositories that borrow them.
 
+use std::sync::Arc;
+
 use sqlx::{Sqlite, SqliteConnection, SqlitePool, pool::PoolConnection};
 
 use super::{
@@ -14,6 +16,7 @@ use super::{
     mapping_versions::StoredMappingVersions,
     networks::Networks,
     operator_entries::OperatorEntries,
+    passwords::Passwords,
     past_decisions::PastDecisions,
     past_reports::PastReports,
     policy_documents::PolicyDocuments,
@@ -29,13 +32,49 @@ use super::{
     writers::Writers,
 };
 
+/// Use that has reading connections of its own, so that nobody stops another by asking for much.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReaderUse {
+    Pages,
+    /// Sign-in, sessions, and the status.
+    SignIn,
+    /// Messages that the link is to send.
+    Spool,
+}
+
 /// Reading connections of an open store; clones share them.
 #[derive(Clone, Debug)]
-pub struct Readers(SqlitePool);
+pub struct Readers {
+    pools: Arc<ReaderPools>,
+    used_for: ReaderUse,
+}
+
+/// Connections by their use.
+#[derive(Debug)]
+pub(super) struct ReaderPools {
+    pub(super) pages: SqlitePool,
+    pub(super) sign_in: SqlitePool,
+    pub(super) spool: SqlitePool,
+}
 
 impl Readers {
-    pub(super) const fn new(pool: SqlitePool) -> Self {
-        Self(pool)
+    /// Returns the connections of pages.
+    pub(super) fn new(pools: ReaderPools) -> Self {
+        Self { pools: Arc::new(pools), used_for: ReaderUse::Pages }
+    }
+
+    /// Returns the connections of another use.
+    #[must_use]
+    pub fn reserved_for(&self, used_for: ReaderUse) -> Self {
+        Self { pools: Arc::clone(&self.pools), used_for }
+    }
+
+    fn pool(&self) -> &SqlitePool {
+        match self.used_for {
+            ReaderUse::Pages => &self.pools.pages,
+            ReaderUse::SignIn => &self.pools.sign_in,
+            ReaderUse::Spool => &self.pools.spool,
+        }
     }
 
     /// Takes a connection, and waits for one while all are in use.
@@ -44,12 +83,15 @@ impl Readers {
     /// [`StoreError::Database`], for instance when the store is closed.
     pub async fn session(&self) -> Result<StoreSession, StoreError> {
         let connection =
-            self.0.acquire().await.map_err(StoreError::while_doing("connect to the store"))?;
+            self.pool().acquire().await.map_err(StoreError::while_doing("connect to the store"))?;
         Ok(StoreSession(Connection::Pooled(connection)))
     }
 
     pub(super) async fn close(&self) {
-        self.0.close().await;
+        let ReaderPools { pages, sign_in, spool } = &*self.pools;
+        for pool in [pages, sign_in, spool] {
+            pool.close().await;
+        }
     }
 }
 
@@ -128,6 +170,11 @@ impl StoreSession {
     /// Disclosures whose consents ended a short while ago.
     pub fn former_disclosures(&mut self) -> FormerDisclosures<'_> {
         FormerDisclosures(self.connection())
+    }
+
+    /// Returns the repository of passwords, sealed or not.
+    pub fn passwords(&mut self) -> Passwords<'_> {
+        Passwords(self.connection())
     }
 
     /// Decisions whether recipients see the past.

@@ -29,7 +29,7 @@ fn source(row: &SqliteRow) -> Result<SourceRow, StoreError> {
     Ok(SourceRow {
         source_id: row.column("source_id")?,
         config: row.column("config")?,
-        password: row.column("password")?,
+        sealed_password: row.column("sealed_password")?,
     })
 }
 
@@ -41,11 +41,11 @@ pub(super) fn write(
 ) -> rusqlite::Result<()> {
     write_rows(
         connection,
-        "INSERT INTO source (source_id, config, password) VALUES (?, ?, ?)
+        "INSERT INTO source (source_id, config, sealed_password) VALUES (?, ?, ?)
          ON CONFLICT (source_id) DO UPDATE SET
-             config = excluded.config, password = excluded.password",
+             config = excluded.config, password = NULL, sealed_password = excluded.sealed_password",
         sources,
-        |row| (&row.source_id, &row.config, &row.password),
+        |row| (&row.source_id, &row.config, &row.sealed_password),
     )?;
     write_rows(connection, "DELETE FROM source WHERE source_id = ?", removed, |id| (id,))
 }

@@ -8,13 +8,17 @@ use connector_state::{
     transaction::{self, DeliveryState},
     use_cases::revise::receive_network,
 };
-use daemon::{Confidential, lifecycle::Lifecycle};
+use daemon::{
+    Confidential,
+    lifecycle::Lifecycle,
+    sealing::{Sealer, SealingConfig},
+};
 use factory_connector::{
     clock::now,
     config::ConnectorConfig,
     ledger_key::{self, LEDGER_KEY_FILE},
-    service,
-    store::{Enrolment, Store},
+    passwords, service,
+    store::{Enrolment, PasswordHolder, Store},
 };
 use mapping_engine::ScriptRuntime;
 use reqwest::{Method, StatusCode};
@@ -201,6 +205,11 @@ impl SignedIn {
         (status, answer.json().await.unwrap_or_default())
     }
 
+    /// A call whose answer is not read yet.
+    pub async fn unread(&self, path: &str) -> reqwest::Response {
+        self.request(Method::GET, path, None).send().await.expect("the answer's beginning")
+    }
+
     /// A call that holds for this version only.
     pub async fn call_if_match(
         &self,
@@ -293,15 +302,17 @@ fn script_worker() -> (ScriptRuntime, Option<PathBuf>) {
 /// Fills the store as an enrolled connector's that has received the network.
 async fn enrol(directory: &TempDir, fields: Value) {
     let data = directory.path().join("data");
-    std::fs::create_dir_all(&data).expect("a folder");
+    daemon::data_directory::create(&data, false).expect("a folder");
     let factory_id: FactoryId = FACTORY.parse().expect("an id");
     let mut session = Store::connect(&data).await.expect("a store");
+    let sealer = Sealer::new(&SealingConfig::default(), &data);
+    let sealed = passwords::seal(&sealer, &PasswordHolder::Broker, "none").expect("sealed");
     let enrolment = Enrolment {
         factory_id: FACTORY.to_owned(),
         broker_url: "amqp://127.0.0.1:1".to_owned(),
         profile: r#""embedded""#.to_owned(),
         user_name: FACTORY.to_owned(),
-        password: "none".to_owned(),
+        sealed_password: Some(sealed),
         root_certificate_pem: None,
     };
     session.enrolments().put(&enrolment, now()).await.expect("enrolled");

@@ -11,7 +11,7 @@ use time::OffsetDateTime;
 use tokio::sync::{Notify, watch};
 
 use super::state::{LinkPhase, LinkState};
-use crate::{address::LogicalAddress, clock, envelope::Envelope, spool::Backlog};
+use crate::{address::LogicalAddress, clock, config::Login, envelope::Envelope, spool::Backlog};
 
 /// Most volatile messages that wait; beyond, the oldest are dropped.
 pub(crate) const VOLATILE_MAX: usize = 4;
@@ -21,6 +21,8 @@ pub(crate) struct LinkContext {
     pub state: watch::Sender<LinkState>,
     /// Addresses to receive from.
     pub consumed: watch::Sender<Vec<LogicalAddress>>,
+    /// Login of the next connection.
+    pub login: watch::Sender<Login>,
     /// Rows were added to the spool.
     pub wake: Notify,
     /// Rows of the spool wait again.
@@ -41,10 +43,11 @@ pub(crate) struct LinkContext {
 }
 
 impl LinkContext {
-    pub(crate) fn new(broker: String, consumed: Vec<LogicalAddress>) -> Self {
+    pub(crate) fn new(broker: String, consumed: Vec<LogicalAddress>, login: Login) -> Self {
         Self {
             state: watch::Sender::new(LinkState::initial(broker, clock::now())),
             consumed: watch::Sender::new(consumed),
+            login: watch::Sender::new(login),
             wake: Notify::new(),
             rewind: Notify::new(),
             reconnect: Notify::new(),

@@ -49,19 +49,18 @@ const CLOSE_TIMEOUT: std::time::Duration = std::time::Duration::from_secs(2);
 /// Connects to AMQP 1.0 brokers.
 pub(crate) struct AmqpTransport {
     dialler: Dialler,
-    login: Login,
+    login: watch::Receiver<Login>,
     container_id: String,
     limits: LinkLimits,
 }
 
 impl AmqpTransport {
-    pub(super) fn new(config: &LinkConfig, dialler: Dialler) -> Self {
-        Self {
-            dialler,
-            login: config.login.clone(),
-            container_id: config.container_id.clone(),
-            limits: config.limits,
-        }
+    pub(super) fn new(
+        config: &LinkConfig,
+        login: watch::Receiver<Login>,
+        dialler: Dialler,
+    ) -> Self {
+        Self { dialler, login, container_id: config.container_id.clone(), limits: config.limits }
     }
 
     async fn open(
@@ -70,6 +69,7 @@ impl AmqpTransport {
         stream: Box<dyn Stream>,
     ) -> Result<ConnectionHandle<()>, ConnectionFault> {
         let idle_ms = u32::try_from(self.limits.idle_timeout.as_millis()).unwrap_or(u32::MAX);
+        let Login { user_name, password } = self.login.borrow().clone();
         AmqpConnection::builder()
             .container_id(self.container_id.as_str())
             .hostname(broker.host())
@@ -77,8 +77,8 @@ impl AmqpTransport {
             .idle_time_out(idle_ms)
             .buffer_size(FRAMES_BUFFERED)
             .sasl_profile(SaslProfile::Plain {
-                username: self.login.user_name.clone(),
-                password: self.login.password.to_string(),
+                username: user_name,
+                password: password.to_string(),
             })
             .open_with_stream(stream)
             .await

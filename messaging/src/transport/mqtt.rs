@@ -21,7 +21,7 @@ use futures::{SinkExt, StreamExt};
 use rumqttc::v5::mqttbytes::v5::{
     Codec, Connect, ConnectProperties, ConnectReturnCode, Login as MqttLogin, Packet,
 };
-use tokio::time::timeout;
+use tokio::{sync::watch, time::timeout};
 use tokio_util::codec::Framed;
 
 use super::{
@@ -42,13 +42,17 @@ use subscriber::MqttSubscriber;
 /// Connects to MQTT 5 brokers.
 pub(crate) struct MqttTransport {
     dialler: Dialler,
-    login: Login,
+    login: watch::Receiver<Login>,
     limits: LinkLimits,
 }
 
 impl MqttTransport {
-    pub(super) fn new(config: &LinkConfig, dialler: Dialler) -> Self {
-        Self { dialler, login: config.login.clone(), limits: config.limits }
+    pub(super) fn new(
+        config: &LinkConfig,
+        login: watch::Receiver<Login>,
+        dialler: Dialler,
+    ) -> Self {
+        Self { dialler, login, limits: config.limits }
     }
 
     fn packet_bytes_max(&self) -> u32 {
@@ -61,18 +65,16 @@ impl MqttTransport {
         properties.receive_maximum =
             Some(u16::try_from(self.limits.credit.max(1)).unwrap_or(u16::MAX));
         properties.max_packet_size = Some(self.packet_bytes_max());
+        let Login { user_name, password } = self.login.borrow().clone();
         let connect = Connect {
             keep_alive: u16::try_from(self.limits.idle_timeout.as_secs().max(2))
                 .unwrap_or(u16::MAX),
-            client_id: self.login.user_name.clone(),
+            client_id: user_name.clone(),
             // The session holds what arrived while the link was down.
             clean_start: false,
             properties: Some(properties),
         };
-        let login = MqttLogin {
-            username: self.login.user_name.clone(),
-            password: self.login.password.to_string(),
-        };
+        let login = MqttLogin { username: user_name, password: password.to_string() };
         Packet::Connect(connect, None, Some(login))
     }
 

@@ -100,7 +100,7 @@ pub async fn make_token(
     let known = lookup(&mut work, &factory).await?;
     let lifetime =
         Duration::from_secs(u64::from(app.config.retention.enrolment_token_hours) * 3600);
-    let made = make(&mut work, &factory, &app.public_url, app.clock.now(), lifetime).await?;
+    let made = make(&mut work, &factory, &app.enrolment_address, app.clock.now(), lifetime).await?;
     work.commit(subject(&known), AuditOutcome::Done).await?;
     Ok((
         StatusCode::CREATED,

@@ -3,7 +3,7 @@
 use asi_model::DateTime;
 use axum::{Json, extract::State};
 use broker::{ConnectionStatus, QueueStatus};
-use daemon::web::session::SignedIn;
+use daemon::{plaintext::PlaintextWay, web::session::SignedIn};
 use messaging::LinkState;
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -21,6 +21,9 @@ pub struct Status {
     started_at: DateTime,
     /// Its own clock, to tell ages by.
     now: DateTime,
+    /// Ways to other machines without TLS that the configuration allows; for administrators.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    plaintext_ways: Option<Vec<PlaintextWay>>,
     /// State of the link to the broker; for administrators, since its times are those of the messages
     /// of all factories.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -48,6 +51,7 @@ pub async fn show(State(app): State<Application>, who: SignedIn<Principal>) -> J
         version: env!("CARGO_PKG_VERSION"),
         started_at: app.started_at,
         now: app.clock.now(),
+        plaintext_ways: is_administrator.then(|| app.plaintext_ways.clone()),
         link: link.map(|link| link.state().borrow().clone()),
         queues,
         connections,

@@ -8,13 +8,13 @@ use std::{
 
 use anyhow::Context;
 use asi_model::{FactoryId, OrganisationId};
-use daemon::Confidential;
+use daemon::{Confidential, data_directory};
 use platform::{
     administrator,
     audit::{CommandLine, RecordingStore},
     clock::Clock,
     config::PlatformConfig,
-    enrolment,
+    enrolment::{self, EnrolmentAddress},
     store::{AuditOutcome, AuditSubject, Organisation, Role, Scope, Store, User, Work},
 };
 
@@ -71,15 +71,16 @@ pub async fn print_token(config: &PlatformConfig, id: &str) -> anyhow::Result<()
         format!("{scheme}://{}", config.web.listen)
     });
     let lifetime = Duration::from_secs(u64::from(config.retention.enrolment_token_hours) * 3600);
+    let address = EnrolmentAddress::new(&config.web, public_url)?;
     let now = Clock::system().now();
-    let token = enrolment::make_token(&mut work, &factory, &public_url, now, lifetime).await?;
+    let token = enrolment::make_token(&mut work, &factory, &address, now, lifetime).await?;
     let subject = AuditSubject::of(&known.organisation_id, format!("factories/{id}"));
     work.commit(subject, AuditOutcome::Done).await?;
     let mut out = std::io::stdout();
     writeln!(out, "{}", token.token.expose())?;
     writeln!(
         std::io::stderr(),
-        "Run `factory-connector enrol` with this token before {}.",
+        "Give this token to `factory-connector enrol` on standard input before {}.",
         token.expires_at
     )?;
     Ok(())
@@ -108,9 +109,7 @@ pub async fn set_user(
 }
 
 async fn open(config: &PlatformConfig) -> anyhow::Result<RecordingStore> {
-    std::fs::create_dir_all(&config.data_directory).with_context(|| {
-        format!("making the data directory {}", config.data_directory.display())
-    })?;
+    data_directory::create(&config.data_directory, config.allow_shared_data_directory)?;
     let store = Store::open(&config.database_path()).await?;
     Ok(RecordingStore::new(store, Clock::system()))
 }

@@ -17,7 +17,7 @@ pub async fn serve(config: PlatformConfig) -> anyhow::Result<()> {
     let (platform, handle) = Platform::open(config, Clock::system(), &lifecycle, &program).await?;
     platform.start(&lifecycle);
     tracing::info!(
-        web.url = handle.application.public_url, web.address = %handle.web_address,
+        web.url = handle.application.enrolment_address.public_url, web.address = %handle.web_address,
         broker.url = handle.application.broker_endpoint.url, "The platform is up."
     );
     lifecycle.run(DRAIN_TIMEOUT).await?;

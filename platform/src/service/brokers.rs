@@ -8,13 +8,15 @@ use std::{
 use asi_model::DateTime;
 use broker::{Broker, Carrier, Listener, TlsIdentity};
 use daemon::{
+    data_directory,
     lifecycle::{Importance, Lifecycle},
+    plaintext,
     web::session::random_token,
 };
 use messaging::{BrokerProfile, BrokerUrl, LinkConfig, LinkError, Login, Roots};
 use tokio_util::sync::CancellationToken;
 
-use super::{data_directory, error::StartError};
+use super::error::StartError;
 use crate::{
     application::BrokerEndpoint,
     broker_access::{BrokerAccess, PLATFORM_USER},
@@ -35,7 +37,8 @@ pub async fn start_broker_alone(
     clock: &Clock,
     lifecycle: &Lifecycle,
 ) -> Result<Vec<SocketAddr>, StartError> {
-    data_directory::create(config)?;
+    data_directory::create(&config.data_directory, config.allow_shared_data_directory)?;
+    drop(plaintext::warned(config.plaintext_ways()));
     let store = Store::open(&config.database_path()).await?;
     let broker_access = BrokerAccess::new(config.broker.users.clone());
     let embedded = PlatformConfig {

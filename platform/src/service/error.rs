@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use broker::BrokerError;
 use daemon::{
+    data_directory::DataDirectoryError,
     telemetry::TelemetryError,
     web::{server::ServerError, session::PasswordError},
 };
@@ -12,15 +13,16 @@ use messaging::LinkError;
 use crate::{
     access_log_key::AccessLogKeyError, administrator::AdministratorError,
     broker_access::BrokerAccessError, broker_process::BrokerProcessError,
-    certificates::CertificateError, store::StoreError, witness::WitnessError,
+    certificates::CertificateError, enrolment::CertificateUnreadable, store::StoreError,
+    witness::WitnessError,
 };
 
 /// Failure to start the platform.
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
-    /// The data directory cannot be made.
-    #[error("cannot make the data directory {}; set data_directory to a place that can be written", path.display())]
-    DataDirectory { path: PathBuf, source: std::io::Error },
+    /// The data directory cannot be used.
+    #[error(transparent)]
+    DataDirectory(#[from] DataDirectoryError),
     /// The root certificates of an external broker cannot be read.
     #[error("cannot read broker.external.root_certificates {}", path.display())]
     RootCertificates { path: PathBuf, source: std::io::Error },
@@ -42,6 +44,9 @@ pub enum StartError {
     /// The key that signs checkpoints of access logs cannot be used.
     #[error("the key of the access logs cannot be used")]
     AccessLogKey(#[from] AccessLogKeyError),
+    /// The certificate for enrolment tokens cannot be read.
+    #[error("enrolment tokens cannot be made")]
+    EnrolmentCertificate(#[from] CertificateUnreadable),
     /// The link cannot be made.
     #[error("the link to the broker cannot be made")]
     Link(#[from] LinkError),

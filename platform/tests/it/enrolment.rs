@@ -1,5 +1,6 @@
 //! Enrolment, rotation and revocation.
 
+use messaging::{LinkPhase, Login};
 use serde_json::json;
 
 use crate::{
@@ -53,6 +54,31 @@ async fn a_token_works_once_and_two_credentials_are_alive() {
         .post("/enrolments", json!({ "token": "made-up" }))
         .await
         .expect_problem(403, "TOKEN_REFUSED");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_link_that_was_refused_goes_on_with_a_new_password() {
+    let world = World::start().await;
+    let admin = story::set_up(&world).await;
+    let enrol = async || {
+        let token = admin.post("/factories/FOR_MUC/enrolment-tokens", json!({})).await.expect_ok();
+        let body = json!({ "token": token["token"] });
+        world.anonymous().post("/enrolments", body).await.expect_ok()
+    };
+    let (first, _, third) = (enrol().await, enrol().await, enrol().await);
+    let peer = Peer::connector(&first, "FOR_MUC");
+    eventually("the retired password is refused", || async {
+        let state = peer.link.state().borrow().clone();
+        match state.phase {
+            LinkPhase::Down { is_permanent: true, .. } => Ok(()),
+            phase => Err(format!("{phase:?}")),
+        }
+    })
+    .await;
+    let text = |name: &str| third[name].as_str().expect("a text").to_owned();
+    // A refused link pauses for minutes; a new password ends that.
+    peer.link.set_login(Login::new(text("userName"), text("password")));
+    is_up(&peer).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -134,7 +134,7 @@ export const de: Texts = {
     tokenText:
       'Dieser Schlüssel wird einmal gezeigt. Geben Sie ihn dem Ingenieur der Fabrik auf sicherem Weg; er gilt ein einziges Mal.',
     tokenExpires: 'läuft ab ',
-    command: 'In der Fabrik',
+    command: 'In der Fabrik; der Schlüssel wird dort erfragt',
     revoke: 'Zugangsdaten widerrufen',
     revokeTitle: 'Zugangsdaten widerrufen?',
     revokeText:
@@ -306,6 +306,10 @@ export const de: Texts = {
     platform: 'Plattform',
     version: 'Version',
     started: 'Läuft seit',
+    plaintext: 'Wege ohne TLS',
+    noPlaintext: 'Keine.',
+    withoutTls: (key: string, address: string) =>
+      `OHNE TLS, wie ausdrücklich erlaubt: ${key}, ${address}. Wer am Weg sitzt, liest Passwörter und Werte.`,
     organisations: 'Organisationen',
     deadLetters: 'Unzustellbare Nachrichten',
     noDeadLetters: 'Noch nie wurde eine Nachricht abgewiesen.',

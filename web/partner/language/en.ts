@@ -132,7 +132,7 @@ export const en = {
     tokenText:
       'This token is shown once. Send it to the factory’s engineer over a safe channel; it works once.',
     tokenExpires: 'expires ',
-    command: 'At the factory',
+    command: 'At the factory; it asks for the token',
     revoke: 'Revoke the credentials',
     revokeTitle: 'Revoke the credentials?',
     revokeText:
@@ -303,6 +303,10 @@ export const en = {
     platform: 'Platform',
     version: 'Version',
     started: 'Running since',
+    plaintext: 'Ways without TLS',
+    noPlaintext: 'None.',
+    withoutTls: (key: string, address: string) =>
+      `WITHOUT TLS, as allowed by name: ${key}, ${address}. Anybody on the way reads passwords and values.`,
     organisations: 'Organisations',
     deadLetters: 'Dead letters',
     noDeadLetters: 'No message was ever rejected.',

@@ -26,6 +26,6 @@ pub struct SourceRow {
     pub source_id: String,
     /// The configuration as JSON, without the password.
     pub config: String,
-    /// The password in plain text; the file of the store is readable by its owner only.
-    pub password: Option<String>,
+    /// Password, sealed by the connector for this source alone.
+    pub sealed_password: Option<String>,
 }

@@ -22,10 +22,12 @@ use connector_state::{
     },
     writes::SourceRow,
 };
+use daemon::sealing::{Sealer, SealingConfig};
 use disclosure::{DecisionBasis, DisclosurePolicy};
 use factory_connector::{
     ledger_key::LEDGER_KEY_FILE,
-    store::{Enrolment, Store},
+    passwords,
+    store::{Enrolment, PasswordHolder, Store},
 };
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -166,17 +168,19 @@ impl Connector {
 }
 
 async fn fill(data: &std::path::Path, bank: &Bank, steps: &Value) -> anyhow::Result<()> {
-    fs::create_dir_all(data)?;
+    daemon::data_directory::create(data, false)?;
     let now = DateTime::from(std::time::SystemTime::now());
     let factory_id: FactoryId = FACTORY.parse()?;
     let mut session = Store::connect(data).await?;
     // Nothing listens there: what is measured ends at the spool.
+    let sealer = Sealer::new(&SealingConfig::default(), data);
+    let sealed = passwords::seal(&sealer, &PasswordHolder::Broker, "none")?;
     let enrolment = Enrolment {
         factory_id: FACTORY.to_owned(),
         broker_url: "amqp://127.0.0.1:1".to_owned(),
         profile: r#""embedded""#.to_owned(),
         user_name: FACTORY.to_owned(),
-        password: "none".to_owned(),
+        sealed_password: Some(sealed),
         root_certificate_pem: None,
     };
     session.enrolments().put(&enrolment, now).await?;
@@ -206,7 +210,7 @@ async fn fill(data: &std::path::Path, bank: &Bank, steps: &Value) -> anyhow::Res
     let source = bank.source()?;
     let config = serde_json::to_string(&source)?;
     let source_id = source.source_id.to_string();
-    pending.merge(put_source(SourceRow { source_id, config, password: None }));
+    pending.merge(put_source(SourceRow { source_id, config, sealed_password: None }));
     let key = factory_connector::ledger_key::open(&data.join(LEDGER_KEY_FILE))?;
     let (writes, _) = transaction::refresh(&mut state, pending)
         .take_back(&mut state, DeliveryState::default(), &key, now)

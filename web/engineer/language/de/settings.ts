@@ -1,6 +1,29 @@
 import type { settings as English } from '../en/settings'
 
 export const settings: typeof English = {
+  safety: {
+    title: 'Was schützt',
+    plaintext: 'Wege ohne TLS',
+    noPlaintext: 'Nichts verlässt diesen Rechner ohne TLS.',
+    withoutTls: (key: string, address: string) =>
+      `OHNE TLS, wie ausdrücklich erlaubt: ${key}, ${address}. Wer am Weg sitzt, liest Passwörter und Werte.`,
+    workers: 'Prozesse für Skripte',
+    worker: {
+      none: 'Noch wurde keiner gestartet.',
+      purpose: { mappings: 'Skripte von Zuordnungen', dryRuns: 'Skripte, die erprobt werden' },
+      filtered: 'Systemaufrufe werden gefiltert.',
+      unfiltered: 'Systemaufrufe werden NICHT gefiltert; eine Einstellung erlaubt das.',
+      landlock: {
+        none: 'Der Kern hat kein Landlock.',
+        partial: 'Landlock verwehrt Dateien und Netz, zum Teil.',
+        full: 'Landlock verwehrt Dateien, Netz und andere Prozesse.',
+      },
+      ownUser: (id: number) => `Läuft als eigener Benutzer (Nummer ${id}).`,
+      sharedUser: 'Läuft als Benutzer des Connectors.',
+      limited: 'Speicher, Dateien und Prozesse sind begrenzt.',
+      unlimited: 'Speicher, Dateien und Prozesse sind NICHT begrenzt.',
+    },
+  },
   settings: {
     title: 'Einstellungen',
     subtitle: 'Diese Seite, diese Sitzung und womit die Anbindung läuft',
@@ -12,12 +35,14 @@ export const settings: typeof English = {
     hidden: 'Gesetzt, wird nicht gezeigt',
     sections: {
       '': 'Allgemein',
+      sealing: 'Versiegelung der Passwörter',
       web: 'Seiten und API',
       'web.tls': 'TLS der Seiten',
       twin: 'Zwilling',
       'twin.security': 'Sicherheit des Zwillings',
       'twin.limits': 'Grenzen des Zwillings',
       'twin.discovery': 'Auffinden des Zwillings',
+      enrolment: 'Aufnahme',
       broker: 'Weg zum Broker',
       'broker.proxy': 'Proxy auf dem Weg',
       reports: 'Berichte',
@@ -31,6 +56,16 @@ export const settings: typeof English = {
     meaning: {
       data_directory:
         'Wo die dauerhafte Datei, Schlüssel und Zertifikate liegen. Auf einer lokalen Platte; als Ganzes sichern.',
+      allow_shared_data_directory:
+        'Diesen Ordner benutzen, obwohl Gruppe oder andere ihn betreten dürfen; die Dateien darin gehören in jedem Fall dem Benutzer allein.',
+      'sealing.key_file':
+        'Datei des Schlüssels, der die Passwörter im Speicher versiegelt. Sonst eine Datei neben dem Speicher, die nur Kopien des Speichers schützt.',
+      'web.allow_plaintext':
+        'Einfaches HTTP mit anderen Rechnern; wer am Weg sitzt, liest Passwörter.',
+      'enrolment.allow_plaintext':
+        'Den Aufnahmeschlüssel ohne TLS an eine Plattform auf einem anderen Rechner senden.',
+      'broker.allow_plaintext':
+        'Mit einem Broker auf einem anderen Rechner ohne TLS sprechen, auch mit dem bei der Aufnahme genannten.',
       'web.listen': 'Wo Seiten und API erreichbar sind.',
       'web.tls.certificate':
         'Zertifikat als PEM. Ohne Zertifikat und Schlüssel unverschlüsselt, nur für diesen Rechner oder hinter einem Proxy mit TLS.',
@@ -85,6 +120,10 @@ export const settings: typeof English = {
       'ledger.witness_wait_s':
         'Sekunden nach einem Start, die Berichte höchstens auf die Auskunft der Plattform warten, dass das Logbuch das von ihr gegengezeichnete ist. Mit 0 keine.',
       'mapping.script.engine': 'Die Skriptmaschine: quickjs (Vorgabe) oder deno.',
+      'mapping.script.requireFilter':
+        'Kein Skript ausführen, wo der Kern die Systemaufrufe seines Prozesses nicht filtert.',
+      'mapping.script.userId':
+        'Benutzer, unter dem Skripte laufen, wo der Connector als root läuft; 0 für den des Connectors.',
       'mapping.script.workers': 'Prozesse, die sich die Skripte teilen.',
       'mapping.script.callBudgetMs': 'Rechenzeit eines Aufrufs in Millisekunden.',
       'mapping.history.valuesPerVariableMax':

@@ -1,4 +1,27 @@
 export const settings = {
+  safety: {
+    title: 'What protects',
+    plaintext: 'Ways without TLS',
+    noPlaintext: 'Nothing leaves this machine without TLS.',
+    withoutTls: (key: string, address: string) =>
+      `WITHOUT TLS, as allowed by name: ${key}, ${address}. Anybody on the way reads passwords and values.`,
+    workers: 'Workers of scripts',
+    worker: {
+      none: 'None was started yet.',
+      purpose: { mappings: 'Scripts of mappings', dryRuns: 'Scripts that are tried' },
+      filtered: 'System calls are filtered.',
+      unfiltered: 'System calls are NOT filtered; a setting allows that.',
+      landlock: {
+        none: 'The kernel has no Landlock.',
+        partial: 'Landlock denies files and network, in part.',
+        full: 'Landlock denies files, network and other processes.',
+      },
+      ownUser: (id: number) => `Runs as a user of its own (user ${id}).`,
+      sharedUser: 'Runs as the connector’s user.',
+      limited: 'Memory, files and processes are bounded.',
+      unlimited: 'Memory, files and processes are NOT bounded.',
+    },
+  },
   settings: {
     title: 'Settings',
     subtitle: 'This page, this session, and what the connector runs with',
@@ -10,12 +33,14 @@ export const settings = {
     hidden: 'Set, not shown',
     sections: {
       '': 'General',
+      sealing: 'Sealing of passwords',
       web: 'Pages and API',
       'web.tls': 'TLS of the pages',
       twin: 'Twin',
       'twin.security': 'Security of the twin',
       'twin.limits': 'Limits of the twin',
       'twin.discovery': 'Finding the twin',
+      enrolment: 'Enrolment',
       broker: 'Way to the broker',
       'broker.proxy': 'Proxy on the way',
       reports: 'Reports',
@@ -30,6 +55,16 @@ export const settings = {
     meaning: {
       data_directory:
         'Where the durable file, keys and certificates live. On a local disk; back it up as a whole.',
+      allow_shared_data_directory:
+        'Use that folder although group or others may enter it; the files in it are the user’s alone in either case.',
+      'sealing.key_file':
+        'File of the key that seals the passwords in the store. Default: a file beside the store, which protects copies of the store alone.',
+      'web.allow_plaintext':
+        'Plain HTTP with other machines, where anybody on the way reads passwords.',
+      'enrolment.allow_plaintext':
+        'Send the enrolment token to a platform on another machine without TLS.',
+      'broker.allow_plaintext':
+        'Speak with a broker on another machine without TLS, the one told at enrolment included.',
       'web.listen': 'Where pages and API listen.',
       'web.tls.certificate':
         'Certificate as PEM. Without certificate and key plain HTTP, for this machine only or behind a proxy that speaks TLS.',
@@ -84,6 +119,10 @@ export const settings = {
       'ledger.witness_wait_s':
         'Seconds after a start for which reports wait at most for the platform’s word that the ledger is the one it countersigned. None with 0.',
       'mapping.script.engine': 'The script engine: quickjs (the default) or deno.',
+      'mapping.script.requireFilter':
+        'Run no script where the kernel does not filter the system calls of its worker.',
+      'mapping.script.userId':
+        'User that workers run as where the connector runs as root; 0 for the connector’s own.',
       'mapping.script.workers': 'Worker processes that share the scripts.',
       'mapping.script.callBudgetMs': 'Computing time of one call, in milliseconds.',
       'mapping.history.valuesPerVariableMax':

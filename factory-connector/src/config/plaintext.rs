@@ -1,0 +1,131 @@
+//! Addresses without TLS to other machines.
+
+use daemon::plaintext::{HttpWay, PlaintextWay, http_way};
+use messaging::BrokerUrl;
+
+use super::ConnectorConfig;
+
+/// Remedy for an address of the broker.
+const BROKER_REMEDY: &str = "write amqps://, amqp+wss://, mqtts:// or mqtt+wss://";
+
+impl ConnectorConfig {
+    /// Returns the ways to other machines without TLS that are used and allowed. `named` is the broker's
+    /// address of the enrolment, used where none is configured.
+    #[must_use]
+    pub fn plaintext_ways(&self, named: &BrokerUrl) -> Vec<PlaintextWay> {
+        let broker = match &self.broker.url {
+            Some(url) => plain_broker("broker.url", url),
+            None => plain_broker("the enrolment's broker", named),
+        };
+        self.open_pages().into_iter().chain(broker).collect()
+    }
+
+    /// Returns the faults of addresses without TLS that no section allows.
+    pub(super) fn plaintext_faults(&self) -> Vec<String> {
+        let pages = self.open_pages().filter(|_| !self.web.allow_plaintext);
+        let remedy = "give certificate and key in [web.tls], or listen on 127.0.0.1 behind a proxy that speaks TLS";
+        let broker = self.broker.url.as_ref().and_then(|url| plain_broker("broker.url", url));
+        let broker = broker.filter(|_| !self.broker.allow_plaintext);
+        pages
+            .map(|way| way.fault("web", remedy))
+            .into_iter()
+            .chain(broker.map(|way| way.fault("broker", BROKER_REMEDY)))
+            .collect()
+    }
+
+    /// Checks the broker's address that the platform named at enrolment, as an own one is.
+    ///
+    /// # Errors
+    /// A sentence with the remedy.
+    pub fn check_named_broker(&self, named: &BrokerUrl) -> Result<(), String> {
+        let way = plain_broker("the broker's address that the platform named", named);
+        match way.filter(|_| !self.broker.allow_plaintext) {
+            Some(way) => Err(way.fault("broker", "have the platform's broker.public_url mended")),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks the address of a platform to enrol at.
+    ///
+    /// # Errors
+    /// A sentence with the remedy.
+    pub fn check_platform(&self, address: &str) -> Result<(), String> {
+        match http_way(address) {
+            HttpWay::Plaintext if !self.enrolment.allow_plaintext => {
+                Err(PlaintextWay::new("the platform's address", address)
+                    .fault("enrolment", "write https://"))
+            }
+            HttpWay::Safe | HttpWay::Plaintext => Ok(()),
+            HttpWay::Invalid => {
+                Err(format!("{address} is no address of a platform; write https://verbund.example"))
+            }
+        }
+    }
+
+    fn open_pages(&self) -> Option<PlaintextWay> {
+        let is_open = self.web.tls.is_none() && !self.web.listen.ip().is_loopback();
+        is_open.then(|| PlaintextWay::new("web.listen", self.web.listen))
+    }
+}
+
+fn plain_broker(key: &str, url: &BrokerUrl) -> Option<PlaintextWay> {
+    (!url.is_encrypted() && !url.is_loopback()).then(|| PlaintextWay::new(key, url))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> ConnectorConfig {
+        daemon::configuration::parse(None, text, "VERBUND", std::iter::empty()).expect("valid")
+    }
+
+    fn url(text: &str) -> BrokerUrl {
+        text.parse().expect("an address")
+    }
+
+    #[test]
+    fn plaintext_to_other_machines_is_refused_unless_its_section_allows_it() {
+        for (text, key) in [
+            ("[web]\nlisten = \"0.0.0.0:8090\"\n", "web.listen"),
+            ("[broker]\nurl = \"amqp://broker.example\"\n", "broker.url"),
+            ("[broker]\nurl = \"mqtt+ws://broker.example\"\n", "broker.url"),
+        ] {
+            let faults = parse(text).faults();
+            let is_named = faults.len() == 1 && faults[0].starts_with(key);
+            assert!(is_named && faults[0].contains(".allow_plaintext = true"), "{faults:?}");
+            let config = parse(&format!("{text}allow_plaintext = true\n"));
+            assert_eq!(config.faults(), Vec::<String>::new());
+            let ways = config.plaintext_ways(&url("amqps://broker.example"));
+            assert_eq!(ways.len(), 1, "it is shown all the same");
+            assert_eq!(ways[0].key, key);
+        }
+    }
+
+    #[test]
+    fn what_the_platform_named_is_checked_like_an_own_address() {
+        let (config, allowing) = (parse(""), parse("[broker]\nallow_plaintext = true\n"));
+        for named in
+            ["amqps://broker.example", "amqp://127.0.0.1:5672", "mqtt+wss://broker.example"]
+        {
+            assert_eq!(config.check_named_broker(&url(named)), Ok(()), "{named}");
+        }
+        for named in ["amqp://broker.example", "mqtt+ws://broker.example"] {
+            let fault = config.check_named_broker(&url(named)).expect_err("refused");
+            assert!(fault.contains("broker.allow_plaintext"), "{fault}");
+            assert_eq!(allowing.check_named_broker(&url(named)), Ok(()));
+            assert_eq!(allowing.plaintext_ways(&url(named)).len(), 1);
+        }
+    }
+
+    #[test]
+    fn a_token_goes_to_other_machines_with_tls_alone() {
+        let (config, allowing) = (parse(""), parse("[enrolment]\nallow_plaintext = true\n"));
+        for address in ["https://verbund.example", "http://127.0.0.1:8080"] {
+            assert_eq!(config.check_platform(address), Ok(()), "{address}");
+        }
+        assert!(config.check_platform("http://verbund.example").is_err());
+        assert_eq!(allowing.check_platform("http://verbund.example"), Ok(()));
+        assert!(allowing.check_platform("verbund.example").is_err());
+    }
+}

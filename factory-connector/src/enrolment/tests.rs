@@ -1,0 +1,153 @@
+use std::{net::SocketAddr, sync::Arc};
+
+use axum::{
+    Json, Router,
+    extract::State,
+    http::{StatusCode, header},
+    response::IntoResponse as _,
+    routing::post,
+};
+use base64::{Engine as _, engine::general_purpose::URL_SAFE_NO_PAD};
+use daemon::{certificate_pin::CertificatePin, web::server};
+use parking_lot::Mutex;
+use rcgen::{CertificateParams, KeyPair};
+use rustls::pki_types::{CertificateDer, PrivateKeyDer};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+use tokio_util::sync::{CancellationToken, DropGuard};
+
+use super::*;
+
+/// A platform that answers one way and notes the tokens that it got.
+struct Platform {
+    address: SocketAddr,
+    certificate: Option<CertificateDer<'static>>,
+    tokens: Arc<Mutex<Vec<Value>>>,
+    _stop: DropGuard,
+}
+
+#[derive(Clone)]
+struct Script {
+    tokens: Arc<Mutex<Vec<Value>>>,
+    broker_url: &'static str,
+    redirected_to: Option<String>,
+}
+
+impl Platform {
+    async fn start(broker_url: &'static str, has_tls: bool, redirected_to: Option<String>) -> Self {
+        rustls::crypto::ring::default_provider().install_default().ok();
+        let tokens = Arc::default();
+        let script = Script { tokens: Arc::clone(&tokens), broker_url, redirected_to };
+        let router = Router::new().route("/api/v1/enrolments", post(answer)).with_state(script);
+        let listener =
+            server::listen("127.0.0.1:0".parse().expect("an address")).await.expect("a port");
+        let address = listener.local_addr().expect("bound");
+        let (mut tls, mut certificate) = (None, None);
+        if has_tls {
+            let key = KeyPair::generate().expect("a key");
+            let params =
+                CertificateParams::new(vec!["somewhere.example".to_owned()]).expect("a name");
+            let own = params.self_signed(&key).expect("signed").der().clone();
+            let key = PrivateKeyDer::Pkcs8(key.serialize_der().into());
+            tls = Some(server::server_config(vec![own.clone()], key).expect("a server"));
+            certificate = Some(own);
+        }
+        let stop = CancellationToken::new();
+        let shutdown = stop.clone();
+        tokio::spawn(server::serve(listener, tls, router, shutdown));
+        Self { address, certificate, tokens, _stop: stop.drop_guard() }
+    }
+
+    fn token(&self, pin: Option<CertificatePin>) -> Confidential<String> {
+        let scheme = if self.certificate.is_some() { "https" } else { "http" };
+        let address = URL_SAFE_NO_PAD.encode(format!("{scheme}://{}", self.address));
+        let pin = pin.map(|pin| format!("{pin}.")).unwrap_or_default();
+        format!("{address}.{pin}secret").into()
+    }
+
+    fn count(&self) -> usize {
+        self.tokens.lock().len()
+    }
+}
+
+async fn answer(State(script): State<Script>, Json(body): Json<Value>) -> axum::response::Response {
+    script.tokens.lock().push(body["token"].clone());
+    if let Some(elsewhere) = script.redirected_to {
+        return (StatusCode::TEMPORARY_REDIRECT, [(header::LOCATION, elsewhere)]).into_response();
+    }
+    let answer = json!({
+        "factoryId": "F", "brokerUrl": script.broker_url, "profile": "embedded",
+        "userName": "factory.F", "password": "canary", "rootCertificatePem": null,
+    });
+    (StatusCode::CREATED, Json(answer)).into_response()
+}
+
+fn config() -> (TempDir, ConnectorConfig) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let data_directory = folder.path().join("data");
+    (folder, ConnectorConfig { data_directory, ..ConnectorConfig::default() })
+}
+
+async fn stored(config: &ConnectorConfig) -> Option<Enrolment> {
+    let mut session = Store::connect(&config.data_directory).await.expect("a store");
+    session.enrolments().current().await.expect("read")
+}
+
+#[tokio::test]
+async fn the_password_is_stored_sealed() {
+    let platform = Platform::start("amqps://broker.example", false, None).await;
+    let (_folder, config) = config();
+    enrol(&config, None, &platform.token(None)).await.expect("enrolled");
+    let enrolled = stored(&config).await.expect("stored");
+    let opened = passwords::of_broker(&config.sealer(), &enrolled).expect("opens");
+    assert_eq!(opened.expose(), "canary");
+    let file = std::fs::read(config.data_directory.join("connector.sqlite-wal"))
+        .or_else(|_| std::fs::read(config.data_directory.join("connector.sqlite")))
+        .expect("a store");
+    assert!(!file.windows(6).any(|window| window == b"canary"));
+}
+
+#[tokio::test]
+async fn a_token_follows_no_redirect() {
+    let other = Platform::start("amqps://broker.example", false, None).await;
+    let elsewhere = format!("http://{}/api/v1/enrolments", other.address);
+    let platform = Platform::start("amqps://broker.example", false, Some(elsewhere)).await;
+    let (_folder, config) = config();
+    let refused = enrol(&config, None, &platform.token(None)).await.expect_err("a redirect");
+    assert!(refused.to_string().contains("--platform"), "{refused}");
+    assert_eq!((platform.count(), other.count()), (1, 0));
+}
+
+#[tokio::test]
+async fn a_named_broker_without_tls_is_refused_and_nothing_is_stored() {
+    let platform = Platform::start("amqp://broker.example", false, None).await;
+    let (_folder, mut config) = config();
+    let refused = enrol(&config, None, &platform.token(None)).await.expect_err("without TLS");
+    assert!(refused.to_string().contains("broker.allow_plaintext"), "{refused}");
+    assert!(stored(&config).await.is_none());
+    config.broker.allow_plaintext = true;
+    enrol(&config, None, &platform.token(None)).await.expect("allowed by name");
+}
+
+#[tokio::test]
+async fn no_token_goes_to_another_machine_without_tls() {
+    let (_folder, config) = config();
+    let token: Confidential<String> = "secret".into();
+    let refused = enrol(&config, Some("http://192.0.2.1"), &token).await.expect_err("without TLS");
+    assert!(refused.to_string().contains("enrolment.allow_plaintext"), "{refused}");
+}
+
+#[tokio::test]
+async fn a_token_goes_to_the_platform_that_made_it_alone() {
+    let platform = Platform::start("amqps://broker.example", true, None).await;
+    let impostor = Platform::start("amqps://broker.example", true, None).await;
+    let pin = platform.certificate.as_ref().map(CertificatePin::of);
+    let (_folder, config) = config();
+    let address = format!("https://{}", impostor.address);
+    let refused =
+        enrol(&config, Some(&address), &platform.token(pin)).await.expect_err("an impostor");
+    assert!(refused.to_string().contains("new token"), "{refused}");
+    assert_eq!(impostor.count(), 0, "it never saw the token");
+    enrol(&config, None, &platform.token(pin)).await.expect("the right one");
+    assert_eq!(platform.count(), 1);
+}

@@ -1,0 +1,49 @@
+use super::*;
+
+fn parse(text: &str) -> PlatformConfig {
+    daemon::configuration::parse(None, text, "VERBUND", []).expect("valid")
+}
+
+#[test]
+fn the_example_shows_the_defaults() {
+    assert_eq!(format!("{:#?}", parse(EXAMPLE)), format!("{:#?}", PlatformConfig::default()));
+}
+
+#[test]
+fn what_the_example_shows_as_comments_is_valid() {
+    let shown: String = EXAMPLE
+        .lines()
+        .map(|line| line.strip_prefix("#: ").unwrap_or(line))
+        .flat_map(|line| [line, "\n"])
+        .collect();
+    let config = parse(&shown);
+    assert_eq!(config.faults(), Vec::<String>::new());
+    assert!(
+        config.broker.external.is_some()
+            && !config.broker.users.is_empty()
+            && config.web.tls.is_some()
+    );
+}
+
+#[test]
+fn unsafe_settings_are_named() {
+    let config =
+        parse("[web]\nlisten = \"0.0.0.0:80\"\n[broker]\nplain_listen = \"0.0.0.0:5672\"\n");
+    let faults = config.faults();
+    assert_eq!(faults.len(), 2, "{faults:?}");
+    assert!(faults[0].starts_with("broker.plain_listen") && faults[1].starts_with("web.listen"));
+}
+
+#[test]
+fn an_address_that_leads_nowhere_is_named() {
+    for (text, words) in [
+        ("public_url = \"amqp+wss://a.example\"\n", Some("set broker.websocket_listen")),
+        ("public_url = \"amqp+wss://a.example\"\nwebsocket_listen = \"0.0.0.0:443\"\n", None),
+        ("public_url = \"mqtts://a.example\"\n", Some("speaks AMQP")),
+        ("public_url = \"amqps://a.example\"\n", None),
+    ] {
+        let faults = parse(&format!("[broker]\n{text}")).faults();
+        assert_eq!(faults.len(), usize::from(words.is_some()), "{text}: {faults:?}");
+        assert!(words.is_none_or(|words| faults[0].contains(words)), "{text}: {faults:?}");
+    }
+}
