@@ -1,10 +1,12 @@
 //! The ledger as people look things up in it.
 
+use std::time::Duration;
+
 use ed25519_dalek::{Signature, VerifyingKey};
-use reqwest::Method;
+use reqwest::{Method, StatusCode};
 use serde_json::{Value, json};
 
-use crate::plant::{Plant, field};
+use crate::plant::{PASSWORD, Plant, field};
 
 /// Opens a field by hand and enters a value.
 async fn open(plant: &Plant, name: &str, value: Value) {
@@ -105,4 +107,61 @@ async fn checkpoints_are_exported_and_proven() {
     let verified = plant.post("/ledger/verification", json!({})).await;
     assert_eq!(verified["publicKey"], checkpoint["publicKey"]);
     assert_eq!(plant.get("/ledger/checkpoints?cursor=1").await["items"], json!([]));
+}
+
+/// Appends so many long entries to a chain that no buffer between here and a client holds an export. They
+/// belong to no log: only an export reads them.
+fn lengthen(plant: &Plant) {
+    let store = rusqlite::Connection::open(plant.data_directory().join("connector.sqlite"));
+    let mut store = store.expect("a store");
+    let entries = store.transaction().expect("begun");
+    let content = json!({ "event": "NOTE", "padding": "x".repeat(16 << 10) }).to_string();
+    for number in 0..2_000 {
+        let sql = "INSERT INTO ledger_entry (recipient, number, recorded_at, content, hash)
+                   VALUES ('acme', ?, 0, ?, zeroblob(32))";
+        entries.execute(sql, (1_000_000 + number, &content)).expect("inserted");
+    }
+    entries.commit().expect("written");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn downloads_that_are_not_read_hold_up_neither_pages_nor_sign_in() {
+    let plant = Plant::start(json!([{ "name": "count", "type": 9 }])).await;
+    open(&plant, "count", json!(17)).await;
+    lengthen(&plant);
+    let mut downloads = Vec::new();
+    for _ in 0..6 {
+        let download = plant.unread("/ledger/export?format=jsonl").await;
+        assert!(download.status().is_success(), "{}", download.status());
+        downloads.push(download);
+    }
+    let answered = async {
+        plant.signed_in("engineer", PASSWORD).await.expect("sign-in goes on");
+        for path in ["/status", "/ledger?recipient=acme", "/spool", "/inbox"] {
+            plant.get(path).await;
+        }
+        plant.unread("/ledger/export?format=jsonl&kind=CONSENT").await.text().await.expect("read")
+    };
+    let answered = tokio::time::timeout(Duration::from_secs(10), answered).await;
+    assert!(answered.expect("nobody waits for who does not read").contains("CONSENT"));
+    // They are held up by themselves alone: one that is read goes on to its end.
+    let whole = downloads.remove(0).text().await.expect("read");
+    assert!(whole.len() > 2_000 * (16 << 10), "{}", whole.len());
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn one_verification_at_a_time_reads_the_ledger() {
+    let plant = Plant::start(json!([{ "name": "count", "type": 9 }])).await;
+    open(&plant, "count", json!(17)).await;
+    lengthen(&plant);
+    let verify = || plant.call(Method::POST, "/ledger/verification", Some("{}".to_owned()));
+    let answers = futures::future::join_all([verify(), verify(), verify(), verify()]).await;
+    let refused = answers.iter().filter(|(status, text)| {
+        *status == StatusCode::CONFLICT && text.contains("VERIFICATION_RUNS")
+    });
+    let refused = refused.count();
+    let done = answers.iter().filter(|(status, _)| status.is_success()).count();
+    assert!(refused > 0 && done > 0 && refused + done == 4, "{answers:?}");
+    let (status, text) = verify().await;
+    assert!(status.is_success(), "the next one runs: {text}");
 }

@@ -1,9 +1,10 @@
 import { fireEvent, render, screen, within } from '@testing-library/svelte'
 import userEvent from '@testing-library/user-event'
-import { afterEach, describe, expect, it, vi } from 'vitest'
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { problem, serve, type Asked } from '../../vitest.server'
 import type { CheckpointView, FieldKey, LedgerEntry, VerificationView } from '../api/types'
 import { momentOf, subjectsOf, subjectText, withKind, withSubject, withTime } from './filter'
+import { session } from '@/transport/session.svelte'
 import LedgerPage from './LedgerPage.svelte'
 
 const CHAIN = 25
@@ -54,6 +55,9 @@ const nothing = {
   'GET /ledger/checkpoints': () => ({ items: [] }),
   'GET /ledger/fields': () => ({ items: [] }),
 }
+beforeEach(() => {
+  session.state = { is: 'signedIn', who: { userName: 'eva', role: 'ENGINEER', csrfToken: 't' } }
+})
 afterEach(() => {
   vi.unstubAllGlobals()
 })
@@ -281,6 +285,15 @@ describe('the ledger', () => {
     expect(said[1]).toMatch(/sent 21 Nov.*, no receipt yet/)
     expect(said[2]).toMatch(/Decision.*Mapped · eva.*Rounding step 10/)
     expect(screen.queryByRole('navigation')).toBeNull()
+  })
+
+  it('offers a viewer neither export nor verification, which read all of it', async () => {
+    session.state = { is: 'signedIn', who: { userName: 'vera', role: 'VIEWER', csrfToken: 't' } }
+    serve({ ...nothing, 'GET /ledger': page })
+    render(LedgerPage)
+    await screen.findByRole('region', { name: 'Ledger' })
+    expect(screen.queryByRole('button', { name: 'Verify the chain' })).toBeNull()
+    expect(screen.queryByRole('group', { name: 'Export' })).toBeNull()
   })
 
   it('verifies, with the evidence', async () => {

@@ -1,5 +1,7 @@
 //! Verification of the ledger.
 
+use std::sync::Arc;
+
 use axum::{Json, extract::State};
 use daemon::web::Problem;
 use ledger::Verification;
@@ -7,7 +9,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use crate::{
-    api::{context::Api, problems::Problems, roles::Viewer},
+    api::{context::Api, problems::Problems, roles::Engineer},
     store::Store,
 };
 
@@ -26,7 +28,8 @@ pub struct VerificationView {
     verification: Verification,
 }
 
-/// Reads every chain from its beginning and finds any change, deletion or reordering.
+/// Reads every chain from its beginning and finds any change, deletion or reordering; one verification at
+/// a time.
 #[utoipa::path(
     post,
     path = "/ledger/verification",
@@ -34,9 +37,15 @@ pub struct VerificationView {
     responses((status = 200, body = VerificationView), Problems)
 )]
 pub async fn verify_ledger(
-    _: Viewer,
+    _: Engineer,
     State(api): State<Api>,
 ) -> Result<Json<VerificationView>, Problem> {
+    let Ok(running) = Arc::clone(&api.verification).try_acquire_owned() else {
+        return Err(Problem::conflict(
+            "VERIFICATION_RUNS",
+            "The ledger is being verified already; ask again when that is done.",
+        ));
+    };
     // Hashing a whole ledger takes its time: it has a thread of its own.
     let directory = api.instance.data_directory.clone();
     let trusted =
@@ -44,6 +53,8 @@ pub async fn verify_ledger(
             .map_err(|error| Problem::internal(&error))?;
     let runtime = tokio::runtime::Handle::current();
     let verified = tokio::task::spawn_blocking(move || {
+        // Here, not with the caller: who gives up waiting does not end the work.
+        let _running = running;
         runtime.block_on(async {
             let mut session = Store::connect(&directory).await?;
             session.ledger().verify(trusted).await
