@@ -42,7 +42,7 @@ export default ts.config(
   // The two applications stand beside each other; what both use knows neither.
   walls('engineer', ['@/partner/*']),
   walls('partner', ['@/engineer/*']),
-  ...['api', 'design', 'format', 'navigation', 'network', 'shell', 'transport'].map((folder) =>
+  ...['account', 'api', 'design', 'format', 'navigation', 'network', 'shell', 'transport'].map((folder) =>
     walls(folder, ['@/engineer/*', '@/partner/*']),
   ),
   {

@@ -1,7 +1,9 @@
 //! Web server of a daemon: problem answers, sessions, embedded pages and live events.
 
+pub mod address_range;
 pub mod api;
 pub mod assets;
+pub mod client_address;
 mod composition;
 pub mod events;
 pub mod extract;

@@ -90,6 +90,7 @@ pub fn router(api: Api, has_tls: bool) -> Router {
         sessions: api.sessions.clone(),
         readiness: api.server.readiness.clone(),
         metrics: api.server.metrics.clone(),
+        trusted_proxies: api.server.trusted_proxies.clone(),
         state: api,
         body_bytes_max: BODY_BYTES_MAX,
         has_tls,

@@ -18,7 +18,11 @@ use daemon::{
     configuration::Setting,
     sealing::{Sealer, SealingConfig},
     telemetry::LogConfig,
-    web::server::TlsFiles,
+    web::{
+        address_range::AddressRange,
+        client_address::{ForwardedHeader, TrustedProxies},
+        server::{ServerLimits, TlsFiles},
+    },
 };
 pub use limits::{LedgerConfig, RetentionLimits, SpoolLimits};
 use mapping_engine::MappingEngineConfig;
@@ -92,6 +96,10 @@ pub struct WebConfig {
     pub tls: Option<TlsFiles>,
     /// Speak plain HTTP with other machines.
     pub allow_plaintext: bool,
+    /// Proxies in front of the pages, whose word about their clients counts.
+    pub trusted_proxies: Vec<AddressRange>,
+    /// Header in which these proxies tell the address of their client.
+    pub forwarded_header: ForwardedHeader,
 }
 
 /// Enrolment at the platform.
@@ -108,7 +116,23 @@ impl Default for WebConfig {
             listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 8090)),
             tls: None,
             allow_plaintext: false,
+            trusted_proxies: Vec::new(),
+            forwarded_header: ForwardedHeader::default(),
         }
+    }
+}
+
+impl WebConfig {
+    /// Returns the proxies in front of the pages.
+    #[must_use]
+    pub fn proxies(&self) -> TrustedProxies {
+        TrustedProxies { ranges: self.trusted_proxies.clone(), header: self.forwarded_header }
+    }
+
+    /// Returns the bounds of their server.
+    #[must_use]
+    pub fn limits(&self) -> ServerLimits {
+        ServerLimits { shared_addresses: self.trusted_proxies.clone(), ..ServerLimits::default() }
     }
 }
 

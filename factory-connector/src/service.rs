@@ -21,7 +21,7 @@ use daemon::{
     web::{
         health::Readiness,
         server::{listen, serve},
-        session::{PasswordHash, PasswordPolicy, random_token},
+        session::{PasswordHash, PasswordHashing, PasswordPolicy, random_token},
     },
 };
 use link::OpenedLink;
@@ -116,14 +116,18 @@ pub async fn start(
                 metrics: opened.metrics,
                 shutdown: shutdown.clone(),
                 has_tls: tls.is_some(),
+                trusted_proxies: config.web.proxies(),
+                hashing: opened.hashing,
             },
         }),
         tls.is_some(),
     );
 
     opened.tasks.spawn(lifecycle);
+    let limits = config.web.limits();
     lifecycle.spawn("web", Importance::Essential, async move {
-        serve(web_listener, tls, router, shutdown).await.map_err(anyhow::Error::from)
+        serve(web_listener, tls, router, limits, shutdown).await;
+        anyhow::Ok(())
     });
     let twin_url = opened.twin_handle.ready().await?;
     readiness.ready("twin");
@@ -166,6 +170,7 @@ fn plaintext_ways(
 struct Opened {
     tasks: Tasks,
     metrics: Metrics,
+    hashing: PasswordHashing,
     readers: Readers,
     events: LiveEvents,
     /// Notified after a user was changed through the API.
@@ -195,7 +200,9 @@ async fn open(
     let sign_in = readers.reserved_for(ReaderUse::SignIn);
 
     let (coordinator_handle, commands) = coordinator::channel();
-    let (twin, twin_handle) = open_twin(config, factory_id, &coordinator_handle, &sign_in)?;
+    let hashing = PasswordHashing::default();
+    let users = StoredUsers::new(sign_in.clone(), hashing.clone());
+    let (twin, twin_handle) = open_twin(config, factory_id, &coordinator_handle, users)?;
     let users_changed = Arc::new(Notify::new());
     let user_watch =
         UserWatch::new(sign_in.clone(), twin_handle.clone(), Arc::clone(&users_changed)).await?;
@@ -247,6 +254,7 @@ async fn open(
     Ok(Opened {
         tasks,
         metrics,
+        hashing,
         readers,
         events,
         users_changed,
@@ -264,13 +272,13 @@ fn open_twin(
     config: &ConnectorConfig,
     factory_id: &FactoryId,
     coordinator: &CoordinatorHandle,
-    readers: &Readers,
+    users: StoredUsers,
 ) -> Result<(Twin, TwinHandle), TwinError> {
     Twin::new(
         factory_id.clone(),
         config.twin_config(),
         Arc::new(CoordinatorWriter(coordinator.clone())),
-        Arc::new(StoredUsers(readers.clone())),
+        Arc::new(users),
     )
 }
 

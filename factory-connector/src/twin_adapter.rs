@@ -14,7 +14,7 @@ use connector_state::{
 };
 use daemon::{
     Confidential,
-    web::session::{PasswordHash, verify_password},
+    web::session::{PasswordHash, PasswordHashing},
 };
 use disclosure::{DecisionBasis, GateOutcome};
 use twin::{Authenticator, FieldWriter, TwinDecision, TwinUser};
@@ -108,11 +108,20 @@ const fn failure(error: CoordinatorError) -> StatusCode {
 }
 
 /// Authenticates the users in the store.
-pub struct StoredUsers(pub Readers);
+pub struct StoredUsers {
+    readers: Readers,
+    hashing: PasswordHashing,
+}
 
 impl StoredUsers {
+    /// Returns the users of the store; their passwords are checked with those of the pages.
+    #[must_use]
+    pub const fn new(readers: Readers, hashing: PasswordHashing) -> Self {
+        Self { readers, hashing }
+    }
+
     async fn user(&self, user_name: &str) -> Result<Option<User>, StoreError> {
-        self.0.session().await?.users().lookup(user_name).await
+        self.readers.session().await?.users().lookup(user_name).await
     }
 }
 
@@ -132,7 +141,14 @@ impl Authenticator for StoredUsers {
         let role = user.as_ref().map(|user| user.role);
         let hash = user.map(|user| PasswordHash::from_stored(user.password_hash));
         // With a hash or without: the time it takes does not tell which users exist.
-        let is_right = verify_password(hash, Confidential::from(password.to_owned())).await;
+        let verified = self.hashing.verify(hash, Confidential::from(password.to_owned())).await;
+        let is_right = verified.unwrap_or_else(|error| {
+            tracing::warn!(
+                error = &error as &dyn std::error::Error,
+                "A password could not be checked."
+            );
+            false
+        });
         is_right.then_some(role).flatten().map(|role| match role {
             Role::Engineer => twin::Role::Engineer,
             Role::Operator => twin::Role::Operator,

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use asi_model::{DateTime, OrganisationId};
 use daemon::{
     Confidential,
-    web::session::{PasswordError, PasswordHash, PasswordPolicy, random_token},
+    web::session::{HashingError, PasswordHashing, PasswordPolicy, random_token},
 };
 
 use crate::{
@@ -20,8 +20,8 @@ use crate::{
 #[derive(Debug, thiserror::Error)]
 pub enum AdministratorError {
     /// The password is refused.
-    #[error("admin.password is refused")]
-    Password(#[from] PasswordError),
+    #[error("the password is not taken")]
+    Password(#[from] HashingError),
     /// The password cannot be written down.
     #[error("the password cannot be written down")]
     Write(#[from] CertificateError),
@@ -44,6 +44,7 @@ pub fn password_path(config: &PlatformConfig) -> PathBuf {
 pub async fn ensure(
     store: &RecordingStore,
     config: &PlatformConfig,
+    hashing: &PasswordHashing,
     now: DateTime,
 ) -> Result<(), AdministratorError> {
     let admin = &config.admin;
@@ -60,7 +61,10 @@ pub async fn ensure(
         // The configured password is the one in force; storing it again would end all
         // sessions for nothing.
         (Some(password), _) => {
-            if known.is_some_and(|(stored, hash)| stored == user && hash.is_of(password)) {
+            if let Some((stored, hash)) = known
+                && stored == user
+                && hashing.verify(Some(hash), password.clone()).await?
+            {
                 return Ok(());
             }
             password.clone()
@@ -77,7 +81,7 @@ pub async fn ensure(
         }
         (None, _) => return Ok(()),
     };
-    let hash = hash(password).await?;
+    let hash = hashing.hash(password, PasswordPolicy::default()).await?;
     let mut work = store.begin(CommandLine, "putUser").await?;
     put(&mut work, &user, &hash, now).await?;
     Ok(work.commit(subject(&user), AuditOutcome::Done).await?)
@@ -88,16 +92,6 @@ pub async fn ensure(
 pub fn subject(user: &User) -> AuditSubject {
     let path = format!("users/{}", user.user_name);
     AuditSubject { path, concerned: user.organisation_id.clone() }
-}
-
-/// Hashes a password beside other tasks: it takes long by intent.
-///
-/// # Errors
-/// [`AdministratorError::Password`].
-pub async fn hash(password: Confidential<String>) -> Result<PasswordHash, AdministratorError> {
-    let hashing =
-        tokio::task::spawn_blocking(move || PasswordHash::of(&password, PasswordPolicy::default()));
-    Ok(hashing.await.expect("hashing does not panic")?)
 }
 
 /// Adds or changes a user; an organisation that is not known yet is made.

@@ -64,6 +64,7 @@ pub fn router(application: &Application, has_tls: bool) -> Router {
         metrics: application.metrics.clone(),
         body_bytes_max: BODY_BYTES_MAX,
         has_tls,
+        trusted_proxies: application.config.web.proxies(),
     };
     web::api::router::<PartnerPages, _, _>(operations(), openapi(), shell)
 }

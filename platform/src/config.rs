@@ -11,7 +11,15 @@ use std::{
 
 use asi_model::OrganisationId;
 use broker::AddressPattern;
-use daemon::{Confidential, telemetry::LogConfig, web::server::TlsFiles};
+use daemon::{
+    Confidential,
+    telemetry::LogConfig,
+    web::{
+        address_range::AddressRange,
+        client_address::{ForwardedHeader, TrustedProxies},
+        server::{ServerLimits, TlsFiles},
+    },
+};
 use messaging::{BrokerProfile, BrokerUrl};
 use serde::{Deserialize, Deserializer};
 
@@ -74,6 +82,10 @@ pub struct WebConfig {
     pub public_certificate: Option<PathBuf>,
     /// Speak plain HTTP with other machines.
     pub allow_plaintext: bool,
+    /// Proxies in front of the pages, whose word about their clients counts.
+    pub trusted_proxies: Vec<AddressRange>,
+    /// Header in which these proxies tell the address of their client.
+    pub forwarded_header: ForwardedHeader,
 }
 
 impl Default for WebConfig {
@@ -84,7 +96,23 @@ impl Default for WebConfig {
             tls: None,
             public_certificate: None,
             allow_plaintext: false,
+            trusted_proxies: Vec::new(),
+            forwarded_header: ForwardedHeader::default(),
         }
+    }
+}
+
+impl WebConfig {
+    /// Returns the proxies in front of the pages.
+    #[must_use]
+    pub fn proxies(&self) -> TrustedProxies {
+        TrustedProxies { ranges: self.trusted_proxies.clone(), header: self.forwarded_header }
+    }
+
+    /// Returns the bounds of their server.
+    #[must_use]
+    pub fn limits(&self) -> ServerLimits {
+        ServerLimits { shared_addresses: self.trusted_proxies.clone(), ..ServerLimits::default() }
     }
 }
 

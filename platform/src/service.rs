@@ -13,7 +13,7 @@ use daemon::{
     web::{
         health::Readiness,
         server::{self, ServerError},
-        session::{SessionConfig, Sessions},
+        session::{PasswordHashing, SessionConfig, Sessions},
     },
 };
 use messaging::{Link, LinkState};
@@ -87,7 +87,8 @@ impl Platform {
         let metrics = Metrics::install()?;
         let store = Store::open(&config.database_path()).await?;
         let recording = RecordingStore::new(store.clone(), clock.clone());
-        administrator::ensure(&recording, &config, clock.now()).await?;
+        let hashing = PasswordHashing::default();
+        administrator::ensure(&recording, &config, &hashing, clock.now()).await?;
 
         let started_at = clock.now();
         // The mark of this start: a page that comes with an id from before it loads everything.
@@ -127,6 +128,7 @@ impl Platform {
         let sessions = Sessions::new(
             SessionConfig::new("verbund_platform", is_secure),
             StoredAccounts::new(store.clone(), clock.clone()),
+            hashing,
         );
         let application = Application::new(ApplicationParts {
             store: recording,
@@ -218,11 +220,12 @@ impl Platform {
             Ok::<(), Infallible>(())
         });
         let router = api::router(&application, web_tls.is_some());
-        lifecycle.spawn(
-            "web",
-            Importance::Essential,
-            server::serve(web_listener, web_tls, router, lifecycle.shutdown()),
-        );
+        let limits = application.config.web.limits();
+        let serving = server::serve(web_listener, web_tls, router, limits, lifecycle.shutdown());
+        lifecycle.spawn("web", Importance::Essential, async move {
+            serving.await;
+            Ok::<(), Infallible>(())
+        });
     }
 }
 

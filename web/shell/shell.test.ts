@@ -26,6 +26,42 @@ describe('signing in', () => {
     expect((await screen.findByRole('alert')).textContent).toBe(text)
     expect(screen.getByLabelText<HTMLInputElement>('Password').value).toBe('')
   })
+  it('asks for the code of a second factor, and keeps the password meanwhile', async () => {
+    const bodies: unknown[] = []
+    const answers = [
+      new Response(
+        JSON.stringify({
+          title: 'Unauthorized',
+          code: 'SECOND_FACTOR_NEEDED',
+          detail: 'A code.',
+          status: 401,
+        }),
+        { status: 401 },
+      ),
+      new Response('{}', { status: 401 }),
+      new Response(JSON.stringify({ userName: 'engineer', role: 'ENGINEER', csrfToken: 't' })),
+    ]
+    vi.stubGlobal('fetch', (_: string, { body }: RequestInit) => {
+      bodies.push(JSON.parse(body as string))
+      return Promise.resolve(answers.shift())
+    })
+    render(SignIn, { subtitle: 'Test', expired: false })
+    await fill()
+    const code = await screen.findByLabelText<HTMLInputElement>('Code')
+    expect(screen.getByRole('alert').textContent).toContain('authenticator app')
+    await userEvent.type(code, '000000')
+    await userEvent.click(screen.getByRole('button', { name: 'Sign in' }))
+    await vi.waitFor(() => expect(screen.getByRole('alert').textContent).toContain('or code'))
+    await userEvent.type(code, '123456')
+    await userEvent.click(screen.getByRole('button', { name: 'Sign in' }))
+    await vi.waitFor(() => expect(session.who?.userName).toBe('engineer'))
+    const credentials = { userName: 'engineer', password: 'wrong' }
+    expect(bodies).toEqual([
+      credentials,
+      { ...credentials, code: '000000' },
+      { ...credentials, code: '123456' },
+    ])
+  })
   it('enters', async () => {
     vi.stubGlobal('fetch', () =>
       Promise.resolve(

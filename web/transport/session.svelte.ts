@@ -55,10 +55,11 @@ class CurrentSession {
     }
   }
 
-  async signIn(userName: string, password: string): Promise<void> {
+  /** Signs in; people with a second factor need a code, too. */
+  async signIn(userName: string, password: string, code?: string): Promise<void> {
     this.#enter(
       await request<SignedIn>('POST', '/session', {
-        body: { userName, password },
+        body: code === undefined ? { userName, password } : { userName, password, code },
         signingIn: true,
       }),
     )

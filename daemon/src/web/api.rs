@@ -19,6 +19,7 @@ use utoipa_axum::router::OpenApiRouter;
 
 use super::{
     assets::with_app,
+    client_address::{TrustedProxies, with_client_address},
     composition::{open_composed_schemas, share_page_items},
     headers::secured,
     health::{self, Readiness},
@@ -31,6 +32,8 @@ use crate::telemetry::Metrics;
 
 /// Path below which all operations are.
 const API: &str = "/api/v1";
+/// Largest body of an operation without a session, in bytes: names, passwords and tokens.
+const OPEN_BODY_BYTES_MAX: usize = 4096;
 
 /// The operations of an API.
 pub struct Operations<S> {
@@ -54,6 +57,8 @@ pub struct Shell<S, A: Accounts> {
     pub body_bytes_max: usize,
     /// Cookies and pages are for TLS only.
     pub has_tls: bool,
+    /// Proxies whose word about their clients counts.
+    pub trusted_proxies: TrustedProxies,
 }
 
 /// Pages `P`, operations and health in one router.
@@ -69,19 +74,21 @@ where
 {
     let (guarded, _) = operations.guarded.split_for_parts();
     let (open, _) = operations.open.split_for_parts();
-    let guarded =
-        guarded.layer(middleware::from_fn_with_state(shell.sessions, require_session::<A>));
+    let open = open.layer(DefaultBodyLimit::max(OPEN_BODY_BYTES_MAX));
+    let guarded = guarded
+        .layer(DefaultBodyLimit::max(shell.body_bytes_max))
+        .layer(middleware::from_fn_with_state(shell.sessions, require_session::<A>));
     let api = guarded
         .merge(open)
         .route("/openapi.json", get(move || async move { Json(description) }))
         .fallback(unknown_route)
-        .method_not_allowed_fallback(unknown_method)
-        .layer(DefaultBodyLimit::max(shell.body_bytes_max));
+        .method_not_allowed_fallback(unknown_method);
     let router = Router::new()
         .nest(API, api)
         .with_state(shell.state)
         .merge(health::routes(shell.readiness, shell.metrics));
-    secured(with_app::<P, ()>(router), shell.has_tls)
+    let router = with_client_address(with_app::<P, ()>(router), shell.trusted_proxies);
+    secured(router, shell.has_tls)
         .layer(CompressionLayer::new())
         .layer(CatchPanicLayer::custom(panicked))
         .layer(TraceLayer::new_for_http())

@@ -1,11 +1,17 @@
 //! Extractors whose rejections are problem documents.
 
-use axum::extract::{
-    FromRequest, FromRequestParts,
-    rejection::{JsonRejection, PathRejection, QueryRejection},
+use axum::{
+    extract::{
+        FromRequest, FromRequestParts,
+        rejection::{JsonRejection, PathRejection, QueryRejection},
+    },
+    http::StatusCode,
 };
 
-use super::problem::{Problem, ProblemFault};
+use super::{
+    problem::{Problem, ProblemFault},
+    server::BodyTooSlow,
+};
 
 /// A JSON body. Faults carry the JSON pointer of the member at fault.
 #[derive(Debug, Clone, FromRequest)]
@@ -24,12 +30,19 @@ pub struct ApiQuery<T>(pub T);
 
 impl From<JsonRejection> for Problem {
     fn from(rejection: JsonRejection) -> Self {
+        if is_of_slow_body(&rejection) {
+            return Self::new(
+                StatusCode::REQUEST_TIMEOUT,
+                "TOO_SLOW",
+                "The body came too slowly; the connection is closed.",
+            );
+        }
         let status = rejection.status();
         let code = match &rejection {
             JsonRejection::JsonDataError(_) => "INVALID_DOCUMENT",
             JsonRejection::JsonSyntaxError(_) => "NOT_JSON",
             JsonRejection::MissingJsonContentType(_) => "WRONG_CONTENT_TYPE",
-            _ if status == axum::http::StatusCode::PAYLOAD_TOO_LARGE => "TOO_LARGE",
+            _ if status == StatusCode::PAYLOAD_TOO_LARGE => "TOO_LARGE",
             _ => "UNREADABLE_BODY",
         };
         let text = rejection.body_text();
@@ -47,6 +60,12 @@ impl From<JsonRejection> for Problem {
         };
         Self { faults, ..Self::new(status, code, text) }
     }
+}
+
+/// Returns true if the server had no more patience with the body.
+fn is_of_slow_body(rejection: &JsonRejection) -> bool {
+    let first: &(dyn std::error::Error + 'static) = rejection;
+    std::iter::successors(Some(first), |error| error.source()).any(|error| error.is::<BodyTooSlow>())
 }
 
 /// `a.b[0].c` as `/a/b/0/c`.

@@ -1,20 +1,25 @@
-//! Serving a router until shutdown, over TLS where configured.
+//! Serving a router until shutdown, over TLS where configured, within bounds that hold before anybody
+//! has signed in: on connections, on the size of what comes, and on the patience with slow clients.
 
-use std::{future::Future, net::SocketAddr, path::PathBuf, pin::pin, sync::Arc, time::Duration};
+mod bodies;
+mod connection;
+mod connections;
+mod limits;
+mod patience;
+mod stream;
 
-use axum::{
-    Router,
-    serve::{Listener, ListenerExt},
-};
+use std::{net::SocketAddr, path::PathBuf, sync::Arc, time::Duration};
+
+use axum::Router;
+use connections::Connections;
 use rustls::pki_types::{CertificateDer, PrivateKeyDer, pem::PemObject};
 use serde::Deserialize;
-use tokio::{
-    net::{TcpListener, TcpStream},
-    sync::{Semaphore, mpsc},
-};
-use tokio_rustls::{TlsAcceptor, server::TlsStream};
-use tokio_util::sync::CancellationToken;
-use tracing::{debug, warn};
+use tokio::net::TcpListener;
+use tokio_rustls::TlsAcceptor;
+use tokio_util::{sync::CancellationToken, task::TaskTracker};
+use tracing::warn;
+
+pub use self::{bodies::BodyTooSlow, limits::ServerLimits};
 
 /// Certificate and key of a server, as PEM files.
 #[derive(Debug, Clone, Deserialize)]
@@ -38,18 +43,10 @@ pub enum ServerError {
     /// Certificate and key do not make a server.
     #[error("certificate and key cannot be used")]
     UseCertificate(#[source] rustls::Error),
-    /// The listener failed while requests were served.
-    #[error("serving broke off")]
-    Serve(#[source] std::io::Error),
 }
 
-/// Longest TLS handshake: a client that stays silent must not occupy a place for ever.
-const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(10);
-/// Handshakes under way at once. No caller is signed in yet, so the bound is on memory and CPU that
-/// any caller can claim.
-const HANDSHAKES_MAX: usize = 128;
-/// Connections that wait to be served. Few: beyond them the listener's own backlog holds clients.
-const ACCEPTED_WAITING_MAX: usize = 16;
+/// Pause after a failure to accept any connection.
+const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 /// Longest wait for open requests once shutdown begins. A slow client must not hold up the
 /// shutdown.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(5);
@@ -101,114 +98,56 @@ pub fn server_config(
 
 /// Serves until shutdown; open requests get a few seconds to finish. Handlers may extract
 /// `ConnectInfo<SocketAddr>`.
-///
-/// # Errors
-/// [`ServerError::Serve`].
 pub async fn serve(
     listener: TcpListener,
     tls: Option<Arc<rustls::ServerConfig>>,
     router: Router,
+    limits: ServerLimits,
     shutdown: CancellationToken,
-) -> Result<(), ServerError> {
-    let service = router.into_make_service_with_connect_info::<SocketAddr>();
-    let soft = shutdown.clone().cancelled_owned();
-    match tls {
-        None => {
-            until_drained(
-                axum::serve(listener, service).with_graceful_shutdown(soft).into_future(),
-                shutdown,
-            )
-            .await
-        }
-        Some(tls) => {
-            let listener =
-                TlsListener::new(listener, tls, shutdown.clone()).map_err(ServerError::Serve)?;
-            // axum knows the peer's address of foreign listeners only through `tap_io`.
-            let listener = listener.tap_io(|_| ());
-            until_drained(
-                axum::serve(listener, service).with_graceful_shutdown(soft).into_future(),
-                shutdown,
-            )
-            .await
-        }
-    }
-}
-
-async fn until_drained(
-    serving: impl Future<Output = std::io::Result<()>>,
-    shutdown: CancellationToken,
-) -> Result<(), ServerError> {
-    let mut serving = pin!(serving);
-    tokio::select! {
-        result = &mut serving => return result.map_err(ServerError::Serve),
-        () = shutdown.cancelled() => {}
-    }
-    match tokio::time::timeout(DRAIN_TIMEOUT, serving).await {
-        Ok(result) => result.map_err(ServerError::Serve),
-        Err(_) => {
-            warn!("Open requests were cut off at shutdown.");
-            Ok(())
-        }
-    }
-}
-
-/// Accepts TLS connections; handshakes run beside each other, so that a silent peer holds nobody
-/// up.
-struct TlsListener {
-    accepted: mpsc::Receiver<(TlsStream<TcpStream>, SocketAddr)>,
-    local_address: SocketAddr,
-}
-
-impl TlsListener {
-    fn new(
-        listener: TcpListener,
-        tls: Arc<rustls::ServerConfig>,
-        shutdown: CancellationToken,
-    ) -> std::io::Result<Self> {
-        let local_address = listener.local_addr()?;
-        let (sender, accepted) = mpsc::channel(ACCEPTED_WAITING_MAX);
-        tokio::spawn(shutdown.run_until_cancelled_owned(accept_loop(
-            listener,
-            TlsAcceptor::from(tls),
-            sender,
-        )));
-        Ok(Self { accepted, local_address })
-    }
-}
-
-async fn accept_loop(
-    mut listener: TcpListener,
-    acceptor: TlsAcceptor,
-    sender: mpsc::Sender<(TlsStream<TcpStream>, SocketAddr)>,
 ) {
-    let handshakes = Arc::new(Semaphore::new(HANDSHAKES_MAX));
-    loop {
-        let Ok(permit) = Arc::clone(&handshakes).acquire_owned().await else { return };
-        let (stream, address) = Listener::accept(&mut listener).await;
-        let (acceptor, sender) = (acceptor.clone(), sender.clone());
-        tokio::spawn(async move {
-            let _permit = permit;
-            match tokio::time::timeout(HANDSHAKE_TIMEOUT, acceptor.accept(stream)).await {
-                Ok(Ok(stream)) => drop(sender.send((stream, address)).await),
-                Ok(Err(error)) => debug!(%address, %error, "A TLS handshake failed."),
-                Err(_) => debug!(%address, "A TLS handshake took too long."),
+    let connections = Connections::new(limits);
+    let tls = tls.map(TlsAcceptor::from);
+    let tasks = TaskTracker::new();
+    // Cancelled when patience with open requests is at its end.
+    let cut_off = CancellationToken::new();
+    while let Some(accepted) = shutdown.run_until_cancelled(listener.accept()).await {
+        let (stream, peer) = match accepted {
+            Ok(accepted) => accepted,
+            Err(error) if is_of_connection(&error) => continue,
+            Err(error) => {
+                // No descriptors are left, as a rule: those that end make room.
+                warn!(%error, "A connection cannot be accepted.");
+                tokio::time::sleep(ACCEPT_PAUSE).await;
+                continue;
             }
+        };
+        let Some(admitted) = connections.admit(peer.ip()) else { continue };
+        let serving = connection::Serving {
+            peer,
+            tls: tls.clone(),
+            router: router.clone(),
+            limits: connections.limits().clone(),
+            shutdown: shutdown.clone(),
+        };
+        let cut_off = cut_off.clone();
+        tasks.spawn(async move {
+            let close = admitted.close.clone();
+            let serve = serving.run(stream, admitted.activity.clone());
+            cut_off.run_until_cancelled(close.run_until_cancelled(serve)).await;
+            drop(admitted);
         });
     }
+    drop(listener);
+    tasks.close();
+    if tokio::time::timeout(DRAIN_TIMEOUT, tasks.wait()).await.is_err() {
+        warn!("Open requests were cut off at shutdown.");
+        cut_off.cancel();
+        tasks.wait().await;
+    }
 }
 
-impl Listener for TlsListener {
-    type Io = TlsStream<TcpStream>;
-    type Addr = SocketAddr;
-
-    async fn accept(&mut self) -> (Self::Io, Self::Addr) {
-        match self.accepted.recv().await {
-            Some(connection) => connection,
-            None => std::future::pending().await,
-        }
-    }
-
-    fn local_addr(&self) -> std::io::Result<SocketAddr> {
-        Ok(self.local_address)
-    }
+/// Returns true for an error of one connection, which says nothing about others.
+fn is_of_connection(error: &std::io::Error) -> bool {
+    use std::io::ErrorKind::{ConnectionAborted, ConnectionRefused, ConnectionReset};
+    matches!(error.kind(), ConnectionRefused | ConnectionAborted | ConnectionReset)
 }

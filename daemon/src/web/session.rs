@@ -5,13 +5,18 @@
 //! a session is read again for each request, so that a changed role or a removed user takes effect at once.
 
 mod accounts;
+mod credentials;
 mod guard;
+mod hashing;
 mod password;
 mod sessions;
+mod sign_in_gate;
 mod throttle;
 
 pub use accounts::{Accounts, AccountsError, SessionId, StoredSession};
+pub use credentials::{Caller, SignIn, UserName, UserNameError};
 pub use guard::require_session;
-pub use password::{PasswordError, PasswordHash, PasswordPolicy, verify as verify_password};
+pub use hashing::{HashingError, PasswordHashing};
+pub use password::{PasswordError, PasswordHash, PasswordPolicy};
 pub use sessions::{CSRF_HEADER, SessionConfig, Sessions, SignedIn, random_token};
 pub use throttle::{LoginThrottle, ThrottleConfig};

@@ -1,38 +1,44 @@
 //! A small daemon: one user, one store in memory, the real web parts.
 
-use std::{collections::HashMap, convert::Infallible, net::SocketAddr, sync::Arc, time::Duration};
+use std::{
+    collections::HashMap,
+    convert::Infallible,
+    sync::{
+        Arc,
+        atomic::{AtomicUsize, Ordering},
+    },
+    time::Duration,
+};
 
 use async_trait::async_trait;
 use axum::{
-    Json, Router,
-    extract::{ConnectInfo, State},
-    middleware,
+    Json,
+    body::Body,
+    extract::State,
     response::sse::{Event, Sse},
-    routing::get,
+    routing::{get, post},
 };
 use axum_extra::extract::CookieJar;
 use daemon::{
-    Confidential,
     telemetry::Metrics,
     web::{
         ApiJson, Problem,
-        assets::with_app,
-        headers::secured,
-        health::{self, Readiness},
-        problem::unknown_method,
-        server,
+        api::{self, Operations, Shell},
+        client_address::TrustedProxies,
+        health::Readiness,
+        server::{self, ServerLimits},
         session::{
-            Accounts, AccountsError, PasswordHash, PasswordPolicy, SessionConfig, SessionId,
-            Sessions, SignedIn, StoredSession, require_session,
+            Accounts, AccountsError, Caller, PasswordHash, PasswordHashing, PasswordPolicy,
+            SessionConfig, SessionId, Sessions, SignIn, SignedIn, StoredSession,
         },
     },
 };
 use futures::{Stream, StreamExt as _, stream};
 use parking_lot::Mutex;
 use reqwest::{Method, Response};
-use serde::Deserialize;
 use testkit::ApiClient;
 use tokio_util::sync::CancellationToken;
+use utoipa_axum::router::OpenApiRouter;
 
 /// Longest time that an answer may take, streams included.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -46,6 +52,8 @@ struct NoPages;
 pub struct Memory {
     pub users: Arc<Mutex<HashMap<String, PasswordHash>>>,
     pub sessions: Arc<Mutex<HashMap<String, StoredSession>>>,
+    /// Endless answers that are being sent.
+    pub floods: Arc<AtomicUsize>,
 }
 
 #[async_trait]
@@ -75,22 +83,13 @@ impl Accounts for Memory {
     }
 }
 
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct SignIn {
-    user_name: String,
-    password: Confidential<String>,
-}
-
 async fn sign_in(
     State(sessions): State<Sessions<Memory>>,
-    ConnectInfo(client): ConnectInfo<SocketAddr>,
-    jar: CookieJar,
+    caller: Caller,
     ApiJson(body): ApiJson<SignIn>,
 ) -> Result<(CookieJar, Json<serde_json::Value>), Problem> {
-    let (cookie, signed_in) =
-        sessions.sign_in(client.ip(), &body.user_name, &body.password).await?;
-    Ok((jar.add(cookie), view(&signed_in)))
+    let (cookie, signed_in) = sessions.sign_in(&caller, &body).await?;
+    Ok((caller.cookies.add(cookie), view(&signed_in)))
 }
 
 async fn who(signed_in: SignedIn<String>) -> Json<serde_json::Value> {
@@ -110,6 +109,24 @@ async fn live() -> Sse<impl Stream<Item = Result<Event, Infallible>>> {
     Sse::new(stream::once(async { Ok(Event::default().data("here")) }).chain(stream::pending()))
 }
 
+/// An endless answer, counted while it is being sent.
+struct Flood(Arc<AtomicUsize>);
+
+impl Drop for Flood {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+async fn flood(State(sessions): State<Sessions<Memory>>) -> Body {
+    let flood = Flood(Arc::clone(&sessions.accounts().floods));
+    flood.0.fetch_add(1, Ordering::Relaxed);
+    Body::from_stream(stream::repeat(()).map(move |()| {
+        let _counted = &flood;
+        Ok::<_, Infallible>(vec![0_u8; 64 * 1024])
+    }))
+}
+
 fn view(signed_in: &SignedIn<String>) -> Json<serde_json::Value> {
     Json(serde_json::json!({ "userName": signed_in.principal, "csrfToken": signed_in.csrf_token }))
 }
@@ -123,6 +140,21 @@ pub struct Harness {
 
 impl Harness {
     pub async fn start() -> Self {
+        Self::start_with(|_, _| ()).await
+    }
+
+    /// Starts with settings that differ from the usual ones.
+    pub async fn start_with(
+        change: impl FnOnce(&mut SessionConfig, &mut TrustedProxies),
+    ) -> Self {
+        Self::start_within(ServerLimits::default(), change).await
+    }
+
+    /// Starts with bounds of the server, too.
+    pub async fn start_within(
+        limits: ServerLimits,
+        change: impl FnOnce(&mut SessionConfig, &mut TrustedProxies),
+    ) -> Self {
         drop(rustls::crypto::ring::default_provider().install_default());
         let memory = Memory::default();
         let hash = PasswordHash::of(&"correct horse".into(), PasswordPolicy::default())
@@ -130,24 +162,32 @@ impl Harness {
         memory.users.lock().insert("ann".into(), hash);
         let mut config = SessionConfig::new("verbund_test", false);
         config.stream_check_interval = Duration::from_millis(20);
-        let sessions = Sessions::new(config, memory.clone());
+        let mut trusted_proxies = TrustedProxies::default();
+        change(&mut config, &mut trusted_proxies);
+        let sessions = Sessions::new(config, memory.clone(), PasswordHashing::default());
         let readiness = Readiness::new();
-        let guarded = get(who)
-            .delete(sign_out)
-            .layer(middleware::from_fn_with_state(sessions.clone(), require_session::<Memory>));
-        let live = get(live)
-            .layer(middleware::from_fn_with_state(sessions.clone(), require_session::<Memory>));
-        let router = Router::new()
-            .route("/api/v1/live", live)
-            .route("/api/v1/session", guarded.post(sign_in))
-            .with_state(sessions)
-            .merge(health::routes(readiness.clone(), Metrics::install().expect("the recorder")))
-            .method_not_allowed_fallback(unknown_method);
-        let router = secured(with_app::<NoPages, ()>(router), false);
+        let operations = Operations {
+            guarded: OpenApiRouter::new()
+                .route("/live", get(live))
+                .route("/session", get(who).delete(sign_out)),
+            open: OpenApiRouter::new()
+                .route("/session", post(sign_in))
+                .route("/flood", get(flood)),
+        };
+        let shell = Shell {
+            state: sessions.clone(),
+            sessions,
+            readiness: readiness.clone(),
+            metrics: Metrics::install().expect("the recorder"),
+            body_bytes_max: 1024 * 1024,
+            has_tls: false,
+            trusted_proxies,
+        };
+        let router = api::router::<NoPages, _, _>(operations, utoipa::openapi::OpenApi::default(), shell);
         let listener = server::listen(([127, 0, 0, 1], 0).into()).await.expect("a free port");
         let address = listener.local_addr().expect("bound");
         let shutdown = CancellationToken::new();
-        tokio::spawn(server::serve(listener, None, router, shutdown.clone()));
+        tokio::spawn(server::serve(listener, None, router, limits, shutdown.clone()));
         let api = ApiClient::new(format!("http://{address}"), PATIENCE).expect("a client");
         Self { api, readiness, memory, shutdown }
     }

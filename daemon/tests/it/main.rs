@@ -1,7 +1,9 @@
 //! The web side as a browser meets it: over a real socket, with cookies.
 
 mod harness;
+mod guessing;
 mod session;
+mod slow_clients;
 mod tls;
 
 use harness::Harness;

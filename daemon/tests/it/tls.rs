@@ -3,11 +3,11 @@
 use std::net::SocketAddr;
 
 use axum::{Router, extract::ConnectInfo, routing::get};
-use daemon::web::server::{self, TlsFiles};
+use daemon::web::server::{self, ServerLimits, TlsFiles};
 use tokio_util::sync::CancellationToken;
 
 #[tokio::test]
-async fn pages_are_served_over_tls_and_a_silent_peer_holds_nobody_up() {
+async fn pages_are_served_over_tls_and_silent_peers_hold_nobody_up() {
     drop(rustls::crypto::ring::default_provider().install_default());
     let folder = tempfile::tempdir().expect("a folder");
     let own = rcgen::generate_simple_self_signed(["localhost".to_owned()]).expect("a certificate");
@@ -26,9 +26,18 @@ async fn pages_are_served_over_tls_and_a_silent_peer_holds_nobody_up() {
     );
     let shutdown = CancellationToken::new();
     let tls = files.load().expect("usable files");
-    let serving = tokio::spawn(server::serve(listener, Some(tls), router, shutdown.clone()));
+    let serving = tokio::spawn(server::serve(
+        listener,
+        Some(tls),
+        router,
+        ServerLimits { connections_max: 4, ..ServerLimits::default() },
+        shutdown.clone(),
+    ));
 
-    let _silent = tokio::net::TcpStream::connect(("127.0.0.1", port)).await.expect("connected");
+    let mut silent = Vec::new();
+    for _ in 0..10 {
+        silent.push(tokio::net::TcpStream::connect(("127.0.0.1", port)).await.expect("connected"));
+    }
     let root = reqwest::Certificate::from_pem(own.cert.pem().as_bytes()).expect("a certificate");
     let client = reqwest::Client::builder().tls_certs_only([root]).build().expect("a client");
     let answer = client.get(format!("https://localhost:{port}/")).send().await.expect("an answer");
@@ -36,7 +45,7 @@ async fn pages_are_served_over_tls_and_a_silent_peer_holds_nobody_up() {
 
     drop(client);
     shutdown.cancel();
-    serving.await.expect("no panic").expect("an orderly end");
+    serving.await.expect("an orderly end");
 }
 
 #[test]

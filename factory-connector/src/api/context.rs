@@ -10,8 +10,9 @@ use daemon::{
     telemetry::Metrics,
     web::{
         Problem,
+        client_address::TrustedProxies,
         health::Readiness,
-        session::{SessionConfig, Sessions},
+        session::{PasswordHashing, SessionConfig, Sessions},
     },
 };
 use mapping_engine::MappingEngineHandle;
@@ -76,6 +77,9 @@ pub struct ServerParts {
     pub shutdown: CancellationToken,
     /// True if cookies are for TLS only.
     pub has_tls: bool,
+    pub trusted_proxies: TrustedProxies,
+    /// Work of hashing, shared with the OPC UA server.
+    pub hashing: PasswordHashing,
 }
 
 /// Context of the operations; clones share it.
@@ -97,7 +101,7 @@ impl Api {
     pub fn new(parts: ApiParts) -> Self {
         let accounts = StoredAccounts::new(parts.readers.reserved_for(ReaderUse::SignIn));
         let config = SessionConfig::new(COOKIE, parts.server.has_tls);
-        let sessions = Sessions::new(config, accounts.clone());
+        let sessions = Sessions::new(config, accounts.clone(), parts.server.hashing.clone());
         Self {
             parts: Arc::new(parts),
             sessions,

@@ -1,31 +1,16 @@
 //! Sign-in and sign-out.
 
-use std::net::SocketAddr;
-
-use axum::{
-    Json,
-    extract::{ConnectInfo, State},
-    http::StatusCode,
-};
+use axum::{Json, extract::State, http::StatusCode};
 use axum_extra::extract::CookieJar;
-use daemon::{
-    Confidential,
-    web::{ApiJson, Problem, session::SignedIn},
+use daemon::web::{
+    ApiJson, Problem,
+    session::{Caller, SignIn, SignedIn},
 };
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{accounts::Principal, context::Api, problems::Problems, roles::Viewer};
 use crate::store::Role;
-
-/// Credentials of a person.
-#[derive(Deserialize, ToSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct SignIn {
-    user_name: String,
-    #[schema(value_type = String, format = Password)]
-    password: Confidential<String>,
-}
 
 /// Session of a person.
 #[derive(Serialize, ToSchema)]
@@ -53,16 +38,17 @@ impl From<SignedIn<Principal>> for Session {
     path = "/session",
     tag = "session",
     request_body = SignIn,
-    responses((status = 200, body = Session), Problems)
+    responses((status = 200, body = Session), Problems,
+        (status = 429, body = Problem, content_type = "application/problem+json",
+            description = "Too many attempts"))
 )]
 pub async fn sign_in(
     State(api): State<Api>,
-    ConnectInfo(client): ConnectInfo<SocketAddr>,
-    jar: CookieJar,
+    caller: Caller,
     ApiJson(body): ApiJson<SignIn>,
 ) -> Result<(CookieJar, Json<Session>), Problem> {
-    let (cookie, user) = api.sessions.sign_in(client.ip(), &body.user_name, &body.password).await?;
-    Ok((jar.add(cookie), Json(user.into())))
+    let (cookie, user) = api.sessions.sign_in(&caller, &body).await?;
+    Ok((caller.cookies.add(cookie), Json(user.into())))
 }
 
 /// Shows the session of the caller.

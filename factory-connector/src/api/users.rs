@@ -6,7 +6,7 @@ use daemon::{
     web::{
         ApiJson, ApiPath, Problem,
         problem::ProblemFault,
-        session::{PasswordError, PasswordHash, PasswordPolicy},
+        session::{HashingError, PasswordError, PasswordHashing, PasswordPolicy},
     },
 };
 use serde::{Deserialize, Serialize};
@@ -87,7 +87,7 @@ pub async fn put_user(
     }
     let has_new_password = body.password.is_some();
     let password_hash = match (body.password, known) {
-        (Some(password), _) => hash(password).await?,
+        (Some(password), _) => hash(api.sessions.hashing(), password).await?,
         (None, Some(known)) => known.password_hash,
         (None, None) => return Err(fault("/password", "A new person needs a password.")),
     };
@@ -160,16 +160,20 @@ where
     Ok(done.await.map_err(|error| Problem::internal(&error))??)
 }
 
-/// Hashes a password on a thread of its own: Argon2 is made to be slow.
-async fn hash(password: Confidential<String>) -> Result<String, Problem> {
-    let hashed =
-        tokio::task::spawn_blocking(move || PasswordHash::of(&password, PasswordPolicy::default()))
-            .await;
-    match hashed.map_err(|error| Problem::internal(&error))? {
+async fn hash(
+    hashing: &PasswordHashing,
+    password: Confidential<String>,
+) -> Result<String, Problem> {
+    use PasswordError::{TooLong, TooShort};
+    match hashing.hash(password, PasswordPolicy::default()).await {
         Ok(hash) => Ok(hash.as_str().to_owned()),
-        Err(error @ (PasswordError::TooShort { .. } | PasswordError::TooLong { .. })) => {
+        Err(HashingError::Password(error @ (TooShort { .. } | TooLong { .. }))) => {
             Err(fault("/password", &format!("{error}.")))
         }
+        Err(HashingError::Busy) => Err(Problem::unavailable(
+            "BUSY",
+            "Too many passwords wait to be checked; try again in a moment.",
+        )),
         Err(error) => Err(Problem::internal(&error)),
     }
 }

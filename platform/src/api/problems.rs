@@ -1,7 +1,7 @@
 //! Problem responses of the operations, and their mapping from inner errors.
 
 use asi_model::messages::Fault;
-use daemon::web::{Problem, problem::ProblemFault};
+use daemon::web::{Problem, problem::ProblemFault, session::HashingError};
 use utoipa::IntoResponses;
 
 use crate::{
@@ -92,7 +92,10 @@ impl From<BrokerAccessError> for Problem {
 impl From<AdministratorError> for Problem {
     fn from(error: AdministratorError) -> Self {
         match error {
-            AdministratorError::Password(reason) => Self::unprocessable(
+            AdministratorError::Password(HashingError::Busy) => {
+                Self::unavailable("BUSY", "Too many passwords wait to be checked; try again.")
+            }
+            AdministratorError::Password(HashingError::Password(reason)) => Self::unprocessable(
                 "PASSWORD_REFUSED",
                 format!("The password is refused: {reason}."),
                 vec![ProblemFault {

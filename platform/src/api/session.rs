@@ -1,32 +1,17 @@
 //! Signing in and out.
 
-use std::net::SocketAddr;
-
 use asi_model::OrganisationId;
-use axum::{
-    Json,
-    extract::{ConnectInfo, State},
-    http::StatusCode,
-};
+use axum::{Json, extract::State, http::StatusCode};
 use axum_extra::extract::CookieJar;
-use daemon::{
-    Confidential,
-    web::{ApiJson, Problem, session::SignedIn},
+use daemon::web::{
+    ApiJson, Problem,
+    session::{Caller, SignIn, SignedIn},
 };
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::problems::{ChangeProblems, ReadProblems};
 use crate::{application::Application, principal::Principal, store::Role};
-
-/// User name and password.
-#[derive(Deserialize, ToSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct SignIn {
-    user_name: String,
-    #[schema(value_type = String, format = Password)]
-    password: Confidential<String>,
-}
 
 /// The signed-in user and the token of its session.
 #[derive(Serialize, ToSchema)]
@@ -54,15 +39,15 @@ impl From<SignedIn<Principal>> for Session {
 /// Signs in; the answer sets the session's cookie.
 #[utoipa::path(post, operation_id = "signIn", path = "/session", tag = "session", request_body = SignIn,
     responses((status = 200, body = Session), ChangeProblems,
-        (status = 429, body = Problem, content_type = "application/problem+json", description = "Too many attempts")))]
+        (status = 429, body = Problem, content_type = "application/problem+json", description = "Too many attempts"),
+        (status = 503, body = Problem, content_type = "application/problem+json", description = "Too many people are signing in")))]
 pub async fn sign_in(
     State(app): State<Application>,
-    ConnectInfo(client): ConnectInfo<SocketAddr>,
-    jar: CookieJar,
+    caller: Caller,
     ApiJson(body): ApiJson<SignIn>,
 ) -> Result<(CookieJar, Json<Session>), Problem> {
-    let (cookie, who) = app.sessions.sign_in(client.ip(), &body.user_name, &body.password).await?;
-    Ok((jar.add(cookie), Json(who.into())))
+    let (cookie, who) = app.sessions.sign_in(&caller, &body).await?;
+    Ok((caller.cookies.add(cookie), Json(who.into())))
 }
 
 /// Says who is signed in.

@@ -77,7 +77,7 @@ pub async fn put(
         return Err(unknown_reference("/organisationId", "such organisation"));
     }
     let user = User { user_name, role: body.role, organisation_id: body.organisation_id };
-    let hash = administrator::hash(body.password).await?;
+    let hash = app.sessions.hashing().hash(body.password, PasswordPolicy::default()).await?;
     let mut work = app.store.begin(&who.principal, "putUser").await?;
     administrator::put(&mut work, &user, &hash, app.clock.now()).await?;
     work.commit(administrator::subject(&user), AuditOutcome::Done).await?;

@@ -8,7 +8,10 @@ use std::{
 
 use anyhow::Context;
 use asi_model::{FactoryId, OrganisationId};
-use daemon::{Confidential, data_directory};
+use daemon::{
+    Confidential, data_directory,
+    web::session::{PasswordHashing, PasswordPolicy},
+};
 use platform::{
     administrator,
     audit::{CommandLine, RecordingStore},
@@ -102,7 +105,7 @@ pub async fn set_user(
     let password: Confidential<String> = line.trim_end_matches(['\r', '\n']).into();
     let organisation_id: Option<OrganisationId> = organisation.map(|id| id.parse()).transpose()?;
     let user = User { user_name, role, organisation_id };
-    let hash = administrator::hash(password).await?;
+    let hash = PasswordHashing::default().hash(password, PasswordPolicy::default()).await?;
     let mut work = store.begin(CommandLine, "putUser").await?;
     administrator::put(&mut work, &user, &hash, Clock::system().now()).await?;
     Ok(work.commit(administrator::subject(&user), AuditOutcome::Done).await?)

@@ -133,6 +133,28 @@ describe('the users page', () => {
     expect(screen.getByLabelText('User name')).toHaveProperty('value', 'ida')
   })
 
+  it('ends a session of somebody else, and resets a lost second factor', async () => {
+    const times = { startedAt: '2026-01-01T08:00:00Z', lastUsedAt: '2026-01-01T08:00:00Z' }
+    const otto = { sessionId: 'o', isPresent: false, address: '192.0.2.2', userAgent: '', ...times }
+    const done = (): Response => new Response(null, { status: 204 })
+    const log = serve({
+      'GET /users': () => ({ items: people }),
+      'GET /users/otto/sessions': () => ({ items: [otto] }),
+      'DELETE /users/otto/sessions/o': done,
+      'DELETE /users/otto/second-factor': done,
+    })
+    render(UsersPage)
+    await userEvent.click(await screen.findByRole('button', { name: 'Sessions: otto' }))
+    await userEvent.click(await screen.findByRole('button', { name: 'End: 192.0.2.2' }))
+    await userEvent.click(screen.getByRole('button', { name: 'Reset second factor' }))
+    await vi.waitFor(() =>
+      expect(changes(log).map(({ path }) => path)).toEqual([
+        '/users/otto/sessions/o',
+        '/users/otto/second-factor',
+      ]),
+    )
+  })
+
   it('asks before removing a user, and never offers to remove oneself', async () => {
     const log = connector()
     render(UsersPage)

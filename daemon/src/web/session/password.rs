@@ -1,10 +1,11 @@
 //! Passwords as Argon2id hashes (RFC 9106), in the PHC text form.
 
 use argon2::{
-    Argon2, PasswordHasher, PasswordVerifier,
-    password_hash::{PasswordHash as ParsedHash, SaltString},
+    Algorithm, Argon2, Block, Params, Version,
+    password_hash::{self, Output, PasswordHash as ParsedHash, SaltString},
 };
 use rand::RngCore;
+use subtle::ConstantTimeEq;
 
 use crate::Confidential;
 
@@ -46,6 +47,8 @@ impl Default for PasswordPolicy {
 
 /// Bound on the work of hashing that a request can cause.
 const PASSWORD_BYTES_MAX: usize = 1024;
+/// Longest salt of a stored hash.
+const SALT_BYTES_MAX: usize = 64;
 
 impl PasswordHash {
     /// Hashes a password that fulfils the policy. Takes some tens of milliseconds of CPU.
@@ -55,6 +58,15 @@ impl PasswordHash {
     pub fn of(
         password: &Confidential<String>,
         policy: PasswordPolicy,
+    ) -> Result<Self, PasswordError> {
+        Self::with_memory(password, policy, &mut HashMemory::default())
+    }
+
+    /// Hashes a password in memory that is used again.
+    pub(super) fn with_memory(
+        password: &Confidential<String>,
+        policy: PasswordPolicy,
+        memory: &mut HashMemory,
     ) -> Result<Self, PasswordError> {
         let password = password.expose();
         if password.chars().count() < policy.characters_min {
@@ -66,10 +78,20 @@ impl PasswordHash {
         let mut salt = [0_u8; 16];
         rand::rng().fill_bytes(&mut salt);
         let salt = SaltString::encode_b64(&salt).map_err(PasswordError::Hash)?;
-        let hash = Argon2::default()
-            .hash_password(password.as_bytes(), &salt)
-            .map_err(PasswordError::Hash)?;
-        Ok(Self(hash.to_string()))
+        let method = Method {
+            algorithm: Algorithm::default(),
+            version: Version::default(),
+            params: Params::default(),
+        };
+        let hash = method.hash(password, &salt, Params::DEFAULT_OUTPUT_LEN, memory);
+        let phc = ParsedHash {
+            algorithm: method.algorithm.ident(),
+            version: Some(method.version.into()),
+            params: (&method.params).try_into().map_err(PasswordError::Hash)?,
+            salt: Some(salt.as_salt()),
+            hash: Some(hash.map_err(PasswordError::Hash)?),
+        };
+        Ok(Self(phc.to_string()))
     }
 
     /// Takes the text that [`as_str`](Self::as_str) gave; a broken one never verifies.
@@ -87,10 +109,74 @@ impl PasswordHash {
     /// Returns true when this is the hash of the password. Takes some tens of milliseconds of CPU.
     #[must_use]
     pub fn is_of(&self, password: &Confidential<String>) -> bool {
-        password.expose().len() <= PASSWORD_BYTES_MAX
-            && ParsedHash::new(&self.0).is_ok_and(|parsed| {
-                Argon2::default().verify_password(password.expose().as_bytes(), &parsed).is_ok()
+        self.is_of_with_memory(password, &mut HashMemory::default())
+    }
+
+    /// Compares in memory that is used again.
+    pub(super) fn is_of_with_memory(
+        &self,
+        password: &Confidential<String>,
+        memory: &mut HashMemory,
+    ) -> bool {
+        let password = password.expose();
+        password.len() <= PASSWORD_BYTES_MAX
+            && self.computed_again(password, memory).is_some_and(|(stored, computed)| {
+                bool::from(stored.as_bytes().ct_eq(computed.as_bytes()))
             })
+    }
+
+    /// Returns the stored digest and that of a password with the same salt and costs; `None` for a
+    /// broken hash.
+    fn computed_again(&self, password: &str, memory: &mut HashMemory) -> Option<(Output, Output)> {
+        let parsed = ParsedHash::new(&self.0).ok()?;
+        let (stored, salt) = (parsed.hash?, SaltString::from_b64(parsed.salt?.as_str()).ok()?);
+        let method = Method::of(&parsed).ok()?;
+        let computed = method.hash(password, &salt, stored.len(), memory).ok()?;
+        Some((stored, computed))
+    }
+}
+
+/// Memory that Argon2 fills, 19 MiB with the default costs. It is kept for the next hash: given back to
+/// the allocator each time, blocks of this size lie about in the arenas of all threads.
+#[derive(Default)]
+pub(super) struct HashMemory(Vec<Block>);
+
+/// Function and costs of a hash.
+struct Method {
+    algorithm: Algorithm,
+    version: Version,
+    params: Params,
+}
+
+impl Method {
+    fn of(parsed: &ParsedHash<'_>) -> password_hash::Result<Self> {
+        Ok(Self {
+            algorithm: Algorithm::try_from(parsed.algorithm)?,
+            version: parsed.version.map_or(Ok(Version::default()), Version::try_from)?,
+            params: Params::try_from(parsed)?,
+        })
+    }
+
+    fn hash(
+        &self,
+        password: &str,
+        salt: &SaltString,
+        output_bytes: usize,
+        memory: &mut HashMemory,
+    ) -> password_hash::Result<Output> {
+        let mut salt_bytes = [0; SALT_BYTES_MAX];
+        let salt_bytes = salt.decode_b64(&mut salt_bytes)?;
+        let blocks = self.params.block_count();
+        if memory.0.len() < blocks {
+            memory.0.resize(blocks, Block::default());
+        }
+        let argon2 = Argon2::new(self.algorithm, self.version, self.params.clone());
+        Output::init_with(output_bytes, |output| {
+            let memory = memory.0.as_mut_slice();
+            argon2
+                .hash_password_into_with_memory(password.as_bytes(), salt_bytes, output, memory)
+                .map_err(Into::into)
+        })
     }
 }
 
@@ -103,12 +189,9 @@ impl std::fmt::Debug for PasswordHash {
 /// A hash that no password has; compared with where there is no user, so that time does not tell.
 const NOBODY: &str = "$argon2id$v=19$m=19456,t=2,p=1$bm9ib2R5bm9ib2R5bm9i$QUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUFBQUE";
 
-/// Compares off the async threads.
-pub async fn verify(hash: Option<PasswordHash>, password: Confidential<String>) -> bool {
-    let is_known = hash.is_some();
-    let hash = hash.unwrap_or_else(|| PasswordHash(NOBODY.to_owned()));
-    let compared = tokio::task::spawn_blocking(move || hash.is_of(&password)).await;
-    is_known && compared.unwrap_or(false)
+/// Returns the hash that no password has.
+pub(super) fn nobodys_hash() -> PasswordHash {
+    PasswordHash(NOBODY.to_owned())
 }
 
 #[cfg(test)]

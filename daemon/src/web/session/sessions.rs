@@ -1,9 +1,8 @@
 //! Sessions: sign-in, sign-out, and the user of a cookie.
 
 use std::{
-    net::IpAddr,
     sync::Arc,
-    time::{Duration, Instant, SystemTime},
+    time::{Duration, SystemTime},
 };
 
 use axum::{
@@ -12,16 +11,16 @@ use axum::{
 };
 use axum_extra::extract::cookie::{Cookie, SameSite};
 use base64::{Engine, engine::general_purpose::URL_SAFE_NO_PAD};
-use parking_lot::Mutex;
 use rand::RngCore;
-use tokio::sync::Semaphore;
 
 use super::{
     accounts::{Accounts, AccountsError, SessionId, StoredSession},
-    password,
-    throttle::{LoginThrottle, ThrottleConfig},
+    credentials::{Caller, SignIn},
+    hashing::{HashingError, PasswordHashing},
+    sign_in_gate::{SignInGate, busy, count},
+    throttle::ThrottleConfig,
 };
-use crate::{Confidential, web::problem::Problem};
+use crate::web::problem::Problem;
 
 /// Header that carries the CSRF token of a session with every change.
 pub const CSRF_HEADER: &str = "x-csrf-token";
@@ -57,9 +56,6 @@ impl SessionConfig {
     }
 }
 
-/// Argon2 takes 19 MiB and some tens of milliseconds each time, so only few run at once.
-const PASSWORD_CHECKS_MAX: usize = 4;
-
 /// Sessions over the daemon's accounts: signs users in and out. Clones share everything.
 pub struct Sessions<A: Accounts> {
     inner: Arc<Inner<A>>,
@@ -68,8 +64,8 @@ pub struct Sessions<A: Accounts> {
 struct Inner<A> {
     config: SessionConfig,
     accounts: A,
-    throttle: Mutex<LoginThrottle>,
-    password_checks: Semaphore,
+    gate: SignInGate,
+    hashing: PasswordHashing,
 }
 
 /// Signed-in user of a request; an extractor for handlers.
@@ -109,12 +105,12 @@ impl<A: Accounts> std::fmt::Debug for Sessions<A> {
 }
 
 impl<A: Accounts> Sessions<A> {
-    /// Returns sessions over the daemon's accounts.
+    /// Returns sessions over the daemon's accounts. All that hashes passwords in the daemon shares
+    /// `hashing`.
     #[must_use]
-    pub fn new(config: SessionConfig, accounts: A) -> Self {
-        let throttle = Mutex::new(LoginThrottle::new(config.throttle.clone()));
-        let password_checks = Semaphore::new(PASSWORD_CHECKS_MAX);
-        Self { inner: Arc::new(Inner { config, accounts, throttle, password_checks }) }
+    pub fn new(config: SessionConfig, accounts: A, hashing: PasswordHashing) -> Self {
+        let gate = SignInGate::new(config.throttle.clone());
+        Self { inner: Arc::new(Inner { config, accounts, gate, hashing }) }
     }
 
     pub(super) fn config(&self) -> &SessionConfig {
@@ -127,47 +123,39 @@ impl<A: Accounts> Sessions<A> {
         &self.inner.accounts
     }
 
+    /// Returns the work of hashing, for new passwords.
+    #[must_use]
+    pub fn hashing(&self) -> &PasswordHashing {
+        &self.inner.hashing
+    }
+
     /// Checks a password and opens a session; the cookie goes into the answer.
     ///
     /// # Errors
     /// A [`Problem`]: 401 for a wrong name or password (without saying which), 429 after
-    /// too many attempts.
+    /// too many attempts, 503 when too many sign in at once.
     pub async fn sign_in(
         &self,
-        client: IpAddr,
-        user_name: &str,
-        password: &Confidential<String>,
+        caller: &Caller,
+        sign_in: &SignIn,
     ) -> Result<(Cookie<'static>, SignedIn<A::Principal>), Problem> {
-        let refusal = || {
-            Problem::new(
-                StatusCode::UNAUTHORIZED,
-                "WRONG_CREDENTIALS",
-                "User name or password is wrong.",
-            )
+        let user_name = sign_in.user_name.as_str();
+        let open = self.inner.gate.enter(caller.address, user_name).await?;
+        let principal = match self.verified(sign_in).await {
+            Ok(Some(principal)) => principal,
+            Ok(None) => {
+                drop(open);
+                count("refused");
+                tracing::warn!(client = %caller.address, "An attempt to sign in was refused.");
+                return Err(wrong_credentials());
+            }
+            Err(problem) => {
+                open.withdrawn();
+                return Err(problem);
+            }
         };
-        if let Err(wait) = self.inner.throttle.lock().check(client, user_name, Instant::now()) {
-            metrics::counter!("verbund_sign_ins_total", "result" => "throttled").increment(1);
-            return Err(Problem::too_many("Too many attempts to sign in; wait a little.", wait));
-        }
-        let hash = self.inner.accounts.password_hash(user_name).await.map_err(internal)?;
-        let is_right = {
-            // The semaphore is never closed, so acquiring can only wait.
-            let _permit = self.inner.password_checks.acquire().await;
-            password::verify(hash, password.clone()).await
-        };
-        let principal = if is_right {
-            self.inner.accounts.principal(user_name).await.map_err(internal)?
-        } else {
-            None
-        };
-        let Some(principal) = principal else {
-            self.inner.throttle.lock().failed(client, user_name, Instant::now());
-            metrics::counter!("verbund_sign_ins_total", "result" => "refused").increment(1);
-            tracing::warn!(%client, "An attempt to sign in was refused.");
-            return Err(refusal());
-        };
-        self.inner.throttle.lock().succeeded(client, user_name);
-        metrics::counter!("verbund_sign_ins_total", "result" => "accepted").increment(1);
+        open.succeeded();
+        count("accepted");
 
         let token = random_token();
         let id = SessionId::of(&token);
@@ -180,6 +168,16 @@ impl<A: Accounts> Sessions<A> {
         self.inner.accounts.put_session(&session).await.map_err(internal)?;
         let signed_in = SignedIn { session: id, principal, csrf_token: session.csrf_token };
         Ok((self.cookie(token, self.inner.config.lifetime), signed_in))
+    }
+
+    /// Returns the user where name and password are right.
+    async fn verified(&self, sign_in: &SignIn) -> Result<Option<A::Principal>, Problem> {
+        let user_name = sign_in.user_name.as_str();
+        let hash = self.inner.accounts.password_hash(user_name).await.map_err(internal)?;
+        if !self.inner.hashing.verify(hash, sign_in.password.clone()).await.map_err(not_hashed)? {
+            return Ok(None);
+        }
+        self.inner.accounts.principal(user_name).await.map_err(internal)
     }
 
     /// Ends a session; the cookie that removes the browser's goes into the answer.
@@ -227,6 +225,19 @@ impl<A: Accounts> Sessions<A> {
             .secure(self.inner.config.is_secure)
             .max_age(time::Duration::seconds(seconds))
             .build()
+    }
+}
+
+fn wrong_credentials() -> Problem {
+    let detail = "User name or password is wrong.";
+    Problem::new(StatusCode::UNAUTHORIZED, "WRONG_CREDENTIALS", detail)
+}
+
+/// Returns the problem of a password that was not checked.
+fn not_hashed(error: HashingError) -> Problem {
+    match error {
+        HashingError::Busy => busy(),
+        HashingError::Password(_) | HashingError::Broken => Problem::internal(&error),
     }
 }
 

@@ -146,6 +146,8 @@ export const overview: typeof English = {
     newPassword: 'Neues Passwort',
     passwordHint: 'Mindestens zehn Zeichen. Ein paar Wörter merken sich leichter als Zeichen.',
     passwordShort: 'Das Passwort hat weniger als zehn Zeichen.',
+    resetFactor: 'Zweiten Faktor zurücksetzen',
+    factorReset: (name: string) => `Zur Anmeldung von ${name} genügt wieder das Passwort.`,
     sessionsEnd: 'Mindestens zehn Zeichen. Offene Sitzungen der Person enden.',
     changed: (who: string) => `${who} gespeichert.`,
     remove: (who: string) => `${who} entfernen`,

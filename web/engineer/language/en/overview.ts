@@ -142,6 +142,8 @@ export const overview = {
     newPassword: 'New password',
     passwordHint: 'At least ten characters. A few words are easier to remember than signs.',
     passwordShort: 'The password has fewer than ten characters.',
+    resetFactor: 'Reset second factor',
+    factorReset: (name: string) => `${name} signs in with the password alone again.`,
     sessionsEnd: 'At least ten characters. The person’s open sessions end.',
     changed: (who: string) => `${who} saved.`,
     remove: (who: string) => `Remove ${who}`,

@@ -66,6 +66,13 @@ export const settings = {
       'broker.allow_plaintext':
         'Speak with a broker on another machine without TLS, the one told at enrolment included.',
       'web.listen': 'Where pages and API listen.',
+      'web.public_url':
+        'Address for browsers where a proxy speaks TLS. With https the session’s cookie is for TLS only.',
+      'web.metrics_listen':
+        'Where metrics for Prometheus and readiness with reasons listen, on this machine only. Absent: nowhere.',
+      'web.trusted_proxies':
+        'Proxies in front of the pages. They alone are believed about the address of their client.',
+      'web.forwarded_header': 'Header in which the proxies tell that address.',
       'web.tls.certificate':
         'Certificate as PEM. Without certificate and key plain HTTP, for this machine only or behind a proxy that speaks TLS.',
       'web.tls.key': 'Key as PEM.',

@@ -12,8 +12,9 @@ use daemon::{
     sealing::{Sealer, SealingConfig},
     telemetry::Metrics,
     web::{
+        client_address::TrustedProxies,
         health::Readiness,
-        session::{PasswordHash, PasswordPolicy},
+        session::{PasswordHash, PasswordHashing, PasswordPolicy},
     },
 };
 use mapping_engine::{MappingEngine, MappingEngineConfig};
@@ -174,6 +175,8 @@ impl Plant {
                 metrics: Metrics::install().expect("a recorder"),
                 shutdown: CancellationToken::new(),
                 has_tls: false,
+                trusted_proxies: TrustedProxies::default(),
+                hashing: PasswordHashing::default(),
             },
         };
         api::router(Api::new(parts), false)

@@ -1,0 +1,243 @@
+//! Connections of a server: places for them, and the choice of those that give theirs up.
+
+use std::{
+    collections::HashMap,
+    net::IpAddr,
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use parking_lot::Mutex;
+use tokio_util::sync::CancellationToken;
+
+use super::limits::ServerLimits;
+use crate::web::address_range::AddressRange;
+
+/// Time in which a body should come, or an answer be taken, when places are short.
+const SHORTAGE_PATIENCE: Duration = Duration::from_secs(2);
+
+/// All connections of a server.
+pub(super) struct Connections {
+    limits: ServerLimits,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    entries: HashMap<u64, Entry>,
+    last_id: u64,
+}
+
+struct Entry {
+    client: AddressRange,
+    activity: Activity,
+    close: CancellationToken,
+}
+
+/// Present activity of a connection. Clones share it.
+#[derive(Debug, Clone)]
+pub(super) struct Activity(Arc<Mutex<Phase>>);
+
+#[derive(Debug, Clone, Copy)]
+enum Phase {
+    /// Waiting for a TLS handshake or for the head of a request.
+    Waiting(Instant),
+    /// Receiving the body of a request.
+    Receiving(Instant),
+    /// Working on a request, or sending its answer.
+    Answering,
+    /// The client does not take its answer.
+    Stalled(Instant),
+}
+
+/// A place that ends when this is dropped.
+pub(super) struct Admitted {
+    connections: Arc<Connections>,
+    id: u64,
+    pub activity: Activity,
+    /// Cancelled when the place goes to somebody else.
+    pub close: CancellationToken,
+}
+
+impl Connections {
+    pub(super) fn new(limits: ServerLimits) -> Arc<Self> {
+        Arc::new(Self { limits, state: Mutex::default() })
+    }
+
+    pub(super) const fn limits(&self) -> &ServerLimits {
+        &self.limits
+    }
+
+    /// Gives a new connection a place, if need be that of one which asks for nothing. `None` where all
+    /// are busy.
+    pub(super) fn admit(self: &Arc<Self>, peer: IpAddr) -> Option<Admitted> {
+        let client = AddressRange::of_client(peer);
+        let is_shared = self.limits.shared_addresses.iter().any(|range| range.contains(peer));
+        let mut state = self.state.lock();
+        if !is_shared {
+            let own = state.entries.values().filter(|entry| entry.client == client).count();
+            if own >= self.limits.connections_per_client_max
+                && !state.evict(|entry| entry.client == client)
+            {
+                count_refused("client");
+                return None;
+            }
+        }
+        if state.entries.len() >= self.limits.connections_max && !state.evict(|_| true) {
+            count_refused("total");
+            return None;
+        }
+        state.last_id += 1;
+        let id = state.last_id;
+        let activity = Activity(Arc::new(Mutex::new(Phase::Waiting(Instant::now()))));
+        let close = CancellationToken::new();
+        let entry = Entry { client, activity: activity.clone(), close: close.clone() };
+        state.entries.insert(id, entry);
+        show_number(state.entries.len());
+        Some(Admitted { connections: Arc::clone(self), id, activity, close })
+    }
+}
+
+impl State {
+    /// Closes the connection that has waited longest of those that `may_go`; false where all are busy.
+    fn evict(&mut self, may_go: impl Fn(&Entry) -> bool) -> bool {
+        let now = Instant::now();
+        let idle = self.entries.iter().filter(|(_, entry)| may_go(entry));
+        let idle = idle.filter_map(|(id, entry)| Some((*id, entry.activity.idle_since(now)?)));
+        let Some((id, _)) = idle.min_by_key(|(_, since)| *since) else { return false };
+        if let Some(entry) = self.entries.remove(&id) {
+            entry.close.cancel();
+            count_refused("displaced");
+        }
+        true
+    }
+}
+
+impl Activity {
+    pub(super) fn waits(&self) {
+        *self.0.lock() = Phase::Waiting(Instant::now());
+    }
+
+    pub(super) fn receives(&self) {
+        *self.0.lock() = Phase::Receiving(Instant::now());
+    }
+
+    pub(super) fn answers(&self) {
+        *self.0.lock() = Phase::Answering;
+    }
+
+    /// The body was received, or nobody reads on.
+    pub(super) fn received(&self) {
+        let mut phase = self.0.lock();
+        if matches!(*phase, Phase::Receiving(_)) {
+            *phase = Phase::Answering;
+        }
+    }
+
+    pub(super) fn stalls(&self) {
+        let mut phase = self.0.lock();
+        if matches!(*phase, Phase::Answering) {
+            *phase = Phase::Stalled(Instant::now());
+        }
+    }
+
+    pub(super) fn goes_on(&self) {
+        let mut phase = self.0.lock();
+        if matches!(*phase, Phase::Stalled(_)) {
+            *phase = Phase::Answering;
+        }
+    }
+
+    /// Returns the time since when the client has kept the server waiting; `None` where it does not.
+    fn idle_since(&self, now: Instant) -> Option<Instant> {
+        match *self.0.lock() {
+            Phase::Waiting(since) => Some(since),
+            Phase::Receiving(since) | Phase::Stalled(since) => {
+                (now.saturating_duration_since(since) > SHORTAGE_PATIENCE).then_some(since)
+            }
+            Phase::Answering => None,
+        }
+    }
+}
+
+impl Drop for Admitted {
+    fn drop(&mut self) {
+        let mut state = self.connections.state.lock();
+        state.entries.remove(&self.id);
+        show_number(state.entries.len());
+    }
+}
+
+/// Counts a connection that was not served, or no longer, by its reason.
+pub(super) fn count_refused(reason: &'static str) {
+    metrics::counter!("verbund_http_connections_refused_total", "reason" => reason).increment(1);
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a thousand connections at most")]
+fn show_number(connections: usize) {
+    metrics::gauge!("verbund_http_connections").set(connections as f64);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn connections() -> Arc<Connections> {
+        let shared_addresses = vec!["10.0.0.1".parse().expect("a range")];
+        Connections::new(ServerLimits {
+            connections_max: 4,
+            connections_per_client_max: 2,
+            shared_addresses,
+            ..ServerLimits::default()
+        })
+    }
+
+    fn peer(last: u8) -> IpAddr {
+        IpAddr::from([10, 0, 0, last])
+    }
+
+    #[test]
+    fn who_waits_longest_gives_way() {
+        let connections = connections();
+        let first = connections.admit(peer(2)).expect("a place");
+        let second = connections.admit(peer(2)).expect("a place");
+        first.activity.answers();
+        let third = connections.admit(peer(2)).expect("the second one's place");
+        assert!(second.close.is_cancelled() && !first.close.is_cancelled());
+        third.activity.answers();
+        assert!(connections.admit(peer(2)).is_none(), "both are busy");
+        first.activity.waits();
+        let other = connections.admit(peer(3)).expect("a place");
+        assert!(!first.close.is_cancelled(), "there is room for other clients");
+        drop((other, second));
+        assert_eq!(connections.state.lock().entries.len(), 2);
+    }
+
+    #[test]
+    fn behind_a_proxy_only_the_whole_is_bounded() {
+        let connections = connections();
+        let proxied: Vec<_> = (0..4).map(|_| connections.admit(peer(1)).expect("room")).collect();
+        for one in &proxied {
+            one.activity.answers();
+        }
+        assert!(connections.admit(peer(1)).is_none());
+        drop(proxied);
+        assert!(connections.admit(peer(1)).is_some());
+    }
+
+    #[test]
+    fn slow_bodies_and_stalled_answers_give_way_after_a_while() {
+        let connections = connections();
+        let one = connections.admit(peer(2)).expect("a place");
+        let soon = Instant::now();
+        let later = soon + SHORTAGE_PATIENCE + Duration::from_secs(1);
+        one.activity.receives();
+        assert!(one.activity.idle_since(soon).is_none() && one.activity.idle_since(later).is_some());
+        one.activity.received();
+        assert!(one.activity.idle_since(later).is_none());
+        one.activity.stalls();
+        assert!(one.activity.idle_since(later).is_some());
+        one.activity.goes_on();
+        assert!(one.activity.idle_since(later).is_none());
+    }
+}

@@ -1,0 +1,46 @@
+import type { components as Connector } from '@/api/connector.generated'
+import type { components as Platform } from '@/api/platform.generated'
+import { request } from '@/transport/http'
+
+type Schema<Name extends keyof Connector['schemas'] & keyof Platform['schemas']> =
+  Connector['schemas'][Name] | Platform['schemas'][Name]
+
+export type SessionSummary = Schema<'SessionSummary'>
+export type SecondFactorOffer = Schema<'SecondFactorOffer'>
+export type SecondFactorState = Schema<'SecondFactorState'>
+type PasswordChange = Schema<'PasswordChange'>
+type Removal = Schema<'SecondFactorRemoval'>
+
+/** Sessions of the signed-in person, or of another one by name. */
+const sessionsOf = (userName: string | undefined): string =>
+  userName === undefined ? '/sessions' : `/users/${encodeURIComponent(userName)}/sessions`
+
+/** One's own account, which both daemons have alike. Every call throws a Problem. */
+export const account = {
+  changePassword: (body: PasswordChange): Promise<undefined> =>
+    request('PUT', '/session/password', { body }),
+  sessions: async (userName?: string, signal?: AbortSignal): Promise<SessionSummary[]> => {
+    const list = await request<Schema<'SessionList'>>(
+      'GET',
+      sessionsOf(userName),
+      signal === undefined ? {} : { signal },
+    )
+    return list.items
+  },
+  endSession: (sessionId: string, userName?: string): Promise<undefined> =>
+    request('DELETE', `${sessionsOf(userName)}/${sessionId}`),
+  secondFactor: (signal: AbortSignal): Promise<SecondFactorState> =>
+    request('GET', '/session/second-factor', { signal }),
+  beginSecondFactor: (password: string): Promise<SecondFactorOffer> =>
+    request('POST', '/session/second-factor', { body: { password } }),
+  confirmSecondFactor: async (code: string): Promise<string[]> => {
+    const codes = await request<Schema<'RecoveryCodes'>>('PUT', '/session/second-factor', {
+      body: { code },
+    })
+    return codes.recoveryCodes
+  },
+  removeSecondFactor: (body: Removal): Promise<undefined> =>
+    request('POST', '/session/second-factor/removal', { body }),
+  resetSecondFactor: (userName: string): Promise<undefined> =>
+    request('DELETE', `/users/${encodeURIComponent(userName)}/second-factor`),
+}
