@@ -42,8 +42,8 @@ export default ts.config(
   // The two applications stand beside each other; what both use knows neither.
   walls('engineer', ['@/partner/*']),
   walls('partner', ['@/engineer/*']),
-  ...['account', 'api', 'design', 'format', 'navigation', 'network', 'shell', 'transport'].map((folder) =>
-    walls(folder, ['@/engineer/*', '@/partner/*']),
+  ...['account', 'api', 'design', 'format', 'navigation', 'network', 'shell', 'transport'].map(
+    (folder) => walls(folder, ['@/engineer/*', '@/partner/*']),
   ),
   {
     files: ['**/*.svelte', '**/*.svelte.ts'],

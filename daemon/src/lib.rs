@@ -6,6 +6,7 @@
 //! - [`certificate_pin`]: a server's certificate, known by another way than the connection.
 //! - [`plaintext`]: ways to other machines without TLS.
 //! - [`lifecycle`]: named tasks, one shutdown, and the consequence of a task's failure.
+//! - [`descriptors`]: the limit of open files.
 //! - [`exit`]: message and exit code after an error.
 //! - [`sealing`]: passwords in a store, sealed under a key that is kept elsewhere.
 //! - [`telemetry`]: logs and metrics.
@@ -18,6 +19,7 @@ pub mod certificate_pin;
 pub mod confidential;
 pub mod configuration;
 pub mod data_directory;
+pub mod descriptors;
 pub mod exit;
 pub mod lifecycle;
 pub mod plaintext;

@@ -1,5 +1,6 @@
 //! Pages and API of the factory engineer.
 
+mod account;
 mod accounts;
 mod alliances;
 mod application_certificate;
@@ -36,6 +37,7 @@ mod shadow;
 mod sources;
 mod spool;
 mod status;
+mod store_writer;
 mod suggestions;
 mod templates;
 mod users;
@@ -114,6 +116,7 @@ fn guarded() -> OpenApiRouter<Api> {
     OpenApiRouter::new()
         .routes(guarded!(session::show_session))
         .routes(guarded!(session::sign_out))
+        .merge(account())
         .routes(guarded!(status::show_status))
         .routes(guarded!(configuration::show_configuration))
         .routes(guarded!(users::list_users))
@@ -174,6 +177,21 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(guarded!(events::stream_events))
         .routes(import.layer(DefaultBodyLimit::max(exchange::IMPORT_BYTES_MAX)))
         .nest(paths::FIELD, field())
+}
+
+/// Operations on one's own account, and on those of others.
+fn account() -> OpenApiRouter<Api> {
+    OpenApiRouter::new()
+        .routes(guarded!(account::change_password))
+        .routes(guarded!(account::list_sessions))
+        .routes(guarded!(account::end_session))
+        .routes(guarded!(account::show_second_factor))
+        .routes(guarded!(account::begin_second_factor))
+        .routes(guarded!(account::confirm_second_factor))
+        .routes(guarded!(account::remove_second_factor))
+        .routes(guarded!(account::list_user_sessions))
+        .routes(guarded!(account::end_user_session))
+        .routes(guarded!(account::reset_second_factor))
 }
 
 /// Operations on policies, standing rules, leak budgets and caps.

@@ -159,6 +159,7 @@ fn run_command(command: Command, config: ConnectorConfig) -> anyhow::Result<()> 
 
 async fn serve(config: ConnectorConfig) -> anyhow::Result<()> {
     telemetry::install_logs(&config.log)?;
+    daemon::descriptors::raise_limit();
     let lifecycle = Lifecycle::new();
     let handle = service::start(config, &lifecycle).await?;
     tracing::info!(
@@ -221,6 +222,7 @@ async fn manage_users(command: UsersCommand, config: &ConnectorConfig) -> anyhow
             let hash = PasswordHash::of(&password, PasswordPolicy::default())?;
             let user = User { user_name: user, role, password_hash: hash.as_str().to_owned() };
             session.users().put(&user, now()).await?;
+            session.second_factors().remove(&user.user_name).await?;
         }
         UsersCommand::Remove { user } => {
             anyhow::ensure!(session.users().remove(&user).await?, "there is no user {user}");

@@ -21,7 +21,7 @@ use daemon::{
     web::{
         address_range::AddressRange,
         client_address::{ForwardedHeader, TrustedProxies},
-        server::{ServerLimits, TlsFiles},
+        server::{ListenerLimits, TlsFiles},
     },
 };
 pub use limits::{LedgerConfig, RetentionLimits, SpoolLimits};
@@ -92,6 +92,8 @@ impl Default for ConnectorConfig {
 pub struct WebConfig {
     /// Address of the listener; loopback unless TLS is configured.
     pub listen: SocketAddr,
+    /// Base URL for browsers, where it is another than that of the listener.
+    pub public_url: Option<String>,
     /// Certificate and key; plain HTTP without them.
     pub tls: Option<TlsFiles>,
     /// Speak plain HTTP with other machines.
@@ -114,6 +116,7 @@ impl Default for WebConfig {
     fn default() -> Self {
         Self {
             listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 8090)),
+            public_url: None,
             tls: None,
             allow_plaintext: false,
             trusted_proxies: Vec::new(),
@@ -129,10 +132,20 @@ impl WebConfig {
         TrustedProxies { ranges: self.trusted_proxies.clone(), header: self.forwarded_header }
     }
 
+    /// Returns true if browsers come by HTTPS: to the listener or to a proxy in front of it.
+    #[must_use]
+    pub fn is_secure(&self) -> bool {
+        self.tls.is_some()
+            || self.public_url.as_ref().is_some_and(|url| url.starts_with("https://"))
+    }
+
     /// Returns the bounds of their server.
     #[must_use]
-    pub fn limits(&self) -> ServerLimits {
-        ServerLimits { shared_addresses: self.trusted_proxies.clone(), ..ServerLimits::default() }
+    pub fn limits(&self) -> ListenerLimits {
+        ListenerLimits {
+            shared_addresses: self.trusted_proxies.clone(),
+            ..ListenerLimits::default()
+        }
     }
 }
 

@@ -76,7 +76,8 @@ pub async fn start(
     let factory_id = FactoryId::new(&enrolled.factory_id)?;
     let plaintext_ways = plaintext_ways(&config, &enrolled)?;
     let shutdown = lifecycle.shutdown();
-    let opened = open(&config, &enrolled, &factory_id, started_at).await?;
+    let (metrics, hashing) = (Metrics::install()?, PasswordHashing::default());
+    let opened = open(&config, &enrolled, &factory_id, started_at, &hashing).await?;
 
     let readiness = Readiness::new();
     readiness.waiting("twin", "the twin is starting");
@@ -113,11 +114,12 @@ pub async fn start(
             },
             server: api::ServerParts {
                 readiness: readiness.clone(),
-                metrics: opened.metrics,
+                metrics,
                 shutdown: shutdown.clone(),
-                has_tls: tls.is_some(),
+                is_secure: config.web.is_secure(),
+                port: web_address.port(),
                 trusted_proxies: config.web.proxies(),
-                hashing: opened.hashing,
+                hashing,
             },
         }),
         tls.is_some(),
@@ -169,8 +171,6 @@ fn plaintext_ways(
 /// Parts of an opened connector: its tasks, and the handles that pages and API use.
 struct Opened {
     tasks: Tasks,
-    metrics: Metrics,
-    hashing: PasswordHashing,
     readers: Readers,
     events: LiveEvents,
     /// Notified after a user was changed through the API.
@@ -190,17 +190,16 @@ async fn open(
     enrolled: &Enrolment,
     factory_id: &FactoryId,
     started_at: DateTime,
+    hashing: &PasswordHashing,
 ) -> anyhow::Result<Opened> {
     let directory = &config.data_directory;
     let store = Store::open(directory, factory_id, started_at).await?;
     let key = ledger_key::open(&directory.join(LEDGER_KEY_FILE))?;
-    let metrics = Metrics::install()?;
     let identity = store.identity().clone();
     let readers = store.readers();
     let sign_in = readers.reserved_for(ReaderUse::SignIn);
 
     let (coordinator_handle, commands) = coordinator::channel();
-    let hashing = PasswordHashing::default();
     let users = StoredUsers::new(sign_in.clone(), hashing.clone());
     let (twin, twin_handle) = open_twin(config, factory_id, &coordinator_handle, users)?;
     let users_changed = Arc::new(Notify::new());
@@ -253,8 +252,6 @@ async fn open(
     };
     Ok(Opened {
         tasks,
-        metrics,
-        hashing,
         readers,
         events,
         users_changed,

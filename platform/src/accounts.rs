@@ -1,7 +1,13 @@
 //! Accounts and sessions in the platform's store, as the web server reads them.
 
+use std::time::SystemTime;
+
+use asi_model::{DateTime, OrganisationId};
 use async_trait::async_trait;
-use daemon::web::session::{Accounts, AccountsError, PasswordHash, SessionId, StoredSession};
+use daemon::web::session::{
+    AccountChange, Accounts, AccountsError, PasswordHash, SessionId, StoredSecondFactor,
+    StoredSession,
+};
 
 use crate::{
     clock::Clock,
@@ -11,6 +17,19 @@ use crate::{
         User, Work,
     },
 };
+
+/// Runs a change in a transaction.
+macro_rules! in_transaction {
+    ($accounts:ident, $work:ident => $change:expr) => {{
+        let done = async {
+            let mut $work = $accounts.store.begin().await?;
+            let done = $change;
+            $work.commit().await?;
+            Ok::<_, StoreError>(done)
+        };
+        done.await.map_err(AccountsError::new)
+    }};
+}
 
 /// Users and sessions in the platform's store.
 #[derive(Debug, Clone)]
@@ -29,34 +48,41 @@ impl StoredAccounts {
     async fn user(&self, user_name: &str) -> Result<Option<(User, PasswordHash)>, StoreError> {
         self.store.read().await?.users().lookup(user_name).await
     }
-}
 
-impl StoredAccounts {
-    /// Records that a person signed in or out.
+    /// Records what a person did to an account; `part` is what of it was changed.
     async fn record(
         &self,
         work: &mut Work,
+        change: AccountChange<'_>,
         user_name: &str,
-        operation: &str,
+        part: &str,
     ) -> Result<(), StoreError> {
-        let user = work.users().lookup(user_name).await?.map(|(user, _)| user);
-        let organisation_id = user.and_then(|user| user.organisation_id);
         let agent = AuditAgent {
             kind: AuditAgentKind::User,
-            name: user_name.to_owned(),
-            organisation_id: organisation_id.clone(),
+            name: change.by.to_owned(),
+            organisation_id: organisation_of(work, change.by).await?,
         };
-        let path = format!("users/{user_name}/session");
-        let subject = AuditSubject { path, concerned: organisation_id };
+        let subject = AuditSubject {
+            path: format!("users/{user_name}/{part}"),
+            concerned: organisation_of(work, user_name).await?,
+        };
         let entry = NewAuditEntry {
             recorded_at: self.clock.now(),
             agent: &agent,
-            operation,
+            operation: change.operation,
             subject: &subject,
             outcome: AuditOutcome::Done,
         };
         work.audit().add(&entry).await
     }
+}
+
+async fn organisation_of(
+    work: &mut Work,
+    user_name: &str,
+) -> Result<Option<OrganisationId>, StoreError> {
+    let user = work.users().lookup(user_name).await?;
+    Ok(user.and_then(|(user, _)| user.organisation_id))
 }
 
 #[async_trait]
@@ -73,14 +99,35 @@ impl Accounts for StoredAccounts {
         Ok(found.map(|(user, _)| Principal { user }))
     }
 
+    async fn set_password(
+        &self,
+        user_name: &str,
+        password: &PasswordHash,
+        kept: &SessionId,
+    ) -> Result<(), AccountsError> {
+        let change = AccountChange { by: user_name, operation: "changePassword" };
+        in_transaction!(self, work => {
+            work.users().set_password(user_name, password, kept).await?;
+            self.record(&mut work, change, user_name, "password").await?;
+        })
+    }
+
     async fn put_session(&self, session: &StoredSession) -> Result<(), AccountsError> {
-        let put = async {
-            let mut work = self.store.begin().await?;
+        let name = &session.user_name;
+        let change = AccountChange { by: name, operation: "signIn" };
+        in_transaction!(self, work => {
             work.users().put_session(session, self.clock.now()).await?;
-            self.record(&mut work, &session.user_name, "signIn").await?;
-            work.commit().await
-        };
-        put.await.map_err(AccountsError::new)
+            self.record(&mut work, change, name, "session").await?;
+        })
+    }
+
+    async fn sessions_of(&self, user_name: &str) -> Result<Vec<StoredSession>, AccountsError> {
+        let sessions = async { self.store.read().await?.users().sessions_of(user_name).await };
+        sessions.await.map_err(AccountsError::new)
+    }
+
+    async fn touch_session(&self, id: &SessionId, at: SystemTime) -> Result<(), AccountsError> {
+        in_transaction!(self, work => work.users().touch_session(id, DateTime::from(at)).await?)
     }
 
     async fn session(&self, id: &SessionId) -> Result<Option<StoredSession>, AccountsError> {
@@ -88,15 +135,68 @@ impl Accounts for StoredAccounts {
         session.await.map_err(AccountsError::new)
     }
 
-    async fn delete_session(&self, id: &SessionId) -> Result<(), AccountsError> {
-        let delete = async {
-            let mut work = self.store.begin().await?;
+    async fn delete_session(
+        &self,
+        id: &SessionId,
+        change: Option<AccountChange<'_>>,
+    ) -> Result<(), AccountsError> {
+        in_transaction!(self, work => {
             if let Some(session) = work.users().session(id).await? {
                 work.users().delete_session(id).await?;
-                self.record(&mut work, &session.user_name, "signOut").await?;
+                if let Some(change) = change {
+                    self.record(&mut work, change, &session.user_name, "session").await?;
+                }
             }
-            work.commit().await
-        };
-        delete.await.map_err(AccountsError::new)
+        })
+    }
+
+    async fn second_factor(
+        &self,
+        user_name: &str,
+    ) -> Result<Option<StoredSecondFactor>, AccountsError> {
+        let factor = async { self.store.read().await?.second_factors().lookup(user_name).await };
+        factor.await.map_err(AccountsError::new)
+    }
+
+    async fn put_second_factor(
+        &self,
+        user_name: &str,
+        factor: &StoredSecondFactor,
+    ) -> Result<(), AccountsError> {
+        let operation =
+            if factor.is_confirmed { "confirmSecondFactor" } else { "beginSecondFactor" };
+        let change = AccountChange { by: user_name, operation };
+        in_transaction!(self, work => {
+            work.second_factors().put(user_name, factor).await?;
+            self.record(&mut work, change, user_name, "second-factor").await?;
+        })
+    }
+
+    async fn delete_second_factor(
+        &self,
+        user_name: &str,
+        change: AccountChange<'_>,
+    ) -> Result<bool, AccountsError> {
+        in_transaction!(self, work => {
+            let is_removed = work.second_factors().remove(user_name).await?;
+            if is_removed {
+                self.record(&mut work, change, user_name, "second-factor").await?;
+            }
+            is_removed
+        })
+    }
+
+    async fn use_time_step(&self, user_name: &str, step: u64) -> Result<bool, AccountsError> {
+        in_transaction!(self, work => work.second_factors().use_time_step(user_name, step).await?)
+    }
+
+    async fn use_recovery_code(
+        &self,
+        user_name: &str,
+        digest: &str,
+    ) -> Result<bool, AccountsError> {
+        in_transaction!(self, work => {
+            work.second_factors().use_recovery_code(user_name, digest).await?
+        })
     }
 }

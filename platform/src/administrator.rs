@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use asi_model::{DateTime, OrganisationId};
 use daemon::{
     Confidential,
-    web::session::{HashingError, PasswordHashing, PasswordPolicy, random_token},
+    web::session::{HashingError, PasswordHash, PasswordHashing, PasswordPolicy, random_token},
 };
 
 use crate::{

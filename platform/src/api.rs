@@ -4,6 +4,7 @@
 //! outside the viewer's scope is "not found".
 
 mod accesses;
+mod account;
 mod administrator_only;
 mod audit;
 mod collaborations;
@@ -31,8 +32,9 @@ mod writers;
 
 use axum::Router;
 use daemon::web::{
-    self,
+    self, Problem,
     api::{Operations, Shell},
+    problem::ProblemFault,
 };
 use utoipa::OpenApi;
 use utoipa_axum::{router::OpenApiRouter, routes};
@@ -48,11 +50,14 @@ const BODY_BYTES_MAX: usize = 4 * 1024 * 1024;
 struct PartnerPages;
 
 #[derive(OpenApi)]
-#[openapi(info(
-    title = "Verbund platform",
-    description = "Operation networks, requests, reports and progress of collaborating \
+#[openapi(
+    info(
+        title = "Verbund platform",
+        description = "Operation networks, requests, reports and progress of collaborating \
         factories. Errors are problem documents (RFC 9457). Changes need the session's token in `x-csrf-token`."
-))]
+    ),
+    components(schemas(Problem, ProblemFault))
+)]
 struct Description;
 
 /// Returns pages, API and health checks as one router.
@@ -84,6 +89,18 @@ fn operations() -> Operations<Application> {
 fn guarded() -> OpenApiRouter<Application> {
     OpenApiRouter::new()
         .routes(routes!(session::show, session::sign_out))
+        .routes(routes!(account::change_password))
+        .routes(routes!(account::list_sessions))
+        .routes(routes!(account::end_session))
+        .routes(routes!(
+            account::show_second_factor,
+            account::begin_second_factor,
+            account::confirm_second_factor
+        ))
+        .routes(routes!(account::remove_second_factor))
+        .routes(routes!(account::list_user_sessions))
+        .routes(routes!(account::end_user_session))
+        .routes(routes!(account::reset_second_factor))
         .routes(routes!(status::show))
         .routes(routes!(organisations::list, organisations::add))
         .routes(routes!(users::list))

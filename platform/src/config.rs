@@ -2,6 +2,7 @@
 //! compares the two.
 
 mod plaintext;
+mod web;
 
 use std::{
     net::{Ipv4Addr, SocketAddr},
@@ -11,17 +12,10 @@ use std::{
 
 use asi_model::OrganisationId;
 use broker::AddressPattern;
-use daemon::{
-    Confidential,
-    telemetry::LogConfig,
-    web::{
-        address_range::AddressRange,
-        client_address::{ForwardedHeader, TrustedProxies},
-        server::{ServerLimits, TlsFiles},
-    },
-};
+use daemon::{Confidential, telemetry::LogConfig};
 use messaging::{BrokerProfile, BrokerUrl};
 use serde::{Deserialize, Deserializer};
+pub use web::WebConfig;
 
 /// The commented example, also printed by `platform config example`.
 pub const EXAMPLE: &str = include_str!("../platform.example.toml");
@@ -63,56 +57,6 @@ impl Default for PlatformConfig {
             retention: RetentionConfig::default(),
             log: LogConfig::default(),
         }
-    }
-}
-
-/// Pages and API.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct WebConfig {
-    /// Address to listen on.
-    pub listen: SocketAddr,
-    /// Base URL for browsers and connectors; part of enrolment tokens.
-    pub public_url: Option<String>,
-    /// Certificate and key; without them plain HTTP, for loopback or behind a proxy that speaks
-    /// TLS.
-    pub tls: Option<TlsFiles>,
-    /// PEM file of the certificate that clients are shown at the public URL, or of an authority that is
-    /// sent along; that of `tls` where absent. Connectors enrol with nobody else.
-    pub public_certificate: Option<PathBuf>,
-    /// Speak plain HTTP with other machines.
-    pub allow_plaintext: bool,
-    /// Proxies in front of the pages, whose word about their clients counts.
-    pub trusted_proxies: Vec<AddressRange>,
-    /// Header in which these proxies tell the address of their client.
-    pub forwarded_header: ForwardedHeader,
-}
-
-impl Default for WebConfig {
-    fn default() -> Self {
-        Self {
-            listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 8080)),
-            public_url: None,
-            tls: None,
-            public_certificate: None,
-            allow_plaintext: false,
-            trusted_proxies: Vec::new(),
-            forwarded_header: ForwardedHeader::default(),
-        }
-    }
-}
-
-impl WebConfig {
-    /// Returns the proxies in front of the pages.
-    #[must_use]
-    pub fn proxies(&self) -> TrustedProxies {
-        TrustedProxies { ranges: self.trusted_proxies.clone(), header: self.forwarded_header }
-    }
-
-    /// Returns the bounds of their server.
-    #[must_use]
-    pub fn limits(&self) -> ServerLimits {
-        ServerLimits { shared_addresses: self.trusted_proxies.clone(), ..ServerLimits::default() }
     }
 }
 

@@ -124,12 +124,14 @@ impl Platform {
         let scheme = if web_tls.is_some() { "https" } else { "http" };
         let public_url =
             config.web.public_url.clone().unwrap_or_else(|| format!("{scheme}://{web_address}"));
-        let is_secure = public_url.starts_with("https://");
-        let sessions = Sessions::new(
-            SessionConfig::new("verbund_platform", is_secure),
-            StoredAccounts::new(store.clone(), clock.clone()),
-            hashing,
+        let session_config = SessionConfig::new(
+            "verbund_platform",
+            "Verbund platform",
+            public_url.starts_with("https://"),
+            web_address.port(),
         );
+        let accounts = StoredAccounts::new(store.clone(), clock.clone());
+        let sessions = Sessions::new(session_config, accounts, hashing);
         let application = Application::new(ApplicationParts {
             store: recording,
             accesses,

@@ -78,7 +78,7 @@ describe('one’s own account', () => {
     const log = daemon({
       'POST /session/second-factor': () => ({
         secret: 'MZXW6YTBOI',
-        address: 'otpauth://totp/Verbund:eva?secret=MZXW6YTBOI',
+        uri: 'otpauth://totp/Verbund:eva?secret=MZXW6YTBOI',
         qrCode: '<svg xmlns="http://www.w3.org/2000/svg"/>',
       }),
       'PUT /session/second-factor': () => {
@@ -90,7 +90,7 @@ describe('one’s own account', () => {
     await userEvent.click(await screen.findByRole('button', { name: 'Set up a second factor' }))
     await userEvent.type(dialog().getByLabelText('Present password'), 'correct horse')
     await userEvent.click(dialog().getByRole('button', { name: 'Next' }))
-    expect((await dialog().findByRole<HTMLImageElement>('img')).src).toContain('svg')
+    expect((await dialog().findByRole('img')).getAttribute('src')).toContain('svg')
     expect(dialog().getByText('MZXW6YTBOI')).toBeTruthy()
     await userEvent.type(dialog().getByLabelText('Code'), '123456')
     await userEvent.click(dialog().getByRole('button', { name: 'Confirm' }))
@@ -138,9 +138,15 @@ describe('one’s own account', () => {
 
 it.each([
   [FIREFOX, 'Firefox, Linux'],
-  ['Mozilla/5.0 (Windows NT 10.0) AppleWebKit/537.36 Chrome/140.0 Safari/537.36', 'Chrome, Windows'],
+  [
+    'Mozilla/5.0 (Windows NT 10.0) AppleWebKit/537.36 Chrome/140.0 Safari/537.36',
+    'Chrome, Windows',
+  ],
   ['Mozilla/5.0 (Windows NT 10.0) AppleWebKit/537.36 Chrome/140.0 Edg/140.0', 'Edge, Windows'],
-  ['Mozilla/5.0 (iPhone; CPU iPhone OS 18_0 like Mac OS X) Version/18.0 Safari/604.1', 'Safari, iOS'],
+  [
+    'Mozilla/5.0 (iPhone; CPU iPhone OS 18_0 like Mac OS X) Version/18.0 Safari/604.1',
+    'Safari, iOS',
+  ],
   ['curl/8.14.1', undefined],
 ])('names the browser of %s', (userAgent, name) => {
   expect(browserOf(userAgent)).toBe(name)

@@ -826,7 +826,7 @@ export interface paths {
         /**
          * Exports entries as JSON lines, as a table for spreadsheets or as a page to print, in the order of
          *     the chains.
-         * @description Least role: VIEWER.
+         * @description Least role: ENGINEER.
          */
         get: operations["exportLedger"];
         put?: never;
@@ -910,8 +910,9 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Reads every chain from its beginning and finds any change, deletion or reordering.
-         * @description Least role: VIEWER.
+         * Reads every chain from its beginning and finds any change, deletion or reordering; one verification at
+         *     a time.
+         * @description Least role: ENGINEER.
          */
         post: operations["verifyLedger"];
         delete?: never;
@@ -1606,6 +1607,114 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/session/password": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Changes the own password; the person's other sessions end.
+         * @description Least role: VIEWER.
+         */
+        put: operations["changePassword"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/session/second-factor": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Says whether signing in takes a code.
+         * @description Least role: VIEWER.
+         */
+        get: operations["showSecondFactor"];
+        /**
+         * Turns the second factor on with a code of the app; the answer has the recovery codes.
+         * @description Least role: VIEWER.
+         */
+        put: operations["confirmSecondFactor"];
+        /**
+         * Makes a secret for an authenticator app, which counts once it is confirmed.
+         * @description Least role: VIEWER.
+         */
+        post: operations["beginSecondFactor"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/session/second-factor/removal": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Turns the own second factor off.
+         * @description Least role: VIEWER.
+         */
+        post: operations["removeSecondFactor"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/sessions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Lists the own sessions.
+         * @description Least role: VIEWER.
+         */
+        get: operations["listSessions"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/sessions/{sessionId}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * Ends one of the own sessions.
+         * @description Least role: VIEWER.
+         */
+        delete: operations["endSession"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/source-certificates": {
         parameters: {
             query?: never;
@@ -1834,6 +1943,66 @@ export interface paths {
          * @description Least role: ENGINEER.
          */
         delete: operations["removeUser"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/users/{userName}/second-factor": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * Removes the second factor of a person who has lost it.
+         * @description Least role: ENGINEER.
+         */
+        delete: operations["resetSecondFactor"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/users/{userName}/sessions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Lists the sessions of a person.
+         * @description Least role: ENGINEER.
+         */
+        get: operations["listUserSessions"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/users/{userName}/sessions/{sessionId}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * Ends a session of a person.
+         * @description Least role: ENGINEER.
+         */
+        delete: operations["endUserSession"];
         options?: never;
         head?: never;
         patch?: never;
@@ -3157,6 +3326,11 @@ export interface components {
             content: string;
         };
         /**
+         * @description Extent to which the kernel enforces the rules of Landlock.
+         * @enum {string}
+         */
+        LandlockState: "none" | "partial" | "full";
+        /**
          * @description Treatment of a value whose source time lies before that of the newest value of the same
          *     variable.
          *
@@ -4267,6 +4441,16 @@ export interface components {
          * @description A password: not printed, not serialised, wiped from memory.
          */
         Password: string;
+        /** @description Present and new password. */
+        PasswordChange: {
+            /**
+             * Format: password
+             * @description At least ten characters.
+             */
+            newPassword: string;
+            /** Format: password */
+            presentPassword: string;
+        };
         /** @description Decision about the past, with the offer that the person saw. */
         PastDecisionBody: {
             /** @description True to show the recipient what is offered; false to leave it hidden. */
@@ -4361,6 +4545,12 @@ export interface components {
         Piece: "GOOD" | "SCRAP";
         /** @description A value as plain JSON of any kind: number, text, truth value, list, object, or null where there is none. 64-bit integers are texts. */
         PlainValue: unknown;
+        /** @description An address of the configuration by which passwords and values leave this machine without TLS. */
+        PlaintextWay: {
+            address: string;
+            /** @description Key with the address, as `web.listen`. */
+            key: string;
+        };
         /** @description Effect of a changed policy on a field. */
         PolicyUse: components["schemas"]["Statement"] & {
             key: components["schemas"]["FieldKey"];
@@ -4520,6 +4710,10 @@ export interface components {
             fieldCount: number;
             recipient: components["schemas"]["OrganisationId"];
             set?: components["schemas"]["RecipientPolicy"] | null;
+        };
+        /** @description Codes that sign in once each when the app is lost; shown this once. */
+        RecoveryCodes: {
+            recoveryCodes: string[];
         };
         /** @description A bound: absolute for the first four kinds (`time`), relative for the gaps (`duration`). */
         RelationCondition: {
@@ -4889,6 +5083,17 @@ export interface components {
             /** @description The source text. */
             source: string;
         };
+        /** @description Worker process of scripts, running or refused. */
+        ScriptWorkerStatus: {
+            /** @description Name and version of the engine. */
+            engine?: string | null;
+            /** @description Reason for which it does not run; a sentence for people. */
+            fault?: string | null;
+            /** @description Number among the workers of one purpose. */
+            number: number;
+            purpose: components["schemas"]["WorkerPurpose"];
+            walls?: components["schemas"]["WorkerWalls"] | null;
+        };
         /** @description A server that was looked through. */
         SearchedSource: {
             /**
@@ -4902,6 +5107,38 @@ export interface components {
             sourceId: components["schemas"]["SourceId"];
             /** @description Number of its variables. */
             variables: number;
+        };
+        /** @description Password that a change of the second factor takes. */
+        SecondFactorBegin: {
+            /** Format: password */
+            password: string;
+        };
+        /** @description A code from the authenticator app. */
+        SecondFactorCode: {
+            code: string;
+        };
+        /** @description New secret for an authenticator app, shown this once. */
+        SecondFactorOffer: {
+            /** @description SVG image of a QR code with the URI. */
+            qrCode: string;
+            /** @description The secret in base 32, to type. */
+            secret: string;
+            /** @description URI `otpauth://...` of the secret, for the app. */
+            uri: string;
+        };
+        /** @description Password and code with which a second factor is removed. */
+        SecondFactorRemoval: {
+            /** @description A code from the app, or a recovery code. */
+            code: string;
+            /** Format: password */
+            password: string;
+        };
+        /** @description State of a user's second factor. */
+        SecondFactorState: {
+            /** @description True if signing in takes a code. */
+            isOn: boolean;
+            /** @description Recovery codes that are left. */
+            recoveryCodesLeft: number;
         };
         /** @description Choice among a server's endpoints. */
         SecurityChoice: {
@@ -4991,6 +5228,28 @@ export interface components {
             role: components["schemas"]["Role"];
             userName: string;
         };
+        /** @description Sessions of a person, the one used last first. */
+        SessionList: {
+            items: components["schemas"]["SessionSummary"][];
+        };
+        /** @description A session, told to its owner or to an administrator. */
+        SessionSummary: {
+            /** @description Address from which the person signed in. */
+            address: string;
+            /** @description True for the session that asks. */
+            isPresent: boolean;
+            /**
+             * Format: date-time
+             * @description Last use, to the minute. An open page uses its session.
+             */
+            lastUsedAt: string;
+            /** @description Name by which the session is ended; nobody can use the session with it. */
+            sessionId: string;
+            /** Format: date-time */
+            startedAt: string;
+            /** @description Browser as it calls itself. */
+            userAgent: string;
+        };
         /** @description One setting as a person reads it. */
         Setting: {
             /** @description Default as TOML; none when the setting has no default. */
@@ -5071,8 +5330,10 @@ export interface components {
             /** @description The value as plain JSON; 64-bit integers as text; null where there is none. */
             value: components["schemas"]["PlainValue"];
         };
-        /** @description Credentials of a person. */
+        /** @description User name, password and code. */
         SignIn: {
+            /** @description A code from the authenticator app or a recovery code, for people with a second factor. */
+            code?: string | null;
             /** Format: password */
             password: string;
             userName: string;
@@ -5270,6 +5531,10 @@ export interface components {
             link?: components["schemas"]["LinkStatus"] | null;
             /** @description Clock of the connector; pages compute ages from it. */
             now: components["schemas"]["DateTime"];
+            /** @description Ways to other machines without TLS that the configuration allows. */
+            plaintextWays: components["schemas"]["PlaintextWay"][];
+            /** @description Worker processes of scripts, with the walls around each. */
+            scriptWorkers: components["schemas"]["ScriptWorkerStatus"][];
             /** @description Status of each local server. */
             sources: components["schemas"]["SourceStatus"][];
             /** @description Rows that wait to be sent, or for a receipt. */
@@ -5866,6 +6131,27 @@ export interface components {
             witnessKey: string;
         };
         /**
+         * @description Scripts that a worker runs.
+         * @enum {string}
+         */
+        WorkerPurpose: "mappings" | "dryRuns";
+        /** @description Walls around a worker process. */
+        WorkerWalls: {
+            /** @description True where memory, files and processes are bounded. */
+            hasLimits: boolean;
+            /** @description True where it runs as another user than the connector. */
+            hasOwnUser: boolean;
+            /** @description True where the kernel filters its system calls. */
+            isFiltered: boolean;
+            /** @description Rules of Landlock that deny files, network and other processes. */
+            landlock: components["schemas"]["LandlockState"];
+            /**
+             * Format: int32
+             * @description User that it runs as.
+             */
+            userId: number;
+        };
+        /**
          * @description Hours in which values may be released. Of changes outside of them, the newest is released when
          *     they begin.
          */
@@ -5921,6 +6207,15 @@ export interface components {
         };
         /** @description A part that is needed is not there at the moment. */
         ServiceUnavailable: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description There were too many attempts. */
+        TooManyRequests: {
             headers: {
                 [name: string]: unknown;
             };
@@ -8653,11 +8948,20 @@ export interface operations {
                 };
             };
             400: components["responses"]["BadRequest"];
-            401: components["responses"]["Unauthorized"];
+            /** @description Nobody is signed in. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             403: components["responses"]["Forbidden"];
             404: components["responses"]["NotFound"];
             409: components["responses"]["Conflict"];
             422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
             503: components["responses"]["ServiceUnavailable"];
         };
     };
@@ -8671,6 +8975,234 @@ export interface operations {
         requestBody?: never;
         responses: {
             /** @description Signed out */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    changePassword: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PasswordChange"];
+            };
+        };
+        responses: {
+            /** @description Changed */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            /** @description Nobody is signed in. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    showSecondFactor: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description State of a user's second factor. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SecondFactorState"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    confirmSecondFactor: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SecondFactorCode"];
+            };
+        };
+        responses: {
+            /** @description Codes that sign in once each when the app is lost; shown this once. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecoveryCodes"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    beginSecondFactor: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SecondFactorBegin"];
+            };
+        };
+        responses: {
+            /** @description New secret for an authenticator app, shown this once. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SecondFactorOffer"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            /** @description Nobody is signed in. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    removeSecondFactor: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SecondFactorRemoval"];
+            };
+        };
+        responses: {
+            /** @description Removed */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            /** @description Nobody is signed in. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listSessions: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Sessions of a person, the one used last first. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SessionList"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    endSession: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                sessionId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Ended */
             204: {
                 headers: {
                     [name: string]: unknown;
@@ -9139,6 +9671,90 @@ export interface operations {
         requestBody?: never;
         responses: {
             /** @description Removed */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    resetSecondFactor: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                userName: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Removed */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listUserSessions: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                userName: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Sessions of a person, the one used last first. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SessionList"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    endUserSession: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                userName: string;
+                sessionId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Ended */
             204: {
                 headers: {
                     [name: string]: unknown;

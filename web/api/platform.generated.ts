@@ -584,6 +584,93 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/session/password": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /** Changes the own password; the person's other sessions end. */
+        put: operations["changePassword"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/session/second-factor": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Says whether signing in takes a code. */
+        get: operations["showSecondFactor"];
+        /** Turns the second factor on with a code of the app; the answer has the recovery codes. */
+        put: operations["confirmSecondFactor"];
+        /** Makes a secret for an authenticator app, which counts once it is confirmed. */
+        post: operations["beginSecondFactor"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/session/second-factor/removal": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Turns the own second factor off. */
+        post: operations["removeSecondFactor"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/sessions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the own sessions. */
+        get: operations["listSessions"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/sessions/{sessionId}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /** Ends one of the own sessions. */
+        delete: operations["endSession"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/status": {
         parameters: {
             query?: never;
@@ -684,6 +771,57 @@ export interface paths {
         post?: never;
         /** Removes a person: the sessions end. The last administrator stays. */
         delete: operations["removeUser"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/users/{userName}/second-factor": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /** Removes the second factor of a person who has lost it. */
+        delete: operations["resetSecondFactor"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/users/{userName}/sessions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the sessions of a person. */
+        get: operations["listUserSessions"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/users/{userName}/sessions/{sessionId}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /** Ends a session of a person. */
+        delete: operations["endUserSession"];
         options?: never;
         head?: never;
         patch?: never;
@@ -1738,6 +1876,16 @@ export interface components {
             /** @description Time of the grant, or of the first refused request. */
             since: components["schemas"]["DateTime"];
         };
+        /** @description Present and new password. */
+        PasswordChange: {
+            /**
+             * Format: password
+             * @description At least ten characters.
+             */
+            newPassword: string;
+            /** Format: password */
+            presentPassword: string;
+        };
         /**
          * @description The place where a connector's store is in use. Two processes name the same place only where
          *     the operating system lets no more than one of them open the store.
@@ -1745,6 +1893,12 @@ export interface components {
         PlaceId: string;
         /** @description A value as plain JSON of any kind: number, text, truth value, list, object, or null where there is none. 64-bit integers are texts. */
         PlainValue: unknown;
+        /** @description An address of the configuration by which passwords and values leave this machine without TLS. */
+        PlaintextWay: {
+            address: string;
+            /** @description Key with the address, as `web.listen`. */
+            key: string;
+        };
         /**
          * @description A problem document. `code` is stable and for programs, `detail` is for people; what went wrong
          *     inside is logged and never shown.
@@ -1829,6 +1983,10 @@ export interface components {
              * @description Most values within the period.
              */
             values: number;
+        };
+        /** @description Codes that sign in once each when the app is lost; shown this once. */
+        RecoveryCodes: {
+            recoveryCodes: string[];
         };
         /** @description A bound: absolute for the first four kinds (`time`), relative for the gaps (`duration`). */
         RelationCondition: {
@@ -1974,6 +2132,38 @@ export interface components {
          * @enum {string}
          */
         Role: "ADMINISTRATOR" | "PLANNER" | "VIEWER";
+        /** @description Password that a change of the second factor takes. */
+        SecondFactorBegin: {
+            /** Format: password */
+            password: string;
+        };
+        /** @description A code from the authenticator app. */
+        SecondFactorCode: {
+            code: string;
+        };
+        /** @description New secret for an authenticator app, shown this once. */
+        SecondFactorOffer: {
+            /** @description SVG image of a QR code with the URI. */
+            qrCode: string;
+            /** @description The secret in base 32, to type. */
+            secret: string;
+            /** @description URI `otpauth://...` of the secret, for the app. */
+            uri: string;
+        };
+        /** @description Password and code with which a second factor is removed. */
+        SecondFactorRemoval: {
+            /** @description A code from the app, or a recovery code. */
+            code: string;
+            /** Format: password */
+            password: string;
+        };
+        /** @description State of a user's second factor. */
+        SecondFactorState: {
+            /** @description True if signing in takes a code. */
+            isOn: boolean;
+            /** @description Recovery codes that are left. */
+            recoveryCodesLeft: number;
+        };
         /** @description Meaning of a field: one of the names, or an IRI. */
         Semantic: ("PRODUCED_QUANTITY" | "GOOD_QUANTITY" | "SCRAP_QUANTITY" | "PERCENT_COMPLETE" | "OPERATION_STATE" | "ACTUAL_START" | "ACTUAL_END" | "EXPECTED_END") | string;
         /** @description The signed-in user and the token of its session. */
@@ -1984,8 +2174,32 @@ export interface components {
             role: components["schemas"]["Role"];
             userName: string;
         };
-        /** @description User name and password. */
+        /** @description Sessions of a person, the one used last first. */
+        SessionList: {
+            items: components["schemas"]["SessionSummary"][];
+        };
+        /** @description A session, told to its owner or to an administrator. */
+        SessionSummary: {
+            /** @description Address from which the person signed in. */
+            address: string;
+            /** @description True for the session that asks. */
+            isPresent: boolean;
+            /**
+             * Format: date-time
+             * @description Last use, to the minute. An open page uses its session.
+             */
+            lastUsedAt: string;
+            /** @description Name by which the session is ended; nobody can use the session with it. */
+            sessionId: string;
+            /** Format: date-time */
+            startedAt: string;
+            /** @description Browser as it calls itself. */
+            userAgent: string;
+        };
+        /** @description User name, password and code. */
         SignIn: {
+            /** @description A code from the authenticator app or a recovery code, for people with a second factor. */
+            code?: string | null;
             /** Format: password */
             password: string;
             userName: string;
@@ -1997,6 +2211,8 @@ export interface components {
             link?: components["schemas"]["LinkState"] | null;
             /** @description Its own clock, to tell ages by. */
             now: components["schemas"]["DateTime"];
+            /** @description Ways to other machines without TLS that the configuration allows; for administrators. */
+            plaintextWays?: components["schemas"]["PlaintextWay"][] | null;
             /** @description The queues of the embedded broker; for administrators. */
             queues?: components["schemas"]["QueueStatus"][] | null;
             /** @description Start of this process. */
@@ -2125,7 +2341,16 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"];
             };
         };
-        /** @description Too many attempts */
+        /** @description Too many people are signing in at once. */
+        ServiceUnavailable: {
+            headers: {
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
+        /** @description There were too many attempts. */
         TooManyRequests: {
             headers: {
                 [name: string]: unknown;
@@ -3293,12 +3518,21 @@ export interface operations {
                 };
             };
             400: components["responses"]["BadRequest"];
-            401: components["responses"]["Unauthorized"];
+            /** @description Nobody is signed in. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             403: components["responses"]["Forbidden"];
             404: components["responses"]["NotFound"];
             409: components["responses"]["Conflict"];
             422: components["responses"]["UnprocessableEntity"];
             429: components["responses"]["TooManyRequests"];
+            503: components["responses"]["ServiceUnavailable"];
         };
     };
     signOut: {
@@ -3311,6 +3545,226 @@ export interface operations {
         requestBody?: never;
         responses: {
             /** @description Signed out */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    changePassword: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PasswordChange"];
+            };
+        };
+        responses: {
+            /** @description Changed */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            /** @description Nobody is signed in. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    showSecondFactor: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description State of a user's second factor. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SecondFactorState"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    confirmSecondFactor: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SecondFactorCode"];
+            };
+        };
+        responses: {
+            /** @description Codes that sign in once each when the app is lost; shown this once. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecoveryCodes"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    beginSecondFactor: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SecondFactorBegin"];
+            };
+        };
+        responses: {
+            /** @description New secret for an authenticator app, shown this once. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SecondFactorOffer"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            /** @description Nobody is signed in. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    removeSecondFactor: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SecondFactorRemoval"];
+            };
+        };
+        responses: {
+            /** @description Removed */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            /** @description Nobody is signed in. */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listSessions: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Sessions of a person, the one used last first. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SessionList"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    endSession: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                sessionId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Ended */
             204: {
                 headers: {
                     [name: string]: unknown;
@@ -3569,6 +4023,85 @@ export interface operations {
                 content: {
                     "application/json": components["schemas"]["Removal"];
                 };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    resetSecondFactor: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                userName: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Removed */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+        };
+    };
+    listUserSessions: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                userName: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Sessions of a person, the one used last first. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SessionList"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+        };
+    };
+    endUserSession: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                userName: string;
+                sessionId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Ended */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
             };
             400: components["responses"]["BadRequest"];
             401: components["responses"]["Unauthorized"];

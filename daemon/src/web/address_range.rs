@@ -17,7 +17,9 @@ pub struct AddressRange {
 
 /// A text is no range of addresses.
 #[derive(Debug, thiserror::Error)]
-#[error("a range of addresses is an address as 192.0.2.7 or a prefix as 10.0.0.0/8 or 2001:db8::/32")]
+#[error(
+    "a range of addresses is an address as 192.0.2.7 or a prefix as 10.0.0.0/8 or 2001:db8::/32"
+)]
 pub struct AddressRangeError;
 
 impl AddressRange {
@@ -41,8 +43,7 @@ impl AddressRange {
     #[must_use]
     pub fn contains(&self, address: IpAddr) -> bool {
         let address = address.to_canonical();
-        address.is_ipv4() == self.first.is_ipv4()
-            && masked(address, self.prefix_bits) == self.first
+        address.is_ipv4() == self.first.is_ipv4() && masked(address, self.prefix_bits) == self.first
     }
 }
 

@@ -86,7 +86,8 @@ where
     let router = Router::new()
         .nest(API, api)
         .with_state(shell.state)
-        .merge(health::routes(shell.readiness, shell.metrics));
+        .merge(health::routes(shell.readiness, shell.metrics))
+        .method_not_allowed_fallback(unknown_method);
     let router = with_client_address(with_app::<P, ()>(router), shell.trusted_proxies);
     secured(router, shell.has_tls)
         .layer(CompressionLayer::new())
@@ -94,8 +95,8 @@ where
         .layer(TraceLayer::new_for_http())
 }
 
-/// Adds all operations to what `description` says of the API as a whole; `cookie` is the name of
-/// the session's cookie. The id of an operation is its handler's name in camel case.
+/// Adds all operations to what `description` says of the API as a whole; `cookie` is the first part of
+/// the name of the session's cookie. The id of an operation is its handler's name in camel case.
 #[must_use]
 pub fn described<S>(
     mut description: OpenApi,
@@ -106,7 +107,10 @@ pub fn described<S>(
 where
     S: Clone + Send + Sync + 'static,
 {
-    let scheme = SecurityScheme::ApiKey(ApiKey::Cookie(ApiKeyValue::new(cookie)));
+    let scheme = SecurityScheme::ApiKey(ApiKey::Cookie(ApiKeyValue::with_description(
+        cookie,
+        "The name ends with the port, as in `daemon_8080`, and begins with `__Host-` over HTTPS.",
+    )));
     description.components.get_or_insert_default().add_security_scheme(SESSION, scheme);
     // Merged first: `nest` would replace a path that both parts have, as `/session`.
     let (_, mut all) = operations.guarded.merge(operations.open).split_for_parts();

@@ -124,7 +124,8 @@ mod tests {
     use super::*;
 
     fn proxies(header: ForwardedHeader) -> TrustedProxies {
-        let ranges = ["10.0.0.0/8", "2001:db8:ffff::/48"].map(|range| range.parse().expect("valid"));
+        let ranges =
+            ["10.0.0.0/8", "2001:db8:ffff::/48"].map(|range| range.parse().expect("valid"));
         TrustedProxies { ranges: ranges.into(), header }
     }
 

@@ -65,7 +65,8 @@ impl From<JsonRejection> for Problem {
 /// Returns true if the server had no more patience with the body.
 fn is_of_slow_body(rejection: &JsonRejection) -> bool {
     let first: &(dyn std::error::Error + 'static) = rejection;
-    std::iter::successors(Some(first), |error| error.source()).any(|error| error.is::<BodyTooSlow>())
+    std::iter::successors(Some(first), |error| error.source())
+        .any(|error| error.is::<BodyTooSlow>())
 }
 
 /// `a.b[0].c` as `/a/b/0/c`.

@@ -1,4 +1,4 @@
-//! `/healthz`, `/readyz` and `/metrics`.
+//! `/healthz` and `/readyz` for everybody; reasons and `/metrics` for those who run the machine.
 
 use std::{collections::BTreeMap, net::SocketAddr, sync::Arc};
 
@@ -30,7 +30,7 @@ impl Readiness {
         self.0.lock().insert(part, None);
     }
 
-    /// Reports that a part does not work, with the reason that `/readyz` shows.
+    /// Reports that a part does not work, with the reason that `/readyz` shows on the same machine.
     pub fn waiting(&self, part: &'static str, reason: impl Into<String>) {
         self.0.lock().insert(part, Some(reason.into()));
     }
@@ -39,10 +39,9 @@ impl Readiness {
         let parts = self.0.lock().clone();
         ReadinessReport {
             ready: parts.values().all(Option::is_none),
-            waiting_for: parts
-                .into_iter()
-                .filter_map(|(part, reason)| Some((part, reason?)))
-                .collect(),
+            waiting_for: Some(
+                parts.into_iter().filter_map(|(part, reason)| Some((part, reason?))).collect(),
+            ),
         }
     }
 }
@@ -51,21 +50,29 @@ impl Readiness {
 #[serde(rename_all = "camelCase")]
 struct ReadinessReport {
     ready: bool,
-    waiting_for: BTreeMap<&'static str, String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    waiting_for: Option<BTreeMap<&'static str, String>>,
 }
 
 /// Header fields by which a proxy says for whom it asks.
 const FORWARDING_HEADERS: [&str; 4] = ["forwarded", "via", "x-forwarded-for", "x-real-ip"];
 
-/// The three routes, which need no session. The metrics are for programs on the same machine: how
-/// many values there were before the gate, and when, is more than partners and viewers may learn.
+/// The three routes, which need no session. Metrics and reasons are for programs on the same machine:
+/// how many values there were before the gate, and when, is more than partners and viewers may learn.
 pub fn routes<S: Clone + Send + Sync + 'static>(
     readiness: Readiness,
     metrics: Metrics,
 ) -> Router<S> {
     Router::new()
         .route("/healthz", get(|| async { "ok\n" }))
-        .route("/readyz", get(move || async move { ready_answer(&readiness) }))
+        .route(
+            "/readyz",
+            get(
+                move |ConnectInfo(client): ConnectInfo<SocketAddr>, headers: HeaderMap| async move {
+                    ready_answer(client, &headers, &readiness)
+                },
+            ),
+        )
         .route(
             "/metrics",
             get(
@@ -91,8 +98,11 @@ fn is_of_this_machine(client: SocketAddr, headers: &HeaderMap) -> bool {
         && !FORWARDING_HEADERS.iter().any(|name| headers.contains_key(*name))
 }
 
-fn ready_answer(readiness: &Readiness) -> Response {
-    let report = readiness.report();
+fn ready_answer(client: SocketAddr, headers: &HeaderMap, readiness: &Readiness) -> Response {
+    let mut report = readiness.report();
+    if !is_of_this_machine(client, headers) {
+        report.waiting_for = None;
+    }
     let status = if report.ready { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
     (status, Json(report)).into_response()
 }

@@ -19,7 +19,7 @@ use tokio_rustls::TlsAcceptor;
 use tokio_util::{sync::CancellationToken, task::TaskTracker};
 use tracing::warn;
 
-pub use self::{bodies::BodyTooSlow, limits::ServerLimits};
+pub use self::{bodies::BodyTooSlow, limits::ListenerLimits};
 
 /// Certificate and key of a server, as PEM files.
 #[derive(Debug, Clone, Deserialize)]
@@ -102,7 +102,7 @@ pub async fn serve(
     listener: TcpListener,
     tls: Option<Arc<rustls::ServerConfig>>,
     router: Router,
-    limits: ServerLimits,
+    limits: ListenerLimits,
     shutdown: CancellationToken,
 ) {
     let connections = Connections::new(limits);

@@ -8,15 +8,26 @@ mod accounts;
 mod credentials;
 mod guard;
 mod hashing;
+mod own_account;
 mod password;
+mod second_factor;
+mod session_config;
 mod sessions;
 mod sign_in_gate;
 mod throttle;
 
-pub use accounts::{Accounts, AccountsError, SessionId, StoredSession};
+pub use accounts::{
+    AccountChange, Accounts, AccountsError, SessionId, StoredSecondFactor, StoredSession,
+};
 pub use credentials::{Caller, SignIn, UserName, UserNameError};
 pub use guard::require_session;
 pub use hashing::{HashingError, PasswordHashing};
+pub use own_account::{PasswordChange, SessionList, SessionSummary};
 pub use password::{PasswordError, PasswordHash, PasswordPolicy};
-pub use sessions::{CSRF_HEADER, SessionConfig, Sessions, SignedIn, random_token};
+pub use second_factor::{
+    RecoveryCodes, SecondFactorBegin, SecondFactorCode, SecondFactorOffer, SecondFactorRemoval,
+    SecondFactorState,
+};
+pub use session_config::SessionConfig;
+pub use sessions::{CSRF_HEADER, Sessions, SignedIn, random_token};
 pub use throttle::{LoginThrottle, ThrottleConfig};

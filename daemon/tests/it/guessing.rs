@@ -35,7 +35,7 @@ async fn attempt(harness: &Harness, client: IpAddr, user: &str, password: &str) 
 }
 
 /// Returns the statuses of guesses at once that say whether the password is right.
-async fn told(harness: &Harness, client: impl Fn(u16) -> IpAddr) -> Vec<u16> {
+async fn answered(harness: &Harness, client: impl Fn(u16) -> IpAddr) -> Vec<u16> {
     let guesses = (0..GUESSES).map(|number| attempt(harness, client(number), "ann", "wrong"));
     let mut statuses = join_all(guesses).await;
     statuses.retain(|status| *status != 429 && *status != 503);
@@ -56,9 +56,9 @@ async fn parallel_guesses_are_as_few_as_those_in_a_row() {
     let here: fn(u16) -> IpAddr = |_| IpAddr::from([192, 0, 2, 1]);
     for clients in [here, neighbour, elsewhere] {
         let harness = behind_proxy().await;
-        let told = told(&harness, clients).await;
-        assert!(told.len() <= 5, "from {} on: {told:?}", clients(0));
-        assert!(told.iter().all(|status| *status == 401), "{told:?}");
+        let answers = answered(&harness, clients).await;
+        assert!(answers.len() <= 5, "from {} on: {answers:?}", clients(0));
+        assert!(answers.iter().all(|status| *status == 401), "{answers:?}");
     }
 }
 
@@ -70,7 +70,7 @@ async fn right_passwords_at_once_are_no_guesses() {
 }
 
 #[tokio::test]
-async fn clients_of_a_proxy_are_told_apart_and_others_cannot_pose_as_them() {
+async fn clients_of_a_proxy_are_distinguished_and_others_cannot_pose_as_them() {
     let harness = behind_proxy().await;
     for number in 0..50 {
         attempt(&harness, elsewhere(1), &format!("user{number}"), "wrong").await;
@@ -86,10 +86,10 @@ async fn clients_of_a_proxy_are_told_apart_and_others_cannot_pose_as_them() {
 }
 
 #[tokio::test]
-async fn strangers_do_not_lock_out_somebody_at_the_usual_place() {
+async fn strangers_do_not_lock_out_a_person_at_the_usual_place() {
     let harness = behind_proxy().await;
     assert_eq!(attempt(&harness, neighbour(1), "ann", "correct horse").await, 200);
-    assert_eq!(told(&harness, elsewhere).await.len(), 5);
+    assert_eq!(answered(&harness, elsewhere).await.len(), 5);
     assert_eq!(attempt(&harness, elsewhere(99), "ann", "correct horse").await, 429);
     assert_eq!(attempt(&harness, neighbour(2), "ann", "correct horse").await, 200);
 }

@@ -7,7 +7,7 @@ use std::{
         Arc,
         atomic::{AtomicUsize, Ordering},
     },
-    time::Duration,
+    time::{Duration, SystemTime},
 };
 
 use async_trait::async_trait;
@@ -15,21 +15,24 @@ use axum::{
     Json,
     body::Body,
     extract::State,
+    http::StatusCode,
     response::sse::{Event, Sse},
-    routing::{get, post},
+    routing::{delete, get, post, put},
 };
 use axum_extra::extract::CookieJar;
 use daemon::{
     telemetry::Metrics,
     web::{
-        ApiJson, Problem,
+        ApiJson, ApiPath, Problem,
         api::{self, Operations, Shell},
         client_address::TrustedProxies,
         health::Readiness,
-        server::{self, ServerLimits},
+        server::{self, ListenerLimits},
         session::{
-            Accounts, AccountsError, Caller, PasswordHash, PasswordHashing, PasswordPolicy,
-            SessionConfig, SessionId, Sessions, SignIn, SignedIn, StoredSession,
+            AccountChange, Accounts, AccountsError, Caller, PasswordChange, PasswordHash,
+            PasswordHashing, PasswordPolicy, RecoveryCodes, SecondFactorBegin, SecondFactorCode,
+            SecondFactorOffer, SecondFactorRemoval, SessionConfig, SessionId, SessionList,
+            Sessions, SignIn, SignedIn, StoredSecondFactor, StoredSession,
         },
     },
 };
@@ -52,6 +55,7 @@ struct NoPages;
 pub struct Memory {
     pub users: Arc<Mutex<HashMap<String, PasswordHash>>>,
     pub sessions: Arc<Mutex<HashMap<String, StoredSession>>>,
+    pub factors: Arc<Mutex<HashMap<String, StoredSecondFactor>>>,
     /// Endless answers that are being sent.
     pub floods: Arc<AtomicUsize>,
 }
@@ -77,9 +81,82 @@ impl Accounts for Memory {
         Ok(self.sessions.lock().get(id.as_str()).cloned())
     }
 
-    async fn delete_session(&self, id: &SessionId) -> Result<(), AccountsError> {
+    async fn delete_session(
+        &self,
+        id: &SessionId,
+        _: Option<AccountChange<'_>>,
+    ) -> Result<(), AccountsError> {
         self.sessions.lock().remove(id.as_str());
         Ok(())
+    }
+
+    async fn set_password(
+        &self,
+        user_name: &str,
+        password: &PasswordHash,
+        kept: &SessionId,
+    ) -> Result<(), AccountsError> {
+        self.users.lock().insert(user_name.to_owned(), password.clone());
+        self.sessions
+            .lock()
+            .retain(|_, session| session.user_name != user_name || session.id == *kept);
+        Ok(())
+    }
+
+    async fn sessions_of(&self, user_name: &str) -> Result<Vec<StoredSession>, AccountsError> {
+        let sessions = self.sessions.lock();
+        Ok(sessions.values().filter(|session| session.user_name == user_name).cloned().collect())
+    }
+
+    async fn touch_session(&self, id: &SessionId, at: SystemTime) -> Result<(), AccountsError> {
+        if let Some(session) = self.sessions.lock().get_mut(id.as_str()) {
+            session.last_used_at = at;
+        }
+        Ok(())
+    }
+
+    async fn second_factor(
+        &self,
+        user_name: &str,
+    ) -> Result<Option<StoredSecondFactor>, AccountsError> {
+        Ok(self.factors.lock().get(user_name).cloned())
+    }
+
+    async fn put_second_factor(
+        &self,
+        user_name: &str,
+        factor: &StoredSecondFactor,
+    ) -> Result<(), AccountsError> {
+        self.factors.lock().insert(user_name.to_owned(), factor.clone());
+        Ok(())
+    }
+
+    async fn delete_second_factor(
+        &self,
+        user_name: &str,
+        _: AccountChange<'_>,
+    ) -> Result<bool, AccountsError> {
+        Ok(self.factors.lock().remove(user_name).is_some())
+    }
+
+    async fn use_time_step(&self, user_name: &str, step: u64) -> Result<bool, AccountsError> {
+        let mut factors = self.factors.lock();
+        let Some(factor) = factors.get_mut(user_name) else { return Ok(false) };
+        let is_new = step > factor.last_step;
+        factor.last_step = factor.last_step.max(step);
+        Ok(is_new)
+    }
+
+    async fn use_recovery_code(
+        &self,
+        user_name: &str,
+        digest: &str,
+    ) -> Result<bool, AccountsError> {
+        let mut factors = self.factors.lock();
+        let Some(factor) = factors.get_mut(user_name) else { return Ok(false) };
+        let before = factor.recovery_digests.len();
+        factor.recovery_digests.retain(|one| one != digest);
+        Ok(factor.recovery_digests.len() < before)
     }
 }
 
@@ -101,7 +178,62 @@ async fn sign_out(
     jar: CookieJar,
     signed_in: SignedIn<String>,
 ) -> Result<CookieJar, Problem> {
-    Ok(jar.add(sessions.sign_out(&signed_in.session).await?))
+    Ok(jar.add(sessions.sign_out(&signed_in).await?))
+}
+
+async fn list_sessions(
+    State(sessions): State<Sessions<Memory>>,
+    who: SignedIn<String>,
+) -> Result<Json<SessionList>, Problem> {
+    Ok(Json(sessions.list(&who.user_name, &who.session).await?))
+}
+
+async fn end_session(
+    State(sessions): State<Sessions<Memory>>,
+    who: SignedIn<String>,
+    ApiPath(id): ApiPath<String>,
+) -> Result<StatusCode, Problem> {
+    sessions
+        .end(&who.user_name, &id, AccountChange { by: &who.user_name, operation: "endSession" })
+        .await?;
+    Ok(StatusCode::NO_CONTENT)
+}
+
+async fn change_password(
+    State(sessions): State<Sessions<Memory>>,
+    who: SignedIn<String>,
+    caller: Caller,
+    ApiJson(body): ApiJson<PasswordChange>,
+) -> Result<StatusCode, Problem> {
+    sessions.change_password(&caller, &who, body).await?;
+    Ok(StatusCode::NO_CONTENT)
+}
+
+async fn begin_factor(
+    State(sessions): State<Sessions<Memory>>,
+    who: SignedIn<String>,
+    caller: Caller,
+    ApiJson(body): ApiJson<SecondFactorBegin>,
+) -> Result<Json<SecondFactorOffer>, Problem> {
+    Ok(Json(sessions.begin_second_factor(&caller, &who, body).await?))
+}
+
+async fn confirm_factor(
+    State(sessions): State<Sessions<Memory>>,
+    who: SignedIn<String>,
+    ApiJson(body): ApiJson<SecondFactorCode>,
+) -> Result<Json<RecoveryCodes>, Problem> {
+    Ok(Json(sessions.confirm_second_factor(&who, &body).await?))
+}
+
+async fn remove_factor(
+    State(sessions): State<Sessions<Memory>>,
+    who: SignedIn<String>,
+    caller: Caller,
+    ApiJson(body): ApiJson<SecondFactorRemoval>,
+) -> Result<StatusCode, Problem> {
+    sessions.remove_second_factor(&caller, &who, body).await?;
+    Ok(StatusCode::NO_CONTENT)
 }
 
 /// Says something once, and is never over.
@@ -144,15 +276,13 @@ impl Harness {
     }
 
     /// Starts with settings that differ from the usual ones.
-    pub async fn start_with(
-        change: impl FnOnce(&mut SessionConfig, &mut TrustedProxies),
-    ) -> Self {
-        Self::start_within(ServerLimits::default(), change).await
+    pub async fn start_with(change: impl FnOnce(&mut SessionConfig, &mut TrustedProxies)) -> Self {
+        Self::start_within(ListenerLimits::default(), change).await
     }
 
     /// Starts with bounds of the server, too.
     pub async fn start_within(
-        limits: ServerLimits,
+        limits: ListenerLimits,
         change: impl FnOnce(&mut SessionConfig, &mut TrustedProxies),
     ) -> Self {
         drop(rustls::crypto::ring::default_provider().install_default());
@@ -160,7 +290,7 @@ impl Harness {
         let hash = PasswordHash::of(&"correct horse".into(), PasswordPolicy::default())
             .expect("long enough");
         memory.users.lock().insert("ann".into(), hash);
-        let mut config = SessionConfig::new("verbund_test", false);
+        let mut config = SessionConfig::new("verbund_test", "Verbund test", false, 8080);
         config.stream_check_interval = Duration::from_millis(20);
         let mut trusted_proxies = TrustedProxies::default();
         change(&mut config, &mut trusted_proxies);
@@ -169,10 +299,13 @@ impl Harness {
         let operations = Operations {
             guarded: OpenApiRouter::new()
                 .route("/live", get(live))
-                .route("/session", get(who).delete(sign_out)),
-            open: OpenApiRouter::new()
-                .route("/session", post(sign_in))
-                .route("/flood", get(flood)),
+                .route("/session", get(who).delete(sign_out))
+                .route("/session/password", put(change_password))
+                .route("/session/second-factor", post(begin_factor).put(confirm_factor))
+                .route("/session/second-factor/removal", post(remove_factor))
+                .route("/sessions", get(list_sessions))
+                .route("/sessions/{session_id}", delete(end_session)),
+            open: OpenApiRouter::new().route("/session", post(sign_in)).route("/flood", get(flood)),
         };
         let shell = Shell {
             state: sessions.clone(),
@@ -183,7 +316,8 @@ impl Harness {
             has_tls: false,
             trusted_proxies,
         };
-        let router = api::router::<NoPages, _, _>(operations, utoipa::openapi::OpenApi::default(), shell);
+        let router =
+            api::router::<NoPages, _, _>(operations, utoipa::openapi::OpenApi::default(), shell);
         let listener = server::listen(([127, 0, 0, 1], 0).into()).await.expect("a free port");
         let address = listener.local_addr().expect("bound");
         let shutdown = CancellationToken::new();

@@ -1,7 +1,8 @@
 //! The web side as a browser meets it: over a real socket, with cookies.
 
-mod harness;
 mod guessing;
+mod harness;
+mod second_factor;
 mod session;
 mod slow_clients;
 mod tls;
@@ -52,19 +53,27 @@ async fn every_answer_carries_the_security_headers() {
 }
 
 #[tokio::test]
-async fn health_says_what_it_waits_for() {
+async fn reasons_and_metrics_are_for_programs_on_the_same_machine() {
     let harness = Harness::start().await;
-    let get = async || {
-        let response = harness.get("/readyz").await;
-        (response.status().as_u16(), response.json::<serde_json::Value>().await.expect("JSON"))
+    let get = async |path: &str| {
+        let response = harness.get(path).await;
+        (response.status().as_u16(), response.text().await.expect("a text"))
+    };
+    let get_by_proxy = async |path: &str| {
+        let request = harness.api.request(Method::GET, path).header("x-forwarded-for", "192.0.2.7");
+        let response = request.send().await.expect("an answer");
+        (response.status().as_u16(), response.text().await.expect("a text"))
     };
     harness.readiness.waiting("broker", "not connected yet");
-    let (status, report) = get().await;
+    let (status, report) = get("/readyz").await;
+    let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
     assert_eq!((status, &report["waitingFor"]["broker"]), (503, &"not connected yet".into()));
+    assert_eq!(get_by_proxy("/readyz").await, (503, r#"{"ready":false}"#.to_owned()));
     harness.readiness.ready("broker");
-    assert_eq!(get().await.0, 200);
-    assert_eq!(harness.get("/metrics").await.status(), 200);
-    let by_proxy =
-        harness.api.request(Method::GET, "/metrics").header("x-forwarded-for", "192.0.2.7");
-    assert_eq!(by_proxy.send().await.expect("an answer").status(), 403);
+    assert_eq!(get("/readyz").await.0, 200);
+    assert_eq!(get_by_proxy("/readyz").await.0, 200);
+    let (status, metrics) = get("/metrics").await;
+    assert_eq!(status, 200);
+    assert!(metrics.contains("verbund_http_connections"), "{metrics}");
+    assert_eq!(get_by_proxy("/metrics").await.0, 403);
 }

@@ -6,7 +6,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use daemon::web::server::ServerLimits;
+use daemon::web::server::ListenerLimits;
 use futures::future::join_all;
 use testkit::wait::until;
 use tokio::{
@@ -23,16 +23,16 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// Allowance for a machine that is busy with other tests.
 const SLACK: Duration = Duration::from_secs(20);
 
-fn limits() -> ServerLimits {
-    ServerLimits {
+fn limits() -> ListenerLimits {
+    ListenerLimits {
         head_timeout: PATIENCE,
         body_patience: PATIENCE,
         answer_patience: PATIENCE,
-        ..ServerLimits::default()
+        ..ListenerLimits::default()
     }
 }
 
-async fn started(limits: ServerLimits) -> (Harness, SocketAddr) {
+async fn started(limits: ListenerLimits) -> (Harness, SocketAddr) {
     let harness = Harness::start_within(limits, |_, _| ()).await;
     let address = harness.api.origin().trim_start_matches("http://").parse().expect("an address");
     (harness, address)
@@ -55,7 +55,8 @@ async fn rest(stream: &mut TcpStream) -> Vec<u8> {
 
 #[tokio::test]
 async fn half_open_connections_are_closed_in_time_and_hold_nobody_up() {
-    let (harness, address) = started(ServerLimits { connections_per_client_max: 400, ..limits() }).await;
+    let (harness, address) =
+        started(ListenerLimits { connections_per_client_max: 400, ..limits() }).await;
     let begun = Instant::now();
     let mut halves = join_all((0..300).map(|_| half_open(address))).await;
     assert_eq!(harness.get("/healthz").await.status(), 200, "an honest client is served meanwhile");
@@ -67,7 +68,7 @@ async fn half_open_connections_are_closed_in_time_and_hold_nobody_up() {
 
 #[tokio::test]
 async fn who_asks_gets_the_place_of_those_who_do_not() {
-    let few = ServerLimits {
+    let few = ListenerLimits {
         connections_max: 40,
         connections_per_client_max: 20,
         head_timeout: Duration::from_secs(600),

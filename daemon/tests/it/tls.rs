@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 
 use axum::{Router, extract::ConnectInfo, routing::get};
-use daemon::web::server::{self, ServerLimits, TlsFiles};
+use daemon::web::server::{self, ListenerLimits, TlsFiles};
 use tokio_util::sync::CancellationToken;
 
 #[tokio::test]
@@ -30,7 +30,7 @@ async fn pages_are_served_over_tls_and_silent_peers_hold_nobody_up() {
         listener,
         Some(tls),
         router,
-        ServerLimits { connections_max: 4, ..ServerLimits::default() },
+        ListenerLimits { connections_max: 4, ..ListenerLimits::default() },
         shutdown.clone(),
     ));
 

@@ -4,13 +4,18 @@
 //! it, on a page or on the command line. The one exception is the session in which a person changes
 //! the own password.
 
-use std::{collections::HashMap, sync::Arc};
+use std::{collections::HashMap, path::PathBuf, sync::Arc, time::SystemTime};
 
 use asi_model::DateTime;
 use async_trait::async_trait;
-use daemon::web::session::{Accounts, AccountsError, PasswordHash, SessionId, StoredSession};
+use daemon::web::session::{
+    AccountChange, Accounts, AccountsError, PasswordHash, SessionId, StoredSecondFactor,
+    StoredSession,
+};
 use parking_lot::Mutex;
+use tokio::sync::Notify;
 
+use super::store_writer::StoreWriter;
 use crate::{
     clock::now,
     store::{Readers, Role, StoreError, User},
@@ -30,6 +35,9 @@ pub struct Principal {
 #[derive(Clone)]
 pub struct StoredAccounts {
     readers: Readers,
+    writer: StoreWriter,
+    /// Wakes the twin after a change of users.
+    users_changed: Arc<Notify>,
     sessions: Arc<Mutex<HashMap<SessionId, ActiveSession>>>,
     changing: Arc<tokio::sync::Mutex<()>>,
 }
@@ -42,10 +50,20 @@ struct ActiveSession {
 }
 
 impl StoredAccounts {
-    /// Returns accounts that read the store with these connections.
+    /// Returns accounts that read the store with these connections, and write it in its folder.
     #[must_use]
-    pub fn new(readers: Readers) -> Self {
-        Self { readers, sessions: Arc::default(), changing: Arc::default() }
+    pub fn new(readers: Readers, directory: PathBuf, users_changed: Arc<Notify>) -> Self {
+        Self {
+            readers,
+            writer: StoreWriter::new(directory),
+            users_changed,
+            sessions: Arc::default(),
+            changing: Arc::default(),
+        }
+    }
+
+    pub(super) const fn writer(&self) -> &StoreWriter {
+        &self.writer
     }
 
     async fn user(&self, user_name: &str) -> Result<Option<User>, StoreError> {
@@ -89,6 +107,45 @@ impl Accounts for StoredAccounts {
         Ok(found.map(|user| Principal { user_name: user.user_name, role: user.role }))
     }
 
+    async fn set_password(
+        &self,
+        user_name: &str,
+        password: &PasswordHash,
+        kept: &SessionId,
+    ) -> Result<(), AccountsError> {
+        let _change = self.change().await;
+        let user = self.user(user_name).await.map_err(AccountsError::new)?;
+        // Removed meanwhile, and the session with it.
+        let Some(user) = user else { return Ok(()) };
+        self.extend_to(kept, password.as_str());
+        let changed = User { password_hash: password.as_str().to_owned(), ..user };
+        let write = self
+            .writer
+            .write(move |mut session| async move { session.users().put(&changed, now()).await });
+        write.await.map_err(AccountsError::new)?;
+        self.end_sessions_of(user_name, Some(kept));
+        self.users_changed.notify_one();
+        Ok(())
+    }
+
+    async fn sessions_of(&self, user_name: &str) -> Result<Vec<StoredSession>, AccountsError> {
+        let Some(user) = self.user(user_name).await.map_err(AccountsError::new)? else {
+            return Ok(Vec::new());
+        };
+        let sessions = self.sessions.lock();
+        let own = sessions.values().filter(|active| {
+            active.session.user_name == user_name && active.valid_for.contains(&user.password_hash)
+        });
+        Ok(own.map(|active| active.session.clone()).collect())
+    }
+
+    async fn touch_session(&self, id: &SessionId, at: SystemTime) -> Result<(), AccountsError> {
+        if let Some(active) = self.sessions.lock().get_mut(id) {
+            active.session.last_used_at = at;
+        }
+        Ok(())
+    }
+
     async fn put_session(&self, session: &StoredSession) -> Result<(), AccountsError> {
         let owner = self.user(&session.user_name).await.map_err(AccountsError::new)?;
         let valid_for = owner.into_iter().map(|user| user.password_hash).collect();
@@ -117,8 +174,65 @@ impl Accounts for StoredAccounts {
         Ok(owner.is_some_and(|user| valid_for.contains(&user.password_hash)).then_some(session))
     }
 
-    async fn delete_session(&self, id: &SessionId) -> Result<(), AccountsError> {
+    async fn delete_session(
+        &self,
+        id: &SessionId,
+        _: Option<AccountChange<'_>>,
+    ) -> Result<(), AccountsError> {
         self.sessions.lock().remove(id);
         Ok(())
+    }
+
+    async fn second_factor(
+        &self,
+        user_name: &str,
+    ) -> Result<Option<StoredSecondFactor>, AccountsError> {
+        let factor =
+            async { self.readers.session().await?.second_factors().lookup(user_name).await };
+        factor.await.map_err(AccountsError::new)
+    }
+
+    async fn put_second_factor(
+        &self,
+        user_name: &str,
+        factor: &StoredSecondFactor,
+    ) -> Result<(), AccountsError> {
+        let (name, factor) = (user_name.to_owned(), factor.clone());
+        let write = self.writer.write(move |mut session| async move {
+            session.second_factors().put(&name, &factor).await
+        });
+        write.await.map_err(AccountsError::new)
+    }
+
+    async fn delete_second_factor(
+        &self,
+        user_name: &str,
+        _: AccountChange<'_>,
+    ) -> Result<bool, AccountsError> {
+        let name = user_name.to_owned();
+        let write = self
+            .writer
+            .write(move |mut session| async move { session.second_factors().remove(&name).await });
+        write.await.map_err(AccountsError::new)
+    }
+
+    async fn use_time_step(&self, user_name: &str, step: u64) -> Result<bool, AccountsError> {
+        let name = user_name.to_owned();
+        let write = self.writer.write(move |mut session| async move {
+            session.second_factors().use_time_step(&name, step).await
+        });
+        write.await.map_err(AccountsError::new)
+    }
+
+    async fn use_recovery_code(
+        &self,
+        user_name: &str,
+        digest: &str,
+    ) -> Result<bool, AccountsError> {
+        let (name, digest) = (user_name.to_owned(), digest.to_owned());
+        let write = self.writer.write(move |mut session| async move {
+            session.second_factors().use_recovery_code(&name, &digest).await
+        });
+        write.await.map_err(AccountsError::new)
     }
 }

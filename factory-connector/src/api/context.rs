@@ -31,7 +31,7 @@ use crate::{
     store::{ReaderUse, Readers, StoreSession},
 };
 
-/// Name of the session cookie.
+/// First part of the name of the session's cookie.
 pub(super) const COOKIE: &str = "verbund_connector";
 
 /// Parts of the connector that operations use.
@@ -76,7 +76,9 @@ pub struct ServerParts {
     pub metrics: Metrics,
     pub shutdown: CancellationToken,
     /// True if cookies are for TLS only.
-    pub has_tls: bool,
+    pub is_secure: bool,
+    /// Port of the pages, part of the cookie's name.
+    pub port: u16,
     pub trusted_proxies: TrustedProxies,
     /// Work of hashing, shared with the OPC UA server.
     pub hashing: PasswordHashing,
@@ -99,8 +101,14 @@ impl Api {
     /// Returns the context of these parts, without any session.
     #[must_use]
     pub fn new(parts: ApiParts) -> Self {
-        let accounts = StoredAccounts::new(parts.readers.reserved_for(ReaderUse::SignIn));
-        let config = SessionConfig::new(COOKIE, parts.server.has_tls);
+        let accounts = StoredAccounts::new(
+            parts.readers.reserved_for(ReaderUse::SignIn),
+            parts.instance.data_directory.clone(),
+            Arc::clone(&parts.users_changed),
+        );
+        let issuer = format!("Verbund {}", parts.instance.factory_id);
+        let (is_secure, port) = (parts.server.is_secure, parts.server.port);
+        let config = SessionConfig::new(COOKIE, issuer, is_secure, port);
         let sessions = Sessions::new(config, accounts.clone(), parts.server.hashing.clone());
         Self {
             parts: Arc::new(parts),

@@ -9,7 +9,12 @@ use daemon::web::{
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::{accounts::Principal, context::Api, problems::Problems, roles::Viewer};
+use super::{
+    accounts::Principal,
+    context::Api,
+    problems::{AttemptProblems, Problems},
+    roles::Viewer,
+};
 use crate::store::Role;
 
 /// Session of a person.
@@ -38,9 +43,7 @@ impl From<SignedIn<Principal>> for Session {
     path = "/session",
     tag = "session",
     request_body = SignIn,
-    responses((status = 200, body = Session), Problems,
-        (status = 429, body = Problem, content_type = "application/problem+json",
-            description = "Too many attempts"))
+    responses((status = 200, body = Session), AttemptProblems)
 )]
 pub async fn sign_in(
     State(api): State<Api>,
@@ -74,6 +77,6 @@ pub async fn sign_out(
     State(api): State<Api>,
     jar: CookieJar,
 ) -> Result<(CookieJar, StatusCode), Problem> {
-    let removal = api.sessions.sign_out(&user.session).await?;
+    let removal = api.sessions.sign_out(&user).await?;
     Ok((jar.add(removal), StatusCode::NO_CONTENT))
 }

@@ -15,7 +15,7 @@ use utoipa::ToSchema;
 use super::{context::Api, problems::Problems, roles::Engineer, view::Page};
 use crate::{
     clock::now,
-    store::{Role, Store, StoreError, StoreSession, User},
+    store::{Role, User},
 };
 
 /// Longest name, in characters.
@@ -95,7 +95,9 @@ pub async fn put_user(
         api.accounts.extend_to(&user.session, &password_hash);
     }
     let changed = User { user_name: user_name.clone(), role: body.role, password_hash };
-    on_store(&api, move |mut session| async move { session.users().put(&changed, now()).await })
+    let writer = api.accounts.writer();
+    writer
+        .write(move |mut session| async move { session.users().put(&changed, now()).await })
         .await?;
     if has_new_password {
         api.accounts.end_sessions_of(&user_name, Some(&user.session));
@@ -126,9 +128,8 @@ pub async fn remove_user(
     let _change = api.accounts.change().await;
     keep_an_engineer(&all_users(&api).await?, &user_name)?;
     let name = user_name.clone();
-    if !on_store(&api, move |mut session| async move { session.users().remove(&name).await })
-        .await?
-    {
+    let writer = api.accounts.writer();
+    if !writer.write(move |mut session| async move { session.users().remove(&name).await }).await? {
         return Err(Problem::not_found(format_args!("user {user_name}")));
     }
     api.accounts.end_sessions_of(&user_name, None);
@@ -143,21 +144,6 @@ async fn all_users(api: &Api) -> Result<Vec<UserView>, Problem> {
         .into_iter()
         .map(|user| UserView { user_name: user.user_name, role: user.role })
         .collect())
-}
-
-/// Runs work on a connection and a thread of its own.
-async fn on_store<T, W, F>(api: &Api, work: W) -> Result<T, Problem>
-where
-    T: Send + 'static,
-    W: FnOnce(StoreSession) -> F + Send + 'static,
-    F: Future<Output = Result<T, StoreError>>,
-{
-    let (directory, runtime) =
-        (api.instance.data_directory.clone(), tokio::runtime::Handle::current());
-    let done = tokio::task::spawn_blocking(move || {
-        runtime.block_on(async { work(Store::connect(&directory).await?).await })
-    });
-    Ok(done.await.map_err(|error| Problem::internal(&error))??)
 }
 
 async fn hash(

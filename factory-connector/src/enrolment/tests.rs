@@ -8,7 +8,10 @@ use axum::{
     routing::post,
 };
 use base64::{Engine as _, engine::general_purpose::URL_SAFE_NO_PAD};
-use daemon::{certificate_pin::CertificatePin, web::server};
+use daemon::{
+    certificate_pin::CertificatePin,
+    web::server::{self, ListenerLimits},
+};
 use parking_lot::Mutex;
 use rcgen::{CertificateParams, KeyPair};
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
@@ -54,7 +57,7 @@ impl Platform {
         }
         let stop = CancellationToken::new();
         let shutdown = stop.clone();
-        tokio::spawn(server::serve(listener, tls, router, shutdown));
+        tokio::spawn(server::serve(listener, tls, router, ListenerLimits::default(), shutdown));
         Self { address, certificate, tokens, _stop: stop.drop_guard() }
     }
 

@@ -25,6 +25,7 @@ use super::{
     reports::Reports,
     revocations::Revocations,
     rule_decisions::RuleDecisions,
+    second_factors::SecondFactors,
     shadow_mappings::ShadowMappings,
     sources::Sources,
     spool::Spool,
@@ -230,6 +231,11 @@ impl StoreSession {
     /// Returns the reader of the spool: reports and control messages that wait or were sent.
     pub fn spool(&mut self) -> Spool<'_> {
         Spool(self.connection())
+    }
+
+    /// Second factors of people.
+    pub fn second_factors(&mut self) -> SecondFactors<'_> {
+        SecondFactors(self.connection())
     }
 
     /// People who may sign in.

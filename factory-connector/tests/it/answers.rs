@@ -106,6 +106,7 @@ async fn every_operation_answers_as_in_its_snapshot() {
     let events = events::open(&answers).await;
     people::sign_in(&mut answers).await;
     people::manage(&mut answers).await;
+    people::account(&mut answers).await;
     requests::read(&mut answers).await;
     requests::comment(&mut answers).await;
     // The ledger has the entries of one field then, in one order.

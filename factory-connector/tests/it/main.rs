@@ -1,6 +1,7 @@
 //! The whole connector in this process, over real machines of the simulator; the platform stays
 //! away.
 
+mod account;
 mod answers;
 mod caps;
 mod control;

@@ -29,6 +29,13 @@ const ROLES: &[(&str, Least)] = &[
     ("signIn", Anonymous),
     ("showSession", Viewer),
     ("signOut", Viewer),
+    ("changePassword", Viewer),
+    ("listSessions", Viewer),
+    ("endSession", Viewer),
+    ("showSecondFactor", Viewer),
+    ("beginSecondFactor", Viewer),
+    ("confirmSecondFactor", Viewer),
+    ("removeSecondFactor", Viewer),
     // State of the connector.
     ("showStatus", Viewer),
     ("streamEvents", Viewer),
@@ -39,6 +46,9 @@ const ROLES: &[(&str, Least)] = &[
     ("listUsers", Engineer),
     ("putUser", Engineer),
     ("removeUser", Engineer),
+    ("listUserSessions", Engineer),
+    ("endUserSession", Engineer),
+    ("resetSecondFactor", Engineer),
     // Networks and requests.
     ("listInbox", Viewer),
     ("showRequest", Viewer),

@@ -57,9 +57,9 @@ pub struct WorkerWalls {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum LandlockState {
-    /// Not at all.
+    /// No rule.
     None,
-    /// Those rules that an older kernel knows.
+    /// Rules that an older kernel knows.
     Partial,
     /// All rules that workers ask for.
     Full,

@@ -33,13 +33,19 @@ pub(crate) struct LinkContext {
     pub restart: Notify,
     /// Volatile messages wait to be sent.
     pub has_volatile: Notify,
-    has_backoff: Notify,
     volatile: Mutex<VecDeque<(LogicalAddress, Envelope)>>,
-    /// A requested back-off of the whole link: its reason and length.
-    backoff: Mutex<Option<(String, Duration)>>,
+    backoff: BackoffRequest,
     /// Activities that fail though the link is up, each with the reason.
     obstacles: Mutex<BTreeMap<String, String>>,
     has_data_flowed: AtomicBool,
+}
+
+/// A requested back-off of the whole link.
+#[derive(Default)]
+struct BackoffRequest {
+    notify: Notify,
+    /// Its reason and length.
+    requested: Mutex<Option<(String, Duration)>>,
 }
 
 impl LinkContext {
@@ -53,9 +59,8 @@ impl LinkContext {
             reconnect: Notify::new(),
             restart: Notify::new(),
             has_volatile: Notify::new(),
-            has_backoff: Notify::new(),
             volatile: Mutex::default(),
-            backoff: Mutex::default(),
+            backoff: BackoffRequest::default(),
             obstacles: Mutex::default(),
             has_data_flowed: AtomicBool::new(false),
         }
@@ -121,15 +126,15 @@ impl LinkContext {
 
     /// Requests a back-off of the whole link.
     pub(crate) fn back_off(&self, reason: String, pause: Duration) {
-        *self.backoff.lock() = Some((reason, pause));
-        self.has_backoff.notify_one();
+        *self.backoff.requested.lock() = Some((reason, pause));
+        self.backoff.notify.notify_one();
     }
 
     /// Waits until a back-off is requested.
     pub(crate) async fn backoff_requested(&self) {
         loop {
-            self.has_backoff.notified().await;
-            if self.backoff.lock().is_some() {
+            self.backoff.notify.notified().await;
+            if self.backoff.requested.lock().is_some() {
                 return;
             }
         }
@@ -137,7 +142,7 @@ impl LinkContext {
 
     /// Takes the requested back-off.
     pub(crate) fn take_backoff(&self) -> Option<(String, Duration)> {
-        self.backoff.lock().take()
+        self.backoff.requested.lock().take()
     }
 
     /// Returns whether a message was accepted or received since the connection is up.

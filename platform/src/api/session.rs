@@ -10,7 +10,7 @@ use daemon::web::{
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::problems::{ChangeProblems, ReadProblems};
+use super::problems::{AttemptProblems, ChangeProblems, ReadProblems};
 use crate::{application::Application, principal::Principal, store::Role};
 
 /// The signed-in user and the token of its session.
@@ -38,9 +38,7 @@ impl From<SignedIn<Principal>> for Session {
 
 /// Signs in; the answer sets the session's cookie.
 #[utoipa::path(post, operation_id = "signIn", path = "/session", tag = "session", request_body = SignIn,
-    responses((status = 200, body = Session), ChangeProblems,
-        (status = 429, body = Problem, content_type = "application/problem+json", description = "Too many attempts"),
-        (status = 503, body = Problem, content_type = "application/problem+json", description = "Too many people are signing in")))]
+    responses((status = 200, body = Session), AttemptProblems))]
 pub async fn sign_in(
     State(app): State<Application>,
     caller: Caller,
@@ -65,6 +63,6 @@ pub async fn sign_out(
     jar: CookieJar,
     who: SignedIn<Principal>,
 ) -> Result<(CookieJar, StatusCode), Problem> {
-    let removal = app.sessions.sign_out(&who.session).await?;
+    let removal = app.sessions.sign_out(&who).await?;
     Ok((jar.add(removal), StatusCode::NO_CONTENT))
 }

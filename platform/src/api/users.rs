@@ -4,7 +4,10 @@ use asi_model::OrganisationId;
 use axum::{Json, extract::State};
 use daemon::{
     Confidential,
-    web::{ApiJson, ApiPath, Problem, session::SignedIn},
+    web::{
+        ApiJson, ApiPath, Problem,
+        session::{PasswordPolicy, SignedIn},
+    },
 };
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -15,7 +18,7 @@ use super::{
     problems::{ChangeProblems, ReadProblems, unknown_reference},
 };
 use crate::{
-    administrator,
+    administrator::{self, AdministratorError},
     application::Application,
     principal::Principal,
     store::{AuditOutcome, Role, User},
@@ -77,7 +80,8 @@ pub async fn put(
         return Err(unknown_reference("/organisationId", "such organisation"));
     }
     let user = User { user_name, role: body.role, organisation_id: body.organisation_id };
-    let hash = app.sessions.hashing().hash(body.password, PasswordPolicy::default()).await?;
+    let hashing = app.sessions.hashing().hash(body.password, PasswordPolicy::default());
+    let hash = hashing.await.map_err(AdministratorError::Password)?;
     let mut work = app.store.begin(&who.principal, "putUser").await?;
     administrator::put(&mut work, &user, &hash, app.clock.now()).await?;
     work.commit(administrator::subject(&user), AuditOutcome::Done).await?;

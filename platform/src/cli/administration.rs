@@ -89,7 +89,8 @@ pub async fn print_token(config: &PlatformConfig, id: &str) -> anyhow::Result<()
     Ok(())
 }
 
-/// Adds or changes a user; the password is one line of standard input.
+/// Adds or changes a user; the password is one line of standard input. A second factor is removed: this is
+/// the way back for an administrator who has lost it.
 pub async fn set_user(
     config: &PlatformConfig,
     user_name: String,
@@ -108,6 +109,7 @@ pub async fn set_user(
     let hash = PasswordHashing::default().hash(password, PasswordPolicy::default()).await?;
     let mut work = store.begin(CommandLine, "putUser").await?;
     administrator::put(&mut work, &user, &hash, Clock::system().now()).await?;
+    work.second_factors().remove(&user.user_name).await?;
     Ok(work.commit(administrator::subject(&user), AuditOutcome::Done).await?)
 }
 

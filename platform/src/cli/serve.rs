@@ -12,6 +12,7 @@ const DRAIN_TIMEOUT: Duration = Duration::from_secs(15);
 /// Serves until a signal.
 pub async fn serve(config: PlatformConfig) -> anyhow::Result<()> {
     telemetry::install_logs(&config.log)?;
+    daemon::descriptors::raise_limit();
     let lifecycle = Lifecycle::new();
     let program = std::env::current_exe().context("finding the platform's own program")?;
     let (platform, handle) = Platform::open(config, Clock::system(), &lifecycle, &program).await?;
@@ -30,6 +31,7 @@ pub async fn serve(config: PlatformConfig) -> anyhow::Result<()> {
 /// database.
 pub async fn broker(config: PlatformConfig) -> anyhow::Result<()> {
     telemetry::install_logs(&config.log)?;
+    daemon::descriptors::raise_limit();
     let lifecycle = Lifecycle::new();
     let addresses =
         platform::service::start_broker_alone(&config, &Clock::system(), &lifecycle).await?;

@@ -10,7 +10,7 @@ use sqlx::{
 
 use super::{error::StoreError, work::Work};
 
-const MIGRATIONS: [(i64, &str, &str); 13] = [
+const MIGRATIONS: [(i64, &str, &str); 15] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
@@ -24,6 +24,8 @@ const MIGRATIONS: [(i64, &str, &str); 13] = [
     (30, "audit", include_str!("../../migrations/sqlite/0030_audit.sql")),
     (31, "removals", include_str!("../../migrations/sqlite/0031_removals.sql")),
     (32, "recipients named", include_str!("../../migrations/sqlite/0032_recipients_named.sql")),
+    (33, "sessions", include_str!("../../migrations/sqlite/0033_sessions.sql")),
+    (34, "second factors", include_str!("../../migrations/sqlite/0034_second_factors.sql")),
 ];
 
 /// Reads of pages at once; more would only share the same disk.

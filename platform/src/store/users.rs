@@ -152,11 +152,19 @@ impl Users<'_> {
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("forget ended sessions"))?;
-        sqlx::query("INSERT INTO session (session_id, user_name, csrf_token, expires_at) VALUES ($1, $2, $3, $4)")
+        let sql =
+            "INSERT INTO session (session_id, user_name, csrf_token, started_at, last_used_at,
+                       expires_at, address, user_agent)
+                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8)";
+        sqlx::query(sql)
             .bind(session.id.as_str())
             .bind(&session.user_name)
             .bind(&session.csrf_token)
+            .bind(DateTime::from(session.started_at).ticks())
+            .bind(DateTime::from(session.last_used_at).ticks())
             .bind(DateTime::from(session.expires_at).ticks())
+            .bind(&session.address)
+            .bind(&session.user_agent)
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("store a session"))?;
@@ -168,20 +176,64 @@ impl Users<'_> {
     /// # Errors
     /// [`StoreError`].
     pub async fn session(&mut self, id: &SessionId) -> Result<Option<StoredSession>, StoreError> {
-        let row = sqlx::query(
-            "SELECT user_name, csrf_token, expires_at FROM session WHERE session_id = $1",
-        )
-        .bind(id.as_str())
-        .fetch_optional(&mut *self.0)
-        .await
-        .map_err(StoreError::during("look a session up"))?;
-        let Some(row) = row else { return Ok(None) };
-        Ok(Some(StoredSession {
-            id: id.clone(),
-            user_name: row.column("user_name")?,
-            csrf_token: row.column("csrf_token")?,
-            expires_at: time::OffsetDateTime::from(row.time("expires_at")?).into(),
-        }))
+        let row = sqlx::query("SELECT * FROM session WHERE session_id = $1")
+            .bind(id.as_str())
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("look a session up"))?;
+        row.as_ref().map(read_session).transpose()
+    }
+
+    /// Returns the sessions of a user.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn sessions_of(&mut self, user_name: &str) -> Result<Vec<StoredSession>, StoreError> {
+        let rows = sqlx::query("SELECT * FROM session WHERE user_name = $1")
+            .bind(user_name)
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list a user's sessions"))?;
+        rows.iter().map(read_session).collect()
+    }
+
+    /// Notes that a session was used.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn touch_session(&mut self, id: &SessionId, at: DateTime) -> Result<(), StoreError> {
+        sqlx::query("UPDATE session SET last_used_at = $2 WHERE session_id = $1")
+            .bind(id.as_str())
+            .bind(at.ticks())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("note the use of a session"))?;
+        Ok(())
+    }
+
+    /// Gives a user another password and ends all sessions of the user but one.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn set_password(
+        &mut self,
+        user_name: &str,
+        password: &PasswordHash,
+        kept: &SessionId,
+    ) -> Result<(), StoreError> {
+        sqlx::query("UPDATE user_account SET password_hash = $2 WHERE user_name = $1")
+            .bind(user_name)
+            .bind(password.as_str())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("store a password"))?;
+        sqlx::query("DELETE FROM session WHERE user_name = $1 AND session_id <> $2")
+            .bind(user_name)
+            .bind(kept.as_str())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("end a user's other sessions"))?;
+        Ok(())
     }
 
     /// Forgets a session.
@@ -196,6 +248,20 @@ impl Users<'_> {
             .map_err(StoreError::during("forget a session"))?;
         Ok(())
     }
+}
+
+fn read_session(row: &DatabaseRow) -> Result<StoredSession, StoreError> {
+    let time = |name| row.time(name).map(|time| time::OffsetDateTime::from(time).into());
+    Ok(StoredSession {
+        id: SessionId::from_stored(row.column("session_id")?),
+        user_name: row.column("user_name")?,
+        csrf_token: row.column("csrf_token")?,
+        started_at: time("started_at")?,
+        last_used_at: time("last_used_at")?,
+        expires_at: time("expires_at")?,
+        address: row.column("address")?,
+        user_agent: row.column("user_agent")?,
+    })
 }
 
 fn read(row: &DatabaseRow) -> Result<(User, PasswordHash), StoreError> {

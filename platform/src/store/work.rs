@@ -29,6 +29,7 @@ use super::{
     removals::Removals,
     reports::Reports,
     revocations::Revocations,
+    second_factors::SecondFactors,
     tools::Tools,
     users::Users,
     writers::Writers,
@@ -174,6 +175,11 @@ impl Work {
     /// Returns the repository of planning tools.
     pub fn tools(&mut self) -> Tools<'_> {
         Tools(self.connection())
+    }
+
+    /// Returns the repository of second factors.
+    pub fn second_factors(&mut self) -> SecondFactors<'_> {
+        SecondFactors(self.connection())
     }
 
     /// Returns the repository of users and their sessions.

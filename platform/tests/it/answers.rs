@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use serde_json::{Value, json};
-use testkit::Contract;
+use testkit::{Contract, authenticator::code};
 
 use crate::{
     audit,
@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// Members whose values differ from run to run, or depend on the machine.
-const VOLATILE: [&str; 16] = [
+const VOLATILE: [&str; 21] = [
     "agentId",
     "brokerUrl",
     "checkpoint",
@@ -26,9 +26,14 @@ const VOLATILE: [&str; 16] = [
     "link",
     "password",
     "profile",
+    "qrCode",
     "queues",
+    "recoveryCodes",
     "rootCertificatePem",
+    "secret",
+    "sessionId",
     "token",
+    "uri",
     "verifierKey",
     "version",
     "witnessKey",
@@ -145,6 +150,7 @@ async fn every_operation_answers_as_in_its_snapshot() {
     comments(&mut answers, &buyer).await;
     events(&mut answers, &buyer, &beginning).await;
     networks(&mut answers, &buyer).await;
+    account(&mut answers, &world, &admin).await;
     answers.get(&buyer, "listAuditEntries", "/audit-entries?limit=4").await;
     audit::every_changing_operation_is_on_record(&admin).await;
     answers.get(&buyer, "exportAuditEntries", "/audit-entries/export").await;
@@ -157,6 +163,42 @@ async fn every_operation_answers_as_in_its_snapshot() {
     let mut operations = answers.contract.operations();
     operations.remove(STREAM);
     assert_eq!(answers.seen, operations);
+}
+
+/// Everything about a person's own account.
+async fn account(answers: &mut Answers, world: &World, admin: &Api) {
+    let body = json!({ "password": PASSWORD, "role": "VIEWER" });
+    admin.put("/users/ann", body).await.expect_ok();
+    let (here, there) =
+        (world.sign_in("ann", PASSWORD).await, world.sign_in("ann", PASSWORD).await);
+    let present = async |api: &Api| {
+        let sessions = api.get("/sessions").await.body["items"].clone();
+        let present =
+            sessions.as_array().into_iter().flatten().find(|one| one["isPresent"] == true);
+        present.expect("a session")["sessionId"].as_str().expect("an id").to_owned()
+    };
+    answers.delete(&here, "endSession", &format!("/sessions/{}", present(&there).await)).await;
+    answers.get(&here, "listSessions", "/sessions").await;
+    answers.get(admin, "listUserSessions", "/users/ann/sessions").await;
+    let new_password = "another correct horse";
+    let body = json!({ "presentPassword": PASSWORD, "newPassword": new_password });
+    answers.put(&here, "changePassword", "/session/password", body).await;
+
+    let path = "/session/second-factor";
+    answers.get(&here, "showSecondFactor", path).await;
+    let begin = json!({ "password": new_password });
+    let offer = here.post(path, begin.clone()).await;
+    answers.check("beginSecondFactor", &offer);
+    let code = code(offer.body["secret"].as_str().expect("a secret"), 0);
+    let confirmed = here.put(path, json!({ "code": code })).await;
+    answers.check("confirmSecondFactor", &confirmed);
+    let body =
+        json!({ "password": new_password, "code": confirmed.body["recoveryCodes"][0].clone() });
+    answers.post(&here, "removeSecondFactor", "/session/second-factor/removal", body).await;
+    here.post(path, begin).await.expect_ok();
+    answers.delete(admin, "resetSecondFactor", "/users/ann/second-factor").await;
+    let path = format!("/users/ann/sessions/{}", present(&here).await);
+    answers.delete(admin, "endUserSession", &path).await;
 }
 
 async fn accesses(answers: &mut Answers, maker: &Api) {

@@ -63,7 +63,7 @@ impl World {
             "data_directory = {:?}\n[web]\nlisten = \"127.0.0.1:0\"\n[broker]\nlisten = \"127.0.0.1:0\"\n\
              in_process = {}\n[admin]\npassword = \"{PASSWORD}\"\n[receipts]\ninterval_ms = 20\n[parts]\nresend_after_ms = 300\n\
              [leases]\nsilence_ms = 5000\n",
-            self.folder.path(),
+            self.folder.path().join("data"),
             self.in_process
         );
         daemon::configuration::parse(None, &text, "NOTHING", []).expect("valid")

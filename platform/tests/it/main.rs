@@ -25,6 +25,7 @@ mod removals;
 mod revocations;
 mod rights;
 mod rubbish;
+mod second_factor;
 mod sight;
 mod store;
 mod story;

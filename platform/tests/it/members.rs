@@ -88,6 +88,8 @@ fn readings(operation: &str, owner: &Member) -> Vec<String> {
     let network = owner.path();
     match operation {
         "/session"
+        | "/session/second-factor"
+        | "/sessions"
         | "/status"
         | "/organisations"
         | "/factories"
@@ -96,6 +98,7 @@ fn readings(operation: &str, owner: &Member) -> Vec<String> {
         | "/users"
         | "/dead-letters"
         | "/operation-networks" => vec![operation.to_owned()],
+        "/users/{userName}/sessions" => vec![format!("/users/{}-planner/sessions", owner.id)],
         "/reports" => {
             let id = owner.network();
             vec!["/reports".into(), format!("/reports?network={id}"), "/reports?newest=true".into()]

@@ -2,10 +2,12 @@
 //!
 //! - [`wait`]: polling with a deadline.
 //! - [`ApiClient`]: a client of a daemon's web API, as a browser is one.
+//! - [`authenticator`]: codes of a second factor.
 //! - [`Contract`]: an API's description, which answers are compared with.
 //! - [`EventStream`]: server-sent events, one by one.
 
 mod api_client;
+pub mod authenticator;
 mod contract;
 mod event_stream;
 pub mod wait;

@@ -133,7 +133,7 @@ describe('the users page', () => {
     expect(screen.getByLabelText('User name')).toHaveProperty('value', 'ida')
   })
 
-  it('ends a session of somebody else, and resets a lost second factor', async () => {
+  it('ends a session of another person, and resets a lost second factor', async () => {
     const times = { startedAt: '2026-01-01T08:00:00Z', lastUsedAt: '2026-01-01T08:00:00Z' }
     const otto = { sessionId: 'o', isPresent: false, address: '192.0.2.2', userAgent: '', ...times }
     const done = (): Response => new Response(null, { status: 204 })

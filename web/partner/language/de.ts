@@ -225,6 +225,13 @@ export const de: Texts = {
     operation: {
       signIn: 'hat sich angemeldet',
       signOut: 'hat sich abgemeldet',
+      changePassword: 'hat das eigene Passwort geändert',
+      endSession: 'hat eine eigene Sitzung beendet',
+      endUserSession: 'hat eine Sitzung einer Person beendet',
+      beginSecondFactor: 'hat einen zweiten Faktor begonnen',
+      confirmSecondFactor: 'hat den zweiten Faktor eingeschaltet',
+      removeSecondFactor: 'hat den zweiten Faktor ausgeschaltet',
+      resetSecondFactor: 'hat den zweiten Faktor einer Person zurückgesetzt',
       addOrganisation: 'hat eine Organisation hinzugefügt',
       putUser: 'hat eine Person und ihr Passwort gesetzt',
       addFactory: 'hat eine Fabrik hinzugefügt',

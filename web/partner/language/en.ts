@@ -222,6 +222,13 @@ export const en = {
     operation: {
       signIn: 'signed in',
       signOut: 'signed out',
+      changePassword: 'changed the own password',
+      endSession: 'ended an own session',
+      endUserSession: 'ended a session of a person',
+      beginSecondFactor: 'began a second factor',
+      confirmSecondFactor: 'turned the second factor on',
+      removeSecondFactor: 'turned the second factor off',
+      resetSecondFactor: 'reset the second factor of a person',
       addOrganisation: 'added an organisation',
       putUser: 'set a person and its password',
       addFactory: 'added a factory',

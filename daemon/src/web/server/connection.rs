@@ -26,7 +26,7 @@ use tracing::debug;
 use super::{
     bodies::{AnswerBody, PatientBody},
     connections::{Activity, count_refused},
-    limits::{BUFFER_BYTES_MAX, HEAD_BYTES_MAX, ServerLimits},
+    limits::{BUFFER_BYTES_MAX, HEAD_BYTES_MAX, ListenerLimits},
     stream::PatientStream,
 };
 
@@ -35,7 +35,7 @@ pub(super) struct Serving {
     pub peer: SocketAddr,
     pub tls: Option<TlsAcceptor>,
     pub router: Router,
-    pub limits: ServerLimits,
+    pub limits: ListenerLimits,
     pub shutdown: CancellationToken,
 }
 

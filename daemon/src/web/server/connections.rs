@@ -10,7 +10,7 @@ use std::{
 use parking_lot::Mutex;
 use tokio_util::sync::CancellationToken;
 
-use super::limits::ServerLimits;
+use super::limits::ListenerLimits;
 use crate::web::address_range::AddressRange;
 
 /// Time in which a body should come, or an answer be taken, when places are short.
@@ -18,7 +18,7 @@ const SHORTAGE_PATIENCE: Duration = Duration::from_secs(2);
 
 /// All connections of a server.
 pub(super) struct Connections {
-    limits: ServerLimits,
+    limits: ListenerLimits,
     state: Mutex<State>,
 }
 
@@ -55,16 +55,16 @@ pub(super) struct Admitted {
     connections: Arc<Connections>,
     id: u64,
     pub activity: Activity,
-    /// Cancelled when the place goes to somebody else.
+    /// Cancelled when the place goes to another.
     pub close: CancellationToken,
 }
 
 impl Connections {
-    pub(super) fn new(limits: ServerLimits) -> Arc<Self> {
+    pub(super) fn new(limits: ListenerLimits) -> Arc<Self> {
         Arc::new(Self { limits, state: Mutex::default() })
     }
 
-    pub(super) const fn limits(&self) -> &ServerLimits {
+    pub(super) const fn limits(&self) -> &ListenerLimits {
         &self.limits
     }
 
@@ -184,11 +184,11 @@ mod tests {
 
     fn connections() -> Arc<Connections> {
         let shared_addresses = vec!["10.0.0.1".parse().expect("a range")];
-        Connections::new(ServerLimits {
+        Connections::new(ListenerLimits {
             connections_max: 4,
             connections_per_client_max: 2,
             shared_addresses,
-            ..ServerLimits::default()
+            ..ListenerLimits::default()
         })
     }
 
@@ -232,7 +232,9 @@ mod tests {
         let soon = Instant::now();
         let later = soon + SHORTAGE_PATIENCE + Duration::from_secs(1);
         one.activity.receives();
-        assert!(one.activity.idle_since(soon).is_none() && one.activity.idle_since(later).is_some());
+        assert!(
+            one.activity.idle_since(soon).is_none() && one.activity.idle_since(later).is_some()
+        );
         one.activity.received();
         assert!(one.activity.idle_since(later).is_none());
         one.activity.stalls();

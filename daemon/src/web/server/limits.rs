@@ -6,11 +6,11 @@ use crate::web::address_range::AddressRange;
 
 /// Bounds on connections and on the patience with them.
 #[derive(Debug, Clone)]
-pub struct ServerLimits {
+pub struct ListenerLimits {
     /// Connections at once. One more takes the place of the one that has waited longest without asking
     /// for anything.
     pub connections_max: usize,
-    /// Of these, from one client: an address of IPv4, or a /64 of IPv6.
+    /// Share of one client: an address of IPv4, or a /64 of IPv6.
     pub connections_per_client_max: usize,
     /// Addresses without that bound: proxies, behind which many clients are.
     pub shared_addresses: Vec<AddressRange>,
@@ -26,7 +26,7 @@ pub struct ServerLimits {
     pub answer_patience: Duration,
 }
 
-impl Default for ServerLimits {
+impl Default for ListenerLimits {
     fn default() -> Self {
         Self {
             connections_max: 1024,

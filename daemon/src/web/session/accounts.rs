@@ -6,8 +6,9 @@ use async_trait::async_trait;
 use sha2::{Digest, Sha256};
 
 use super::password::PasswordHash;
+use crate::Confidential;
 
-/// Users and sessions in the owner's store.
+/// Users, sessions and second factors in the owner's store.
 #[async_trait]
 pub trait Accounts: Send + Sync + 'static {
     /// Signed-in user: name, role, and all else that the daemon's handlers decide by.
@@ -19,14 +20,68 @@ pub trait Accounts: Send + Sync + 'static {
     /// Returns the user as of now; `None` for an unknown or removed one.
     async fn principal(&self, user_name: &str) -> Result<Option<Self::Principal>, AccountsError>;
 
+    /// Gives a user another password. Of the user's sessions only `kept` goes on.
+    async fn set_password(
+        &self,
+        user_name: &str,
+        password: &PasswordHash,
+        kept: &SessionId,
+    ) -> Result<(), AccountsError>;
+
     /// Stores a new session; expired ones may be removed on the way.
     async fn put_session(&self, session: &StoredSession) -> Result<(), AccountsError>;
 
     /// Looks a session up.
     async fn session(&self, id: &SessionId) -> Result<Option<StoredSession>, AccountsError>;
 
-    /// Forgets a session; it is no error if there is none.
-    async fn delete_session(&self, id: &SessionId) -> Result<(), AccountsError>;
+    /// Returns the sessions of a user, those that have ended by time included.
+    async fn sessions_of(&self, user_name: &str) -> Result<Vec<StoredSession>, AccountsError>;
+
+    /// Notes that a session was used.
+    async fn touch_session(&self, id: &SessionId, at: SystemTime) -> Result<(), AccountsError>;
+
+    /// Forgets a session that `change` ends, or that has ended by time; it is no error if there is none.
+    async fn delete_session(
+        &self,
+        id: &SessionId,
+        change: Option<AccountChange<'_>>,
+    ) -> Result<(), AccountsError>;
+
+    /// Returns the second factor of a user, also one that is not confirmed yet.
+    async fn second_factor(
+        &self,
+        user_name: &str,
+    ) -> Result<Option<StoredSecondFactor>, AccountsError>;
+
+    /// Stores the second factor of a user in place of another.
+    async fn put_second_factor(
+        &self,
+        user_name: &str,
+        factor: &StoredSecondFactor,
+    ) -> Result<(), AccountsError>;
+
+    /// Removes the second factor of a user; false if there was none.
+    async fn delete_second_factor(
+        &self,
+        user_name: &str,
+        change: AccountChange<'_>,
+    ) -> Result<bool, AccountsError>;
+
+    /// Notes that the code of a time step was used; false if this or a later one had been.
+    async fn use_time_step(&self, user_name: &str, step: u64) -> Result<bool, AccountsError>;
+
+    /// Uses a recovery code up; false if there is none with this digest.
+    async fn use_recovery_code(&self, user_name: &str, digest: &str)
+    -> Result<bool, AccountsError>;
+}
+
+/// Person and operation that change an account, for the daemon's record of changes.
+#[derive(Debug, Clone, Copy)]
+pub struct AccountChange<'c> {
+    /// Name of the person who does it.
+    pub by: &'c str,
+    /// Id of the operation in the description of the API.
+    pub operation: &'static str,
 }
 
 /// Failure of the daemon's account store, with the store's own error as source.
@@ -49,13 +104,32 @@ pub struct StoredSession {
     pub user_name: String,
     /// Token that requests with changes must carry.
     pub csrf_token: String,
+    pub started_at: SystemTime,
+    /// Last use, to the minute.
+    pub last_used_at: SystemTime,
     pub expires_at: SystemTime,
+    /// Address from which the user signed in.
+    pub address: String,
+    /// Browser as it called itself, of bounded length.
+    pub user_agent: String,
 }
 
 impl fmt::Debug for StoredSession {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("StoredSession").field("user_name", &self.user_name).finish_non_exhaustive()
     }
+}
+
+/// Second factor as it is stored.
+#[derive(Debug, Clone)]
+pub struct StoredSecondFactor {
+    pub secret: Confidential<Vec<u8>>,
+    /// False until a code of the app has come back.
+    pub is_confirmed: bool,
+    /// Newest time step whose code was used.
+    pub last_step: u64,
+    /// Digests of the recovery codes that are left.
+    pub recovery_digests: Vec<String>,
 }
 
 /// The SHA-256 of a session's token in hexadecimal: enough to find the session, not to take it

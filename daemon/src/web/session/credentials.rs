@@ -51,7 +51,7 @@ impl<'de> Deserialize<'de> for UserName {
     }
 }
 
-/// User name and password.
+/// User name, password and code.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct SignIn {
@@ -59,6 +59,10 @@ pub struct SignIn {
     pub user_name: UserName,
     #[schema(value_type = String, format = Password)]
     pub password: Confidential<String>,
+    /// A code from the authenticator app or a recovery code, for people with a second factor.
+    #[serde(default)]
+    #[schema(value_type = Option<String>)]
+    pub code: Option<Confidential<String>>,
 }
 
 /// Origin of a sign-in: address, browser and cookies. An extractor for handlers.

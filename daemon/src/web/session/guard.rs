@@ -25,7 +25,7 @@ pub async fn require_session<A: Accounts>(
     next: Next,
 ) -> Response {
     let jar = CookieJar::from_headers(request.headers());
-    let Some(cookie) = jar.get(&sessions.config().cookie_name) else {
+    let Some(cookie) = jar.get(sessions.config().cookie_name()) else {
         return Problem::unauthorized().into_response();
     };
     let signed_in = match sessions.resume(cookie.value()).await {

@@ -16,9 +16,9 @@ const WAITING_MAX: usize = 96;
 
 /// Work of hashing, shared by all who check passwords. Clones share it.
 #[derive(Clone)]
-pub struct PasswordHashing(Arc<Inner>);
+pub struct PasswordHashing(Arc<HashingWork>);
 
-struct Inner {
+struct HashingWork {
     waiting: Arc<Semaphore>,
     running: Arc<Semaphore>,
     /// At most one for each hash at once.
@@ -41,7 +41,7 @@ pub enum HashingError {
 
 impl Default for PasswordHashing {
     fn default() -> Self {
-        Self(Arc::new(Inner {
+        Self(Arc::new(HashingWork {
             waiting: Arc::new(Semaphore::new(WAITING_MAX)),
             running: Arc::new(Semaphore::new(HASHES_MAX)),
             memory: Mutex::default(),
@@ -93,7 +93,7 @@ impl PasswordHashing {
     }
 }
 
-impl Inner {
+impl HashingWork {
     fn run<T>(
         &self,
         _permits: (OwnedSemaphorePermit, OwnedSemaphorePermit),

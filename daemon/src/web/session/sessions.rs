@@ -1,4 +1,4 @@
-//! Sessions: sign-in, sign-out, and the user of a cookie.
+//! Sessions: signing in and out, and the user of a cookie.
 
 use std::{
     sync::Arc,
@@ -14,47 +14,22 @@ use base64::{Engine, engine::general_purpose::URL_SAFE_NO_PAD};
 use rand::RngCore;
 
 use super::{
-    accounts::{Accounts, AccountsError, SessionId, StoredSession},
+    accounts::{AccountChange, Accounts, AccountsError, SessionId, StoredSession},
     credentials::{Caller, SignIn},
     hashing::{HashingError, PasswordHashing},
+    session_config::SessionConfig,
     sign_in_gate::{SignInGate, busy, count},
-    throttle::ThrottleConfig,
 };
-use crate::web::problem::Problem;
+use crate::{Confidential, web::problem::Problem};
 
 /// Header that carries the CSRF token of a session with every change.
 pub const CSRF_HEADER: &str = "x-csrf-token";
 
-/// Cookie, lifetime and bounds of sessions.
-#[derive(Debug, Clone)]
-pub struct SessionConfig {
-    /// The cookie's name. Cookies know no ports, so daemons that may share a host need different
-    /// names.
-    pub cookie_name: String,
-    /// True where pages are served over TLS: the cookie is then sent over TLS only.
-    pub is_secure: bool,
-    /// Time after which a session ends.
-    pub lifetime: Duration,
-    /// Limits of attempts to sign in.
-    pub throttle: ThrottleConfig,
-    /// Interval at which a live stream checks that its session has not ended.
-    pub stream_check_interval: Duration,
-}
+/// Precision of a session's last use; noting each request would be a write for each.
+const USE_PRECISION: Duration = Duration::from_secs(60);
 
-impl SessionConfig {
-    /// Twelve hours, the default throttle; live streams end within five seconds after their
-    /// session.
-    #[must_use]
-    pub fn new(cookie_name: impl Into<String>, is_secure: bool) -> Self {
-        Self {
-            cookie_name: cookie_name.into(),
-            is_secure,
-            lifetime: Duration::from_secs(12 * 3600),
-            throttle: ThrottleConfig::default(),
-            stream_check_interval: Duration::from_secs(5),
-        }
-    }
-}
+/// Sessions of a user at once; one more ends the one that was used longest ago.
+const SESSIONS_PER_USER_MAX: usize = 32;
 
 /// Sessions over the daemon's accounts: signs users in and out. Clones share everything.
 pub struct Sessions<A: Accounts> {
@@ -68,11 +43,20 @@ struct Inner<A> {
     hashing: PasswordHashing,
 }
 
+/// Outcome of looking at credentials.
+enum Decision<P> {
+    Right(P),
+    Wrong,
+    /// Name and password are right, and there is no code where one is needed.
+    CodeNeeded,
+}
+
 /// Signed-in user of a request; an extractor for handlers.
 #[derive(Clone)]
 pub struct SignedIn<P> {
     /// Id of the session, to end it.
     pub session: SessionId,
+    pub user_name: String,
     pub principal: P,
     /// Token that requests with changes must carry in `x-csrf-token`; pages get it with their user.
     pub csrf_token: String,
@@ -117,6 +101,10 @@ impl<A: Accounts> Sessions<A> {
         &self.inner.config
     }
 
+    pub(super) fn gate(&self) -> &SignInGate {
+        &self.inner.gate
+    }
+
     /// Returns the accounts of the daemon.
     #[must_use]
     pub fn accounts(&self) -> &A {
@@ -129,66 +117,6 @@ impl<A: Accounts> Sessions<A> {
         &self.inner.hashing
     }
 
-    /// Checks a password and opens a session; the cookie goes into the answer.
-    ///
-    /// # Errors
-    /// A [`Problem`]: 401 for a wrong name or password (without saying which), 429 after
-    /// too many attempts, 503 when too many sign in at once.
-    pub async fn sign_in(
-        &self,
-        caller: &Caller,
-        sign_in: &SignIn,
-    ) -> Result<(Cookie<'static>, SignedIn<A::Principal>), Problem> {
-        let user_name = sign_in.user_name.as_str();
-        let open = self.inner.gate.enter(caller.address, user_name).await?;
-        let principal = match self.verified(sign_in).await {
-            Ok(Some(principal)) => principal,
-            Ok(None) => {
-                drop(open);
-                count("refused");
-                tracing::warn!(client = %caller.address, "An attempt to sign in was refused.");
-                return Err(wrong_credentials());
-            }
-            Err(problem) => {
-                open.withdrawn();
-                return Err(problem);
-            }
-        };
-        open.succeeded();
-        count("accepted");
-
-        let token = random_token();
-        let id = SessionId::of(&token);
-        let session = StoredSession {
-            id: id.clone(),
-            user_name: user_name.to_owned(),
-            csrf_token: random_token(),
-            expires_at: now() + self.inner.config.lifetime,
-        };
-        self.inner.accounts.put_session(&session).await.map_err(internal)?;
-        let signed_in = SignedIn { session: id, principal, csrf_token: session.csrf_token };
-        Ok((self.cookie(token, self.inner.config.lifetime), signed_in))
-    }
-
-    /// Returns the user where name and password are right.
-    async fn verified(&self, sign_in: &SignIn) -> Result<Option<A::Principal>, Problem> {
-        let user_name = sign_in.user_name.as_str();
-        let hash = self.inner.accounts.password_hash(user_name).await.map_err(internal)?;
-        if !self.inner.hashing.verify(hash, sign_in.password.clone()).await.map_err(not_hashed)? {
-            return Ok(None);
-        }
-        self.inner.accounts.principal(user_name).await.map_err(internal)
-    }
-
-    /// Ends a session; the cookie that removes the browser's goes into the answer.
-    ///
-    /// # Errors
-    /// A [`Problem`] when the store fails.
-    pub async fn sign_out(&self, session: &SessionId) -> Result<Cookie<'static>, Problem> {
-        self.inner.accounts.delete_session(session).await.map_err(internal)?;
-        Ok(self.cookie(String::new(), Duration::ZERO))
-    }
-
     /// Returns the user whose session a cookie's token belongs to; `None` for an ended session.
     pub(super) async fn resume(
         &self,
@@ -196,16 +124,36 @@ impl<A: Accounts> Sessions<A> {
     ) -> Result<Option<SignedIn<A::Principal>>, AccountsError> {
         let id = SessionId::of(token);
         let Some(session) = self.inner.accounts.session(&id).await? else { return Ok(None) };
-        if session.expires_at <= now() {
-            self.inner.accounts.delete_session(&id).await?;
+        let now = now();
+        if self.has_ended(&session, now) {
+            self.inner.accounts.delete_session(&id, None).await?;
             return Ok(None);
         }
         let principal = self.inner.accounts.principal(&session.user_name).await?;
+        if principal.is_some() && session.last_used_at + USE_PRECISION <= now {
+            self.inner.accounts.touch_session(&id, now).await?;
+        }
         Ok(principal.map(|principal| SignedIn {
             session: id,
+            user_name: session.user_name,
             principal,
             csrf_token: session.csrf_token,
         }))
+    }
+
+    /// Returns the sessions of a user that have not ended.
+    pub(super) async fn live_sessions(
+        &self,
+        user_name: &str,
+    ) -> Result<Vec<StoredSession>, Problem> {
+        let mut sessions = self.inner.accounts.sessions_of(user_name).await.map_err(internal)?;
+        let now = now();
+        sessions.retain(|session| !self.has_ended(session, now));
+        Ok(sessions)
+    }
+
+    fn has_ended(&self, session: &StoredSession, now: SystemTime) -> bool {
+        session.expires_at <= now || session.last_used_at + self.inner.config.idle_max <= now
     }
 
     /// Waits for the check interval of streams; then returns true while the session of a cookie's
@@ -216,7 +164,7 @@ impl<A: Accounts> Sessions<A> {
         self.resume(token).await.map_or(true, |signed_in| signed_in.is_some())
     }
 
-    fn cookie(&self, token: String, max_age: Duration) -> Cookie<'static> {
+    pub(super) fn cookie(&self, token: String, max_age: Duration) -> Cookie<'static> {
         let seconds = i64::try_from(max_age.as_secs()).unwrap_or(i64::MAX);
         Cookie::build((self.inner.config.cookie_name.clone(), token))
             .path("/")
@@ -228,13 +176,136 @@ impl<A: Accounts> Sessions<A> {
     }
 }
 
-fn wrong_credentials() -> Problem {
-    let detail = "User name or password is wrong.";
-    Problem::new(StatusCode::UNAUTHORIZED, "WRONG_CREDENTIALS", detail)
+impl<A: Accounts> Sessions<A> {
+    /// Checks credentials and opens a session; the cookie goes into the answer. The session that the
+    /// browser had before ends.
+    ///
+    /// # Errors
+    /// A [`Problem`]: 401 for a wrong name, password or code (without saying which) and for a code that
+    /// is missing, 429 after too many attempts, 503 when too many sign in at once.
+    pub async fn sign_in(
+        &self,
+        caller: &Caller,
+        sign_in: &SignIn,
+    ) -> Result<(Cookie<'static>, SignedIn<A::Principal>), Problem> {
+        let user_name = sign_in.user_name.as_str();
+        let open = self.gate().enter(caller.address, user_name).await?;
+        let principal = match self.decide(sign_in).await {
+            Ok(Decision::Right(principal)) => principal,
+            Ok(Decision::Wrong) => {
+                drop(open);
+                count("refused");
+                tracing::warn!(client = %caller.address, "An attempt to sign in was refused.");
+                return Err(wrong_credentials());
+            }
+            Ok(Decision::CodeNeeded) => {
+                // Given back, but failures are not forgotten: else this would be the way to try as
+                // many codes as one likes.
+                open.withdrawn();
+                count("code_needed");
+                return Err(code_needed());
+            }
+            Err(problem) => {
+                open.withdrawn();
+                return Err(problem);
+            }
+        };
+        open.succeeded();
+        count("accepted");
+        let (cookie, session) = self.open_session(caller, user_name).await?;
+        let signed_in = SignedIn {
+            session: session.id,
+            user_name: session.user_name,
+            principal,
+            csrf_token: session.csrf_token,
+        };
+        Ok((cookie, signed_in))
+    }
+
+    async fn decide(&self, sign_in: &SignIn) -> Result<Decision<A::Principal>, Problem> {
+        let user_name = sign_in.user_name.as_str();
+        if !self.is_password(user_name, sign_in.password.clone()).await? {
+            return Ok(Decision::Wrong);
+        }
+        if self.second_factor_state(user_name).await?.is_on {
+            let Some(code) = &sign_in.code else { return Ok(Decision::CodeNeeded) };
+            if !self.is_code(user_name, code).await? {
+                return Ok(Decision::Wrong);
+            }
+        }
+        let principal = self.accounts().principal(user_name).await.map_err(internal)?;
+        Ok(principal.map_or(Decision::Wrong, Decision::Right))
+    }
+
+    /// Returns true if this is the password of a user that there is.
+    pub(super) async fn is_password(
+        &self,
+        user_name: &str,
+        password: Confidential<String>,
+    ) -> Result<bool, Problem> {
+        let hash = self.accounts().password_hash(user_name).await.map_err(internal)?;
+        self.hashing().verify(hash, password).await.map_err(not_hashed)
+    }
+
+    async fn open_session(
+        &self,
+        caller: &Caller,
+        user_name: &str,
+    ) -> Result<(Cookie<'static>, StoredSession), Problem> {
+        if let Some(former) = caller.cookies.get(self.config().cookie_name()) {
+            let former = SessionId::of(former.value());
+            self.accounts()
+                .delete_session(&former, signs_out(user_name))
+                .await
+                .map_err(internal)?;
+        }
+        self.make_room(user_name).await?;
+        let token = random_token();
+        let now = now();
+        let session = StoredSession {
+            id: SessionId::of(&token),
+            user_name: user_name.to_owned(),
+            csrf_token: random_token(),
+            started_at: now,
+            last_used_at: now,
+            expires_at: now + self.config().lifetime,
+            address: caller.address.to_string(),
+            user_agent: caller.user_agent.clone(),
+        };
+        self.accounts().put_session(&session).await.map_err(internal)?;
+        Ok((self.cookie(token, self.config().lifetime), session))
+    }
+
+    /// Ends the sessions of a user that are used least, so that there is room for one more.
+    async fn make_room(&self, user_name: &str) -> Result<(), Problem> {
+        let mut sessions = self.live_sessions(user_name).await?;
+        sessions.sort_by_key(|session| session.last_used_at);
+        let surplus = (sessions.len() + 1).saturating_sub(SESSIONS_PER_USER_MAX);
+        for session in &sessions[..surplus] {
+            self.accounts()
+                .delete_session(&session.id, signs_out(user_name))
+                .await
+                .map_err(internal)?;
+        }
+        Ok(())
+    }
+
+    /// Ends a session; the cookie that removes the browser's goes into the answer.
+    ///
+    /// # Errors
+    /// A [`Problem`] when the store fails.
+    pub async fn sign_out(
+        &self,
+        user: &SignedIn<A::Principal>,
+    ) -> Result<Cookie<'static>, Problem> {
+        let end = self.accounts().delete_session(&user.session, signs_out(&user.user_name));
+        end.await.map_err(internal)?;
+        Ok(self.cookie(String::new(), Duration::ZERO))
+    }
 }
 
 /// Returns the problem of a password that was not checked.
-fn not_hashed(error: HashingError) -> Problem {
+pub(super) fn not_hashed(error: HashingError) -> Problem {
     match error {
         HashingError::Busy => busy(),
         HashingError::Password(_) | HashingError::Broken => Problem::internal(&error),
@@ -245,9 +316,9 @@ pub(super) fn internal(error: AccountsError) -> Problem {
     Problem::internal(error.0.as_ref())
 }
 
-/// Returns the time by which sessions end.
+/// Returns the time by which sessions end and codes change.
 #[expect(clippy::disallowed_methods, reason = "the clock of sessions")]
-fn now() -> SystemTime {
+pub(super) fn now() -> SystemTime {
     SystemTime::now()
 }
 
@@ -257,4 +328,22 @@ pub fn random_token() -> String {
     let mut bytes = [0_u8; 32];
     rand::rng().fill_bytes(&mut bytes);
     URL_SAFE_NO_PAD.encode(bytes)
+}
+
+const fn signs_out(user_name: &str) -> Option<AccountChange<'_>> {
+    Some(AccountChange { by: user_name, operation: "signOut" })
+}
+
+fn wrong_credentials() -> Problem {
+    let detail = "User name, password or code is wrong.";
+    Problem::new(StatusCode::UNAUTHORIZED, "WRONG_CREDENTIALS", detail)
+}
+
+/// Returns the problem of a sign-in that needs a code, too.
+fn code_needed() -> Problem {
+    Problem::new(
+        StatusCode::UNAUTHORIZED,
+        "SECOND_FACTOR_NEEDED",
+        "Signing in needs a code from the authenticator app, or a recovery code.",
+    )
 }

@@ -14,7 +14,7 @@ use crate::web::{address_range::AddressRange, problem::Problem};
 
 /// Sign-ins under way or waiting at once.
 const PLACES_MAX: usize = 64;
-/// Of these, from one client's addresses, so that no single one keeps all others out.
+/// Share of one client's addresses, so that no single one keeps all others out.
 const PLACES_PER_CLIENT_MAX: usize = 16;
 /// Longest wait for the outcome of other attempts.
 const OUTCOME_WAIT_MAX: Duration = Duration::from_secs(10);
@@ -100,19 +100,19 @@ impl SignInGate {
 }
 
 impl OpenSignIn<'_> {
-    /// Name and password were right.
+    /// Counts the attempt as right.
     pub(super) fn succeeded(self) {
         self.end(|throttle, attempt| throttle.succeeded(attempt, Instant::now()));
     }
 
-    /// Something failed that says nothing about the password.
+    /// Gives the attempt back: what failed says nothing about the password.
     pub(super) fn withdrawn(self) {
         self.end(LoginThrottle::withdrawn);
     }
 
-    fn end(mut self, tell: impl FnOnce(&mut LoginThrottle, Attempt)) {
+    fn end(mut self, outcome: impl FnOnce(&mut LoginThrottle, Attempt)) {
         if let Some(attempt) = self.attempt.take() {
-            tell(&mut self.place.gate.state.lock().throttle, attempt);
+            outcome(&mut self.place.gate.state.lock().throttle, attempt);
         }
     }
 }

@@ -3,7 +3,7 @@
 //! An attempt counts from its beginning, for its user and for the place that it comes from, and is
 //! given back where it turns out right. So guesses that run beside each other are as few as those that
 //! follow each other. A user is counted over all places; a place from which the user has signed in
-//! before has a count of its own, so that strangers cannot lock out somebody at the usual desk.
+//! before has a count of its own, so that strangers cannot lock a person out at the usual place.
 
 use std::{
     collections::HashMap,
@@ -50,16 +50,16 @@ const PLACE_FACTOR: u32 = 10;
 
 /// Digest of a user, of a place or of both. Names are of any length and tell who tries; digests are
 /// short and tell nobody.
-type Key = [u8; 16];
+type CountKey = [u8; 16];
 
 /// Counts failures per user and per place.
 pub struct LoginThrottle {
     config: ThrottleConfig,
     /// Made at the start, so that nobody can prepare names whose digests are alike.
     secret: [u8; 32],
-    counts: HashMap<Key, Count>,
+    counts: HashMap<CountKey, Count>,
     /// Last sign-in of a user at a place.
-    usual_places: HashMap<Key, Instant>,
+    usual_places: HashMap<CountKey, Instant>,
     purged_at: Option<Instant>,
 }
 
@@ -74,17 +74,17 @@ struct Count {
 /// An attempt that has begun.
 #[derive(Debug, Clone, Copy)]
 pub struct Attempt {
-    user: Key,
-    place: Key,
-    user_at_place: Key,
+    user: CountKey,
+    place: CountKey,
+    user_at_place: CountKey,
 }
 
 /// Reason why an attempt cannot begin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Hindrance {
-    /// There were too many failures; time left to wait.
+    /// Time left to wait, after too many failures.
     Wait(Duration),
-    /// There would be too many failures if those under way failed.
+    /// Number of attempts under way that would be too many if they failed.
     Undecided,
 }
 
@@ -116,14 +116,14 @@ impl LoginThrottle {
         } else {
             self.key(&[b"user", user_name.as_bytes()])
         };
-        let attempt = Attempt { user, place: self.key(&[b"place", place.as_bytes()]), user_at_place };
+        let attempt =
+            Attempt { user, place: self.key(&[b"place", place.as_bytes()]), user_at_place };
         let free = self.config.free_failures.max(1);
         self.check(&attempt.user, free, now)?;
         self.check(&attempt.place, free.saturating_mul(PLACE_FACTOR), now)?;
         for key in [attempt.user, attempt.place] {
             self.make_room(&key);
-            let count =
-                self.counts.entry(key).or_insert(Count { failures: 0, open: 0, last: now });
+            let count = self.counts.entry(key).or_insert(Count { failures: 0, open: 0, last: now });
             count.open += 1;
         }
         Ok(attempt)
@@ -160,7 +160,7 @@ impl LoginThrottle {
         self.close(&attempt.place);
     }
 
-    fn key(&self, parts: &[&[u8]]) -> Key {
+    fn key(&self, parts: &[&[u8]]) -> CountKey {
         let mut digest = Sha256::new_with_prefix(self.secret);
         for part in parts {
             digest.update(u64::try_from(part.len()).unwrap_or(u64::MAX).to_be_bytes());
@@ -171,7 +171,7 @@ impl LoginThrottle {
         key
     }
 
-    fn check(&self, key: &Key, free: u32, now: Instant) -> Result<(), Hindrance> {
+    fn check(&self, key: &CountKey, free: u32, now: Instant) -> Result<(), Hindrance> {
         let Some(count) = self.counts.get(key) else { return Ok(()) };
         let Some(beyond) = count.failures.checked_sub(free) else {
             let is_free = count.failures + count.open < free;
@@ -187,7 +187,7 @@ impl LoginThrottle {
         }
     }
 
-    fn close(&mut self, key: &Key) -> Option<&mut Count> {
+    fn close(&mut self, key: &CountKey) -> Option<&mut Count> {
         let count = self.counts.get_mut(key)?;
         count.open = count.open.saturating_sub(1);
         Some(count)
@@ -207,8 +207,8 @@ impl LoginThrottle {
     }
 
     /// Forgets the count with the fewest failures where there is no room for another. Made-up names have
-    /// few each, so that they do not displace the names that somebody is after.
-    fn make_room(&mut self, key: &Key) {
+    /// few each, so that they do not displace the names that a guesser is after.
+    fn make_room(&mut self, key: &CountKey) {
         if self.counts.len() < COUNTS_MAX || self.counts.contains_key(key) {
             return;
         }

@@ -14,7 +14,7 @@ use super::{
 use crate::{
     chain::{self, MEMBERS, body, seen},
     harness::{Answer, Api, World},
-    isolation::{OPEN, operations},
+    isolation::{OPEN, is_own, operations},
     story::{NETWORK, network_path},
 };
 
@@ -109,7 +109,7 @@ async fn against(
 ) {
     for (method, path) in operations() {
         let key = format!("{method} {path}");
-        if method == "GET" || path == "/session" || OPEN.contains(&key.as_str()) {
+        if method == "GET" || is_own(&path) || OPEN.contains(&key.as_str()) {
             continue;
         }
         for (path, body) in attempts(&key, author, owner, chain, shown) {

@@ -95,6 +95,13 @@ pub fn attempts(
         "DELETE /collaborations/{collaborationId}/factories/{factoryId}" => {
             bare(format!("/collaborations/order/factories/{}", owner.factory))
         }
+        "DELETE /users/{userName}/second-factor" => {
+            bare(format!("/users/{}-planner/second-factor", owner.id))
+        }
+        "DELETE /users/{userName}/sessions/{sessionId}" => {
+            bare(format!("/users/{}-planner/sessions/0123456789abcdef", owner.id))
+        }
+        "DELETE /sessions/{sessionId}" => bare("/sessions/0123456789abcdef".into()),
         "POST /factories" => one(
             "/factories".into(),
             json!({ "factoryId": "NEW", "organisationId": owner.id, "name": "new" }),

@@ -227,7 +227,8 @@ async fn view(side: &Side, author: &Member) -> BTreeMap<String, Value> {
     let mut readings = readings(&ids);
     // Reading is itself on record, and the session and its platform are nobody's.
     readings.retain(|reading| {
-        let is_of_itself = ["/session", "/status"].contains(&reading.operation.as_str());
+        let is_of_itself = ["/session", "/sessions", "/status"];
+        let is_of_itself = is_of_itself.contains(&reading.operation.as_str());
         !is_of_itself && !reading.operation.contains("/accesses")
     });
     let answers = read(&member.api.client, &readings).await;

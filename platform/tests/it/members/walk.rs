@@ -27,6 +27,7 @@ impl Ids {
             "factoryId" => self.factories.clone(),
             "request" => self.requests.clone(),
             "viewer" => self.organisations.clone(),
+            "userName" => self.organisations.iter().map(|id| format!("{id}-planner")).collect(),
             "cursor" => texts(&["1"]),
             "after" => {
                 let cursor = |factory: &String| format!("1-{EPOCH}-0-{factory}");

@@ -69,8 +69,6 @@ export const settings: typeof English = {
       'web.listen': 'Wo Seiten und API erreichbar sind.',
       'web.public_url':
         'Adresse für Browser, wo ein Proxy TLS spricht. Mit https gilt das Cookie der Sitzung nur über TLS.',
-      'web.metrics_listen':
-        'Wo Metriken für Prometheus und die Bereitschaft mit Gründen zu haben sind, nur auf diesem Rechner. Fehlt es: nirgends.',
       'web.trusted_proxies':
         'Proxys vor den Seiten. Nur ihnen wird geglaubt, welche Adresse ihr Gegenüber hat.',
       'web.forwarded_header': 'Kopfzeile, in der die Proxys diese Adresse nennen.',

@@ -68,8 +68,6 @@ export const settings = {
       'web.listen': 'Where pages and API listen.',
       'web.public_url':
         'Address for browsers where a proxy speaks TLS. With https the session’s cookie is for TLS only.',
-      'web.metrics_listen':
-        'Where metrics for Prometheus and readiness with reasons listen, on this machine only. Absent: nowhere.',
       'web.trusted_proxies':
         'Proxies in front of the pages. They alone are believed about the address of their client.',
       'web.forwarded_header': 'Header in which the proxies tell that address.',

@@ -35,8 +35,8 @@ use crate::{
 };
 
 const PASSWORD: &str = "a password of their own";
-/// Addresses of what never ends, and of a session's random token.
-const LEFT_OUT: [&str; 2] = ["/api/v1/events", "/api/v1/session"];
+/// Addresses of what never ends, and of sessions with their random ids and tokens.
+const LEFT_OUT: [&str; 3] = ["/api/v1/events", "/api/v1/session", "/api/v1/sessions"];
 
 /// Addresses to read at the end of a history, and the password of who reads.
 pub(super) struct Pages {
@@ -174,7 +174,8 @@ impl Plant {
                 readiness: Readiness::new(),
                 metrics: Metrics::install().expect("a recorder"),
                 shutdown: CancellationToken::new(),
-                has_tls: false,
+                is_secure: false,
+                port: 8090,
                 trusted_proxies: TrustedProxies::default(),
                 hashing: PasswordHashing::default(),
             },

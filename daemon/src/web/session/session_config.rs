@@ -1,0 +1,50 @@
+//! Cookie, lifetime and bounds of sessions.
+
+use std::time::Duration;
+
+use super::throttle::ThrottleConfig;
+
+/// Cookie, lifetime and bounds of sessions.
+#[derive(Debug, Clone)]
+pub struct SessionConfig {
+    pub(super) cookie_name: String,
+    /// True where pages are served over TLS: the cookie is then sent over TLS only.
+    pub(super) is_secure: bool,
+    /// Name of the daemon in authenticator apps.
+    pub issuer: String,
+    /// Time after which a session ends.
+    pub lifetime: Duration,
+    /// Time without a request after which a session ends. Open pages ask by themselves.
+    pub idle_max: Duration,
+    /// Limits of attempts to sign in.
+    pub throttle: ThrottleConfig,
+    /// Interval at which a live stream checks that its session has not ended.
+    pub stream_check_interval: Duration,
+}
+
+impl SessionConfig {
+    /// Twelve hours, one without use, the default throttle; live streams end within five seconds after
+    /// their session.
+    ///
+    /// Cookies know no ports, so the name of the cookie is the daemon's with its port. Over TLS it
+    /// begins with `__Host-`: browsers take such a cookie from this host over TLS alone.
+    #[must_use]
+    pub fn new(daemon: &str, issuer: impl Into<String>, is_secure: bool, port: u16) -> Self {
+        let prefix = if is_secure { "__Host-" } else { "" };
+        Self {
+            cookie_name: format!("{prefix}{daemon}_{port}"),
+            is_secure,
+            issuer: issuer.into(),
+            lifetime: Duration::from_secs(12 * 3600),
+            idle_max: Duration::from_secs(3600),
+            throttle: ThrottleConfig::default(),
+            stream_check_interval: Duration::from_secs(5),
+        }
+    }
+
+    /// Returns the name of the session's cookie.
+    #[must_use]
+    pub fn cookie_name(&self) -> &str {
+        &self.cookie_name
+    }
+}

@@ -1,0 +1,66 @@
+//! Listener of pages and API, and what is in front of it.
+
+use std::{
+    net::{Ipv4Addr, SocketAddr},
+    path::PathBuf,
+};
+
+use daemon::web::{
+    address_range::AddressRange,
+    client_address::{ForwardedHeader, TrustedProxies},
+    server::{ListenerLimits, TlsFiles},
+};
+use serde::Deserialize;
+
+/// Pages and API.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct WebConfig {
+    /// Address to listen on.
+    pub listen: SocketAddr,
+    /// Base URL for browsers and connectors; part of enrolment tokens.
+    pub public_url: Option<String>,
+    /// Certificate and key; without them plain HTTP, for loopback or behind a proxy that speaks
+    /// TLS.
+    pub tls: Option<TlsFiles>,
+    /// PEM file of the certificate that clients are shown at the public URL, or of an authority that is
+    /// sent along; that of `tls` where absent. Connectors enrol with nobody else.
+    pub public_certificate: Option<PathBuf>,
+    /// Speak plain HTTP with other machines.
+    pub allow_plaintext: bool,
+    /// Proxies in front of the pages, whose word about their clients counts.
+    pub trusted_proxies: Vec<AddressRange>,
+    /// Header in which these proxies tell the address of their client.
+    pub forwarded_header: ForwardedHeader,
+}
+
+impl Default for WebConfig {
+    fn default() -> Self {
+        Self {
+            listen: SocketAddr::from((Ipv4Addr::LOCALHOST, 8080)),
+            public_url: None,
+            tls: None,
+            public_certificate: None,
+            allow_plaintext: false,
+            trusted_proxies: Vec::new(),
+            forwarded_header: ForwardedHeader::default(),
+        }
+    }
+}
+
+impl WebConfig {
+    /// Returns the proxies in front of the pages.
+    #[must_use]
+    pub fn proxies(&self) -> TrustedProxies {
+        TrustedProxies { ranges: self.trusted_proxies.clone(), header: self.forwarded_header }
+    }
+
+    /// Returns the bounds of their server.
+    #[must_use]
+    pub fn limits(&self) -> ListenerLimits {
+        ListenerLimits {
+            shared_addresses: self.trusted_proxies.clone(),
+            ..ListenerLimits::default()
+        }
+    }
+}

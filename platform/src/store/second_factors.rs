@@ -1,0 +1,110 @@
+//! Second factors of users.
+
+use daemon::web::session::StoredSecondFactor;
+
+use super::{
+    database::Connection,
+    error::StoreError,
+    row::{Columns, DatabaseRow, document, signed},
+};
+
+/// Repository of second factors.
+pub struct SecondFactors<'w>(pub(super) &'w mut Connection);
+
+impl SecondFactors<'_> {
+    /// Looks the second factor of a user up.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn lookup(
+        &mut self,
+        user_name: &str,
+    ) -> Result<Option<StoredSecondFactor>, StoreError> {
+        let row = sqlx::query("SELECT * FROM second_factor WHERE user_name = $1")
+            .bind(user_name)
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("look a second factor up"))?;
+        row.as_ref().map(read).transpose()
+    }
+
+    /// Stores the second factor of a user in place of another.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`], as for an unknown user.
+    pub async fn put(
+        &mut self,
+        user_name: &str,
+        factor: &StoredSecondFactor,
+    ) -> Result<(), StoreError> {
+        let sql = "INSERT OR REPLACE INTO second_factor
+                       (user_name, secret, is_confirmed, last_step, recovery_digests)
+                   VALUES ($1, $2, $3, $4, $5)";
+        sqlx::query(sql)
+            .bind(user_name)
+            .bind(factor.secret.expose().as_slice())
+            .bind(factor.is_confirmed)
+            .bind(signed(factor.last_step))
+            .bind(document(&factor.recovery_digests))
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("store a second factor"))?;
+        Ok(())
+    }
+
+    /// Removes the second factor of a user; false if there was none.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn remove(&mut self, user_name: &str) -> Result<bool, StoreError> {
+        let done = sqlx::query("DELETE FROM second_factor WHERE user_name = $1")
+            .bind(user_name)
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("remove a second factor"))?;
+        Ok(done.rows_affected() > 0)
+    }
+
+    /// Notes that the code of a time step was used; false if this or a later one had been.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn use_time_step(&mut self, user_name: &str, step: u64) -> Result<bool, StoreError> {
+        let sql = "UPDATE second_factor SET last_step = $2 WHERE user_name = $1 AND last_step < $2";
+        let done = sqlx::query(sql)
+            .bind(user_name)
+            .bind(signed(step))
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("use a code up"))?;
+        Ok(done.rows_affected() > 0)
+    }
+
+    /// Uses a recovery code up; false if there is none with this digest.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn use_recovery_code(
+        &mut self,
+        user_name: &str,
+        digest: &str,
+    ) -> Result<bool, StoreError> {
+        let Some(mut factor) = self.lookup(user_name).await? else { return Ok(false) };
+        let count = factor.recovery_digests.len();
+        factor.recovery_digests.retain(|one| one != digest);
+        if factor.recovery_digests.len() == count {
+            return Ok(false);
+        }
+        self.put(user_name, &factor).await?;
+        Ok(true)
+    }
+}
+
+fn read(row: &DatabaseRow) -> Result<StoredSecondFactor, StoreError> {
+    Ok(StoredSecondFactor {
+        secret: row.column::<Vec<u8>>("secret")?.into(),
+        is_confirmed: row.column("is_confirmed")?,
+        last_step: row.unsigned("last_step")?,
+        recovery_digests: row.json("recovery_digests")?,
+    })
+}
