@@ -57,7 +57,7 @@ pub struct WorkerWalls {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum LandlockState {
-    /// No rule.
+    /// The kernel enforces none of them.
     None,
     /// Rules that an older kernel knows.
     Partial,

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use crate::{
     connector::Peer,
-    harness::{Api, World, eventually},
+    harness::{ADMIN, Api, PASSWORD, World, eventually},
     story::{self, network_path},
 };
 
@@ -113,7 +113,7 @@ async fn who_did_what_to_what_is_on_record_for_its_organisation() {
         all.len() > 20
             && all.contains(&"putOperationNetwork operation-networks/frame-4711 DONE".into())
     );
-    let viewer = world.sign_in("acme-aero-viewer", crate::harness::PASSWORD).await;
+    let viewer = world.sign_in("acme-aero-viewer", PASSWORD).await;
     viewer.get("/audit-entries").await.expect_problem(403, "FORBIDDEN");
     viewer.get("/audit-entries/export").await.expect_problem(403, "FORBIDDEN");
     buyer.delete("/session").await.expect_ok();
@@ -135,6 +135,55 @@ async fn what_is_refused_changes_nothing_and_is_not_on_record() {
     let body = json!({ "collaborationId": "order", "operationNetwork": network });
     maker.put(&network_path(), body).await.expect_problem(422, "INVALID_DOCUMENT");
     assert_eq!(entries(&maker).await, before);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn changes_of_accounts_are_on_record_with_the_person_who_did_them() {
+    let world = World::start().await;
+    let admin = story::set_up(&world).await;
+    let name = "acme-aero-planner";
+    let (here, there) =
+        (story::planner(&world, "acme-aero").await, story::planner(&world, "acme-aero").await);
+    let present = async |api: &Api| {
+        let sessions = api.get("/sessions").await.expect_ok()["items"].clone();
+        let present =
+            sessions.as_array().into_iter().flatten().find(|one| one["isPresent"] == true);
+        present.expect("a session")["sessionId"].as_str().expect("an id").to_owned()
+    };
+    let new_password = "another correct horse";
+    here.delete(&format!("/sessions/{}", present(&there).await)).await.expect_ok();
+    let body = json!({ "presentPassword": PASSWORD, "newPassword": new_password });
+    here.put("/session/password", body).await.expect_ok();
+    here.post("/session/second-factor", json!({ "password": new_password })).await.expect_ok();
+    admin.delete(&format!("/users/{name}/second-factor")).await.expect_ok();
+    let path = format!("/users/{name}/sessions/{}", present(&here).await);
+    admin.delete(&path).await.expect_ok();
+
+    let text = |value: &Value| value.as_str().expect("a text").to_owned();
+    let all = entries(&admin).await;
+    let found: Vec<String> = all[all.len() - 5..]
+        .iter()
+        .map(|e| {
+            format!("{}: {} {}", text(&e["agentName"]), text(&e["operation"]), text(&e["subject"]))
+        })
+        .collect();
+    assert_eq!(
+        found,
+        [
+            format!("{name}: endSession users/{name}/session"),
+            format!("{name}: changePassword users/{name}/password"),
+            format!("{name}: beginSecondFactor users/{name}/second-factor"),
+            format!("{ADMIN}: resetSecondFactor users/{name}/second-factor"),
+            format!("{ADMIN}: endUserSession users/{name}/session"),
+        ]
+    );
+    // The organisation of the person sees what others did to the account.
+    let again = world.sign_in(name, new_password).await;
+    let seen = lines(&again).await;
+    assert!(
+        seen.contains(&format!("resetSecondFactor users/{name}/second-factor DONE")),
+        "{seen:?}"
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
