@@ -173,13 +173,13 @@ mod tests {
         let (first, second) = (authority(), authority());
         let own = issued(&first, "verbund.example");
         let pin = CertificatePin::of(&own);
-        assert!(is_accepted(pin, &[own.clone()], "verbund.example"));
+        assert!(is_accepted(pin, std::slice::from_ref(&own), "verbund.example"));
         assert!(
-            is_accepted(pin, &[own.clone()], "10.0.0.7"),
+            is_accepted(pin, std::slice::from_ref(&own), "10.0.0.7"),
             "the pin says who it is, not the name"
         );
         let other = issued(&first, "verbund.example");
-        assert!(!is_accepted(pin, &[other.clone()], "verbund.example"));
+        assert!(!is_accepted(pin, std::slice::from_ref(&other), "verbund.example"));
         assert!(!is_accepted(pin, &[other, own], "verbund.example"), "sent along proves nothing");
         let strange = issued(&second, "verbund.example");
         assert!(!is_accepted(pin, &[strange, second.der().clone()], "verbund.example"));
