@@ -101,7 +101,7 @@ impl LoginThrottle {
     /// Begins an attempt, which counts until its outcome is told.
     ///
     /// # Errors
-    /// A [`Hindrance`]; then nothing was counted.
+    /// `Hindrance`; then nothing was counted.
     pub fn begin(
         &mut self,
         client: IpAddr,
