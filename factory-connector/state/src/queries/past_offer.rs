@@ -2,8 +2,9 @@
 //!
 //! A report is shown whole or not at all. It can be shown where each of its fields is open to the
 //! recipient at present, and had left under a policy that satisfies the present one: then the
-//! recipient learns no more of any hour than it would learn of the present, and no cap is exceeded
-//! that holds for the present. Everything else stays with those for whom it had left.
+//! recipient learns no more of any hour than it would learn of the present from the same mapping. Caps
+//! do not count the past: a former version of the mapping may have read another variable. Everything
+//! else stays with those for whom it had left.
 
 use std::collections::BTreeMap;
 
