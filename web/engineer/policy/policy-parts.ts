@@ -13,9 +13,22 @@ const NUMERIC: readonly string[] = [
   'Double',
 ] satisfies BuiltInType[]
 
-/** Returns whether values of this type can be rounded. */
+/** Types whose values hold values of other types, numbers among them. */
+const HOLDING: readonly string[] = [
+  'ExtensionObject',
+  'DataValue',
+  'Variant',
+  'DiagnosticInfo',
+] satisfies BuiltInType[]
+
+/** Returns whether values of this type are numbers. */
 export function isNumber(type: string): boolean {
   return NUMERIC.includes(type)
+}
+
+/** Returns whether values of this type are numbers or hold some, which are rounded where they are. */
+export function holdsNumbers(type: string): boolean {
+  return isNumber(type) || HOLDING.includes(type)
 }
 
 /** A number as it is typed; nothing where nothing is. */

@@ -1,5 +1,7 @@
+import { render, screen } from '@testing-library/svelte'
 import { describe, expect, it } from 'vitest'
-import { bandsOf, isNumber, numberOf, utcOffsetMinutes } from './policy-parts'
+import PolicyForm from './PolicyForm.svelte'
+import { bandsOf, holdsNumbers, isNumber, numberOf, utcOffsetMinutes } from './policy-parts'
 
 describe('what is typed into a policy', () => {
   it.each([
@@ -14,6 +16,22 @@ describe('what is typed into a policy', () => {
 })
 it('only numbers are rounded', () => {
   expect([isNumber('UInt64'), isNumber('String'), isNumber('Boolean')]).toEqual([
+    true,
+    false,
+    false,
+  ])
+})
+it('numbers within other values are rounded', () => {
+  const shown = (type: string): boolean => {
+    const form = { policy: {}, isNumeric: isNumber(type), holdsNumbers: holdsNumbers(type) }
+    const { unmount } = render(PolicyForm, form)
+    const isShown = screen.queryByLabelText(/^Rounding step/) !== null
+    unmount()
+    return isShown
+  }
+  expect(['Double', 'Variant', 'ExtensionObject', 'String', 'DateTime'].map(shown)).toEqual([
+    true,
+    true,
     true,
     false,
     false,
