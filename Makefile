@@ -89,7 +89,7 @@ knowledge: ## 1 000 histories of whole connectors: partners learn nothing below 
 	  $(CARGO) test --locked -p factory-connector --lib coordinator::tests::knowledge -- --nocapture
 
 fuzz: ## random input for every edge, shared by its targets: HOURS=1, or SECONDS=60 for each; TARGETS="..."
-	tools/fuzz.sh $(or $(SECONDS),$(if $(HOURS),$$(( $(HOURS) * 3600 * $$(nproc) / 10 )),60)) $(TARGETS)
+	tools/fuzz.sh $(or $(SECONDS),$(if $(HOURS),$(HOURS)h,60)) $(TARGETS)
 
 test-slow: ## what takes too long for each change: histories, foreign peers, fuzzing, scale, every page, chaos, mutants of gate and platform
 	$(MAKE) knowledge

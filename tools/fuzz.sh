@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Feeds random input to every edge of the programs and prints what came of it.
 #
-#   tools/fuzz.sh SECONDS [TARGET...]
+#   tools/fuzz.sh SECONDS|HOURSh [TARGET...]
 #
 # Each folder `fuzz` of a package has targets for libFuzzer and, below `corpus/TARGET`, what former runs found worth
-# keeping; the tests of the package replay it. A target gets SECONDS, as many at a time as there are processors. New inputs go
-# to target/fuzz/corpus, and what broke a target to target/fuzz/found. Needs the Rust and C++ compilers only: the
-# instrumentation is one of stable options of the compiler.
+# keeping; the tests of the package replay it. A target gets SECONDS, or its part of HOURS; as many run at a time as
+# there are processors. New inputs go to target/fuzz/corpus, and what broke a target to target/fuzz/found. Needs the
+# Rust and C++ compilers only: the instrumentation is by stable options of the compiler.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 root=$PWD seconds=$1
@@ -19,8 +19,7 @@ for argument in level=4 inline-8bit-counters pc-table trace-compares; do
 done
 
 targets=()
-for manifest in asi-model/fuzz platform/broker/fuzz opcua-stack/fuzz mapping-engine/script-protocol/fuzz daemon/fuzz; do
-  [ -f "$manifest/Cargo.toml" ] || continue
+for manifest in asi-model/fuzz platform/broker/fuzz opcua-stack/fuzz mapping-engine/script-protocol/fuzz; do
   for source in "$manifest"/fuzz_targets/*.rs; do
     name=$(basename "$source" .rs)
     [ $# = 0 ] || [[ " $* " == *" $name "* ]] || continue
@@ -31,6 +30,10 @@ for manifest in asi-model/fuzz platform/broker/fuzz opcua-stack/fuzz mapping-eng
   done
 done
 [ ${#targets[@]} != 0 ] || { echo "No target is called $*." >&2; exit 2; }
+
+if [[ $seconds == *h ]]; then
+  seconds=$((${seconds%h} * 3600 * $(nproc) / ${#targets[@]}))
+fi
 
 play() {
   local folder=$1 name=$2 log=$root/target/fuzz/$2.log
