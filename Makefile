@@ -79,10 +79,10 @@ mutants: prerequisites-test web ## breaks one guarantee of delivery after the ot
 	tests/mutants/run.sh $(or $(MINUTES),5) $(or $(SEED),7)
 
 mutants-gate: ## breaks one rule of the disclosure gate after the other; its tests have to find each: NAMES="..."
-	tests/mutants/gate.sh $(NAMES)
-
+mutants-ledger: ## weakens the verification of the ledger in one place after the other; its tests have to find each: NAMES="..."
 mutants-platform: ## brings one attack on the platform back after the other; its tests have to find each: NAMES="..."
-	tests/mutants/platform.sh $(NAMES)
+mutants-gate mutants-ledger mutants-platform:
+	tests/mutants/play.sh $(@:mutants-%=%) $(NAMES)
 
 knowledge: ## 1 000 histories of whole connectors: partners learn nothing below the policies: CASES=1000 SEED=n
 	VERBUND_KNOWLEDGE_CASES=$(or $(CASES),1000) $(if $(SEED),VERBUND_KNOWLEDGE_SEED=$(SEED)) \
@@ -91,7 +91,7 @@ knowledge: ## 1 000 histories of whole connectors: partners learn nothing below 
 fuzz: ## random input for every edge, shared by its targets: HOURS=1, or SECONDS=60 for each; TARGETS="..."
 	tools/fuzz.sh $(or $(SECONDS),$(if $(HOURS),$(HOURS)h,60)) $(TARGETS)
 
-test-slow: ## what takes too long for each change: histories, foreign peers, fuzzing, scale, every page, chaos, mutants of gate and platform
+test-slow: ## what takes too long for each change: histories, foreign peers, fuzzing, scale, every page, chaos, mutants of gate, ledger and platform
 	$(MAKE) knowledge
 	$(MAKE) asi-foreign
 	$(MAKE) foreign-kills
@@ -100,6 +100,7 @@ test-slow: ## what takes too long for each change: histories, foreign peers, fuz
 	$(MAKE) screenshots
 	$(MAKE) chaos MINUTES=$(or $(MINUTES),30)
 	$(MAKE) mutants-gate
+	$(MAKE) mutants-ledger
 	$(MAKE) mutants-platform
 
 script-deno: ## the second script engine, into target/script-deno (needs cmake and libsimde-dev; the first time takes minutes)
@@ -146,4 +147,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: fuzz test-slow knowledge mutants-gate mutants-platform foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test
+.PHONY: fuzz test-slow knowledge mutants-gate mutants-ledger mutants-platform foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test

@@ -104,6 +104,7 @@ fn every_attack_has_a_test_and_every_mutant_its_attack() {
         let proofs = quoted(proofs);
         let missing: Vec<&String> = proofs.iter().filter(|proof| !tests.contains(*proof)).collect();
         assert!(!proofs.is_empty() && missing.is_empty(), "{attack}: {missing:?}");
+        assert!(!quoted(patches).is_empty(), "{attack}: no mutant brings it back");
         for patch in quoted(patches) {
             assert!(root().join(&patch).exists(), "{attack}: {patch}");
             mutants.insert(patch);
@@ -111,10 +112,14 @@ fn every_attack_has_a_test_and_every_mutant_its_attack() {
         count += 1;
     }
     assert!(count > 30, "{count} attacks were read");
-    for entry in fs::read_dir(root().join("tests/mutants/platform")).unwrap() {
-        let name = entry.unwrap().file_name().into_string().unwrap();
-        let patch = format!("tests/mutants/platform/{name}");
-        assert!(mutants.contains(&patch), "docs/attacks.md does not name {patch}");
+    for part in ["ledger", "platform"] {
+        let folder = format!("tests/mutants/{part}");
+        for entry in fs::read_dir(root().join(&folder)).unwrap() {
+            let name = entry.unwrap().file_name().into_string().unwrap();
+            let patch = format!("{folder}/{name}");
+            let is_named = !name.ends_with(".patch") || mutants.contains(&patch);
+            assert!(is_named, "docs/attacks.md does not name {patch}");
+        }
     }
 }
 

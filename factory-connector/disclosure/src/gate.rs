@@ -1,6 +1,7 @@
 //! Gate of one field: a state machine over candidates and time.
 
 mod document;
+mod stored_value;
 mod transition;
 
 use std::{

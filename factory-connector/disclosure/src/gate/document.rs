@@ -3,13 +3,11 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use asi_model::{
-    DataValue, DateTime, FieldName, Scalar, Variant,
-    opcua_json::{DataEncoding, Leniency, decode_value, encode_data_value},
-};
+use asi_model::{DataValue, DateTime, FieldName, Scalar, Variant};
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
+use super::stored_value::{data_value_from_json, data_value_to_json};
 use crate::{Aggregation, GateState, OpenWindow, Released, Sum};
 
 /// A gate's state as stored: data values in the compact encoding of OPC UA JSON.
@@ -69,7 +67,10 @@ impl StoredWindow {
             Sum::Float(sum) => (None, Some(sum.to_string())),
         };
         let scalar = |scalar: &Scalar| {
-            raw(&DataValue { value: Variant::Scalar(scalar.clone()), ..DataValue::default() })
+            data_value_to_json(&DataValue {
+                value: Variant::Scalar(scalar.clone()),
+                ..DataValue::default()
+            })
         };
         Self {
             from: window.from,
@@ -115,10 +116,10 @@ impl StoredWindow {
 pub fn gate_to_json(state: &GateState) -> String {
     let stored = StoredGate {
         last_released_at: state.last_released_at,
-        disclosed: state.disclosed.as_deref().map(raw),
-        waiting: state.waiting.iter().map(|(at, value)| (*at, raw(value))).collect(),
+        disclosed: state.disclosed.as_deref().map(data_value_to_json),
+        waiting: state.waiting.iter().map(|(at, value)| (*at, data_value_to_json(value))).collect(),
         released: state.released.iter().copied().collect(),
-        held: state.aggregation.held.as_ref().map(raw),
+        held: state.aggregation.held.as_ref().map(data_value_to_json),
         window: state.aggregation.open.as_deref().map(StoredWindow::new),
         covered_from: state.aggregation.covered_from,
         is_in_withheld_state: state.is_in_withheld_state,
@@ -154,28 +155,14 @@ pub fn gate_from_json(text: &str) -> Result<GateState, String> {
     })
 }
 
-fn raw(value: &DataValue) -> Box<RawValue> {
-    RawValue::from_string(text(encode_data_value(value, DataEncoding::Compact105)))
-        .expect("the encoder writes JSON")
-}
-
-fn text(json: Vec<u8>) -> String {
-    String::from_utf8(json).expect("the encoder writes UTF-8")
-}
-
-fn data_value_from_json(json: &str) -> Result<DataValue, String> {
-    // By itself an empty object could as well be an empty structure.
-    if json == "{}" {
-        return Ok(DataValue::default());
-    }
-    let (value, _) = decode_value(json.as_bytes(), Leniency::Lenient, &[], &[])
-        .map_err(|error| error.to_string())?;
-    Ok(value.into_data_value())
-}
-
 #[cfg(test)]
 mod tests {
-    use asi_model::{BuiltInType, StatusCode};
+    use std::sync::Arc;
+
+    use asi_model::{
+        BuiltInType, NodeId, StatusCode,
+        values::{Array, ExtensionBody, ExtensionObject, StructureValue},
+    };
 
     use super::*;
 
@@ -205,6 +192,55 @@ mod tests {
         let waiting = [(at, DataValue::default()), (at, timed)].into();
         let state = GateState { waiting, ..GateState::default() };
         assert_eq!(gate_from_json(&gate_to_json(&state)), Ok(state));
+    }
+
+    #[test]
+    fn structures_survive_with_the_types_of_their_fields() {
+        let at = DateTime::from_unix_micros(1_800_000_000_000_000);
+        let structure = |fields: Vec<(&str, Variant)>, switch_field, encoding_mask| {
+            let fields = fields.into_iter().map(|(name, value)| (name.into(), value)).collect();
+            let structure = StructureValue { fields, switch_field, encoding_mask };
+            let body = ExtensionBody::Structure(structure);
+            Scalar::ExtensionObject(Box::new(ExtensionObject {
+                type_id: NodeId::ua(884).into(),
+                body,
+            }))
+        };
+        let range = structure(vec![("Low", 1_i64.into()), ("High", Variant::Null)], None, Some(1));
+        let numbers = Array {
+            element_type: BuiltInType::UInt64,
+            elements: vec![Scalar::UInt64(u64::MAX)],
+            dimensions: None,
+        };
+        let outer = structure(
+            vec![
+                ("Range", Variant::Scalar(range)),
+                ("Numbers", Variant::Array(Arc::new(numbers))),
+                ("At", Variant::Scalar(Scalar::DateTime(at))),
+                ("Held", Variant::Scalar(Scalar::DataValue(Box::new(DataValue::good(1_u8, at))))),
+                ("Code", Variant::Scalar(Scalar::StatusCode(StatusCode::BAD_NO_DATA))),
+            ],
+            Some(2),
+            None,
+        );
+        let held = Scalar::Variant(Box::new(Variant::Scalar(outer.clone())));
+        let array = Array {
+            element_type: BuiltInType::Variant,
+            elements: vec![held, Scalar::Variant(Box::new(Variant::from(3_i64)))],
+            dimensions: None,
+        };
+        let code = Variant::Scalar(Scalar::StatusCode(StatusCode::BAD_NO_DATA));
+        let with_times = [Variant::Scalar(outer), Variant::Array(Arc::new(array)), code.clone()];
+        let with_times = with_times.map(|value| DataValue::good(value, at));
+        let without = DataValue { value: code, ..DataValue::default() };
+        for value in with_times.into_iter().chain([without]) {
+            let state = GateState {
+                disclosed: Some(Released::by_gate(value.clone())),
+                waiting: [(at, value)].into(),
+                ..GateState::default()
+            };
+            assert_eq!(gate_from_json(&gate_to_json(&state)), Ok(state));
+        }
     }
 
     #[test]

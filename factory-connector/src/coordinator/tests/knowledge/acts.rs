@@ -81,8 +81,13 @@ fn act() -> impl Strategy<Value = Act> {
     let name = || 0..2_usize;
     let policy = || policies().prop_map(Box::new);
     prop_oneof![
-        14 => (proptest::collection::vec(coming(), 1..5), 0..8_000_u32)
+        10 => (proptest::collection::vec(coming(), 1..5), 0..8_000_u32)
             .prop_map(|(coming, later_ms)| Act::Values(coming, later_ms)),
+        // Several values of one field, of which a policy may show the last one only.
+        4 => (field(), proptest::collection::vec(coming(), 2..5)).prop_map(|(field, coming)| {
+            let coming = coming.into_iter().map(|coming| Coming { field, ..coming });
+            Act::Values(coming.collect(), 0)
+        }),
         4 => (field(), 0..4_usize, policy())
             .prop_map(|(field, source, policy)| Act::Open { field, source, policy }),
         1 => field().prop_map(Act::Close),

@@ -1,8 +1,11 @@
 //! Differences below a policy: another value of which the policy makes the same. Computed without
 //! the gate's code.
 
-use asi_model::{BuiltInType, Scalar, Variant, values::Array};
-use disclosure::{DisclosurePolicy, GateOutcome, StatusCodes};
+use asi_model::{
+    BuiltInType, Scalar, Variant,
+    values::{Array, DiagnosticInfo, ExtensionBody, ExtensionObject, StructureValue},
+};
+use disclosure::{AggregateFunction, DisclosurePolicy, GateOutcome, StatusCodes};
 
 use super::{
     fields::{FIELDS, FieldOf, WITHHELD_STATE},
@@ -56,6 +59,45 @@ pub(super) fn differing(
     other
 }
 
+/// Returns a value that differs from a candidate which `later` ones of its field replace before it can leave:
+/// of a window's values only its function is shown.
+pub(super) fn superseded(
+    field: usize,
+    candidate: &DataValue,
+    policy: &DisclosurePolicy,
+    later: &[(usize, DataValue)],
+) -> DataValue {
+    let of = &FIELDS[field];
+    let number = |value: &DataValue| {
+        let is_usable = !value.status.is_bad()
+            && !of.is_array
+            && value.value.built_in_type() == Some(of.field_type);
+        value.value.as_f64().filter(|_| is_usable && of.field_type.is_numeric())
+    };
+    let mut others = later.iter().filter(|(other, _)| *other == field);
+    let mut others = others.by_ref().filter_map(|(_, value)| number(value));
+    let shifted = |by: i128| {
+        let scalar = candidate.value.as_scalar()?;
+        let whole = Scalar::from_i128(scalar.as_f64()? as i128 + by, of.field_type)?;
+        Some(Variant::Scalar(whole))
+    };
+    let function = policy.aggregate.map(|aggregate| aggregate.function);
+    let value = match (function, number(candidate)) {
+        // It counts for no time, and whether it is usable is told by the window's status.
+        (None | Some(AggregateFunction::Last | AggregateFunction::Mean), _) => {
+            Some(another(of, candidate))
+        }
+        (Some(AggregateFunction::Maximum), Some(number)) => {
+            others.any(|other| other > number).then(|| shifted(-1)).flatten()
+        }
+        (Some(AggregateFunction::Minimum), Some(number)) => {
+            others.any(|other| other < number).then(|| shifted(1)).flatten()
+        }
+        _ => None,
+    };
+    DataValue { value: value.unwrap_or_else(|| candidate.value.clone()), ..candidate.clone() }
+}
+
 /// Returns any other value of the same type. A state stays what it is to a condition.
 fn another(field: &FieldOf, candidate: &DataValue) -> Variant {
     let is_state = candidate.value.as_f64() == Some(f64::from(WITHHELD_STATE));
@@ -104,6 +146,32 @@ fn is_coarse(policy: &DisclosurePolicy) -> bool {
     is_of_numbers || !policy.bands.is_empty() || !policy.time_step().is_zero()
 }
 
+/// A text beside coarse numbers is not shown at all.
+fn nearby_held(held: &Variant, policy: &DisclosurePolicy) -> Variant {
+    let is_text = held.built_in_type() == Some(BuiltInType::String);
+    if is_text && is_coarse(policy) {
+        return Variant::from("another text");
+    }
+    nearby(held, policy)
+}
+
+fn nearby_object(object: &ExtensionObject, policy: &DisclosurePolicy) -> ExtensionObject {
+    let ExtensionBody::Structure(structure) = &object.body else { return object.clone() };
+    let fields = structure.fields.iter();
+    let fields = fields.map(|(name, value)| (Arc::clone(name), nearby_held(value, policy)));
+    let body = ExtensionBody::Structure(StructureValue { fields: fields.collect(), ..*structure });
+    ExtensionObject { body, ..object.clone() }
+}
+
+/// Returns other diagnostics: but for the codes they are not shown unless a policy lets everything through.
+fn nearby_diagnostics(info: &DiagnosticInfo, policy: &DisclosurePolicy) -> DiagnosticInfo {
+    let code = info.inner_status_code.map(|code| another_status(code, policy.status_codes));
+    let is_whole = !is_coarse(policy) && policy.status_codes == StatusCodes::Full;
+    let additional_info = Some("another text".into());
+    let other = DiagnosticInfo { symbolic_id: Some(4_003), additional_info, ..info.clone() };
+    DiagnosticInfo { inner_status_code: code, ..if is_whole { info.clone() } else { other } }
+}
+
 #[allow(clippy::cast_possible_truncation)]
 fn nearby_scalar(scalar: &Scalar, policy: &DisclosurePolicy) -> Scalar {
     match scalar {
@@ -111,13 +179,13 @@ fn nearby_scalar(scalar: &Scalar, policy: &DisclosurePolicy) -> Scalar {
         Scalar::StatusCode(code) => {
             return Scalar::StatusCode(another_status(*code, policy.status_codes));
         }
-        // A text beside coarse numbers is not shown at all.
-        Scalar::Variant(held)
-            if held.built_in_type() == Some(BuiltInType::String) && is_coarse(policy) =>
-        {
-            return Scalar::Variant(Box::new(Variant::from("another text")));
+        Scalar::Variant(held) => return Scalar::Variant(Box::new(nearby_held(held, policy))),
+        Scalar::ExtensionObject(object) => {
+            return Scalar::ExtensionObject(Box::new(nearby_object(object, policy)));
         }
-        Scalar::Variant(held) => return Scalar::Variant(Box::new(nearby(held, policy))),
+        Scalar::DiagnosticInfo(info) => {
+            return Scalar::DiagnosticInfo(Box::new(nearby_diagnostics(info, policy)));
+        }
         Scalar::DataValue(held) => {
             return Scalar::DataValue(Box::new(DataValue {
                 value: nearby(&held.value, policy),

@@ -1,8 +1,11 @@
 //! Fields of the plant: two requests with different recipients, and fields of all kinds of types.
 
 use asi_model::{
-    BuiltInType, FieldKey, RequestKey, Scalar, Variant,
-    values::{Array, LocalizedText},
+    BuiltInType, FieldKey, NodeId, RequestKey, Scalar, Variant,
+    values::{
+        Array, DiagnosticInfo, ExtensionBody, ExtensionObject, LocalizedText, QualifiedName,
+        StructureValue,
+    },
 };
 use serde_json::{Value, json};
 
@@ -27,7 +30,7 @@ const fn array_of(request: usize, name: &'static str, field_type: BuiltInType) -
     FieldOf { request, name, field_type, is_array: true }
 }
 
-pub(super) const FIELDS: [FieldOf; 17] = [
+pub(super) const FIELDS: [FieldOf; 26] = [
     of(0, "made", BuiltInType::UInt64),
     of(0, "level", BuiltInType::Double),
     of(0, "note", BuiltInType::String),
@@ -45,6 +48,15 @@ pub(super) const FIELDS: [FieldOf; 17] = [
     array_of(0, "samples", BuiltInType::DataValue),
     array_of(1, "mixed", BuiltInType::Variant),
     of(1, "quality", BuiltInType::StatusCode),
+    of(0, "shift", BuiltInType::SByte),
+    of(1, "offset", BuiltInType::Int16),
+    of(0, "cycles", BuiltInType::UInt32),
+    of(1, "sheet", BuiltInType::XmlElement),
+    of(0, "place", BuiltInType::NodeId),
+    of(1, "origin", BuiltInType::ExpandedNodeId),
+    of(0, "kind", BuiltInType::QualifiedName),
+    of(0, "part", BuiltInType::ExtensionObject),
+    of(1, "trouble", BuiltInType::DiagnosticInfo),
 ];
 
 /// The field at whose state others look.
@@ -102,6 +114,27 @@ impl FieldOf {
             BuiltInType::DataValue => Scalar::DataValue(Box::new(sample(number))),
             BuiltInType::Variant => Scalar::Variant(Box::new(held(number))),
             BuiltInType::StatusCode => Scalar::StatusCode(code(number)),
+            BuiltInType::SByte => Scalar::SByte((number % 127) as i8),
+            BuiltInType::Int16 => Scalar::Int16((number % 30_011) as i16),
+            BuiltInType::UInt32 => Scalar::UInt32(number),
+            BuiltInType::XmlElement => {
+                Scalar::XmlElement(Some(format!("<sheet>{number}</sheet>").into()))
+            }
+            BuiltInType::NodeId => Scalar::NodeId(Box::new(NodeId::ua(number))),
+            BuiltInType::ExpandedNodeId => {
+                Scalar::ExpandedNodeId(Box::new(NodeId::ua(number).into()))
+            }
+            BuiltInType::QualifiedName => Scalar::QualifiedName(Box::new(QualifiedName {
+                name: Some(format!("Kind {number}").into()),
+                ..QualifiedName::default()
+            })),
+            BuiltInType::ExtensionObject => Scalar::ExtensionObject(Box::new(part(number))),
+            BuiltInType::DiagnosticInfo => Scalar::DiagnosticInfo(Box::new(DiagnosticInfo {
+                symbolic_id: Some(whole),
+                additional_info: Some(format!("info {number}").into()),
+                inner_status_code: Some(code(number)),
+                ..DiagnosticInfo::default()
+            })),
             _ => Scalar::DateTime(plant::start().after(Duration::from_millis(number.into()))),
         }
     }
@@ -135,6 +168,21 @@ fn sample(number: u32) -> DataValue {
     }
 }
 
+/// Makes a structure of numbers, a time, a text and a value with a status and times of its own.
+fn part(number: u32) -> ExtensionObject {
+    let at = plant::start().after(Duration::from_millis(number.into()));
+    let fields = [
+        ("weight", Variant::from(f64::from(number))),
+        ("count", Variant::Scalar(Scalar::UInt32(number))),
+        ("at", Variant::Scalar(Scalar::DateTime(at))),
+        ("label", Variant::from(format!("part {number}").as_str())),
+        ("sample", Variant::Scalar(Scalar::DataValue(Box::new(sample(number))))),
+    ];
+    let fields = fields.into_iter().map(|(name, value)| (name.into(), value)).collect();
+    let body = ExtensionBody::Structure(StructureValue { fields, ..StructureValue::default() });
+    ExtensionObject { type_id: NodeId::ua(3_000).into(), body }
+}
+
 /// Recipients of the first request, by a number of which each bit stands for a partner; the second
 /// request is always for the second partner.
 pub(super) fn recipients(request: usize, bits: u8) -> Vec<&'static str> {
@@ -162,4 +210,16 @@ pub(super) fn network(revision: u64, bits: u8) -> Value {
         "revision": revision, "operationNetwork": { "operationNetworkId": "n",
         "operationList": [ { "operationId": "op", "operationType": "PRODUCTION",
             "dynamicDataRequestList": [request(0), request(1)] } ] } })
+}
+
+/// A type that a field can have is part of the histories.
+#[test]
+fn histories_have_every_type() {
+    for field_type in BuiltInType::ALL {
+        assert!(
+            FIELDS.iter().any(|field| field.field_type == field_type),
+            "no field has the type {}",
+            field_type.name()
+        );
+    }
 }

@@ -24,6 +24,9 @@ struct Known {
     released: Vec<DateTime>,
     /// Times of releases while a rate was in force.
     rated: Vec<DateTime>,
+    /// Functions of the windows since the values began: what one of them made may wait longer than
+    /// its policy is in force.
+    functions: Vec<AggregateFunction>,
 }
 
 #[derive(Debug, Default)]
@@ -213,8 +216,7 @@ impl Knower {
         let known = &self.fields[field];
         let due: Vec<&Possible> =
             known.possible.iter().filter(|possible| possible.is_due(window, delay, now)).collect();
-        let functions = self.policies(field).filter_map(|policy| policy.aggregate);
-        let functions: Vec<_> = functions.map(|aggregate| aggregate.function).collect();
+        let functions = &known.functions;
         let is_explained = match elements[..] {
             [number] if of.field_type.is_numeric() && !of.is_array => {
                 due.iter().any(|possible| possible.explains(number))
@@ -288,11 +290,16 @@ impl Knower {
 
     /// Begins another source or consent: nothing of before may be shown.
     fn begin(&mut self, field: usize, source: usize) {
-        self.fields[field].possible.clear();
+        self.forget(field);
         self.fields[field].source = source;
         if field == STATE {
             self.is_in_state = false;
         }
+    }
+
+    fn forget(&mut self, field: usize) {
+        self.fields[field].possible.clear();
+        self.fields[field].functions.clear();
     }
 
     /// Changes policies. What came before a condition, or as a single value before a window, may
@@ -310,8 +317,11 @@ impl Knower {
             let (now, other) = (self.conditions(field), windows(self, field));
             let is_added = now.iter().any(|condition| !conditions.contains(condition));
             if is_added || (other.is_some() && other != window) {
-                self.fields[field].possible.clear();
+                self.forget(field);
             }
+            let functions = self.policies(field).filter_map(|policy| policy.aggregate);
+            let functions: Vec<_> = functions.map(|aggregate| aggregate.function).collect();
+            self.fields[field].functions.extend(functions);
             if other != window {
                 self.fields[field].window_end = None;
             }

@@ -5,7 +5,7 @@ use disclosure::{AggregateFunction, DisclosurePolicy, GateOutcome};
 
 use super::{
     acts::Coming,
-    below::differing,
+    below::{differing, superseded},
     fields::{FIELDS, STATE},
     knower::Knower,
     plant::{Plant, earlier},
@@ -22,6 +22,8 @@ pub(super) struct Varied {
     pub(super) later_ms: u32,
     /// Number of those that differ.
     pub(super) count: usize,
+    /// Number of those that a newer one replaced before they could leave.
+    pub(super) superseded: usize,
     /// Number of reports that left.
     pub(super) reports: usize,
 }
@@ -50,8 +52,15 @@ impl Plant {
         let outcomes = self.offer_values(&values, knower);
         self.commit().await;
         self.wait_meanwhile(varied.later_ms).await;
-        for (((field, value), policy), outcome) in values.iter().zip(&policies).zip(outcomes) {
-            let other = differing(*field, value, policy, outcome);
+        for (place, (((field, value), policy), outcome)) in
+            values.iter().zip(&policies).zip(&outcomes).enumerate()
+        {
+            let outcome = *outcome;
+            let mut other = differing(*field, value, policy, outcome);
+            if is_superseded(place, &values, policy, &outcomes) {
+                other = superseded(*field, &other, policy, &values[place + 1..]);
+                varied.superseded += usize::from(other.value != value.value);
+            }
             varied.count += usize::from(other.value != value.value || other.status != value.status);
             // Nor does anybody learn how many values the state of another field withholds.
             let is_of_other =
@@ -148,6 +157,28 @@ impl Plant {
             self.wait(ms).await;
         }
     }
+}
+
+/// Returns true for a value after which another of its field comes at the same time, so that it never leaves: it
+/// waits without a delay, or is one of several in a window.
+fn is_superseded(
+    place: usize,
+    values: &[(usize, DataValue)],
+    policy: &DisclosurePolicy,
+    outcomes: &[Option<GateOutcome>],
+) -> bool {
+    let field = values[place].0;
+    let is_taken = |outcome: Option<GateOutcome>| {
+        outcome.is_some_and(|outcome| outcome != GateOutcome::Suppressed)
+    };
+    let does_wait =
+        policy.aggregate.is_some() || matches!(outcomes[place], Some(GateOutcome::Withheld { .. }));
+    let mut later = (place + 1..values.len()).filter(|later| values[*later].0 == field);
+    field != STATE
+        && does_wait
+        && policy.delay().is_zero()
+        && is_taken(outcomes[place])
+        && later.any(|later| is_taken(outcomes[later]))
 }
 
 const fn is_released(outcome: GateOutcome) -> bool {

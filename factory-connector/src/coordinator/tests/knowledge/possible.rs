@@ -72,13 +72,13 @@ impl Possible {
     fn is_made_of(&self, raw: &Value, shown: &Value) -> bool {
         let time = |value: &Value| serde_json::from_value::<DateTime>(value.clone()).ok();
         match (raw, shown) {
-            (Value::Object(_), Value::Null) => true,
+            (_, Value::Null) => true,
             // Checked as a status.
             (Value::Object(raw), Value::Object(_)) if is_status(raw) => true,
             (Value::Object(raw), Value::Object(shown)) => shown.iter().all(|(name, shown)| {
                 let is_exact = name.starts_with("Type");
                 // Statuses are checked where they are.
-                name == "Status"
+                ["Status", "InnerStatusCode"].contains(&name.as_str())
                     || raw.get(name).is_some_and(|raw| {
                         if is_exact { raw == shown } else { self.is_made_of(raw, shown) }
                     })
@@ -107,11 +107,10 @@ pub(super) fn held_statuses(body: &Value) -> Vec<&Value> {
         Value::Object(members) if is_status(members) => members.get("Body").into_iter().collect(),
         Value::Object(members) => members
             .iter()
-            .flat_map(
-                |(name, value)| {
-                    if name == "Status" { vec![value] } else { held_statuses(value) }
-                },
-            )
+            .flat_map(|(name, value)| {
+                let is_status = ["Status", "InnerStatusCode"].contains(&name.as_str());
+                if is_status { vec![value] } else { held_statuses(value) }
+            })
             .collect(),
         Value::Array(elements) => elements.iter().flat_map(held_statuses).collect(),
         _ => Vec::new(),

@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# Breaks one rule after the other, or brings one attack back; the tests have to notice each.
+#
+#   tests/mutants/play.sh gate|ledger|platform [NAME...]
+#
+# Each patch in the folder is one mutant. The folder's file `tests` has the tests that are played against it, as arguments
+# of `cargo test`, a line each. A first line `Found by: ...` of a patch names the tests that are played before them, or
+# that are not among them. Mutants are played in a copy of the committed tree, below target, so that the tree itself stays
+# as it is. MUTANTS_TARGET is the folder of what is built for it.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+part=${1:?which folder of tests/mutants} && shift
+root=$PWD logs=$PWD/target/mutants/$part copy=$PWD/target/mutants/$part/tree
+export CARGO_TARGET_DIR=${MUTANTS_TARGET:-$PWD/target/mutants/build}
+names=("$@")
+if [ ${#names[@]} = 0 ]; then
+  for patch in "tests/mutants/$part"/*.patch; do names+=("$(basename "$patch" .patch)"); done
+fi
+rm -rf "$copy" && mkdir -p "$copy"
+git archive HEAD | tar -x -C "$copy"
+# The pages are built into the daemons; what they show does not matter here.
+mkdir -p "$copy/web/dist" && [ ! -d web/dist ] || cp -r web/dist "$copy/web/"
+cd "$copy"
+
+mapfile -t tests < <(grep -v '^#' "$root/tests/mutants/$part/tests")
+survivors=()
+for name in "${names[@]}"; do
+  patch=$root/tests/mutants/$part/$name.patch log=$logs/$name.log
+  patch --quiet -p1 <"$patch"
+  result=survived
+  mapfile -t first < <(sed -n 's/^Found by: //p' "$patch")
+  for test in "${first[@]}" "${tests[@]}"; do
+    # shellcheck disable=SC2086
+    if ! cargo test --quiet --locked $test >"$log" 2>&1; then
+      # A mutant that does not compile proves nothing.
+      if grep -q '^test result: FAILED\|^failures:' "$log"; then
+        result="found: $(grep -oE '^    [a-z_:]+$' "$log" | sort -u | tr -d ' ' | paste -sd ' ')"
+      else
+        result="not judged: $(grep -m1 '^error' "$log" | cut -c1-120)"
+      fi
+      break
+    fi
+  done
+  patch --quiet --reverse -p1 <"$patch"
+  echo "$name: $result"
+  [[ $result == found* ]] || survivors+=("$name")
+done
+[ ${#survivors[@]} = 0 ] || { echo "Not found: ${survivors[*]} (logs in target/mutants/$part)"; exit 1; }
