@@ -2,7 +2,10 @@
 
 use std::time::Duration;
 
-use verbund_tests::chaos::{self, Length};
+use verbund_tests::{
+    chaos::{self, Length},
+    world::BrokerKind,
+};
 
 /// The first rounds of this seed hold kills of every program, an old broker store, a slow and a
 /// stalled line.
@@ -12,17 +15,46 @@ const SEED: u64 = 1;
 async fn nothing_is_lost_or_doubled_whatever_is_killed() {
     rustls::crypto::ring::default_provider().install_default().ok();
     let length = Length { span: Duration::from_secs(15), kills: 30, at_least_kills: 1 };
-    chaos::run(SEED, length, false).await.unwrap();
+    chaos::run(SEED, length, BrokerKind::Embedded, false).await.unwrap();
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_copied_connector_is_refused_and_reported_on_both_sides() {
     rustls::crypto::ring::default_provider().install_default().ok();
-    chaos::copied().await.unwrap();
+    chaos::copied(BrokerKind::Embedded).await.unwrap();
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_connector_with_an_older_store_discloses_nothing_until_an_engineer_decides() {
     rustls::crypto::ring::default_provider().install_default().ok();
     chaos::rolled_back().await.unwrap();
+}
+
+/// The story of the demo, and then everything that can go wrong, with a broker of another make.
+async fn nothing_is_lost_beside(broker: BrokerKind) {
+    rustls::crypto::ring::default_provider().install_default().ok();
+    let length = Length { span: Duration::from_secs(15), kills: 20, at_least_kills: 1 };
+    chaos::run(SEED, length, broker, false).await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn nothing_is_lost_or_doubled_with_rabbitmq() {
+    nothing_is_lost_beside(BrokerKind::RabbitMq).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn nothing_is_lost_or_doubled_with_mosquitto() {
+    nothing_is_lost_beside(BrokerKind::Mosquitto).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_copied_connector_is_refused_with_rabbitmq() {
+    rustls::crypto::ring::default_provider().install_default().ok();
+    chaos::copied(BrokerKind::RabbitMq).await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_copied_connector_is_refused_with_mosquitto() {
+    rustls::crypto::ring::default_provider().install_default().ok();
+    chaos::copied(BrokerKind::Mosquitto).await.unwrap();
 }

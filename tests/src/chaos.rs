@@ -32,6 +32,7 @@ use crate::{
     frame_order::{HAMBURG, MUNICH},
     harness::{Api, Daemon, DaemonCommand, Deadline, Steps, binary, eventually, say},
     scenario::story,
+    world::BrokerKind,
 };
 
 /// Length of a run.
@@ -57,11 +58,11 @@ const SHOWN_MAX: usize = 20;
 ///
 /// # Errors
 /// The promise that does not hold.
-pub async fn run(seed: u64, length: Length, keep: bool) -> anyhow::Result<()> {
+pub async fn run(seed: u64, length: Length, broker: BrokerKind, keep: bool) -> anyhow::Result<()> {
     let folder = tempfile::Builder::new().prefix("verbund-chaos-").tempdir()?;
     say(&format!("Chaos with seed {seed}, in {}", folder.path().display()));
     let mut steps = Steps::default();
-    let (mut stage, cast) = Stage::set(folder.path().to_owned(), &mut steps).await?;
+    let (mut stage, cast) = Stage::set(folder.path().to_owned(), broker, &mut steps).await?;
     let outcome = play(&mut stage, &cast, &mut steps, seed, length).await;
     if outcome.is_err() {
         for daemon in stage.world.daemons() {
@@ -106,7 +107,13 @@ async fn play(
     let mut number = 0;
     while start.elapsed() < length.span && stage.kills < length.kills {
         number += 1;
-        round(stage, steps, number, &plan.round()).await?;
+        let mut strikes = plan.round();
+        if stage.world.external.is_some() {
+            for strike in &mut strikes {
+                strike.fault = strike.fault.beside_external_broker();
+            }
+        }
+        round(stage, steps, number, &strikes).await?;
     }
     let said = comments.end().await?;
     steps.run("the machines stop, and what waits arrives", drain(stage)).await?;

@@ -33,9 +33,13 @@ pub struct Cast {
 pub async fn play(world: &mut World, steps: &mut Steps) -> anyhow::Result<Cast> {
     let mut platform = None;
     steps
-        .run("the platform is up, with its own broker", async {
+        .run("the platform is up, with its broker", async {
             platform = Some(world.platform_api().await?);
-            Ok(format!("AMQP 1.0 with TLS on port {}", world.places.broker_tls))
+            let own = || format!("its own, AMQP 1.0 with TLS on port {}", world.places.broker_tls);
+            Ok(world
+                .external
+                .as_ref()
+                .map_or_else(own, |broker| format!("at {}", broker.address())))
         })
         .await?;
     let platform = platform.expect("the step above ended well");

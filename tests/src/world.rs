@@ -3,6 +3,7 @@
 
 mod accounts;
 mod copies;
+mod external_broker;
 mod files;
 mod places;
 
@@ -10,6 +11,7 @@ use std::{path::Path, time::Duration};
 
 pub use accounts::{ADMIN, ENGINEER, OBSERVER, OBSERVER_PASSWORD, PASSWORD};
 use anyhow::Context as _;
+pub use external_broker::{BrokerKind, ExternalBroker};
 pub use places::{FactoryPlaces, Places};
 
 use crate::{
@@ -32,6 +34,8 @@ pub struct World {
     /// Folder and ports of all programs.
     pub places: Places,
     pub platform: Daemon,
+    /// The broker, where it is not the platform's own.
+    pub external: Option<ExternalBroker>,
     /// Munich and Hamburg.
     pub factories: [Factory; 2],
 }
@@ -52,7 +56,15 @@ impl World {
     /// # Errors
     /// When a file cannot be written or a program was not built or does not start.
     pub fn start(places: Places) -> anyhow::Result<Self> {
-        files::write_all(&places)?;
+        Self::start_beside(places, None)
+    }
+
+    /// Starts everything beside a broker of another make, if there is one.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    pub fn start_beside(places: Places, external: Option<ExternalBroker>) -> anyhow::Result<Self> {
+        files::write_all(&places, external.as_ref())?;
         let folder = places.folder.clone();
         let config = |name: &str| folder.join(name).display().to_string();
         let platform = daemon(
@@ -70,7 +82,8 @@ impl World {
             )?;
             Ok(Factory { id, simulator, connector: None })
         };
-        Ok(Self { platform, factories: [start_factory(MUNICH)?, start_factory(HAMBURG)?], places })
+        let factories = [start_factory(MUNICH)?, start_factory(HAMBURG)?];
+        Ok(Self { platform, external, factories, places })
     }
 
     /// Returns the platform's API, signed in as administrator, once it answers.

@@ -21,6 +21,7 @@ pub enum Saving {
 }
 
 /// The broker; stopped and removed when dropped.
+#[derive(Debug)]
 pub struct Mosquitto {
     folder: TempDir,
     child: Child,

@@ -12,12 +12,14 @@ use tempfile::TempDir;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
 /// The broker; stopped and removed when dropped.
+#[derive(Debug)]
 pub struct RabbitMq {
     folder: TempDir,
     child: Child,
     ports: Ports,
 }
 
+#[derive(Debug)]
 struct Ports {
     amqp: u16,
     distribution: u16,

@@ -6,6 +6,7 @@ use clap::Parser;
 use verbund_tests::{
     chaos::{self, Length},
     harness::say,
+    world::BrokerKind,
 };
 
 #[derive(Parser)]
@@ -25,6 +26,9 @@ struct Arguments {
     /// Fails when there were fewer kills in the end.
     #[arg(long, default_value_t = 0)]
     at_least_kills: u32,
+    /// The broker: embedded, rabbitmq or mosquitto.
+    #[arg(long, default_value = "embedded")]
+    broker: BrokerKind,
     /// Keeps the folder for a look at logs and data.
     #[arg(long)]
     keep: bool,
@@ -33,9 +37,9 @@ struct Arguments {
 #[tokio::main]
 async fn main() -> ExitCode {
     rustls::crypto::ring::default_provider().install_default().ok();
-    let Arguments { minutes, seed, kills, at_least_kills, keep } = Arguments::parse();
+    let Arguments { minutes, seed, kills, at_least_kills, broker, keep } = Arguments::parse();
     let length = Length { span: Duration::from_secs(minutes * 60), kills, at_least_kills };
-    match chaos::run(seed.unwrap_or_else(rand::random), length, keep).await {
+    match chaos::run(seed.unwrap_or_else(rand::random), length, broker, keep).await {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             say(&format!("\n{error:#}"));

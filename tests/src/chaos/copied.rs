@@ -9,7 +9,7 @@ use super::{CommentTraffic, Fault, Stage, drain, flows, judge, load};
 use crate::{
     frame_order::MUNICH,
     harness::{Api, Daemon, Steps, eventually, say},
-    world::World,
+    world::{BrokerKind, World},
 };
 
 /// Time until all sides know of the copy: a renewal, and more on a busy machine.
@@ -21,10 +21,10 @@ const PATIENCE: Duration = Duration::from_secs(60);
 ///
 /// # Errors
 /// The promise that does not hold.
-pub async fn copied() -> anyhow::Result<()> {
+pub async fn copied(broker: BrokerKind) -> anyhow::Result<()> {
     let folder = tempfile::Builder::new().prefix("verbund-copied-").tempdir()?;
     let mut steps = Steps::default();
-    let (mut stage, cast) = Stage::set(folder.path().to_owned(), &mut steps).await?;
+    let (mut stage, cast) = Stage::set(folder.path().to_owned(), broker, &mut steps).await?;
     let mut copy = None;
     let outcome = async {
         steps.run("every writer is kept busy", load::put_on(&cast)).await?;

@@ -37,6 +37,8 @@ pub enum Fault {
     OldBrokerStore,
     /// Platform and broker are killed, and the broker comes back with every waiting message twice.
     DoubleQueued,
+    /// A broker of another make ends and comes back.
+    RestartBroker,
     /// The clock of a factory's connector jumps and stays so.
     ConnectorClock(&'static str, ClockOffset),
     /// The platform's clock jumps and stays so.
@@ -63,9 +65,21 @@ impl Fault {
             | Self::KillMachines(_)
             | Self::LoseBrokerStore
             | Self::OldBrokerStore
-            | Self::DoubleQueued => 1,
+            | Self::DoubleQueued
+            | Self::RestartBroker => 1,
             Self::KillAll => 5,
             _ => 0,
+        }
+    }
+
+    /// Returns the fault beside a broker of another make: its store is not ours to change.
+    #[must_use]
+    pub const fn beside_external_broker(self) -> Self {
+        match self {
+            Self::LoseBrokerStore | Self::OldBrokerStore | Self::DoubleQueued => {
+                Self::RestartBroker
+            }
+            other => other,
         }
     }
 
@@ -84,6 +98,7 @@ impl Fault {
             Self::LoseBrokerStore => "broker store lost",
             Self::OldBrokerStore => "old broker store",
             Self::DoubleQueued => "queued twice",
+            Self::RestartBroker => "restart broker",
             Self::ConnectorClock(..) => "connector clock",
             Self::PlatformClock(_) => "platform clock",
             Self::FullDisk(..) => "full disk",

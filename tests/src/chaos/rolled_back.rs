@@ -10,6 +10,7 @@ use super::{Fault, Stage, flows, load};
 use crate::{
     frame_order::MUNICH,
     harness::{Api, Daemon, Steps, eventually, say},
+    world::BrokerKind,
 };
 
 /// Time for an answer of the platform. A restored store is another place to the lease, which passes
@@ -24,7 +25,8 @@ const PATIENCE: Duration = Duration::from_secs(120);
 pub async fn rolled_back() -> anyhow::Result<()> {
     let folder = tempfile::Builder::new().prefix("verbund-rolled-back-").tempdir()?;
     let mut steps = Steps::default();
-    let (mut stage, cast) = Stage::set(folder.path().to_owned(), &mut steps).await?;
+    let (mut stage, cast) =
+        Stage::set(folder.path().to_owned(), BrokerKind::Embedded, &mut steps).await?;
     let outcome = async {
         steps.run("every writer is kept busy", load::put_on(&cast)).await?;
         stage.strike(Fault::KillAll).await?;

@@ -21,7 +21,7 @@ use crate::{
     demo::{self, Cast},
     frame_order::{HAMBURG, MUNICH},
     harness::{Daemon, Steps, say},
-    world::{Places, World},
+    world::{BrokerKind, ExternalBroker, Places, World},
 };
 
 /// Everything that runs, and what stands between it.
@@ -46,7 +46,11 @@ pub(super) struct Stage {
 
 impl Stage {
     /// Starts everything in a folder, with values flowing.
-    pub async fn set(folder: PathBuf, steps: &mut Steps) -> anyhow::Result<(Self, Cast)> {
+    pub async fn set(
+        folder: PathBuf,
+        broker: BrokerKind,
+        steps: &mut Steps,
+    ) -> anyhow::Result<(Self, Cast)> {
         let mut places = Places::anywhere(folder)?;
         let [detour] = free_ports::reserve()?;
         places.broker_detour = Some(detour);
@@ -62,8 +66,11 @@ impl Stage {
             }
         }
         let at = |port| SocketAddr::from((Ipv4Addr::LOCALHOST, port));
-        let line = Line::open(at(detour), at(places.broker_tls)).await?;
-        let world = World::start(places)?;
+        let external = ExternalBroker::start(broker).await;
+        let own = at(places.broker_tls);
+        let to = external.as_ref().map_or(own, ExternalBroker::address);
+        let line = Line::open(at(detour), to).await?;
+        let world = World::start_beside(places, external)?;
         let mut stage = Self {
             world,
             line,
@@ -123,6 +130,11 @@ impl Stage {
             }
             Fault::LoseBrokerStore | Fault::OldBrokerStore | Fault::DoubleQueued => {
                 self.broker_store(fault).await?
+            }
+            Fault::RestartBroker => {
+                if let Some(broker) = &mut self.world.external {
+                    broker.restart().await;
+                }
             }
             Fault::ConnectorClock(who, offset) => self.jump(who, offset)?,
             Fault::PlatformClock(offset) => self.jump(PLATFORM, offset)?,

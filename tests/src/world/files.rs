@@ -5,14 +5,14 @@ use std::path::Path;
 use anyhow::Context as _;
 
 use super::{
-    Places,
+    ExternalBroker, Places,
     accounts::{ADMIN, ENGINEER, OBSERVER, OBSERVER_PASSWORD, PASSWORD},
 };
 use crate::frame_order::{BUYER, HAMBURG, MUNICH};
 
 /// Writes what is not there yet.
-pub(super) fn write_all(places: &Places) -> anyhow::Result<()> {
-    write_once(&places.folder.join("platform.toml"), &platform(places))?;
+pub(super) fn write_all(places: &Places, external: Option<&ExternalBroker>) -> anyhow::Result<()> {
+    write_once(&places.folder.join("platform.toml"), &platform(places, external))?;
     for factory_id in [MUNICH, HAMBURG] {
         write_once(
             &places.folder.join(format!("connector-{factory_id}.toml")),
@@ -33,18 +33,14 @@ fn write_once(file: &Path, text: &str) -> anyhow::Result<()> {
     std::fs::write(file, text).with_context(|| format!("writing {}", file.display()))
 }
 
-fn platform(places: &Places) -> String {
-    let Places { platform_web, broker_tls, broker_plain, broker_detour, folder, .. } = places;
+/// The embedded broker, with a user of other programs.
+fn own_broker(places: &Places) -> String {
+    let Places { broker_tls, broker_plain, broker_detour, .. } = places;
     let detour = broker_detour
         .map(|port| format!("public_url = \"amqps://127.0.0.1:{port}\"\n"))
         .unwrap_or_default();
     format!(
-        r#"data_directory = "{folder}/platform"
-
-[web]
-listen = "127.0.0.1:{platform_web}"
-
-[broker]
+        r#"[broker]
 listen = "127.0.0.1:{broker_tls}"
 plain_listen = "127.0.0.1:{broker_plain}"
 {detour}
@@ -53,7 +49,21 @@ user_name = "{OBSERVER}"
 password = "{OBSERVER_PASSWORD}"
 consume = ["factory.*.ingress", "dead-letters", "tool.*.reports"]
 produce = ["factory.*.requests", "factory.*.leases", "tool.*.requests"]
+"#
+    )
+}
 
+fn platform(places: &Places, external: Option<&ExternalBroker>) -> String {
+    let Places { platform_web, broker_detour, folder, .. } = places;
+    let broker = external
+        .map_or_else(|| own_broker(places), |external| external.configuration(*broker_detour));
+    format!(
+        r#"data_directory = "{folder}/platform"
+
+[web]
+listen = "127.0.0.1:{platform_web}"
+
+{broker}
 [admin]
 user_name = "{ADMIN}"
 password = "{PASSWORD}"
