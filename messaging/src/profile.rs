@@ -38,7 +38,7 @@ pub enum InvalidTemplate {
     NoPlaceholder { template: String },
     /// No profile has that name.
     #[error(
-        "there is no broker profile {name:?}; choose embedded, rabbitmq-3, rabbitmq-4, activemq or mqtt, or give templates"
+        "there is no broker profile {name:?}; choose embedded, rabbitmq-3 or mqtt, rabbitmq-4 or activemq (both untested), or give templates"
     )]
     UnknownName { name: String },
 }
@@ -78,6 +78,12 @@ impl BrokerProfile {
     #[must_use]
     pub fn mqtt() -> Self {
         Self::built_in("mqtt", "verbund/v1/{address:path}", "verbund/v1/{address:path}", None)
+    }
+
+    /// Returns whether the daemons' tests play everything with a broker of this profile: Mosquitto for `mqtt`.
+    #[must_use]
+    pub fn is_tested(&self) -> bool {
+        [Self::embedded(), Self::rabbitmq_3(), Self::mqtt()].contains(self)
     }
 
     /// Creates a profile from templates.
@@ -247,6 +253,25 @@ impl Serialize for BrokerProfile {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_tested_brokers_are_called_so() {
+        for (name, is_tested) in [
+            ("embedded", true),
+            ("rabbitmq-3", true),
+            ("mqtt", true),
+            ("rabbitmq-4", false),
+            ("activemq", false),
+        ] {
+            assert_eq!(
+                BrokerProfile::named(name).expect("a profile").is_tested(),
+                is_tested,
+                "{name}"
+            );
+        }
+        let own = BrokerProfile::custom("mqtt", "q/{address}", "{address}", None);
+        assert!(!own.expect("a profile").is_tested(), "a name makes nothing tested");
+    }
 
     #[test]
     fn each_broker_gets_its_own_addresses() {

@@ -123,7 +123,10 @@ pub fn run(arguments: Arguments) -> ExitCode {
         Command::Config(ConfigCommand::Example) => print(EXAMPLE.trim_end()),
         Command::Broker { supervised: true } => run_supervised(),
         Command::Config(ConfigCommand::Check) => {
-            load(arguments.config.as_deref()).and_then(|_| print("The configuration is valid."))
+            load(arguments.config.as_deref()).and_then(|config| {
+                config.untested_broker().map_or(Ok(()), |note| print(&note))?;
+                print("The configuration is valid.")
+            })
         }
         command => {
             load(arguments.config.as_deref()).and_then(|config| run_command(command, config))

@@ -130,7 +130,8 @@ pub struct ExternalBrokerConfig {
     /// Speak with a broker on another machine without TLS.
     #[serde(default)]
     pub allow_plaintext: bool,
-    /// Names of logical addresses there: `rabbitmq-3`, `rabbitmq-4`, `activemq` or own templates.
+    /// Names of logical addresses there: `rabbitmq-3`, `mqtt`, `rabbitmq-4` (untested), `activemq` (untested) or own
+    /// templates.
     pub profile: BrokerProfile,
     /// The platform's user there.
     pub user_name: String,
@@ -287,6 +288,19 @@ impl PlatformConfig {
             faults.push("leases.silence_ms: must be at least 300".to_owned());
         }
         faults
+    }
+
+    /// Returns what to say of a broker with which nothing was tried.
+    #[must_use]
+    pub fn untested_broker(&self) -> Option<String> {
+        let profile = &self.broker.external.as_ref()?.profile;
+        (!profile.is_tested()).then(|| {
+            format!(
+                "broker.external.profile {}: untested. Verbund is tested with its own broker, RabbitMQ 3 (rabbitmq-3) and \
+                 Mosquitto (mqtt); try loss, redelivery and rights before you rely on this one.",
+                profile.name()
+            )
+        })
     }
 
     /// Returns the password that the administration of another broker gave a holder of credentials.

@@ -84,6 +84,9 @@ impl Platform {
     ) -> Result<(Self, PlatformHandle), StartError> {
         data_directory::create(&config.data_directory, config.allow_shared_data_directory)?;
         let plaintext_ways = plaintext::warned(config.plaintext_ways());
+        if let Some(note) = config.untested_broker() {
+            tracing::warn!("{note}");
+        }
         let metrics = Metrics::install()?;
         let store = Store::open(&config.database_path()).await?;
         let recording = RecordingStore::new(store.clone(), clock.clone());

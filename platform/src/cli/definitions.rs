@@ -19,7 +19,7 @@ use zeroize::Zeroizing;
 pub enum BrokerKind {
     /// RabbitMQ: a definitions file for its virtual host `/`.
     Rabbitmq,
-    /// ActiveMQ Artemis: elements for `broker.xml`.
+    /// ActiveMQ Artemis (untested): elements for `broker.xml`.
     Activemq,
     /// Mosquitto: an access control list.
     Mosquitto,

@@ -26,6 +26,22 @@ fn what_the_example_shows_as_comments_is_valid() {
 }
 
 #[test]
+fn an_untested_broker_is_called_so_where_it_is_configured() {
+    let external = |profile: &str| {
+        parse(&format!(
+            "[broker.external]\nurls = [\"amqps://b.example\"]\nprofile = \"{profile}\"\nuser_name = \"p\"\n\
+             password = \"p\"\n"
+        ))
+    };
+    for profile in ["rabbitmq-4", "activemq"] {
+        let note = external(profile).untested_broker().expect("a note");
+        assert!(note.contains(profile) && note.contains("untested"), "{note}");
+    }
+    assert_eq!(external("rabbitmq-3").untested_broker(), None);
+    assert_eq!(PlatformConfig::default().untested_broker(), None);
+}
+
+#[test]
 fn unsafe_settings_are_named() {
     let config =
         parse("[web]\nlisten = \"0.0.0.0:80\"\n[broker]\nplain_listen = \"0.0.0.0:5672\"\n");

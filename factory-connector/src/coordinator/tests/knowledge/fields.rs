@@ -114,7 +114,8 @@ impl FieldOf {
             BuiltInType::DataValue => Scalar::DataValue(Box::new(sample(number))),
             BuiltInType::Variant => Scalar::Variant(Box::new(held(number))),
             BuiltInType::StatusCode => Scalar::StatusCode(code(number)),
-            BuiltInType::SByte => Scalar::SByte((number % 127) as i8),
+            // The next step still fits the type.
+            BuiltInType::SByte => Scalar::SByte((number % 100) as i8),
             BuiltInType::Int16 => Scalar::Int16((number % 30_011) as i16),
             BuiltInType::UInt32 => Scalar::UInt32(number),
             BuiltInType::XmlElement => {
