@@ -41,6 +41,7 @@ use crate::{
     lease::LeaseStatus,
     ledger_key::{self, LEDGER_KEY_FILE},
     live_events::LiveEvents,
+    message_signer::MessageSigner,
     passwords,
     store::{Enrolment, ReaderUse, Readers, Role, Store, StoreSession, User},
     twin_adapter::{CoordinatorWriter, StoredUsers, UserWatch},
@@ -220,7 +221,15 @@ async fn open(
         lease_status,
         keep_alives,
         in_flight,
-    } = link::open(link_config, identity, started_at, &readers, &coordinator_handle, &events)?;
+    } = link::open(
+        link_config,
+        identity,
+        MessageSigner::new(factory_id.clone(), key.clone())?,
+        started_at,
+        &readers,
+        &coordinator_handle,
+        &events,
+    )?;
 
     let (mappings, mapping_work) = mpsc::channel(MAPPING_BATCHES_MAX);
     let outputs = Outputs {

@@ -11,6 +11,7 @@ mod decode;
 mod heartbeats;
 mod lease_arbiter;
 mod service;
+mod signatures;
 mod signs_of_life;
 mod unit;
 

@@ -17,6 +17,7 @@ use crate::{
     lease::{self, ConnectorInstance, LeaseClient, LeaseGate, LeaseStatus},
     link_adapter::{ConnectorSpool, PlatformInbox},
     live_events::LiveEvents,
+    message_signer::MessageSigner,
     store::{Enrolment, ReaderUse, Readers, StoreIdentity},
 };
 
@@ -37,6 +38,7 @@ pub(super) struct OpenedLink {
 pub(super) fn open(
     mut config: LinkConfig,
     identity: StoreIdentity,
+    signer: MessageSigner,
     started_at: DateTime,
     readers: &Readers,
     coordinator: &CoordinatorHandle,
@@ -53,6 +55,7 @@ pub(super) fn open(
         Arc::clone(&keep_alives),
         Arc::clone(&in_flight),
         Arc::clone(&gate),
+        signer,
     );
     let (lease_answers, answers) = lease::channel(factory_id.clone());
     config.consumed = LeaseClient::received_at_start(&factory_id, was_lease_held);

@@ -288,6 +288,7 @@ async fn outgoing_messages_wait_in_order_until_they_are_gone_or_parked() {
             created_at: at(number),
             time_to_live: None,
             content_encoding: None,
+            signature: None,
             body: "{}".into(),
         };
         work.outgoing().add(&message).await.expect("stored");
