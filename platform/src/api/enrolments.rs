@@ -24,8 +24,7 @@ use crate::{
 pub struct Enrol {
     #[schema(value_type = String)]
     token: Confidential<String>,
-    /// Ed25519 public key with which the connector signs its messages: 32 bytes in base64url, as `x`
-    /// of its JWK. Absent for one that does not sign.
+    /// Ed25519 key that signs the connector's messages, as `x` of its JWK; absent where none does.
     signing_key: Option<String>,
 }
 

@@ -108,8 +108,7 @@ pub async fn make_token(
     ))
 }
 
-/// Takes all credentials of the factory's connector and the keys with which it signs away, and cuts its
-/// connections.
+/// Takes credentials and signing keys of the factory's connector away and cuts its connections.
 #[utoipa::path(delete, operation_id = "revokeFactoryCredentials", path = "/factories/{factoryId}/credentials", tag = "factories", security(("session" = [])),
     params(("factoryId" = String, Path)), responses((status = 200, body = Revoked), ChangeProblems))]
 pub async fn revoke(

@@ -18,7 +18,7 @@ use super::{
     decode::{Content, Incoming, describes_recipients},
     heartbeats::Heartbeats,
     lease_arbiter::LeaseArbiter,
-    signatures::SignatureArbiter,
+    signature_arbiter::SignatureArbiter,
     unit::{Effects, IngestUnit},
 };
 use crate::{

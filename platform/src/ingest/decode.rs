@@ -16,7 +16,10 @@ use messaging::{Delivery, Envelope, LogicalAddress};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
-use super::signatures::{self, check_body, examine};
+use super::{
+    dead_letter::{DeadLetterReason, dead_letter},
+    signatures::{check_body, examine},
+};
 use crate::{
     signing::SigningState,
     store::NewDeadLetter,
@@ -89,9 +92,6 @@ pub struct IncomingReport {
     pub position: usize,
 }
 
-/// Code and reason of a dead letter.
-pub(super) type DeadLetterReason = (&'static str, String);
-
 /// Understands a delivery. `lookup` knows the metadata of the factory's writers, `signing` its keys.
 #[must_use]
 pub fn decode(
@@ -148,27 +148,6 @@ fn text_of(envelope: &Envelope) -> Result<String, DeadLetterReason> {
     let unpacked = unpacked.map_err(|error| ("UNREADABLE_BODY", error.to_string()))?;
     String::from_utf8(unpacked.to_vec())
         .map_err(|_| ("NOT_UTF8", "The body is not UTF-8.".to_owned()))
-}
-
-/// Makes the dead letter of a message.
-pub(super) fn dead_letter(
-    address: &LogicalAddress,
-    envelope: &Envelope,
-    received_at: DateTime,
-    code: &'static str,
-    reason: String,
-) -> NewDeadLetter {
-    NewDeadLetter {
-        address: address.to_string(),
-        message_id: envelope.message_id.as_ref().map(ToString::to_string),
-        subject: envelope.subject.chars().take(100).collect(),
-        code,
-        reason: reason.chars().take(1000).collect(),
-        received_at,
-        body: envelope.body.to_vec(),
-        content_encoding: envelope.content_encoding.map(messaging::ContentEncoding::as_str),
-        signature: signatures::stored(envelope),
-    }
 }
 
 type Understood = (Option<MessageId>, String, Content);

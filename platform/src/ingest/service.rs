@@ -14,7 +14,8 @@ use tokio_util::sync::CancellationToken;
 
 use super::{
     apply::Applier,
-    decode::{Content, Incoming, dead_letter, decode as understand},
+    dead_letter::dead_letter,
+    decode::{Content, Incoming, decode as understand},
     heartbeats::Heartbeats,
     signs_of_life::SignsOfLife,
     unit::Effects,

@@ -14,7 +14,10 @@ use asi_model::{
 };
 use messaging::LogicalAddress;
 
-use super::decode::{Incoming, IncomingReport, dead_letter};
+use super::{
+    dead_letter::dead_letter,
+    decode::{Incoming, IncomingReport},
+};
 use crate::{
     accesses::{Contents, Reader, Reading},
     live::Notification,
