@@ -41,7 +41,6 @@ use crate::{
     lease::LeaseStatus,
     ledger_key::{self, LEDGER_KEY_FILE},
     live_events::LiveEvents,
-    message_signer::MessageSigner,
     passwords,
     store::{Enrolment, ReaderUse, Readers, Role, Store, StoreSession, User},
     twin_adapter::{CoordinatorWriter, StoredUsers, UserWatch},
@@ -224,7 +223,7 @@ async fn open(
     } = link::open(
         link_config,
         identity,
-        MessageSigner::new(factory_id.clone(), key.clone())?,
+        &key,
         started_at,
         &readers,
         &coordinator_handle,

@@ -13,7 +13,7 @@ pub const UNSIGNED: &str = "UNSIGNED";
 /// Code of a message whose signature does not hold, or is another's.
 pub const WRONG_SIGNATURE: &str = "WRONG_SIGNATURE";
 
-/// What the platform knows of a factory's signatures. By default nothing: as before the first one.
+/// Knowledge of a factory's signatures. By default none: as before the first one.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct SigningState {
     /// True once the factory signed, or enrolled with a key.
@@ -38,9 +38,9 @@ pub enum Standing {
 /// Reason for which a message does not count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SignatureRefusal {
-    /// It has no signature, and its factory signs.
+    /// No signature, and its factory signs.
     Unsigned,
-    /// Its signature holds, but the key is not one of the factory's.
+    /// A signature that holds, of a key that is not the factory's.
     OtherKey,
 }
 

@@ -28,9 +28,9 @@ pub struct SignedProperties {
     pub lease: Option<u64>,
 }
 
-/// A signature that holds.
+/// A message whose signature holds.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct VerifiedSignature {
+pub struct VerifiedMessage {
     /// The key that signed. Whose it is has to be known from elsewhere.
     pub key: PublicKey,
     pub properties: SignedProperties,
@@ -39,16 +39,16 @@ pub struct VerifiedSignature {
 /// Fault of a signature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum SignatureError {
-    /// It is longer than [`SIGNATURE_BYTES_MAX`].
+    /// Longer than [`SIGNATURE_BYTES_MAX`].
     #[error("the signature is longer than {SIGNATURE_BYTES_MAX} bytes")]
     TooLong,
-    /// It is not header, nothing and signature in base64url with dots in between.
+    /// Other than header, nothing and signature in base64url with dots in between.
     #[error("the signature is no JWS with a detached payload")]
     Form,
     /// The protected header lacks a member, has one twice, or one that does not fit.
     #[error("the protected header of the signature is not that of a signed message")]
     Header,
-    /// It is not `EdDSA` over the unencoded payload.
+    /// Other than `EdDSA` over the unencoded payload.
     #[error("the signature is not of the form EdDSA with \"b64\": false")]
     Algorithm,
     /// `kid` is no Ed25519 key.
@@ -109,7 +109,7 @@ pub fn sign(
 ///
 /// # Errors
 /// [`SignatureError`].
-pub fn verify(text: &str, body: &[u8]) -> Result<VerifiedSignature, SignatureError> {
+pub fn verify(text: &str, body: &[u8]) -> Result<VerifiedMessage, SignatureError> {
     if text.len() > SIGNATURE_BYTES_MAX {
         return Err(SignatureError::TooLong);
     }
@@ -133,7 +133,7 @@ pub fn verify(text: &str, body: &[u8]) -> Result<VerifiedSignature, SignatureErr
         subject: header.subject.into_owned(),
         lease: header.lease,
     };
-    Ok(VerifiedSignature { key, properties })
+    Ok(VerifiedMessage { key, properties })
 }
 
 /// Joins what is signed: RFC 7797, section 3, with `b64` false.

@@ -21,6 +21,6 @@ mod detached_jws;
 mod public_key;
 
 pub use detached_jws::{
-    SIGNATURE_BYTES_MAX, SignatureError, SignedProperties, VerifiedSignature, sign, verify,
+    SIGNATURE_BYTES_MAX, SignatureError, SignedProperties, VerifiedMessage, sign, verify,
 };
 pub use public_key::{InvalidPublicKey, PublicKey};

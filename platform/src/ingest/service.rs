@@ -308,7 +308,7 @@ impl IngestHandle {
         }
     }
 
-    /// Reads the keys of a factory anew for each batch: what an administrator changed counts at once.
+    /// Reads the keys of a factory, for each batch: what an administrator changed counts at once.
     async fn signing(&self, address: &LogicalAddress) -> Result<SigningState, StoreError> {
         let LogicalAddress::FactoryIngress(factory) = address else {
             return Ok(SigningState::default());

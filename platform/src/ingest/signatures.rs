@@ -1,7 +1,7 @@
 //! Verification of the signatures of factories' messages. Pure.
 
 use asi_model::{FactoryId, MessageId};
-use message_signature::{SignedProperties, VerifiedSignature, verify};
+use message_signature::{SignedProperties, VerifiedMessage, verify};
 use messaging::{Envelope, LogicalAddress};
 
 use super::dead_letter::DeadLetterReason;
@@ -16,7 +16,7 @@ pub(super) fn examine(
     address: &LogicalAddress,
     envelope: &Envelope,
     known: &SigningState,
-) -> Result<Option<VerifiedSignature>, DeadLetterReason> {
+) -> Result<Option<VerifiedMessage>, DeadLetterReason> {
     // Tools do not sign: what they ask for is theirs to see.
     let LogicalAddress::FactoryIngress(factory) = address else { return Ok(None) };
     let signature = envelope.signature.as_deref().map(|text| verify(text, &envelope.body));

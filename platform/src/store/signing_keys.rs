@@ -68,7 +68,7 @@ impl SigningKeys<'_> {
         key: &PublicKey,
         now: DateTime,
     ) -> Result<(), StoreError> {
-        // Anew, so that it is the newest.
+        // Removed and added again, so that it is the newest.
         sqlx::query("DELETE FROM signing_key WHERE factory_id = $1 AND public_key = $2")
             .bind(factory.as_str())
             .bind(&key.as_bytes()[..])

@@ -183,7 +183,7 @@ async fn a_broker_that_takes_the_signature_away_is_found() {
     story::value_is(&buyer, "4").await;
 }
 
-/// In one batch, and so in one transaction, with the first signed message.
+/// Both come in one batch, and so in one transaction.
 #[tokio::test(flavor = "multi_thread")]
 async fn an_unsigned_message_behind_the_first_signed_one_is_found() {
     let world = World::start().await;
@@ -292,7 +292,7 @@ async fn a_replayed_signed_message_counts_once() {
     assert_eq!(set_aside(&admin, 0).await, [] as [&str; 0]);
 }
 
-/// Who has the platform's token names the key, past every broker.
+/// The connector names its key where it enrols, past every broker.
 #[tokio::test(flavor = "multi_thread")]
 async fn a_factory_that_enrolled_with_a_key_signs_from_its_first_message_on() {
     let world = World::start().await;

@@ -288,7 +288,6 @@ async fn outgoing_messages_wait_in_order_until_they_are_gone_or_parked() {
             created_at: at(number),
             time_to_live: None,
             content_encoding: None,
-            signature: None,
             body: "{}".into(),
         };
         work.outgoing().add(&message).await.expect("stored");
@@ -325,6 +324,7 @@ async fn dead_letters_are_listed_newest_first_in_pages() {
             received_at: at(number),
             body: vec![0xff],
             content_encoding: None,
+            signature: None,
         };
         work.dead_letters().add(&letter).await.expect("stored");
     }

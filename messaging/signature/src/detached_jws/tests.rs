@@ -74,7 +74,7 @@ fn the_vector_of_rfc_7797_holds() {
 #[test]
 fn a_signed_message_is_verified_with_what_was_signed_beside_its_body() {
     let verified = verify(&signed(b"{}"), b"{}").expect("it holds");
-    assert_eq!(verified, VerifiedSignature { key: public(&key()), properties: properties() });
+    assert_eq!(verified, VerifiedMessage { key: public(&key()), properties: properties() });
     let header = signed(b"{}");
     let header = decoded(header.split_once("..").expect("detached").0);
     let expected = r#"{"alg":"EdDSA","b64":false,"crit":["b64"],"kid":"11qYAYKxCrfVS_7TyWQHOg7hcvPapiMlrwIaaPcHURo","factoryId":"FOR_MUC","messageId":"m1","subject":"ua-data","lease":7}"#;
