@@ -10,7 +10,7 @@ use sqlx::{
 
 use super::{error::StoreError, work::Work};
 
-const MIGRATIONS: [(i64, &str, &str); 15] = [
+const MIGRATIONS: [(i64, &str, &str); 16] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
