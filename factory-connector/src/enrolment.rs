@@ -7,6 +7,7 @@ use std::{str::FromStr as _, time::Duration};
 use anyhow::Context as _;
 use asi_model::FactoryId;
 use daemon::{Confidential, data_directory};
+use message_signature::PublicKey;
 use messaging::{BrokerProfile, BrokerUrl};
 use reqwest::redirect;
 use serde::Deserialize;
@@ -15,6 +16,7 @@ use token::TokenParts;
 use crate::{
     clock::now,
     config::ConnectorConfig,
+    ledger_key::{self, LEDGER_KEY_FILE},
     passwords,
     store::{Enrolment, PasswordHolder, Store},
 };
@@ -50,7 +52,10 @@ pub async fn enrol(
     config.check_platform(&platform).map_err(anyhow::Error::msg)?;
     // Before the token is spent: a folder that is refused afterwards would have cost it.
     data_directory::create(&config.data_directory, config.allow_shared_data_directory)?;
-    let answer = ask(&platform, &parts, token).await?;
+    // Over the connection that the token pins, so that no broker can name another key.
+    let key = ledger_key::open(&config.data_directory.join(LEDGER_KEY_FILE))?;
+    let signing_key = PublicKey::from_bytes(&key.public())?;
+    let answer = ask(&platform, &parts, token, &signing_key).await?;
     let named = BrokerUrl::from_str(&answer.broker_url)
         .context("reading the broker's address that the platform named")?;
     config.check_named_broker(&named).map_err(anyhow::Error::msg)?;
@@ -73,6 +78,7 @@ async fn ask(
     platform: &str,
     parts: &TokenParts,
     token: &Confidential<String>,
+    signing_key: &PublicKey,
 ) -> anyhow::Result<EnrolmentAnswer> {
     let url = format!("{}/api/v1/enrolments", platform.trim_end_matches('/'));
     // A redirect could lead the token to another machine, or out of TLS.
@@ -81,7 +87,8 @@ async fn ask(
     if let Some(pin) = parts.pin {
         http = http.tls_backend_preconfigured(pin.client_config()?);
     }
-    let body = serde_json::json!({ "token": token.expose() });
+    let body =
+        serde_json::json!({ "token": token.expose(), "signingKey": signing_key.to_string() });
     let answer = http.build()?.post(&url).json(&body).send().await.with_context(|| {
         let remedy = if parts.pin.is_some() {
             "is the address right and the way open, and has the platform still the certificate that the token was made with? \

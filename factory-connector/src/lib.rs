@@ -10,6 +10,7 @@
 //! - [`lease`]: the right to send, of one among several connectors with one credential.
 //! - [`live_events`]: events for open pages.
 //! - [`ledger_export`], [`ledger_key`]: the ledger as people read it, and the key that signs it.
+//! - [`message_signer`]: signatures of the messages to the platform.
 //! - [`passwords`]: sealing of the passwords in the store.
 //! - [`mod@print`]: pages to print.
 
@@ -26,6 +27,7 @@ pub mod ledger_export;
 pub mod ledger_key;
 pub mod link_adapter;
 pub mod live_events;
+pub mod message_signer;
 pub mod passwords;
 pub mod print;
 pub mod service;

@@ -18,6 +18,7 @@ use crate::{
     in_flight::InFlight,
     keep_alive_queue::KeepAliveQueue,
     lease::{LeaseAnswers, LeaseGate},
+    message_signer::MessageSigner,
     store::{ControlMessage, Message, Readers, ReportMessage},
 };
 
@@ -29,20 +30,22 @@ pub struct ConnectorSpool {
     keep_alives: Arc<KeepAliveQueue>,
     in_flight: Arc<InFlight>,
     gate: Arc<LeaseGate>,
+    signer: MessageSigner,
 }
 
 impl ConnectorSpool {
     /// Reads the tables of the spool.
     #[must_use]
-    pub const fn new(
+    pub fn new(
         factory_id: FactoryId,
         readers: Readers,
         coordinator: CoordinatorHandle,
         keep_alives: Arc<KeepAliveQueue>,
         in_flight: Arc<InFlight>,
         gate: Arc<LeaseGate>,
+        signer: MessageSigner,
     ) -> Self {
-        Self { factory_id, readers, coordinator, keep_alives, in_flight, gate }
+        Self { factory_id, readers, coordinator, keep_alives, in_flight, gate, signer }
     }
 
     fn row(&self, message: Message) -> SpoolRow {
@@ -176,6 +179,12 @@ impl SpoolStore for ConnectorSpool {
         let message_id = row.envelope.message_id.as_ref();
         has_lease
             && message_id.is_none_or(|message_id| self.in_flight.may_leave(row.id.0, message_id))
+    }
+
+    /// Signs all that leaves: reports, control messages, keep-alives and requests for the lease. At
+    /// the last moment, so that nothing is signed that does not leave.
+    fn sign(&self, envelope: &mut Envelope) {
+        self.signer.sign(envelope);
     }
 
     async fn last_row(&self) -> Result<RowId, SpoolError> {

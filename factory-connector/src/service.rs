@@ -212,7 +212,7 @@ async fn open(
     // The mark of this start: a page that comes with an id from before it loads everything.
     let events = LiveEvents::new(EVENTS_MAX, u64::try_from(started_at.ticks()).unwrap_or_default());
     let password = passwords::of_broker(&config.sealer(), enrolled)?;
-    let link_config = link::link_config(enrolled, &password, &config.broker, factory_id)?;
+    let broker = link::link_config(enrolled, &password, &config.broker, factory_id)?;
     let OpenedLink {
         link,
         handle: link_handle,
@@ -220,7 +220,7 @@ async fn open(
         lease_status,
         keep_alives,
         in_flight,
-    } = link::open(link_config, identity, started_at, &readers, &coordinator_handle, &events)?;
+    } = link::open(broker, identity, &key, started_at, &readers, &coordinator_handle, &events)?;
 
     let (mappings, mapping_work) = mpsc::channel(MAPPING_BATCHES_MAX);
     let outputs = Outputs {

@@ -49,6 +49,9 @@ pub struct Envelope {
     /// The number of the lease under which a factory's connector sends; none when it requests one,
     /// and for all other senders.
     pub lease: Option<u64>,
+    /// The sender's signature over the body as it travels and what it binds to it, in the sender's
+    /// form; none where it does not sign.
+    pub signature: Option<String>,
     /// The bytes on the wire, compressed as `content_encoding` says.
     pub body: Bytes,
 }
@@ -81,6 +84,7 @@ impl Envelope {
             ttl: None,
             replay: false,
             lease: None,
+            signature: None,
             body: body.into(),
         }
     }

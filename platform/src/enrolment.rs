@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use asi_model::{DateTime, FactoryId, ToolId};
 use base64::{Engine, engine::general_purpose::URL_SAFE_NO_PAD};
 use daemon::{Confidential, certificate_pin::CertificatePin, web::session::random_token};
+use message_signature::PublicKey;
 use sha2::{Digest, Sha256};
 
 use crate::{
@@ -100,7 +101,8 @@ pub enum EnrolmentError {
 
 /// Turns a token into a credential. Of a factory's credentials the newest two are alive, so that
 /// enrolling again rotates without an interruption. With another broker the configured account is
-/// handed out.
+/// handed out. A connector that signs brings its key: of these, too, the newest two count. One that
+/// brings none does not sign.
 ///
 /// # Errors
 /// [`EnrolmentError`]; the token is as unused as before where the work is dropped.
@@ -108,6 +110,7 @@ pub async fn enrol(
     work: &mut Work,
     config: &PlatformConfig,
     token: &Confidential<String>,
+    signing_key: Option<&PublicKey>,
     now: DateTime,
 ) -> Result<(FactoryId, NewCredential), EnrolmentError> {
     let secret = token.expose().rsplit('.').next().unwrap_or_default();
@@ -118,6 +121,10 @@ pub async fn enrol(
         .ok_or(EnrolmentError::TokenRefused)?;
     let credential = credential(work, config, Holder::Factory(factory.clone()), now).await?;
     work.factories().enrolled(&factory, now).await?;
+    match signing_key {
+        Some(key) => work.signing_keys().pin(&factory, key, now).await?,
+        None => work.signing_keys().begin_unsigned(&factory).await?,
+    }
     Ok((factory, credential))
 }
 
@@ -212,7 +219,7 @@ mod tests {
         let (config, token) = (PlatformConfig::default(), pinned.into());
         let mut work = store.begin().await.expect("begun");
         let (enrolled, _) =
-            enrol(&mut work, &config, &token, now).await.expect("it is a token all the same");
+            enrol(&mut work, &config, &token, None, now).await.expect("it is a token all the same");
         assert_eq!(enrolled, factory);
     }
 }

@@ -7,10 +7,13 @@
 //! cannot be stored is released and delivered again.
 
 mod apply;
+mod dead_letter;
 mod decode;
 mod heartbeats;
 mod lease_arbiter;
 mod service;
+mod signature_arbiter;
+mod signatures;
 mod signs_of_life;
 mod unit;
 

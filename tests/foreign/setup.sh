@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs the foreign peers that the tests talk to: asyncua (Python) and node-opcua, rhea (Node), and the validator of
-# OpenAPI documents (Python). Prints nothing when they are there already. Python with its packages and Proton is then at
-# target/foreign/python/bin/python; the Node scripts of this folder find their packages by themselves.
+# Installs the foreign peers that the tests talk to: asyncua (Python) and node-opcua, rhea (Node), the validator of
+# OpenAPI documents and joserfc (Python). Prints nothing when they are there already. Python with its packages and Proton is
+# then at target/foreign/python/bin/python; the Node scripts of this folder find their packages by themselves.
 set -euo pipefail
 cd "$(dirname "$0")"
 venv=$(cd ../.. && pwd)/target/foreign/python

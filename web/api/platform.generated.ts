@@ -260,7 +260,7 @@ export interface paths {
         get?: never;
         put?: never;
         post?: never;
-        /** Takes all credentials of the factory's connector away and cuts its connections. */
+        /** Takes credentials and signing keys of the factory's connector away and cuts its connections. */
         delete: operations["revokeFactoryCredentials"];
         options?: never;
         head?: never;
@@ -1169,6 +1169,8 @@ export interface components {
         DynamicDataRequestId: string;
         /** @description A token from `POST /factories/{factoryId}/enrolment-tokens`. */
         Enrol: {
+            /** @description Ed25519 key that signs the connector's messages, as `x` of its JWK; absent where none does. */
+            signingKey?: string | null;
             token: string;
         };
         /** @description Endpoint and credential of a connector, shown this once. */

@@ -46,6 +46,13 @@ impl LedgerKey {
         self.0.sign(text.as_bytes()).to_bytes()
     }
 
+    /// Returns the Ed25519 signature of bytes that are no text of a ledger. Their beginning has to
+    /// say so, since the key is the same.
+    #[must_use]
+    pub fn sign_bytes(&self, bytes: &[u8]) -> [u8; 64] {
+        self.0.sign(bytes).to_bytes()
+    }
+
     /// Returns the key of another form of signature.
     pub(super) fn signing_key(&self) -> SigningKey {
         self.0.clone()

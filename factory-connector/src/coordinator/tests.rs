@@ -19,6 +19,7 @@ mod receipts;
 mod replacement;
 mod retention;
 mod revocation;
+mod signatures;
 mod ways_to_the_gate;
 mod witness;
 
@@ -61,6 +62,7 @@ use crate::{
     ledger_key::{self, LEDGER_KEY_FILE},
     link_adapter::ConnectorSpool,
     live_events::LiveEvents,
+    message_signer::MessageSigner,
     store::{LedgerCursor, LedgerFilter, Readers, StoreSession},
 };
 
@@ -153,6 +155,7 @@ impl Running {
             Arc::clone(&keep_alives),
             Arc::clone(&in_flight),
             Arc::clone(&gate),
+            MessageSigner::new(factory_id.clone(), key.clone()).expect("a key"),
         );
         let config = CoordinatorConfig {
             state: StateConfig { factory_id, encoding: Encoding::Digicor },

@@ -26,12 +26,14 @@ struct Platform {
     address: SocketAddr,
     certificate: Option<CertificateDer<'static>>,
     tokens: Arc<Mutex<Vec<Value>>>,
+    signing_keys: Arc<Mutex<Vec<Value>>>,
     _stop: DropGuard,
 }
 
 #[derive(Clone)]
 struct Script {
     tokens: Arc<Mutex<Vec<Value>>>,
+    signing_keys: Arc<Mutex<Vec<Value>>>,
     broker_url: &'static str,
     redirected_to: Option<String>,
 }
@@ -39,8 +41,13 @@ struct Script {
 impl Platform {
     async fn start(broker_url: &'static str, has_tls: bool, redirected_to: Option<String>) -> Self {
         rustls::crypto::ring::default_provider().install_default().ok();
-        let tokens = Arc::default();
-        let script = Script { tokens: Arc::clone(&tokens), broker_url, redirected_to };
+        let (tokens, signing_keys) = (Arc::default(), Arc::default());
+        let script = Script {
+            tokens: Arc::clone(&tokens),
+            signing_keys: Arc::clone(&signing_keys),
+            broker_url,
+            redirected_to,
+        };
         let router = Router::new().route("/api/v1/enrolments", post(answer)).with_state(script);
         let listener =
             server::listen("127.0.0.1:0".parse().expect("an address")).await.expect("a port");
@@ -58,7 +65,7 @@ impl Platform {
         let stop = CancellationToken::new();
         let shutdown = stop.clone();
         tokio::spawn(server::serve(listener, tls, router, ListenerLimits::default(), shutdown));
-        Self { address, certificate, tokens, _stop: stop.drop_guard() }
+        Self { address, certificate, tokens, signing_keys, _stop: stop.drop_guard() }
     }
 
     fn token(&self, pin: Option<CertificatePin>) -> Confidential<String> {
@@ -75,6 +82,7 @@ impl Platform {
 
 async fn answer(State(script): State<Script>, Json(body): Json<Value>) -> axum::response::Response {
     script.tokens.lock().push(body["token"].clone());
+    script.signing_keys.lock().push(body["signingKey"].clone());
     if let Some(elsewhere) = script.redirected_to {
         return (StatusCode::TEMPORARY_REDIRECT, [(header::LOCATION, elsewhere)]).into_response();
     }
@@ -108,6 +116,18 @@ async fn the_password_is_stored_sealed() {
         .or_else(|_| std::fs::read(config.data_directory.join("connector.sqlite")))
         .expect("a store");
     assert!(!file.windows(6).any(|window| window == b"canary"));
+}
+
+#[tokio::test]
+async fn a_connector_names_the_key_with_which_it_signs() {
+    let platform = Platform::start("amqps://broker.example", false, None).await;
+    let (_folder, config) = config();
+    for _ in 0..2 {
+        enrol(&config, None, &platform.token(None)).await.expect("enrolled");
+    }
+    let key = ledger_key::existing(&config.data_directory.join(LEDGER_KEY_FILE)).expect("read");
+    let key = PublicKey::from_bytes(&key.expect("made").public()).expect("a key").to_string();
+    assert_eq!(*platform.signing_keys.lock(), [json!(key), json!(key)], "it stays the same");
 }
 
 #[tokio::test]

@@ -6,7 +6,8 @@ use std::{str::FromStr as _, sync::Arc};
 use anyhow::Context as _;
 use asi_model::{DateTime, FactoryId};
 use daemon::Confidential;
-use messaging::{BrokerUrl, Link, LinkConfig, LinkError, LinkHandle, Login, Roots};
+use ledger::LedgerKey;
+use messaging::{BrokerUrl, Link, LinkConfig, LinkHandle, Login, Roots};
 use tokio::sync::watch;
 
 use crate::{
@@ -17,6 +18,7 @@ use crate::{
     lease::{self, ConnectorInstance, LeaseClient, LeaseGate, LeaseStatus},
     link_adapter::{ConnectorSpool, PlatformInbox},
     live_events::LiveEvents,
+    message_signer::MessageSigner,
     store::{Enrolment, ReaderUse, Readers, StoreIdentity},
 };
 
@@ -30,18 +32,19 @@ pub(super) struct OpenedLink {
     pub(super) in_flight: Arc<InFlight>,
 }
 
-/// Opens the link between spool and broker.
+/// Opens the link between spool and broker, whose messages `key` signs.
 ///
 /// # Errors
-/// [`LinkError`] when the configuration can never work.
+/// The configuration can never work.
 pub(super) fn open(
     mut config: LinkConfig,
     identity: StoreIdentity,
+    key: &LedgerKey,
     started_at: DateTime,
     readers: &Readers,
     coordinator: &CoordinatorHandle,
     events: &LiveEvents,
-) -> Result<OpenedLink, LinkError> {
+) -> anyhow::Result<OpenedLink> {
     let StoreIdentity { factory_id, instance_id, place, host, was_lease_held, .. } = identity;
     let keep_alives = Arc::new(KeepAliveQueue::default());
     let in_flight = Arc::new(InFlight::default());
@@ -53,6 +56,7 @@ pub(super) fn open(
         Arc::clone(&keep_alives),
         Arc::clone(&in_flight),
         Arc::clone(&gate),
+        MessageSigner::new(factory_id.clone(), key.clone())?,
     );
     let (lease_answers, answers) = lease::channel(factory_id.clone());
     config.consumed = LeaseClient::received_at_start(&factory_id, was_lease_held);

@@ -8,7 +8,7 @@ use messaging::{
     test_support::{Mosquitto, Saving, ServerCertificate},
 };
 
-use crate::support::{TestLink, address, envelope, eventually, plan};
+use crate::support::{TestLink, address, envelope, eventually, plan, signature};
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_link_keeps_its_guarantees_over_mqtt() {
@@ -112,6 +112,7 @@ impl Sides<'_> {
         // A message that is sent under a lease arrives with its number.
         factory.send_under(7, "factory.f1.ingress", "leased");
         eventually("the lease arrives", || platform.lease_of("leased") == Some(Some(7))).await;
+        assert_eq!(platform.signature_of("leased"), Some(signature()));
     }
 
     async fn check_access_control(&self) {

@@ -6,7 +6,7 @@ use messaging::{
     test_support::RabbitMq,
 };
 
-use crate::support::{TestLink, eventually, plan};
+use crate::support::{TestLink, eventually, plan, signature};
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_link_keeps_its_guarantees_on_rabbitmq() {
@@ -52,7 +52,8 @@ async fn check_settlements(platform: &TestLink, factory: &TestLink) {
 }
 
 /// A second connector of the factory gets no requests while the first is connected, but the messages
-/// about the lease. A message that is sent under a lease arrives with its number.
+/// about the lease. A message that is sent under a lease arrives with its number, and with
+/// its signature.
 async fn check_leases(url: &str, platform: &TestLink, factory: &TestLink) {
     let second = start(url, "f1", &["factory.f1.leases"]);
     let mut state = second.handle.state();
@@ -64,6 +65,7 @@ async fn check_leases(url: &str, platform: &TestLink, factory: &TestLink) {
     eventually("it arrives", || platform.has_received("leased")).await;
     assert_eq!(platform.lease_of("leased"), Some(Some(u64::MAX)));
     assert_eq!(platform.lease_of("good"), Some(None));
+    assert_eq!(platform.signature_of("leased"), Some(signature()));
 }
 
 /// The addresses of one factory are closed to another one, which can still use its own.

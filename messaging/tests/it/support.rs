@@ -68,6 +68,7 @@ impl TestLink {
     pub fn send_under(&self, lease: u64, to: &str, id: &str) {
         let mut leased = envelope(id);
         leased.lease = Some(lease);
+        leased.signature = Some(signature());
         self.spool.push(address(to), leased);
         self.handle.wake();
     }
@@ -89,6 +90,14 @@ impl TestLink {
         delivery.map(|(_, d)| d.envelope.lease)
     }
 
+    /// The signature of a received message.
+    pub fn signature_of(&self, id: &str) -> Option<String> {
+        let received = self.inbox.received.lock();
+        let message_id = id.parse().ok();
+        let delivery = received.iter().find(|(_, d)| d.envelope.message_id == message_id);
+        delivery.and_then(|(_, d)| d.envelope.signature.clone())
+    }
+
     pub fn reason(&self) -> String {
         self.handle.state().borrow().reason.clone().unwrap_or_default()
     }
@@ -97,6 +106,11 @@ impl TestLink {
         self.stop.cancel();
         self.running.await.expect("the link ends");
     }
+}
+
+/// A text as long as a signature.
+pub fn signature() -> String {
+    format!("{}..{}", "A".repeat(320), "B".repeat(86))
 }
 
 pub fn envelope(id: &str) -> Envelope {

@@ -4,7 +4,7 @@ use asi_model::DateTime;
 use axum::{Json, extract::State};
 use bytes::Bytes;
 use daemon::web::{ApiPath, ApiQuery, Problem, session::SignedIn};
-use messaging::{ContentEncoding, Delivery, Envelope, Inbox, LogicalAddress, Settlement};
+use messaging::{ContentEncoding, Delivery, Envelope, LogicalAddress};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -138,26 +138,30 @@ fn subject_of(id: &str) -> AuditSubject {
 
 async fn replay_own(app: &Application, who: &Principal, id: u64) -> Result<Option<bool>, Problem> {
     let content = app.store.read().await?.dead_letters().content(id).await?;
-    let Some((address, message_id, subject, body, encoding)) = content else { return Ok(None) };
-    let Ok(address) = address.parse::<LogicalAddress>() else { return Ok(None) };
+    let Some(content) = content else { return Ok(None) };
+    let Ok(address) = content.address.parse::<LogicalAddress>() else { return Ok(None) };
     // It was seen before; without this it would be discarded as a repeat.
     let mut work = app.store.begin(who, "replayDeadLetter").await?;
     work.inbox()
-        .forget_one(&address.to_string(), message_id.as_deref().unwrap_or_default())
+        .forget_one(&address.to_string(), content.message_id.as_deref().unwrap_or_default())
         .await?;
     work.dead_letters().replayed(id, app.clock.now()).await?;
     work.commit(subject_of(&format!("ingest-{id}")), AuditOutcome::Done).await?;
     let envelope = Envelope {
-        message_id: message_id.and_then(|id| id.parse().ok()),
-        subject,
+        message_id: content.message_id.and_then(|id| id.parse().ok()),
+        subject: content.subject,
         content_type: "application/json".to_owned(),
-        content_encoding: encoding.filter(|name| name == "gzip").map(|_| ContentEncoding::Gzip),
+        content_encoding: content
+            .content_encoding
+            .filter(|name| name == "gzip")
+            .map(|_| ContentEncoding::Gzip),
         correlation_id: None,
         creation_time: None,
         ttl: None,
         replay: true,
         lease: None,
-        body: Bytes::from(body),
+        signature: content.signature,
+        body: Bytes::from(content.body),
     };
     let delivery = Delivery {
         envelope,
@@ -166,6 +170,5 @@ async fn replay_own(app: &Application, who: &Principal, id: u64) -> Result<Optio
         delivery_count: 0,
         received_at: app.clock.now().into(),
     };
-    let settlements = app.ingest.receive(&address, vec![delivery]).await;
-    Ok(Some(matches!(settlements.first(), Some(Settlement::Accept))))
+    Ok(Some(app.ingest.replay(&address, delivery).await))
 }

@@ -4,8 +4,9 @@ use asi_model::FactoryId;
 use axum::{Json, extract::State, http::StatusCode};
 use daemon::{
     Confidential,
-    web::{ApiJson, Problem},
+    web::{ApiJson, Problem, problem::ProblemFault},
 };
+use message_signature::PublicKey;
 use messaging::BrokerProfile;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -19,9 +20,12 @@ use crate::{
 
 /// A token from `POST /factories/{factoryId}/enrolment-tokens`.
 #[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
 pub struct Enrol {
     #[schema(value_type = String)]
     token: Confidential<String>,
+    /// Ed25519 key that signs the connector's messages, as `x` of its JWK; absent where none does.
+    signing_key: Option<String>,
 }
 
 /// Endpoint and credential of a connector, shown this once.
@@ -48,11 +52,13 @@ pub async fn enrol(
     State(app): State<Application>,
     ApiJson(body): ApiJson<Enrol>,
 ) -> Result<(StatusCode, Json<Enrolment>), Problem> {
+    let signing_key = body.signing_key.as_deref().map(signing_key).transpose()?;
     // The token says which factory it is.
     let unknown =
         AuditAgent { kind: AuditAgentKind::Factory, name: String::new(), organisation_id: None };
     let mut work = app.store.begin(unknown, "enrol").await?;
-    let enrolled = use_token(&mut work, &app.config, &body.token, app.clock.now()).await;
+    let enrolled =
+        use_token(&mut work, &app.config, &body.token, signing_key.as_ref(), app.clock.now()).await;
     let (factory_id, credential) = enrolled.inspect_err(|_| {
         metrics::counter!("verbund_enrolments_total", "result" => "refused").increment(1);
     })?;
@@ -81,4 +87,17 @@ pub async fn enrol(
             root_certificate_pem: access.root_certificate_pem.clone(),
         }),
     ))
+}
+
+/// Reads the key before the token is spent.
+fn signing_key(text: &str) -> Result<PublicKey, Problem> {
+    text.parse().map_err(|_| {
+        let message = "It is no Ed25519 public key in base64url.".to_owned();
+        let fault = ProblemFault {
+            pointer: "/signingKey".to_owned(),
+            code: "INVALID_KEY".to_owned(),
+            message: message.clone(),
+        };
+        Problem::unprocessable("INVALID_KEY", message, vec![fault])
+    })
 }

@@ -108,7 +108,7 @@ pub async fn make_token(
     ))
 }
 
-/// Takes all credentials of the factory's connector away and cuts its connections.
+/// Takes credentials and signing keys of the factory's connector away and cuts its connections.
 #[utoipa::path(delete, operation_id = "revokeFactoryCredentials", path = "/factories/{factoryId}/credentials", tag = "factories", security(("session" = [])),
     params(("factoryId" = String, Path)), responses((status = 200, body = Revoked), ChangeProblems))]
 pub async fn revoke(
@@ -119,6 +119,7 @@ pub async fn revoke(
     administrator_only::check(&who)?;
     let mut work = app.store.begin(&who.principal, "revokeFactoryCredentials").await?;
     let known = lookup(&mut work, &factory).await?;
+    work.signing_keys().forget(&factory).await?;
     Ok(Json(revoke_holder(&app, work, Holder::Factory(factory), subject(&known)).await?))
 }
 

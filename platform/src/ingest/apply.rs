@@ -18,6 +18,7 @@ use super::{
     decode::{Content, Incoming, describes_recipients},
     heartbeats::Heartbeats,
     lease_arbiter::LeaseArbiter,
+    signature_arbiter::SignatureArbiter,
     unit::{Effects, IngestUnit},
 };
 use crate::{
@@ -28,6 +29,7 @@ use crate::{
 /// Applies batches of messages to one unit of ingest.
 pub(super) struct Applier<'w> {
     unit: IngestUnit<'w>,
+    signatures: SignatureArbiter,
     leases: LeaseArbiter<'w>,
     reports: ReportCollector,
     past_releases: PastReleaseCollector,
@@ -45,6 +47,7 @@ impl<'w> Applier<'w> {
     ) -> Self {
         Self {
             unit: IngestUnit::new(work, now),
+            signatures: SignatureArbiter::default(),
             leases: LeaseArbiter::new(heartbeats),
             reports: ReportCollector::default(),
             past_releases: PastReleaseCollector::default(),
@@ -61,7 +64,10 @@ impl<'w> Applier<'w> {
     ) -> Result<(), StoreError> {
         let mut admitted = Vec::with_capacity(batch.len());
         for message in batch {
-            if self.leases.admit(&mut self.unit, address, message).await? {
+            // First: what is not the factory's own says nothing about its lease.
+            if self.signatures.admit(&mut self.unit, address, message).await?
+                && self.leases.admit(&mut self.unit, address, message).await?
+            {
                 admitted.push(message);
             }
         }

@@ -11,11 +11,17 @@ use asi_model::{
         recipient_list,
     },
 };
-use messaging::{Delivery, LogicalAddress};
+use message_signature::PublicKey;
+use messaging::{Delivery, Envelope, LogicalAddress};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
+use super::{
+    dead_letter::{DeadLetterReason, dead_letter},
+    signatures::{check_body, examine},
+};
 use crate::{
+    signing::SigningState,
     store::NewDeadLetter,
     tools::{DataRequestMessage, parse_data_request},
 };
@@ -29,10 +35,10 @@ pub struct Incoming {
     pub message_type: String,
     /// Time of arrival at the platform.
     pub received_at: DateTime,
-    /// True if it belongs to the backlog after an outage.
-    pub is_replay: bool,
-    /// The number of the lease under which it was sent, where it says one.
-    pub lease: Option<u64>,
+    /// The message as it travelled; id and lease are the signed ones, where it is signed.
+    pub envelope: Envelope,
+    /// The key that signed it; none where it is not signed.
+    pub signer: Option<PublicKey>,
     /// Body in UTF-8 after its content encoding was undone.
     pub body: String,
     pub content: Content,
@@ -86,71 +92,62 @@ pub struct IncomingReport {
     pub position: usize,
 }
 
-/// Code and reason of a dead letter.
-type DeadLetterReason = (&'static str, String);
-
-/// Understands a delivery. `lookup` knows the metadata of the factory's writers.
+/// Understands a delivery. `lookup` knows the metadata of the factory's writers, `signing` its keys.
 #[must_use]
 pub fn decode(
     address: &LogicalAddress,
     delivery: &Delivery,
     lookup: &dyn MetaDataLookup,
+    signing: &SigningState,
 ) -> Incoming {
-    let envelope = &delivery.envelope;
+    let mut envelope = delivery.envelope.clone();
     let received_at = DateTime::from(delivery.received_at);
+    let examined = examine(address, &envelope, signing);
+    let mut signer = None;
+    if let Ok(Some(verified)) = &examined {
+        signer = Some(verified.key);
+        envelope.message_id = Some(verified.properties.message_id.clone());
+        envelope.lease = verified.properties.lease;
+    }
+    let understood = examined.and_then(|verified| {
+        let text = text_of(&envelope)?;
+        let (id, kind, content) = understand(address, &text, lookup)?;
+        if let Some(verified) = &verified {
+            check_body(&verified.properties, id.as_ref(), &kind)?;
+        }
+        Ok((id, kind, content, text))
+    });
     let transport_id = envelope.message_id.clone();
-    let unpacked = envelope
-        .unpacked(MESSAGE_BYTES_MAX)
-        .map_err(|error| ("UNREADABLE_BODY", error.to_string()));
-    let text = unpacked.and_then(|bytes| {
-        String::from_utf8(bytes.to_vec())
-            .map_err(|_| ("NOT_UTF8", "The body is not UTF-8.".to_owned()))
-    });
-    let understood = text.and_then(|text| {
-        understand(address, &text, lookup).map(|(id, kind, content)| (id, kind, content, text))
-    });
     match understood {
         Ok((body_id, message_type, content, body)) => Incoming {
             message_id: body_id.or(transport_id).unwrap_or_else(|| id_of(&body)),
             message_type,
             received_at,
-            is_replay: envelope.replay,
-            lease: envelope.lease,
+            envelope,
+            signer,
             body,
             content,
         },
-        Err((code, reason)) => Incoming {
-            message_id: transport_id.clone().unwrap_or_else(|| id_of(&envelope.body)),
-            message_type: envelope.subject.clone(),
-            received_at,
-            is_replay: envelope.replay,
-            lease: envelope.lease,
-            body: String::new(),
-            content: Content::Dead(Box::new(dead_letter(address, delivery, code, reason))),
-        },
+        Err((code, reason)) => {
+            let letter = dead_letter(address, &envelope, received_at, code, reason);
+            Incoming {
+                message_id: transport_id.unwrap_or_else(|| id_of(&envelope.body)),
+                message_type: envelope.subject.clone(),
+                received_at,
+                envelope,
+                signer,
+                body: String::new(),
+                content: Content::Dead(Box::new(letter)),
+            }
+        }
     }
 }
 
-/// Makes the dead letter of a delivery.
-pub(super) fn dead_letter(
-    address: &LogicalAddress,
-    delivery: &Delivery,
-    code: &'static str,
-    reason: String,
-) -> NewDeadLetter {
-    NewDeadLetter {
-        address: address.to_string(),
-        message_id: delivery.envelope.message_id.as_ref().map(ToString::to_string),
-        subject: delivery.envelope.subject.chars().take(100).collect(),
-        code,
-        reason: reason.chars().take(1000).collect(),
-        received_at: delivery.received_at.into(),
-        body: delivery.envelope.body.to_vec(),
-        content_encoding: delivery
-            .envelope
-            .content_encoding
-            .map(messaging::ContentEncoding::as_str),
-    }
+fn text_of(envelope: &Envelope) -> Result<String, DeadLetterReason> {
+    let unpacked = envelope.unpacked(MESSAGE_BYTES_MAX);
+    let unpacked = unpacked.map_err(|error| ("UNREADABLE_BODY", error.to_string()))?;
+    String::from_utf8(unpacked.to_vec())
+        .map_err(|_| ("NOT_UTF8", "The body is not UTF-8.".to_owned()))
 }
 
 type Understood = (Option<MessageId>, String, Content);

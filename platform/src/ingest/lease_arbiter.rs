@@ -48,7 +48,7 @@ impl<'w> LeaseArbiter<'w> {
             return Ok(false);
         }
         // A message without a lease number is accepted: not every sender knows of leases.
-        let Some(number) = incoming.lease else { return Ok(true) };
+        let Some(number) = incoming.envelope.lease else { return Ok(true) };
         let reason = match self.lease(unit, factory).await? {
             Some(lease) if lease.number != number => lease.why_not(factory, number),
             _ => return Ok(true),

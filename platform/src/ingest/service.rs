@@ -14,7 +14,8 @@ use tokio_util::sync::CancellationToken;
 
 use super::{
     apply::Applier,
-    decode::{Content, Incoming, dead_letter, decode as understand},
+    dead_letter::dead_letter,
+    decode::{Content, Incoming, decode as understand},
     heartbeats::Heartbeats,
     signs_of_life::SignsOfLife,
     unit::Effects,
@@ -25,7 +26,8 @@ use crate::{
     clock::{Clock, new_access_id},
     live::LiveLog,
     progress_notifier::ProgressNotifierHandle,
-    store::{Store, StoreError},
+    signing::SigningState,
+    store::{NewDeadLetter, Store, StoreError, StoreReader},
     witness::WitnessKey,
 };
 
@@ -69,6 +71,7 @@ pub struct Ingest {
 /// Brings messages to a running [`Ingest`].
 #[derive(Clone)]
 pub struct IngestHandle {
+    store: StoreReader,
     meta_data: Arc<RwLock<Arc<MetaDataTable>>>,
     batches: mpsc::Sender<Batch>,
 }
@@ -105,7 +108,11 @@ impl Ingest {
         }
         let meta_data = Arc::new(RwLock::new(Arc::new(table)));
         let (sender, batches) = mpsc::channel(BATCHES_WAITING_MAX);
-        let handle = IngestHandle { meta_data: Arc::clone(&meta_data), batches: sender };
+        let handle = IngestHandle {
+            store: store.reader(),
+            meta_data: Arc::clone(&meta_data),
+            batches: sender,
+        };
         let IngestConfig { resend_after, silence, witness } = config;
         let (signs, heartbeats) = (SignsOfLife::default(), Heartbeats::new(silence));
         Ok((
@@ -249,6 +256,41 @@ impl messaging::Inbox for IngestHandle {
         address: &LogicalAddress,
         deliveries: Vec<Delivery>,
     ) -> Vec<Settlement> {
+        let Some(messages) = self.understand(address, deliveries).await else { return Vec::new() };
+        let stored = self.write(address, messages).await;
+        stored
+            .into_iter()
+            .map(|is_stored| if is_stored { Settlement::Accept } else { Settlement::Release })
+            .collect()
+    }
+}
+
+impl IngestHandle {
+    /// Takes a message once more that was set aside, whatever the lease under which it came. Returns
+    /// whether it is written now.
+    pub async fn replay(&self, address: &LogicalAddress, delivery: Delivery) -> bool {
+        let Some(mut messages) = self.understand(address, vec![delivery]).await else {
+            return false;
+        };
+        for message in &mut messages {
+            message.envelope.lease = None;
+        }
+        self.write(address, messages).await == [true]
+    }
+
+    /// Verifies and decodes; none where that cannot be done at the moment, so that all comes again.
+    async fn understand(
+        &self,
+        address: &LogicalAddress,
+        deliveries: Vec<Delivery>,
+    ) -> Option<Vec<Incoming>> {
+        let signing = match self.signing(address).await {
+            Ok(signing) => signing,
+            Err(error) => {
+                tracing::warn!(cause = %chain(&error), "The keys of a factory cannot be read; its messages wait.");
+                return None;
+            }
+        };
         let table = Arc::clone(&self.meta_data.read());
         let bytes: usize = deliveries.iter().map(|delivery| delivery.envelope.body.len()).sum();
         let decoded_address = address.clone();
@@ -256,28 +298,33 @@ impl messaging::Inbox for IngestHandle {
             let known = KnownMetaData { factory: decoded_address.factory_id(), table: &table };
             deliveries
                 .iter()
-                .map(|delivery| understand(&decoded_address, delivery, &known))
+                .map(|delivery| understand(&decoded_address, delivery, &known, &signing))
                 .collect()
         };
-        let messages = if bytes <= DECODED_INLINE_BYTES_MAX {
-            decode_all()
-        } else if let Ok(messages) = tokio::task::spawn_blocking(decode_all).await {
-            messages
+        if bytes <= DECODED_INLINE_BYTES_MAX {
+            Some(decode_all())
         } else {
-            // Nothing is stored, so all of it comes again.
-            return Vec::new();
+            tokio::task::spawn_blocking(decode_all).await.ok()
+        }
+    }
+
+    /// Reads the keys of a factory, for each batch: what an administrator changed counts at once.
+    async fn signing(&self, address: &LogicalAddress) -> Result<SigningState, StoreError> {
+        let LogicalAddress::FactoryIngress(factory) = address else {
+            return Ok(SigningState::default());
         };
+        self.store.read().await?.signing_keys().of_factory(factory).await
+    }
+
+    /// Hands messages to the writer. Returns for each whether it is written; nothing where the writer
+    /// has ended, and what is missing counts as released.
+    async fn write(&self, address: &LogicalAddress, messages: Vec<Incoming>) -> Vec<bool> {
         let (stored, answer) = oneshot::channel();
         let batch = Batch { address: address.clone(), messages, stored };
         if self.batches.send(batch).await.is_err() {
             return Vec::new();
         }
-        // No answer: the writer has ended, and what is missing in ours counts as released.
-        let stored = answer.await.unwrap_or_default();
-        stored
-            .into_iter()
-            .map(|is_stored| if is_stored { Settlement::Accept } else { Settlement::Release })
-            .collect()
+        answer.await.unwrap_or_default()
     }
 }
 
@@ -294,18 +341,11 @@ impl MetaDataLookup for KnownMetaData<'_> {
 }
 
 fn dead_message(address: &LogicalAddress, message: &Incoming, reason: String) -> Incoming {
-    let delivery = Delivery {
-        envelope: messaging::Envelope::new(
-            message.message_id.clone(),
-            message.message_type.clone(),
-            message.body.clone().into_bytes(),
-        ),
-        principal: None,
-        is_redelivered: true,
-        delivery_count: 0,
-        received_at: message.received_at.into(),
+    let letter = NewDeadLetter {
+        message_id: Some(message.message_id.to_string()),
+        subject: message.message_type.clone(),
+        ..dead_letter(address, &message.envelope, message.received_at, "NOT_STORABLE", reason)
     };
-    let letter = dead_letter(address, &delivery, "NOT_STORABLE", reason);
     Incoming { content: Content::Dead(Box::new(letter)), ..message.clone() }
 }
 

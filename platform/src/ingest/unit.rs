@@ -14,7 +14,10 @@ use asi_model::{
 };
 use messaging::LogicalAddress;
 
-use super::decode::{Incoming, IncomingReport};
+use super::{
+    dead_letter::dead_letter,
+    decode::{Incoming, IncomingReport},
+};
 use crate::{
     accesses::{Contents, Reader, Reading},
     live::Notification,
@@ -235,14 +238,9 @@ impl<'w> IngestUnit<'w> {
         reason: String,
     ) -> Result<(), StoreError> {
         let letter = NewDeadLetter {
-            address: address.to_string(),
             message_id: Some(incoming.message_id.to_string()),
             subject: incoming.message_type.clone(),
-            code,
-            reason,
-            received_at: incoming.received_at,
-            body: incoming.body.clone().into_bytes(),
-            content_encoding: None,
+            ..dead_letter(address, &incoming.envelope, incoming.received_at, code, reason)
         };
         self.add_dead_letter(&letter).await
     }

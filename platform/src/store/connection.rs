@@ -10,7 +10,7 @@ use sqlx::{
 
 use super::{error::StoreError, work::Work};
 
-const MIGRATIONS: [(i64, &str, &str); 15] = [
+const MIGRATIONS: [(i64, &str, &str); 16] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
@@ -26,6 +26,7 @@ const MIGRATIONS: [(i64, &str, &str); 15] = [
     (32, "recipients named", include_str!("../../migrations/sqlite/0032_recipients_named.sql")),
     (33, "sessions", include_str!("../../migrations/sqlite/0033_sessions.sql")),
     (34, "second factors", include_str!("../../migrations/sqlite/0034_second_factors.sql")),
+    (35, "signed messages", include_str!("../../migrations/sqlite/0035_signed_messages.sql")),
 ];
 
 /// Reads of pages at once; more would only share the same disk.

@@ -27,6 +27,25 @@ pub struct NewDeadLetter {
     pub body: Vec<u8>,
     /// Content encoding of the body.
     pub content_encoding: Option<&'static str>,
+    /// The signature that it came with.
+    pub signature: Option<String>,
+}
+
+/// A stored dead letter as far as a replay needs it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DeadLetterContent {
+    /// Logical address of arrival.
+    pub address: String,
+    /// Its message id on the transport.
+    pub message_id: Option<String>,
+    /// Its subject on the transport.
+    pub subject: String,
+    /// Its body, as it travelled.
+    pub body: Vec<u8>,
+    /// Content encoding of the body.
+    pub content_encoding: Option<String>,
+    /// The signature that it came with.
+    pub signature: Option<String>,
 }
 
 /// A stored dead letter, without its body.
@@ -64,7 +83,7 @@ impl DeadLetters<'_> {
     /// [`StoreError::Statement`].
     pub async fn add(&mut self, letter: &NewDeadLetter) -> Result<(), StoreError> {
         let sql = "INSERT INTO dead_letter (address, message_id, subject, code, reason, received_at, body,
-                       content_encoding) VALUES ($1, $2, $3, $4, $5, $6, $7, $8) RETURNING dead_letter_id";
+                       content_encoding, signature) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9) RETURNING dead_letter_id";
         let row = sqlx::query(sql)
             .bind(&letter.address)
             .bind(letter.message_id.as_deref())
@@ -74,6 +93,7 @@ impl DeadLetters<'_> {
             .bind(letter.received_at.ticks())
             .bind(&letter.body)
             .bind(letter.content_encoding)
+            .bind(letter.signature.as_deref())
             .fetch_one(&mut *self.0)
             .await
             .map_err(StoreError::during("store a dead letter"))?;
@@ -107,29 +127,29 @@ impl DeadLetters<'_> {
         rows.iter().map(read).collect()
     }
 
-    /// Reads what a replay needs: address, transport message id, subject, body and its encoding.
+    /// Reads what a replay needs.
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn content(
-        &mut self,
-        id: u64,
-    ) -> Result<Option<(String, Option<String>, String, Vec<u8>, Option<String>)>, StoreError> {
-        let sql = "SELECT address, message_id, subject, body, content_encoding FROM dead_letter
-                   WHERE dead_letter_id = $1";
+    pub async fn content(&mut self, id: u64) -> Result<Option<DeadLetterContent>, StoreError> {
+        let sql = "SELECT address, message_id, subject, body, content_encoding, signature
+                   FROM dead_letter WHERE dead_letter_id = $1";
         let row = sqlx::query(sql)
             .bind(i64::try_from(id).unwrap_or(i64::MAX))
             .fetch_optional(&mut *self.0)
             .await
             .map_err(StoreError::during("read a dead letter"))?;
-        let Some(row) = row else { return Ok(None) };
-        Ok(Some((
-            row.column("address")?,
-            row.column("message_id")?,
-            row.column("subject")?,
-            row.column("body")?,
-            row.column("content_encoding")?,
-        )))
+        row.map(|row| {
+            Ok(DeadLetterContent {
+                address: row.column("address")?,
+                message_id: row.column("message_id")?,
+                subject: row.column("subject")?,
+                body: row.column("body")?,
+                content_encoding: row.column("content_encoding")?,
+                signature: row.column("signature")?,
+            })
+        })
+        .transpose()
     }
 
     /// Notes that one was tried again.

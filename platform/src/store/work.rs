@@ -30,6 +30,7 @@ use super::{
     reports::Reports,
     revocations::Revocations,
     second_factors::SecondFactors,
+    signing_keys::SigningKeys,
     tools::Tools,
     users::Users,
     writers::Writers,
@@ -180,6 +181,11 @@ impl Work {
     /// Returns the repository of second factors.
     pub fn second_factors(&mut self) -> SecondFactors<'_> {
         SecondFactors(self.connection())
+    }
+
+    /// Returns the repository of the keys that sign for factories.
+    pub fn signing_keys(&mut self) -> SigningKeys<'_> {
+        SigningKeys(self.connection())
     }
 
     /// Returns the repository of users and their sessions.

@@ -46,15 +46,20 @@ pub struct Peer {
 }
 
 impl Peer {
-    /// A connector that has just enrolled.
+    /// A connector that has just enrolled; like one of before, it does not sign.
     pub async fn enrolled(world: &World, admin: &Api, factory: &str) -> Self {
+        Self::enrolled_with(world, admin, factory, Value::Null).await
+    }
+
+    /// A connector that has just enrolled with a key that signs.
+    pub async fn enrolled_with(world: &World, admin: &Api, factory: &str, key: Value) -> Self {
         let token = admin
             .post(&format!("/factories/{factory}/enrolment-tokens"), json!({}))
             .await
             .expect_ok();
         let enrolment = world
             .anonymous()
-            .post("/enrolments", json!({ "token": token["token"] }))
+            .post("/enrolments", json!({ "token": token["token"], "signingKey": key }))
             .await
             .expect_ok();
         Self::connector(&enrolment, factory)
@@ -106,6 +111,12 @@ impl Peer {
         let id = body["MessageId"].as_str().expect("an id").parse().expect("valid");
         let mut envelope = Envelope::new(id, subject, body.to_string());
         envelope.lease = Some(lease);
+        self.spool.push(self.writes.clone(), envelope);
+        self.link.wake();
+    }
+
+    /// Sends a message as it stands.
+    pub fn forward(&self, envelope: Envelope) {
         self.spool.push(self.writes.clone(), envelope);
         self.link.wake();
     }

@@ -27,6 +27,7 @@ mod rights;
 mod rubbish;
 mod second_factor;
 mod sight;
+mod signatures;
 mod store;
 mod story;
 mod throughput;

@@ -14,7 +14,7 @@ const MAKER: &str = "frames-munich";
 const EPOCH: u32 = 608_926_829;
 
 /// A release of FOR_MUC: the reports `first` to `last` of the first writer, for a recipient.
-fn release(recipient: &str, first: u32, last: u32) -> Value {
+pub fn release(recipient: &str, first: u32, last: u32) -> Value {
     json!({ "messageType": "past-release", "messageId": platform::clock::new_message_id(),
         "factoryId": "FOR_MUC", "operationNetworkId": NETWORK, "operationId": "MakeFrame1",
         "dynamicDataRequestId": "ReqResponse1", "recipientId": recipient,
@@ -22,7 +22,7 @@ fn release(recipient: &str, first: u32, last: u32) -> Value {
             { "dataSetWriterId": 1, "epoch": EPOCH, "firstSequence": first, "lastSequence": last } ] })
 }
 
-async fn sees(api: &Api, expected: &[u64]) {
+pub async fn sees(api: &Api, expected: &[u64]) {
     eventually("the past", || async {
         let found = sequences(api).await;
         if found == expected { Ok(()) } else { Err(format!("{found:?}")) }

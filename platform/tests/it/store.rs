@@ -324,6 +324,7 @@ async fn dead_letters_are_listed_newest_first_in_pages() {
             received_at: at(number),
             body: vec![0xff],
             content_encoding: None,
+            signature: None,
         };
         work.dead_letters().add(&letter).await.expect("stored");
     }

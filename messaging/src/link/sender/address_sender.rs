@@ -112,13 +112,14 @@ impl Worker {
     async fn send(
         &mut self,
         sender: &mut dyn MessageSender,
-        row: SpoolRow,
+        mut row: SpoolRow,
     ) -> Result<(), EndpointFault> {
         // At the last moment: a report can be recalled while its row waits in the queue.
         if !self.store.may_leave(&row) {
             let _ = self.events.send(SenderEvent::Recalled { id: row.id }).await;
             return Ok(());
         }
+        self.store.sign(&mut row.envelope);
         // Before it is sent: where the endpoint fails half-way, the row counts as not sent.
         self.unsettled.insert(row.id);
         let mut sending = sender.send(&row.envelope);

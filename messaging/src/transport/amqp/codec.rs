@@ -25,6 +25,8 @@ const REPLAY: &str = "replay";
 /// The application property with the number of the sender's lease. A text, because some brokers
 /// change numbers.
 const LEASE: &str = "lease";
+/// The application property with the sender's signature.
+const SIGNATURE: &str = "signature";
 /// The annotation by which a broker vouches for the sender.
 const PRINCIPAL: &str = "x-opt-principal";
 
@@ -56,7 +58,10 @@ pub(super) fn to_message(envelope: &Envelope, now: OffsetDateTime) -> Message<Da
     if let Some(lease) = envelope.lease {
         marks.0.insert(LEASE.to_owned(), SimpleValue::String(lease.to_string()));
     }
-    let application_properties = (envelope.replay || envelope.lease.is_some()).then_some(marks);
+    if let Some(signature) = &envelope.signature {
+        marks.0.insert(SIGNATURE.to_owned(), SimpleValue::String(signature.clone()));
+    }
+    let application_properties = (!marks.0.is_empty()).then_some(marks);
     Message {
         header: Some(header),
         delivery_annotations: None,
@@ -122,10 +127,12 @@ pub(super) fn to_delivery(
     let mark =
         |name: &str| application_properties.as_ref().and_then(|properties| properties.0.get(name));
     let replay = mark(REPLAY).is_some_and(|value| matches!(value, SimpleValue::Bool(true)));
-    let lease = mark(LEASE).and_then(|value| match value {
-        SimpleValue::String(text) => text.parse().ok(),
+    let text = |name: &str| match mark(name) {
+        Some(SimpleValue::String(text)) => Some(text.as_str()),
         _ => None,
-    });
+    };
+    let lease = text(LEASE).and_then(|number| number.parse().ok());
+    let signature = text(SIGNATURE).map(str::to_owned);
     let envelope = Envelope {
         message_id: properties.message_id.as_ref().and_then(text_of_id),
         subject: properties.subject.unwrap_or_default(),
@@ -136,6 +143,7 @@ pub(super) fn to_delivery(
         ttl: header.ttl.map(|ttl| Duration::from_millis(u64::from(ttl))),
         replay,
         lease,
+        signature,
         body: Bytes::from(body),
     };
     Ok(Delivery {
@@ -200,6 +208,7 @@ mod tests {
         envelope.creation_time = Some(now);
         envelope.ttl = Some(Duration::from_secs(60));
         (envelope.replay, envelope.lease) = (true, Some(7));
+        envelope.signature = Some("e30..AAAA".to_owned());
         let sent = to_message(&envelope, now);
         let arrived = sent.map_body(|data| Body::Data(Batch::new(vec![data])));
         let delivery = to_delivery(arrived, now, BYTES_MAX).expect("a delivery");

@@ -20,6 +20,7 @@ const SUBJECT: &str = "subject";
 const CONTENT_ENCODING: &str = "content-encoding";
 const CREATION_TIME: &str = "creation-time";
 const LEASE: &str = "lease";
+const SIGNATURE: &str = "signature";
 /// The last level of the topic that the backlog after an outage is published to.
 pub(super) const REPLAY: &str = "/replay";
 
@@ -36,6 +37,7 @@ pub(super) fn to_publish(topic: &str, envelope: &Envelope, now: OffsetDateTime) 
     );
     property(CREATION_TIME, envelope.creation_time.and_then(|at| at.format(&Rfc3339).ok()));
     property(LEASE, envelope.lease.map(|number| number.to_string()));
+    property(SIGNATURE, envelope.signature.clone());
     let remaining = envelope.expires_at().map(|at| (at - now).whole_seconds().max(1));
     let properties = PublishProperties {
         message_expiry_interval: remaining
@@ -79,6 +81,7 @@ pub(super) fn to_delivery(publish: Publish, now: OffsetDateTime) -> Result<Deliv
             .map(|seconds| Duration::from_secs(u64::from(seconds))),
         replay: publish.topic.ends_with(REPLAY.as_bytes()),
         lease: property(LEASE).and_then(|number| number.parse().ok()),
+        signature: property(SIGNATURE).map(str::to_owned),
         body: publish.payload,
     };
     Ok(Delivery {
@@ -104,6 +107,7 @@ mod tests {
         envelope.ttl = Some(Duration::from_secs(60));
         for (replay, lease) in [(false, None), (true, Some(7))] {
             (envelope.replay, envelope.lease) = (replay, lease);
+            envelope.signature = lease.map(|_| "e30..AAAA".to_owned());
             let delivery = to_delivery(to_publish("a/b", &envelope, now), now).expect("a delivery");
             assert_eq!(delivery.envelope, envelope);
         }

@@ -346,7 +346,7 @@ fn new_report(
         shopfloor_timestamp: report.shopfloor_timestamp,
         report_timestamp: report.report_timestamp,
         received_at: from.incoming.received_at,
-        is_replay: from.incoming.is_replay,
+        is_replay: from.incoming.envelope.replay,
         recipient_set,
         fields,
     }

@@ -13,6 +13,7 @@ use crate::{
     accesses::{AccessRecorder, Reader},
     clock::Clock,
     ingest::decode::decode,
+    signing::SigningState,
     store::{Collaboration, NetworkRow, NewField, Organisation, Scope, Store},
 };
 
@@ -99,7 +100,7 @@ impl Platform {
                 delivery_count: 0,
                 received_at: time::OffsetDateTime::UNIX_EPOCH,
             };
-            let incoming = decode(&address, &delivery, &());
+            let incoming = decode(&address, &delivery, &(), &SigningState::default());
             applier.batch(&address, &[incoming]).await.expect("applied");
         }
         applier.finish().await.expect("finished");

@@ -38,7 +38,7 @@ fn report() -> Value {
 }
 
 fn check(body: &Value) -> Incoming {
-    decode(&ingress(), &delivery(body.to_string()), &())
+    decode(&ingress(), &delivery(body.to_string()), &(), &SigningState::default())
 }
 
 fn code_of(incoming: &Incoming) -> Option<&'static str> {
@@ -79,7 +79,8 @@ fn a_report_that_should_name_its_recipients_and_does_not_is_for_nobody() {
             configuration_version: MetaDataVersion { major, minor: major },
             ..DataSetMetaData::default()
         });
-        let incoming = decode(&ingress(), &delivery(former.to_string()), &known);
+        let incoming =
+            decode(&ingress(), &delivery(former.to_string()), &known, &SigningState::default());
         let Content::Reports { reports, .. } = incoming.content else { panic!("reports") };
         assert_eq!(reports[0].released_to, expected, "{names_recipients} {major}");
     };
@@ -125,7 +126,7 @@ fn invalid_messages_are_rejected_with_a_reason() {
         (Vec::from(r#"{"messageType":"decision"}"#), "INVALID_MESSAGE"),
         (vec![b' '; 300 * 1024], "UNREADABLE_BODY"),
     ] {
-        let incoming = decode(&ingress(), &delivery(body.clone()), &());
+        let incoming = decode(&ingress(), &delivery(body.clone()), &(), &SigningState::default());
         assert_eq!(
             code_of(&incoming),
             Some(expected),

@@ -37,12 +37,13 @@ pub(super) async fn open(
     let gate = Arc::new(LeaseGate::default());
     gate.open(1);
     let spool = ConnectorSpool::new(
-        factory_id,
+        factory_id.clone(),
         store.readers(),
         channel().0,
         Arc::clone(&keep_alives),
         Arc::clone(&in_flight),
         gate,
+        MessageSigner::new(factory_id, key.clone()).expect("a key"),
     );
     let config = CoordinatorConfig {
         witness_wait: std::time::Duration::ZERO,
