@@ -8,6 +8,7 @@
 //! - [`values`]: OPC UA built-in values (OPC 10000-6 §5.1) as plain Rust data.
 //! - [`network`]: operation networks, dynamic data requests and report formats.
 //! - [`messages`]: every message of the wire contract besides reports.
+//! - [`plain_value`]: values as plain JSON, without their types.
 //! - [`pubsub`]: reports as OPC UA PubSub messages, meaning apart from encoding.
 //! - [`opcua_json`]: the OPC UA JSON encoding of values (OPC 10000-6 §5.4).
 //! - [`validation`]: checks of foreign messages, all faults at once.
@@ -33,6 +34,7 @@ pub mod node_set;
 pub mod opcua_json;
 #[cfg(feature = "openapi")]
 pub mod openapi;
+pub mod plain_value;
 pub mod pubsub;
 pub mod schedule;
 pub mod schema;

@@ -5,7 +5,8 @@
 //! Modules from the bottom to the top:
 //!
 //! - Pure: [`leases`] (decides which connector speaks for a factory), [`sequences`] (received
-//!   sequence numbers), [`signing`] (which keys sign for a factory), [`value_json`] (values in the API), [`tools`] (messages of partners' tools).
+//!   sequence numbers), [`signing`] (which keys sign for a factory), [`tools`] (messages of
+//!   partners' tools).
 //! - [`accesses`]: values leave only with a record of who got them. [`access_log_key`]: signs that.
 //! - [`store`]: the database, one repository per noun. [`principal`]: rights of the signed-in user.
 //! - [`progress`] (pure): progress of operations. [`live`]: events for pages.
@@ -47,5 +48,4 @@ pub mod signing;
 pub mod spool;
 pub mod store;
 pub mod tools;
-pub mod value_json;
 pub mod witness;

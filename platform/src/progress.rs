@@ -3,16 +3,14 @@
 use asi_model::{
     DateTime, FactoryId, OperationId,
     network::{Operation, OperationNetwork, OperationState, Semantic},
+    plain_value::as_number,
     units,
 };
 use serde::Serialize;
 use serde_json::Value;
 use utoipa::ToSchema;
 
-use crate::{
-    store::{CurrentValue, FieldRow},
-    value_json::as_number,
-};
+use crate::store::{CurrentValue, FieldRow};
 
 /// Progress of an operation, derived from the viewer's fields.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]

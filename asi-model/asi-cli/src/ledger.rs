@@ -1,19 +1,21 @@
 //! `asi ledger`: a disclosure ledger checked by those it concerns, without the factory's program.
 
-mod lines;
 mod receipt;
+mod shown;
 
 use std::{
     io::{Read as _, Write},
     path::PathBuf,
 };
 
-use ::ledger::audit::Auditor;
+use ::ledger::audit::{Audit, AuditStart, Auditor};
 use asi_model::DateTime;
-use lines::take_all;
+use serde::Serialize;
+use shown::{Export, ShownAudit, compare};
 use transparency_log::VerifierKey;
 
 use crate::{
+    audit_lines::take_all,
     lines::{checkpoint, next_line, open},
     outcome::CommandOutcome,
 };
@@ -48,6 +50,21 @@ pub struct AuditOptions {
     /// entry about their retention: a time that the factory names in another way.
     #[arg(long, value_name = "TIME")]
     emptied_before: Option<DateTime>,
+    /// What the platform showed of the factory's reports, to be compared with what left: pages of the
+    /// history as its API answers them, one after another. Save them before the audit file is written.
+    #[arg(long, value_name = "FILE")]
+    shown: Option<PathBuf>,
+}
+
+/// Result of the check of an audit file.
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct LedgerAudit {
+    #[serde(flatten)]
+    audit: Audit,
+    /// The comparison with what was shown; absent where none was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shown: Option<ShownAudit>,
 }
 
 /// Options of the check of a revocation's receipt.
@@ -89,8 +106,23 @@ fn verify(options: &AuditOptions, out: &mut dyn Write) -> anyhow::Result<Command
             return Ok(CommandOutcome::Invalid);
         }
     };
-    take_all(&mut auditor, &mut lines)?;
-    let outcome = auditor.finish();
+    let shown = match &options.shown {
+        Some(export) => {
+            let begin: AuditStart = serde_json::from_str(&first)?;
+            let export = Export::read(open(export)?, &auditor.start().factory_id)?;
+            Some(compare(&export, &mut auditor, &mut lines, begin.number > 0)?)
+        }
+        None => {
+            take_all(&mut auditor, &mut lines, &|_| (), |()| ())?;
+            None
+        }
+    };
+    let outcome = LedgerAudit { audit: auditor.finish(), shown };
     writeln!(out, "{}", serde_json::to_string_pretty(&outcome)?)?;
-    Ok(if outcome.is_intact() { CommandOutcome::Valid } else { CommandOutcome::Invalid })
+    let is_shown_intact = outcome.shown.as_ref().is_none_or(ShownAudit::is_intact);
+    Ok(if outcome.audit.is_intact() && is_shown_intact {
+        CommandOutcome::Valid
+    } else {
+        CommandOutcome::Invalid
+    })
 }

@@ -4,11 +4,13 @@
 //! Exit codes: 0 all is well, 1 the input is not valid, 2 the command could not be carried out.
 
 mod access;
+mod audit_lines;
 mod check;
 mod commands;
 mod explain;
 mod input;
 mod ledger;
+mod left;
 mod lines;
 mod outcome;
 

@@ -171,6 +171,12 @@ impl Auditor {
         Ok(())
     }
 
+    /// Returns the start of the log, which names its factory and recipient.
+    #[must_use]
+    pub const fn start(&self) -> &LogStart {
+        &self.start
+    }
+
     /// Checks a line for itself; lines may be checked in any order.
     #[must_use]
     pub fn check(&self, line: &str) -> CheckedLine {
@@ -183,12 +189,14 @@ impl Auditor {
         self.take_checked(checked);
     }
 
-    /// Takes the next line after it was checked for itself.
-    pub fn take_checked(&mut self, line: CheckedLine) {
+    /// Takes the next line after it was checked for itself. Returns whether a signature covers it: what
+    /// it says counts only then.
+    pub fn take_checked(&mut self, line: CheckedLine) -> bool {
         self.number += 1;
         if !self.is_signed_next() {
             self.outcome.entries_unsigned += 1;
-            return self.fault(UNSIGNED);
+            self.fault(UNSIGNED);
+            return false;
         }
         let CheckedLine { leaf, number, recorded_at, faults, values, event } = line;
         if let Some(leaf) = leaf {
@@ -214,6 +222,7 @@ impl Auditor {
         if let Err(fault) = self.history.take(self.number, recorded_at, event) {
             self.fault(fault);
         }
+        true
     }
 
     /// Ends the audit.

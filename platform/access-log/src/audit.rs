@@ -10,13 +10,14 @@ mod file;
 #[cfg(test)]
 mod tests;
 
+use asi_model::FactoryId;
 pub use file::{AccessAuditLine, AccessAuditStart};
 use serde::Serialize;
 use transparency_log::{
     Checkpoint, CheckpointError, LeafRange, NoteError, SignedNote, VerifierKey, leaf_hash,
 };
 
-use crate::{AccessLogStart, AccessRetentionEntry, retention::AccessRecord};
+use crate::{AccessEntry, AccessLogStart, AccessRetentionEntry, retention::AccessRecord};
 
 /// Most faults that are listed; further ones are only counted.
 const FAULTS_MAX: usize = 100;
@@ -147,15 +148,29 @@ impl AccessAuditor {
         Ok(auditor)
     }
 
+    /// Returns the factory whose values the log is about.
+    #[must_use]
+    pub const fn factory(&self) -> &FactoryId {
+        &self.start.factory_id
+    }
+
     /// Checks the next entry.
     pub fn take(&mut self, line: &str) {
+        let _ = self.read(line);
+    }
+
+    /// Checks the next entry, and returns the access that it states; `None` for a statement of
+    /// retention, and for what no signature covers.
+    pub fn read(&mut self, line: &str) -> Option<AccessEntry> {
         self.number += 1;
         if !self.is_signed_next() {
             self.outcome.entries_unsigned += 1;
-            return self.fault("no signature covers the entry");
+            self.fault("no signature covers the entry");
+            return None;
         }
         let Ok(line) = serde_json::from_str::<AccessAuditLine>(line) else {
-            return self.fault("the line cannot be read");
+            self.fault("the line cannot be read");
+            return None;
         };
         self.leaves.append(leaf_hash(line.entry.as_bytes()));
         if self.leaves.end() <= self.checkpoint.size {
@@ -165,13 +180,18 @@ impl AccessAuditor {
         }
         self.compare_roots();
         let Ok(record) = serde_json::from_str::<AccessRecord>(&line.entry) else {
-            return self.fault("the entry cannot be read");
+            self.fault("the entry cannot be read");
+            return None;
         };
         if record.place() != (&self.start.factory_id, self.number) {
             self.fault("the entry stands in another's place");
         }
-        if let AccessRecord::Retention(entry) = record {
-            self.retain(entry);
+        match record {
+            AccessRecord::Retention(entry) => {
+                self.retain(entry);
+                None
+            }
+            AccessRecord::Access(entry) => Some(entry),
         }
     }
 

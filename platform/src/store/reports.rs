@@ -2,7 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use asi_model::{DateTime, DynamicDataRequestId, FactoryId, OperationNetworkId, RequestKey};
+use asi_model::{
+    DateTime, DynamicDataRequestId, FactoryId, OperationNetworkId, RequestKey,
+    plain_value::ReportedValue,
+};
 use indexmap::IndexMap;
 use serde::Serialize;
 use sqlx::QueryBuilder;
@@ -16,10 +19,7 @@ use super::{
     row::{Columns, DatabaseRow, document},
     scope::Scope,
 };
-use crate::{
-    accesses::{Contents, Values, Withheld},
-    value_json::ReportedValue,
-};
+use crate::accesses::{Contents, Values, Withheld};
 
 /// A DataSetMessage to store.
 #[derive(Debug, Clone, PartialEq)]

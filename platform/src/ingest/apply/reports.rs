@@ -9,6 +9,7 @@ use asi_model::{
     BuiltInType, DataValue, DynamicDataRequestId, FactoryId, FieldKey, FieldName, MessageId,
     OperationId, OperationNetworkId, OrganisationId, RequestKey, ToolId,
     messages::{Decision, MappingState},
+    plain_value::value_json,
     pubsub::{
         NetworkMessage,
         json::{Encoding, encode},
@@ -29,7 +30,6 @@ use crate::{
         AskedField, CurrentValue, DecisionEffect, NewReport, Recipient, RecipientSetId,
         ReleasedRange, StoreError, WriterRow,
     },
-    value_json::value_json,
 };
 
 /// Messages waiting for one tool beyond which reports are no longer forwarded; the tool can still

@@ -1,23 +1,24 @@
-//! JSON form of OPC UA values in the API, with the status beside them.
+//! Plain JSON form of OPC UA values, with the status beside them, as the platform shows them and as
+//! they are compared with a ledger.
 //!
 //! 64-bit integers are texts, as inside OPC UA payloads, so that no reader loses digits; the rest
 //! of the numbers are numbers, what JSON has no number for (NaN, infinities) are texts. Structures
 //! and other rare types keep their OPC UA JSON form.
 
-use asi_model::{
-    DataValue, DateTime, Scalar, Variant,
-    opcua_json::{DataEncoding, Encoder},
-    openapi::PlainValue,
-};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use utoipa::ToSchema;
+
+use crate::{
+    DataValue, DateTime, Scalar, Variant,
+    opcua_json::{DataEncoding, Encoder},
+};
 
 /// A value with its quality and source time.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[serde(rename_all = "camelCase")]
 pub struct ReportedValue {
-    #[schema(value_type = PlainValue)]
+    #[cfg_attr(feature = "openapi", schema(value_type = crate::openapi::PlainValue))]
     pub value: Value,
     /// Quality, by the standard's name.
     pub status: String,
@@ -103,9 +104,8 @@ pub fn as_number(value: &Value) -> Option<f64> {
 mod tests {
     use std::sync::Arc;
 
-    use asi_model::{BuiltInType, values::Array};
-
     use super::*;
+    use crate::{BuiltInType, values::Array};
 
     #[test]
     fn values_are_plain() {
