@@ -6,6 +6,10 @@ MAKEFLAGS += --no-print-directory
 
 CARGO ?= cargo
 PROGRAMS := --bin platform --bin factory-connector --bin script-quickjs --bin simulator --bin demo
+# Delivered programs of the workspace; tools/supply-chain/programs.js lists the same.
+DELIVERED := --package platform --package factory-connector --package script-quickjs --package asi-cli --package simulator
+CARGO_DENY := 0.20.2
+CARGO_DENY_INSTALLED := target/tools/.cargo-deny-$(CARGO_DENY)
 SCRIPT_DENO := $(CURDIR)/target/script-deno/debug/script-deno
 WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path '*/dist/*' 2>/dev/null)
 
@@ -24,11 +28,14 @@ dev: prerequisites web ## build everything for development
 	$(CARGO) build --workspace --all-targets
 
 test: prerequisites-test foreign browser web ## everything that proves the product right (what CI runs)
-	# The checks of the pages take what the build and the tests leave over of the processors.
+	# The checks of the pages and of the supply chain take what the build and the tests leave over of the processors.
 	mkdir -p target
-	nice -n 5 $(MAKE) web-checks >target/web-checks.log 2>&1 & checks=$$!; trap "kill $$checks 2>/dev/null || true" EXIT; \
+	nice -n 5 $(MAKE) web-checks >target/web-checks.log 2>&1 & checks=$$!; \
+	  nice -n 5 $(MAKE) supply-chain >target/supply-chain.log 2>&1 & supply=$$!; \
+	  trap "kill $$checks $$supply 2>/dev/null || true" EXIT; \
 	  $(MAKE) rust-checks rust-tests; \
-	  wait $$checks && echo "The pages are in order." || { cat target/web-checks.log; exit 1; }
+	  wait $$checks && echo "The pages are in order." || { cat target/web-checks.log; exit 1; }; \
+	  wait $$supply && echo "The supply chain is in order." && sed -n '/^NOT CHECKED/p' target/supply-chain.log || { cat target/supply-chain.log; exit 1; }
 
 check: test ## as make test, under the name people look for
 
@@ -39,6 +46,33 @@ unit: ## fast tests: no broker, browser, foreign peer or Node.js; CRATE=mapping 
 	  $(CARGO) nextest run --locked --lib --no-fail-fast $(if $(CRATE),-p $(CRATE),--workspace); \
 	else \
 	  $(CARGO) test --locked --lib --no-fail-fast $(if $(CRATE),-p $(CRATE),--workspace); fi
+
+programs: web ## the programs to deliver, release build, without what only the tests of others need; into target/release
+	$(CARGO) build --locked --release $(DELIVERED)
+
+supply-chain: sbom $(CARGO_DENY_INSTALLED) ## licences, sources, banned crates, advisories, notices and bills of materials of what we build on
+	for manifest in Cargo.toml mapping-engine/script-deno/Cargo.toml; do \
+	  target/tools/bin/cargo-deny --locked --manifest-path $$manifest --config deny.toml check bans licenses sources; done
+	node --test tools/supply-chain/
+	node tools/supply-chain/advisories.js --report
+
+advisories: $(CARGO_DENY_INSTALLED) ## known weaknesses of crates and npm packages; fails where their lists cannot be had: ADVISORY_DB=clone
+	node tools/supply-chain/advisories.js
+
+sbom: web tools/supply-chain/node_modules/.installed ## a bill of materials (CycloneDX) of each program, into target/sbom
+	node tools/supply-chain/sbom.js
+
+notices: web ## writes THIRD-PARTY-NOTICES.txt after a change of dependencies
+	node tools/supply-chain/notices.js
+
+$(CARGO_DENY_INSTALLED):
+	CARGO_TARGET_DIR=target/tools/build $(CARGO) install --quiet --debug --locked --root target/tools cargo-deny --version $(CARGO_DENY)
+	rm -rf target/tools/build
+	touch $@
+
+tools/supply-chain/node_modules/.installed: tools/supply-chain/package-lock.json
+	cd tools/supply-chain && npm ci --no-audit --no-fund --loglevel=error
+	touch $@
 
 lint: web-checks rust-checks ## format, clippy, documentation, and the same for the web pages
 
@@ -147,4 +181,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: fuzz test-slow knowledge mutants-gate mutants-ledger mutants-platform foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test
+.PHONY: supply-chain advisories sbom notices programs fuzz test-slow knowledge mutants-gate mutants-ledger mutants-platform foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test

@@ -26,7 +26,7 @@ if [ "${1:-demo}" = test ]; then
   packages+=(chromium:chromium fonts-dejavu-core:/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf
     python3-venv:/usr/share/doc/python3-venv python3-qpid-proton:/usr/lib/python3/dist-packages/proton
     rabbitmq-server:/usr/lib/rabbitmq mosquitto:/usr/sbin/mosquitto
-    libfaketime:/usr/share/doc/libfaketime
+    libfaketime:/usr/share/doc/libfaketime systemd:systemd-analyze
     g++:c++ cmake:cmake libsimde-dev:/usr/include/simde)
 fi
 

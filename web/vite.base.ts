@@ -1,6 +1,7 @@
 import { fileURLToPath } from 'node:url'
 import { svelte } from '@sveltejs/vite-plugin-svelte'
 import type { UserConfig } from 'vite'
+import { bundledPackages } from './bundled-packages.ts'
 
 const here = fileURLToPath(new URL('.', import.meta.url))
 
@@ -13,7 +14,10 @@ export function app(name: 'engineer' | 'partner', backend: string): UserConfig {
   return {
     root: `${here}${name}`,
     base: '/',
-    plugins: [svelte({ configFile: `${here}svelte.config.js` })],
+    plugins: [
+      svelte({ configFile: `${here}svelte.config.js` }),
+      bundledPackages(`${here}dist/${name}.packages.json`),
+    ],
     resolve: { alias: { '@': here.replace(/\/$/, '') } },
     build: {
       outDir: `${here}dist/${name}`,

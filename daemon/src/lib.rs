@@ -10,6 +10,7 @@
 //! - [`exit`]: message and exit code after an error.
 //! - [`sealing`]: passwords in a store, sealed under a key that is kept elsewhere.
 //! - [`telemetry`]: logs and metrics.
+//! - [`notices`]: what others wrote, with the licences.
 //! - [`confidential`]: values that must never reach a log.
 //! - [`web`]: problem documents, sessions, security headers, embedded pages, live events, health.
 //!
@@ -22,6 +23,7 @@ pub mod data_directory;
 pub mod descriptors;
 pub mod exit;
 pub mod lifecycle;
+pub mod notices;
 pub mod plaintext;
 pub mod sealing;
 pub mod telemetry;

@@ -74,6 +74,8 @@ enum Command {
     /// The ledger of everything that left.
     #[command(subcommand)]
     Ledger(ledger::LedgerCommand),
+    /// Print what others wrote of this program and its pages, with the licences.
+    Notices,
     /// The key that seals the passwords in the store.
     #[command(subcommand)]
     Seal(seal::SealCommand),
@@ -123,6 +125,7 @@ pub fn run(arguments: Arguments) -> ExitCode {
         Command::Config(ConfigCommand::Check) => {
             load(arguments.config.as_deref()).and_then(|_| print("The configuration is valid."))
         }
+        Command::Notices => print(daemon::notices::NOTICES.trim_end()),
         command => {
             load(arguments.config.as_deref()).and_then(|config| run_command(command, config))
         }
@@ -152,7 +155,7 @@ fn run_command(command: Command, config: ConnectorConfig) -> anyhow::Result<()> 
             Command::Seal(command) => seal::run(command, &config).await,
             Command::Spool(command) => spool::run(command, &config).await,
             Command::Users(command) => manage_users(command, &config).await,
-            Command::Config(_) => Ok(()),
+            Command::Config(_) | Command::Notices => Ok(()),
         }
     })
 }

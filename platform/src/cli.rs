@@ -47,6 +47,8 @@ enum Command {
     /// Check or show the configuration.
     #[command(subcommand)]
     Config(ConfigCommand),
+    /// Print what others wrote of this program and its pages, with the licences.
+    Notices,
     /// Add organisations to the platform.
     #[command(subcommand)]
     Organisation(OrganisationCommand),
@@ -121,6 +123,7 @@ struct SetUser {
 pub fn run(arguments: Arguments) -> ExitCode {
     let result = match arguments.command {
         Command::Config(ConfigCommand::Example) => print(EXAMPLE.trim_end()),
+        Command::Notices => print(daemon::notices::NOTICES.trim_end()),
         Command::Broker { supervised: true } => run_supervised(),
         Command::Config(ConfigCommand::Check) => {
             load(arguments.config.as_deref()).and_then(|config| {
@@ -170,7 +173,7 @@ fn run_command(command: Command, config: PlatformConfig) -> anyhow::Result<()> {
             Command::User(UserCommand::Set(user)) => {
                 administration::set_user(&config, user.user, user.role, user.organisation).await
             }
-            Command::Config(_) => Ok(()),
+            Command::Config(_) | Command::Notices => Ok(()),
         }
     })
 }

@@ -134,6 +134,36 @@ fn every_threat_names_tests_that_exist() {
 }
 
 #[test]
+fn every_threat_of_every_boundary_has_a_proof_or_says_that_none_does() {
+    let document = fs::read_to_string(root().join("docs/threat-model.md")).unwrap();
+    let makefile = fs::read_to_string(root().join("Makefile")).unwrap();
+    let boundaries: Vec<&str> =
+        document.split("\n## ").filter(|p| p.starts_with("Boundary")).collect();
+    assert_eq!(boundaries.len(), 10);
+    for boundary in boundaries {
+        let heading = boundary.lines().next().unwrap();
+        let rows =
+            boundary.lines().filter(|line| line.starts_with("| ") && !line.contains("Threat |"));
+        let mut count = 0;
+        for row in rows {
+            let proofs = row.trim_end_matches([' ', '|']).rsplit(" | ").next().unwrap();
+            let says_so = proofs.starts_with("no test") || proofs.contains(".md)");
+            assert!(says_so || !quoted(proofs).is_empty(), "{heading}: {row}");
+            for proof in quoted(proofs).iter().filter(|proof| !proof.contains("::")) {
+                let target = proof.strip_prefix("make ").map(|target| format!("\n{target}:"));
+                let is_there = target.map_or_else(
+                    || root().join(proof).exists() || makefile.contains(proof.as_str()),
+                    |target| makefile.contains(&target),
+                );
+                assert!(is_there, "{heading}: {proof} is not there");
+            }
+            count += 1;
+        }
+        assert!(count > 2, "{heading}: {count} threats were read");
+    }
+}
+
+#[test]
 fn every_row_has_a_proof_or_says_what_brings_one() {
     let document = fs::read_to_string(root().join("docs/promises.md")).unwrap();
     let is_head = |row: &&str| row.ends_with(" Proof |") || row.starts_with("|---");

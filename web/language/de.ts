@@ -1,7 +1,7 @@
 import type { Words } from './en'
 
 export const de: Words = {
-  product: { name: 'Verbund' },
+  product: { name: 'Verbund', licences: 'Lizenzen', thirdParty: 'Was andere geschrieben haben' },
   session: {
     title: 'Anmelden',
     userName: 'Benutzername',

@@ -1,5 +1,5 @@
 export const en = {
-  product: { name: 'Verbund' },
+  product: { name: 'Verbund', licences: 'Licences', thirdParty: 'What others wrote' },
   session: {
     title: 'Sign in',
     userName: 'User name',

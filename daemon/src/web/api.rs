@@ -4,7 +4,7 @@
 use axum::{
     Json, Router,
     extract::DefaultBodyLimit,
-    http::StatusCode,
+    http::{StatusCode, header},
     middleware,
     response::{IntoResponse, Response},
     routing::get,
@@ -28,10 +28,12 @@ use super::{
     roles::SESSION,
     session::{Accounts, Sessions, require_session},
 };
-use crate::telemetry::Metrics;
+use crate::{notices::NOTICES, telemetry::Metrics};
 
 /// Path below which all operations are.
 const API: &str = "/api/v1";
+/// Path of what others wrote, with the licences.
+const NOTICES_PATH: &str = "/third-party-notices.txt";
 /// Largest body of an operation without a session, in bytes: names, passwords and tokens.
 const OPEN_BODY_BYTES_MAX: usize = 4096;
 
@@ -87,12 +89,17 @@ where
         .nest(API, api)
         .with_state(shell.state)
         .merge(health::routes(shell.readiness, shell.metrics))
+        .route(NOTICES_PATH, get(notices))
         .method_not_allowed_fallback(unknown_method);
     let router = with_client_address(with_app::<P, ()>(router), shell.trusted_proxies);
     secured(router, shell.has_tls)
         .layer(CompressionLayer::new())
         .layer(CatchPanicLayer::custom(panicked))
         .layer(TraceLayer::new_for_http())
+}
+
+async fn notices() -> Response {
+    ([(header::CONTENT_TYPE, "text/plain; charset=utf-8")], NOTICES).into_response()
 }
 
 /// Adds all operations to what `description` says of the API as a whole; `cookie` is the first part of

@@ -2,6 +2,7 @@
 
 mod guessing;
 mod harness;
+mod notices;
 mod second_factor;
 mod session;
 mod slow_clients;

@@ -1,0 +1,197 @@
+// Asks whether what Verbund is built from has known weaknesses: `make advisories`.
+//
+//   node advisories.js            ends with 3 where a list of advisories cannot be had
+//   node advisories.js --report   says so and ends with 0: for machines that are known to be cut off
+//
+// 1 means a finding, an exception that has ended, or one that nothing needs any more. RustSec's
+// database comes from its repository, or from a clone of it that ADVISORY_DB names; npm's advisories
+// from the registry that npm is set up for.
+import { execFileSync, spawnSync } from 'node:child_process'
+import { mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
+import { compare, faultsOf } from './exceptions.js'
+import { ROOT } from './programs.js'
+
+const PLACE = `${ROOT}/target/supply-chain`
+/** The program that `make supply-chain` installs. */
+const CARGO_DENY = `${ROOT}/target/tools/bin/cargo-deny`
+const DATABASE = 'https://github.com/RustSec/advisory-db'
+const MANIFESTS = ['Cargo.toml', 'mapping-engine/script-deno/Cargo.toml']
+const NPM_FOLDERS = ['web', 'tests/browser', 'tests/foreign', 'tools/supply-chain']
+/** Advisory of no package, in a database that is there for the check of withdrawn versions alone. */
+const NO_ADVISORY = `\`\`\`toml
+[advisory]
+id = "RUSTSEC-1970-0001"
+package = "verbund-names-no-package-like-this"
+date = "1970-01-01"
+
+[versions]
+patched = []
+\`\`\`
+
+# Stands for a database that cannot be had
+`
+
+/** @typedef {import('./exceptions.js').Finding} Finding */
+/** @typedef {{ findings: Finding[], unchecked: string[] }} Answer */
+
+/**
+ * Reads what cargo-deny reports: a line of JSON each.
+ *
+ * @param {string} lines
+ * @param {string} where
+ * @returns {Finding[]}
+ */
+export function findingsOfDeny(lines, where) {
+  return lines.split('\n').flatMap((line) => {
+    if (!line.startsWith('{')) return []
+    const { type, fields } = JSON.parse(line)
+    if (type !== 'diagnostic' || !['error', 'warning'].includes(fields.severity)) return []
+    const span = fields.labels?.[0]?.span?.split(' ') ?? []
+    const withdrawn = `YANKED-${span[0]}-${span[1]}`
+    const id = fields.advisory?.id ?? (fields.code === 'yanked' ? withdrawn : fields.code)
+    const place = span[0] ?? where
+    return [
+      {
+        registry: 'cargo',
+        id,
+        where: place === where ? where : `${where}, ${place}`,
+        text: fields.message,
+      },
+    ]
+  })
+}
+
+/**
+ * Reads what `npm audit --json` reports.
+ *
+ * @param {string} text
+ * @param {string} where
+ * @returns {Finding[] | undefined} undefined where the registry has no advisories
+ */
+export function findingsOfNpm(text, where) {
+  const said = text.trim() ? JSON.parse(text) : {}
+  if (!said.vulnerabilities) return undefined
+  const all = Object.values(said.vulnerabilities).flatMap(({ via }) =>
+    via.flatMap((/** @type {any} */ one) => {
+      if (typeof one === 'string') return []
+      const id = /GHSA-[\w-]+/.exec(one.url)?.[0] ?? String(one.source)
+      return [{ registry: 'npm', id, where, text: `${one.name} ${one.range}: ${one.title}` }]
+    }),
+  )
+  return [...new Map(all.map((finding) => [`${finding.id} ${finding.text}`, finding])).values()]
+}
+
+/** Makes git fetch the database from another place. */
+const fetchedFrom = (/** @type {string} */ place) => ({
+  ...process.env,
+  GIT_CONFIG_COUNT: '1',
+  GIT_CONFIG_KEY_0: `url.${place}.insteadOf`,
+  GIT_CONFIG_VALUE_0: DATABASE,
+})
+
+function deny(
+  /** @type {string} */ manifest,
+  /** @type {string} */ folder,
+  /** @type {NodeJS.ProcessEnv} */ env,
+) {
+  const rules = readFileSync(`${ROOT}/deny.toml`, 'utf8')
+  const config = `${PLACE}/${folder}.toml`
+  writeFileSync(
+    config,
+    rules.replace('[advisories]', `[advisories]\ndb-path = "${PLACE}/${folder}"`),
+  )
+  const said = spawnSync(
+    CARGO_DENY,
+    [
+      '--locked',
+      '--format',
+      'json',
+      '--manifest-path',
+      manifest,
+      '--config',
+      config,
+      'check',
+      'advisories',
+    ],
+    { cwd: ROOT, encoding: 'utf8', env, maxBuffer: 1 << 28 },
+  )
+  if (said.error) throw new Error(`cargo-deny does not run: ${said.error.message}`)
+  const findings = findingsOfDeny(said.stderr, manifest)
+  const isLoaded = !/advisory database/.test(said.stderr)
+  if (isLoaded && said.status !== 0 && !findings.length) throw new Error(said.stderr)
+  return { isLoaded, findings, said: said.stderr }
+}
+
+/** A database without an advisory, for versions that were withdrawn from the registry. */
+function emptyDatabase() {
+  const place = `${PLACE}/no-advisories`
+  rmSync(place, { recursive: true, force: true })
+  mkdirSync(`${place}/crates/none`, { recursive: true })
+  writeFileSync(`${place}/crates/none/RUSTSEC-1970-0001.md`, NO_ADVISORY)
+  const git = (/** @type {string[]} */ ...parameters) =>
+    execFileSync('git', parameters, { cwd: place })
+  git('init', '--quiet', '--initial-branch', 'main')
+  git('add', '.')
+  git('-c', 'user.name=make', '-c', 'user.email=make@localhost', 'commit', '--quiet', '-m', 'none')
+  return place
+}
+
+/** @returns {Answer} */
+function askRustSec() {
+  const clone = process.env['ADVISORY_DB']
+  const env = clone ? fetchedFrom(clone) : process.env
+  /** @type {Answer} */
+  const answer = { findings: [], unchecked: [] }
+  // What was fetched from one place is no beginning for what another has.
+  const folder = clone ? 'clone' : 'rustsec'
+  if (clone) rmSync(`${PLACE}/${folder}`, { recursive: true, force: true })
+  for (const manifest of MANIFESTS) {
+    const first = deny(manifest, folder, env)
+    const { isLoaded, findings } = first.isLoaded
+      ? first
+      : deny(manifest, 'withdrawn', fetchedFrom(emptyDatabase()))
+    if (!isLoaded) throw new Error(`withdrawn versions cannot be looked for in ${manifest}`)
+    answer.findings.push(...findings)
+    if (!first.isLoaded)
+      answer.unchecked.push(
+        `${manifest}: RustSec's database cannot be fetched; withdrawn versions were looked for`,
+      )
+  }
+  return answer
+}
+
+/** @returns {Answer} */
+function askNpm() {
+  /** @type {Answer} */
+  const answer = { findings: [], unchecked: [] }
+  for (const folder of NPM_FOLDERS) {
+    const parameters = ['audit', '--json', '--package-lock-only', '--audit=true']
+    const said = spawnSync('npm', parameters, { cwd: `${ROOT}/${folder}`, encoding: 'utf8' })
+    const findings = findingsOfNpm(said.stdout, folder)
+    if (findings) answer.findings.push(...findings)
+    else answer.unchecked.push(`${folder}: the registry that npm is set up for has no advisories`)
+  }
+  return answer
+}
+
+if (process.argv[1] === new URL(import.meta.url).pathname) {
+  mkdirSync(PLACE, { recursive: true })
+  const { exceptions } = JSON.parse(
+    readFileSync(new URL('advisories.json', import.meta.url), 'utf8'),
+  )
+  const [rust, npm] = [askRustSec(), askNpm()]
+  const asked = new Set([
+    ...(rust.unchecked.length ? [] : ['cargo']),
+    ...(npm.unchecked.length ? [] : ['npm']),
+  ])
+  const faults = [
+    ...faultsOf(exceptions, new Date().toISOString().slice(0, 10)),
+    ...compare([...rust.findings, ...npm.findings], exceptions, asked),
+  ]
+  const unchecked = [...rust.unchecked, ...npm.unchecked]
+  for (const fault of faults) console.error(`ADVISORY: ${fault}`)
+  for (const one of unchecked) console.error(`NOT CHECKED for advisories: ${one}.`)
+  const isReport = process.argv.includes('--report')
+  if (!faults.length && !unchecked.length) console.log('No advisory is open.')
+  process.exitCode = faults.length ? 1 : unchecked.length && !isReport ? 3 : 0
+}
