@@ -13,3 +13,4 @@ mod notices;
 mod openapi;
 mod passwords;
 mod promises;
+mod shown;

@@ -7,7 +7,9 @@ use asi_model::{
     DateTime, FieldKey, FieldName, RequestKey, Scalar,
     opcua_json::Leniency,
     plain_value::ReportedValue,
-    pubsub::{DataSetMessage, PubSubMessage, ReportHeader, is_report_field, json::decode_described},
+    pubsub::{
+        DataSetMessage, PubSubMessage, ReportHeader, is_report_field, json::decode_described,
+    },
 };
 use serde::Serialize;
 

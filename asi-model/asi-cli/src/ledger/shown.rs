@@ -88,7 +88,12 @@ struct LogSoFar {
 /// What a line says, compared with what was shown.
 enum ComparedLine {
     /// A report that left, with what differs where it was shown.
-    Queued { id: ReportId, recorded_at: DateTime, is_emptied: bool, shown: Option<Vec<String>> },
+    Queued {
+        id: ReportId,
+        recorded_at: DateTime,
+        is_emptied: bool,
+        shown: Option<Vec<String>>,
+    },
     Ended(SequenceRange),
     Past(SequenceRange),
     Other,

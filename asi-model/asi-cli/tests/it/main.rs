@@ -3,6 +3,7 @@
 
 mod access;
 mod ledger;
+mod shown;
 
 use std::{
     io::Write as _,

@@ -106,7 +106,8 @@ impl LeftIndex {
         };
         let mut read = Vec::with_capacity(access.fields.len());
         for name in &access.fields {
-            match name.parse().ok().and_then(|name| left.get(self.fields.0.get(&name)?)) {
+            match name.parse().ok().and_then(|name: FieldName| left.get(self.fields.0.get(&name)?))
+            {
                 Some(times) => read.push(times),
                 None if is_older(access.values_to) => return Coverage::Older,
                 None => {
@@ -142,7 +143,8 @@ impl LeftIndex {
             let requests = report.requests(&collected.writers, &collected.consents);
             self.unassigned += u64::from(requests.is_empty());
             let past = collected.past.iter().filter(|(_, range)| has(range, report.id));
-            let viewers: Vec<u32> = past.map(|(viewer, _)| *viewer).chain([report.viewer]).collect();
+            let viewers: Vec<u32> =
+                past.map(|(viewer, _)| *viewer).chain([report.viewer]).collect();
             let until = report.recorded_at.after(EMPTIED_REACH);
             for key in viewers.iter().flat_map(|viewer| requests.iter().map(|to| (*viewer, *to))) {
                 let fields = self.left.entry(key).or_default();
