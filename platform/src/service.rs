@@ -83,10 +83,7 @@ impl Platform {
         program: &Path,
     ) -> Result<(Self, PlatformHandle), StartError> {
         data_directory::create(&config.data_directory, config.allow_shared_data_directory)?;
-        let plaintext_ways = plaintext::warned(config.plaintext_ways());
-        if let Some(note) = config.untested_broker() {
-            tracing::warn!("{note}");
-        }
+        let plaintext_ways = warned(&config);
         let metrics = Metrics::install()?;
         let store = Store::open(&config.database_path()).await?;
         let recording = RecordingStore::new(store.clone(), clock.clone());
@@ -250,6 +247,14 @@ fn open_accesses(
 ) -> Result<AccessRecorder, AccessLogKeyError> {
     let key = access_log_key::open(&config.data_directory.join(ACCESS_LOG_KEY_FILE))?;
     Ok(AccessRecorder::new(Arc::new(store.clone()), key, clock.clone()))
+}
+
+/// Warns of what the configuration allows at one's own risk; returns the addresses without TLS.
+fn warned(config: &PlatformConfig) -> Vec<plaintext::PlaintextWay> {
+    if let Some(note) = config.untested_broker() {
+        tracing::warn!("{note}");
+    }
+    plaintext::warned(config.plaintext_ways())
 }
 
 fn ingest_config(config: &PlatformConfig, witness: Arc<WitnessKey>) -> IngestConfig {

@@ -1,4 +1,4 @@
-//! What the real platform shows a recipient is what left for it, by the recipient's own audit.
+//! Reports of the real platform, compared with what left, by a recipient's own audit.
 
 use std::{path::Path, process::Command, time::Duration};
 

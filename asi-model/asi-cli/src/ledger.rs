@@ -50,7 +50,7 @@ pub struct AuditOptions {
     /// entry about their retention: a time that the factory names in another way.
     #[arg(long, value_name = "TIME")]
     emptied_before: Option<DateTime>,
-    /// What the platform showed of the factory's reports, to be compared with what left: pages of the
+    /// Reports of the factory as the platform showed them, to be compared with what left: pages of the
     /// history as its API answers them, one after another. Save them before the audit file is written.
     #[arg(long, value_name = "FILE")]
     shown: Option<PathBuf>,

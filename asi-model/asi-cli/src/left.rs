@@ -1,4 +1,4 @@
-//! What left a plant by the audit file of its ledger: reports, and what they contained.
+//! Reports that left a plant by the audit file of its ledger, and what they contained.
 
 use std::collections::BTreeMap;
 
@@ -27,13 +27,13 @@ pub struct ReportId {
 pub enum LeftEntry {
     /// A report was queued for the recipient.
     Queued(Box<QueuedReport>),
-    /// Those of these reports that were not sent never will be.
+    /// Reports of which those that were not sent never will be.
     Ended(SequenceRange),
     /// Reports that had left for others are shown to the recipient, too.
     PastReleased(SequenceRange),
     /// A decision about a field, with the number of the consent.
     Consent(FieldKey, u32),
-    /// Nothing about what left.
+    /// A statement about something else.
     Other,
 }
 
@@ -44,7 +44,7 @@ pub struct QueuedReport {
     pub recorded_at: DateTime,
     /// The consent of each field, by its number.
     pub consents: BTreeMap<FieldName, u32>,
-    /// What it contained; none where retention has emptied it, or no reader of the wire could read it.
+    /// Its content; none where retention has emptied it, or no reader of the wire could read it.
     pub content: Option<ReportContent>,
 }
 

@@ -1,4 +1,4 @@
-//! What others wrote, served beside the pages.
+//! Third-party notices, served beside the pages.
 
 use crate::harness::Harness;
 

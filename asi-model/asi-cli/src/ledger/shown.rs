@@ -1,4 +1,4 @@
-//! What the platform showed, compared with what left: a report that is shown and has no entry in the
+//! Reports that the platform showed, compared with those that left: a report that is shown and has no entry in the
 //! recipient's log never left for it.
 
 mod comparison;
@@ -85,7 +85,7 @@ struct LogSoFar {
     missing: BTreeSet<ReportId>,
 }
 
-/// What a line says, compared with what was shown.
+/// Statement of a line, compared with what was shown.
 enum ComparedLine {
     /// A report that left, with what differs where it was shown.
     Queued {

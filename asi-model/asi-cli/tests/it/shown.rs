@@ -1,4 +1,4 @@
-//! What the platform showed and to whom, compared with what left.
+//! Reports that the platform showed, and accesses, compared with what left.
 
 use std::{collections::BTreeMap, fmt::Write as _, path::Path};
 
