@@ -23,6 +23,11 @@ mkdir -p "$copy/web/dist" && [ ! -d web/dist ] || cp -r web/dist "$copy/web/"
 cd "$copy"
 
 mapfile -t tests < <(grep -v '^#' "$root/tests/mutants/$part/tests")
+# A failure that is there without any mutant would find them all.
+for test in "${tests[@]}"; do
+  # shellcheck disable=SC2086
+  cargo test --quiet --locked $test >"$logs/none.log" 2>&1 || { echo "The tests fail without a mutant: $logs/none.log"; exit 1; }
+done
 survivors=()
 for name in "${names[@]}"; do
   patch=$root/tests/mutants/$part/$name.patch log=$logs/$name.log

@@ -114,3 +114,6 @@ fn release_bits(releases: f64, policy: &DisclosurePolicy) -> f64 {
         0.0
     }
 }
+
+#[cfg(test)]
+mod tests;
