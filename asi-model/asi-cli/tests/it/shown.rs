@@ -195,6 +195,9 @@ fn compare_access(folder: &Path, ledger_key: &str, change: impl FnOnce(&mut Acce
     asi(&[&arguments[..], &["--ledger", &ledger, "--ledger-key", ledger_key]].concat(), "")
 }
 
+/// A widened access: what it is about, and the change that makes it.
+type Change = (&'static str, fn(&mut Access));
+
 #[test]
 fn an_access_to_what_never_left_for_the_reader_is_found() {
     let folder = tempfile::tempdir().unwrap();
@@ -203,7 +206,7 @@ fn an_access_to_what_never_left_for_the_reader_is_found() {
     assert_eq!(honest.code, 0, "{}{}", honest.out, honest.err);
     let outcome: Value = serde_json::from_str(&honest.out).unwrap();
     assert_eq!(outcome["left"]["accessesCovered"], json!(1), "{outcome:#}");
-    let changes: [(&str, fn(&mut Access)); 5] = [
+    let changes: [Change; 5] = [
         ("another organisation", |access| access.viewer = "hull".parse().unwrap()),
         ("another field", |access| access.fields = ["level".to_owned()].into()),
         ("another request", |access| {
