@@ -10,7 +10,7 @@ use daemon::web::session::{
 };
 
 use crate::{
-    clock::Clock,
+    clock::{Clock, new_opaque_id},
     principal::Principal,
     store::{
         AuditAgent, AuditAgentKind, AuditOutcome, AuditSubject, NewAuditEntry, Store, StoreError,
@@ -67,6 +67,7 @@ impl StoredAccounts {
             concerned: organisation_of(work, user_name).await?,
         };
         let entry = NewAuditEntry {
+            entry_id: new_opaque_id(),
             recorded_at: self.clock.now(),
             agent: &agent,
             operation: change.operation,

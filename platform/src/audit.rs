@@ -6,7 +6,7 @@
 use std::ops::{Deref, DerefMut};
 
 use crate::{
-    clock::Clock,
+    clock::{Clock, new_opaque_id},
     principal::Principal,
     store::{
         AuditAgent, AuditAgentKind, AuditOutcome, AuditSubject, NewAuditEntry, Store, StoreError,
@@ -90,6 +90,7 @@ impl RecordedWork {
         outcome: AuditOutcome,
     ) -> Result<(), StoreError> {
         let entry = NewAuditEntry {
+            entry_id: new_opaque_id(),
             recorded_at: self.clock.now(),
             agent: &self.agent,
             operation: self.operation,

@@ -4,6 +4,8 @@ use std::{fmt, sync::Arc, time::SystemTime};
 
 use asi_model::DateTime;
 
+use crate::opaque_id::OpaqueId;
+
 /// Source of the current time. Clones share it.
 #[derive(Clone)]
 pub struct Clock(Arc<dyn Fn() -> DateTime + Send + Sync>);
@@ -39,6 +41,12 @@ impl fmt::Debug for Clock {
 #[must_use]
 pub fn new_access_id() -> String {
     uuid::Uuid::new_v4().simple().to_string()
+}
+
+/// Makes the random id of a row that members see.
+#[must_use]
+pub fn new_opaque_id() -> OpaqueId {
+    OpaqueId::new(rand::random())
 }
 
 /// Makes a new message id: a UUIDv7, so that ids sort by time.

@@ -5,8 +5,8 @@
 //! Modules from the bottom to the top:
 //!
 //! - Pure: [`leases`] (decides which connector speaks for a factory), [`sequences`] (received
-//!   sequence numbers), [`signing`] (which keys sign for a factory), [`tools`] (messages of
-//!   partners' tools).
+//!   sequence numbers), [`signing`] (which keys sign for a factory), [`opaque_id`] (ids for
+//!   those outside), [`tools`] (messages of partners' tools).
 //! - [`accesses`]: values leave only with a record of who got them. [`access_log_key`]: signs that.
 //! - [`store`]: the database, one repository per noun. [`principal`]: rights of the signed-in user.
 //! - [`progress`] (pure): progress of operations. [`live`]: events for pages.
@@ -37,6 +37,7 @@ pub mod ingest;
 pub mod leases;
 pub mod live;
 pub mod networks;
+pub mod opaque_id;
 pub mod principal;
 pub mod progress;
 pub mod progress_notifier;

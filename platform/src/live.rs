@@ -10,6 +10,7 @@ use utoipa::ToSchema;
 
 use crate::{
     accesses::{Contents, Values, Withheld},
+    opaque_id::OpaqueId,
     progress::OperationProgress,
     store::{CurrentValue, PartState},
 };
@@ -91,7 +92,7 @@ pub enum LiveEvent {
     Comment {
         /// The network talked about.
         operation_network_id: OperationNetworkId,
-        comment_id: u64,
+        comment_id: OpaqueId,
     },
     /// Loss of events: more happened than the platform remembers, and the page loads afresh.
     Reset {},

@@ -953,11 +953,7 @@ export interface components {
             agentKind: components["schemas"]["AuditAgentKind"];
             /** @description Name of the person or program, for its own organisation and administrators. */
             agentName?: string | null;
-            /**
-             * Format: int64
-             * @description Number of the entry; entries of others are between those that a viewer sees.
-             */
-            number: number;
+            entryId: components["schemas"]["OpaqueId"];
             /** @description Id of the operation in the description of the API, as `putUser`. */
             operation: string;
             organisationId?: components["schemas"]["OrganisationId"] | null;
@@ -1039,11 +1035,7 @@ export interface components {
         CommentEntry: {
             /** @description User name of the author, as the sending side states it. */
             authorId: string;
-            /**
-             * Format: int64
-             * @description Its number, counting up.
-             */
-            commentId: number;
+            commentId: components["schemas"]["OpaqueId"];
             /** @description Time of arrival at the platform. */
             createdAt: components["schemas"]["DateTime"];
             dynamicDataRequestId?: components["schemas"]["DynamicDataRequestId"] | null;
@@ -1508,8 +1500,7 @@ export interface components {
         } | {
             /** @description Comment that was added to a network. */
             data: {
-                /** Format: int64 */
-                commentId: number;
+                commentId: components["schemas"]["OpaqueId"];
                 /** @description The network talked about. */
                 operationNetworkId: components["schemas"]["OperationNetworkId"];
             };
@@ -1616,6 +1607,8 @@ export interface components {
             organisationId: components["schemas"]["OrganisationId"];
             toolId: components["schemas"]["ToolId"];
         };
+        /** @description A random id, which says nothing of an order or a number. */
+        OpaqueId: string;
         /** @description A production, inspection or transportation step. */
         Operation: components["schemas"]["OperationKind"] & {
             /** @description More about it. */
@@ -2108,13 +2101,9 @@ export interface components {
              *     ledger's checkpoints.
              */
             publicKey: string;
+            receiptId: components["schemas"]["OpaqueId"];
             /** @description Time of arrival at the platform. */
             receivedAt: components["schemas"]["DateTime"];
-            /**
-             * Format: int64
-             * @description Its number, counting up.
-             */
-            revocationNumber: number;
             /** @description Ed25519 signature over the UTF-8 text, hexadecimal, as the factory stated it. */
             signature: string;
             /** @description The receipt, a JSON document, byte by byte as the factory signed it. */

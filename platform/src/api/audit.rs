@@ -37,8 +37,9 @@ pub async fn list(
 ) -> Result<Json<Page<AuditEntry>>, Problem> {
     check(&who)?;
     let mut work = app.store.read().await?;
-    let entries = work.audit().list(&who.principal.scope(), page.after(), page.limit()).await?;
-    Ok(Json(Page::new(entries, page.limit(), |entry| entry.number.to_string())))
+    let entries =
+        work.audit().list(&who.principal.scope(), page.after_id().as_ref(), page.limit()).await?;
+    Ok(Json(Page::new(entries, page.limit(), |entry| entry.entry_id.to_string())))
 }
 
 /// Exports the same, oldest first, as a JSON object per line.

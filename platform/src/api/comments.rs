@@ -12,6 +12,7 @@ use super::{
 };
 use crate::{
     application::Application,
+    clock::new_opaque_id,
     networks::{Author, CommentError, add_comment},
     principal::Principal,
     store::{AuditOutcome, AuditSubject, CommentEntry, NewComment},
@@ -46,8 +47,8 @@ pub async fn list(
     let mut work = app.store.read().await?;
     let known = work.networks().lookup(&scope, &id).await?;
     known.ok_or_else(|| Problem::not_found(format_args!("operation network {id}")))?;
-    let comments =
-        work.comments().list(&scope, &id, page.after().unwrap_or(0), page.limit()).await?;
+    let after = page.after_id();
+    let comments = work.comments().list(&scope, &id, after.as_ref(), page.limit()).await?;
     Ok(Json(Page::new(comments, page.limit(), |comment| comment.comment_id.to_string())))
 }
 
@@ -71,6 +72,7 @@ pub async fn add(
         ));
     }
     let comment = NewComment {
+        comment_id: new_opaque_id(),
         operation_network_id: id,
         factory_id: body.factory_id,
         dynamic_data_request_id: body.dynamic_data_request_id,
@@ -83,14 +85,14 @@ pub async fn add(
     let author = Author::user(&who.principal, now);
     let mut work = app.store.begin(&who.principal, "addComment").await?;
     let added = add_comment(&mut work, &comment, &author).await;
-    let (comment_id, event) = added.map_err(|error| refused(error, &comment))?;
-    let network = &comment.operation_network_id;
+    let event = added.map_err(|error| refused(error, &comment))?;
+    let NewComment { operation_network_id: network, comment_id, .. } = &comment;
     let path = format!("operation-networks/{network}/comments/{comment_id}");
     work.commit(AuditSubject::shared(path), AuditOutcome::Done).await?;
     app.broker_access.wake_link();
     app.live.publish([event]);
     let entry = CommentEntry {
-        comment_id,
+        comment_id: comment.comment_id,
         factory_id: comment.factory_id,
         dynamic_data_request_id: comment.dynamic_data_request_id,
         field_name: comment.field_name,

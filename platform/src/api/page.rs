@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
+use crate::opaque_id::OpaqueId;
+
 /// A page of a list.
 #[derive(Debug, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
@@ -27,6 +29,11 @@ impl PageQuery {
     /// The number of entries, within bounds.
     pub fn limit(&self) -> u32 {
         limit(self.limit)
+    }
+
+    /// Returns the cursor of a list whose rows have opaque ids; another text starts at the first page.
+    pub fn after_id(&self) -> Option<OpaqueId> {
+        self.cursor.as_deref()?.parse().ok()
     }
 
     /// Returns the cursor of a list ordered by number; a text that is no number starts at the first

@@ -25,7 +25,7 @@ pub async fn list(
     let mut work = app.store.read().await?;
     let known = work.networks().lookup(&scope, &id).await?;
     known.ok_or_else(|| Problem::not_found(format_args!("operation network {id}")))?;
-    let receipts =
-        work.revocations().list(&scope, &id, page.after().unwrap_or(0), page.limit()).await?;
-    Ok(Json(Page::new(receipts, page.limit(), |receipt| receipt.revocation_number.to_string())))
+    let after = page.after_id();
+    let receipts = work.revocations().list(&scope, &id, after.as_ref(), page.limit()).await?;
+    Ok(Json(Page::new(receipts, page.limit(), |receipt| receipt.receipt_id.to_string())))
 }

@@ -28,8 +28,8 @@ pub enum CommentError {
     Store(#[from] StoreError),
 }
 
-/// Stores a comment of a member and sends it to the factory. Returns its number and the event to
-/// publish after the commit.
+/// Stores a comment of a member and sends it to the factory. Returns the event to publish after
+/// the commit.
 ///
 /// # Errors
 /// [`CommentError`]; then the work must be dropped.
@@ -37,7 +37,7 @@ pub async fn add_comment(
     work: &mut Work,
     comment: &NewComment,
     author: &Author,
-) -> Result<(u64, Notification), CommentError> {
+) -> Result<Notification, CommentError> {
     let id = &comment.operation_network_id;
     let row = work.networks().lookup(&author.scope, id).await?.ok_or(CommentError::NoNetwork)?;
     if !author.may_plan {
@@ -56,8 +56,8 @@ pub async fn add_comment(
             return Err(CommentError::NoRequest);
         }
     }
-    let comment_id = work.comments().add(comment).await?;
-    let event = comment_added(work, id, comment_id).await?;
+    work.comments().add(comment).await?;
+    let event = comment_added(work, id, &comment.comment_id).await?;
     let is_reader = author.organisation_id.as_ref().is_some_and(|id| event.audience.contains(id));
     if !is_reader && !author.is_administrator {
         return Err(CommentError::NotAllowed);
@@ -72,5 +72,5 @@ pub async fn add_comment(
         text: comment.text.clone(),
     });
     work.outgoing().add(&outgoing(&comment.factory_id, &message, author.now)).await?;
-    Ok((comment_id, event))
+    Ok(event)
 }

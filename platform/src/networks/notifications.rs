@@ -6,6 +6,7 @@ use asi_model::{OperationNetworkId, OrganisationId, messages::Fault};
 
 use crate::{
     live::{LiveEvent, Notification},
+    opaque_id::OpaqueId,
     store::{NetworkPart, StoreError, Work},
 };
 
@@ -57,9 +58,10 @@ pub(crate) async fn part_changed(
 pub(crate) async fn comment_added(
     work: &mut Work,
     network: &OperationNetworkId,
-    comment_id: u64,
+    comment: &OpaqueId,
 ) -> Result<Notification, StoreError> {
-    let readers = work.comments().readers(comment_id).await?;
-    let event = LiveEvent::Comment { operation_network_id: network.clone(), comment_id };
+    let readers = work.comments().readers(comment).await?;
+    let event =
+        LiveEvent::Comment { operation_network_id: network.clone(), comment_id: comment.clone() };
     Ok(event.to(readers))
 }

@@ -12,6 +12,7 @@ use super::{
     row::{Columns, DatabaseRow, signed},
     scope::Scope,
 };
+use crate::opaque_id::OpaqueId;
 
 /// Kind of person or program that makes a change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
@@ -116,6 +117,7 @@ impl AuditSubject {
 /// An entry to add.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NewAuditEntry<'a> {
+    pub entry_id: OpaqueId,
     pub recorded_at: DateTime,
     pub agent: &'a AuditAgent,
     /// The operation's id in the description of the API.
@@ -128,8 +130,10 @@ pub struct NewAuditEntry<'a> {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct AuditEntry {
-    /// Number of the entry; entries of others are between those that a viewer sees.
+    /// Number of the entry in the order of all, which nobody is shown.
+    #[serde(skip)]
     pub number: u64,
+    pub entry_id: OpaqueId,
     pub recorded_at: DateTime,
     pub agent_kind: AuditAgentKind,
     /// Name of the person or program, for its own organisation and administrators.
@@ -163,7 +167,7 @@ impl AuditEntries<'_> {
     /// [`StoreError::Statement`].
     pub async fn add(&mut self, entry: &NewAuditEntry<'_>) -> Result<(), StoreError> {
         let sql = "INSERT INTO audit_entry (recorded_at, agent_kind, agent_name, organisation_id, operation, subject,
-                       concerned_id, outcome) VALUES ($1, $2, $3, $4, $5, $6, $7, $8)";
+                       concerned_id, outcome, opaque_id) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9)";
         sqlx::query(sql)
             .bind(entry.recorded_at.ticks())
             .bind(entry.agent.kind.as_str())
@@ -173,29 +177,40 @@ impl AuditEntries<'_> {
             .bind(&entry.subject.path)
             .bind(entry.subject.concerned.as_ref().map(OrganisationId::as_str))
             .bind(entry.outcome.as_str())
+            .bind(entry.entry_id.as_str())
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("record who changed what"))?;
         Ok(())
     }
 
-    /// Lists entries that the viewer may see, newest first, with smaller numbers than `before`.
+    /// Lists entries that the viewer may see, newest first, those from before the entry `before`. Where
+    /// retention removed that one, it removed all before it.
     ///
     /// # Errors
     /// [`StoreError`].
     pub async fn list(
         &mut self,
         scope: &Scope,
-        before: Option<u64>,
+        before: Option<&OpaqueId>,
         limit: u32,
     ) -> Result<Vec<AuditEntry>, StoreError> {
         let sql = concat!(
             "SELECT e.* FROM audit_entry e WHERE ",
             own!(),
-            " AND (CAST($2 AS INTEGER) IS NULL OR e.audit_entry_id < $2)
-              ORDER BY e.audit_entry_id DESC LIMIT $3"
+            " AND (CAST($2 AS TEXT) IS NULL OR e.audit_entry_id <
+                  (SELECT e.audit_entry_id FROM audit_entry e WHERE e.opaque_id = $2 AND ",
+            own!(),
+            ")) ORDER BY e.audit_entry_id DESC LIMIT $3"
         );
-        self.select(sql, scope, before, limit).await
+        let rows = sqlx::query(sql)
+            .bind(scope.member())
+            .bind(before.map(OpaqueId::as_str))
+            .bind(i64::from(limit))
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list who changed what"))?;
+        rows.iter().map(|row| read(row, scope)).collect()
     }
 
     /// Lists entries that the viewer may see, oldest first, with greater numbers than `after`.
@@ -213,7 +228,14 @@ impl AuditEntries<'_> {
             own!(),
             " AND e.audit_entry_id > $2 ORDER BY e.audit_entry_id LIMIT $3"
         );
-        self.select(sql, scope, Some(after), limit).await
+        let rows = sqlx::query(sql)
+            .bind(scope.member())
+            .bind(signed(after))
+            .bind(i64::from(limit))
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list who changed what"))?;
+        rows.iter().map(|row| read(row, scope)).collect()
     }
 
     /// Forgets the oldest entries: those of before a time, and those beyond the newest `retained`; not
@@ -244,23 +266,6 @@ impl AuditEntries<'_> {
             .map_err(StoreError::during("forget old entries of the audit"))?;
         Ok(result.rows_affected())
     }
-
-    async fn select(
-        &mut self,
-        sql: &'static str,
-        scope: &Scope,
-        number: Option<u64>,
-        limit: u32,
-    ) -> Result<Vec<AuditEntry>, StoreError> {
-        let rows = sqlx::query(sql)
-            .bind(scope.member())
-            .bind(number.map(signed))
-            .bind(i64::from(limit))
-            .fetch_all(&mut *self.0)
-            .await
-            .map_err(StoreError::during("list who changed what"))?;
-        rows.iter().map(|row| read(row, scope)).collect()
-    }
 }
 
 fn read(row: &DatabaseRow, scope: &Scope) -> Result<AuditEntry, StoreError> {
@@ -270,6 +275,7 @@ fn read(row: &DatabaseRow, scope: &Scope) -> Result<AuditEntry, StoreError> {
     let is_own = viewer.is_none() || viewer == organisation_id.as_ref().map(OrganisationId::as_str);
     Ok(AuditEntry {
         number: row.unsigned("audit_entry_id")?,
+        entry_id: row.parsed("opaque_id")?,
         recorded_at: row.time("recorded_at")?,
         agent_kind: row.parsed("agent_kind")?,
         agent_name: Some(agent_name).filter(|_| is_own),

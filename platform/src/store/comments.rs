@@ -9,13 +9,15 @@ use utoipa::ToSchema;
 use super::{
     database::Connection,
     error::StoreError,
-    row::{Columns, DatabaseRow, signed},
+    row::{Columns, DatabaseRow},
     scope::Scope,
 };
+use crate::opaque_id::OpaqueId;
 
 /// A comment to store.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NewComment {
+    pub comment_id: OpaqueId,
     /// The network talked about.
     pub operation_network_id: OperationNetworkId,
     /// The factory with whose people the comments are exchanged.
@@ -38,8 +40,7 @@ pub struct NewComment {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct CommentEntry {
-    /// Its number, counting up.
-    pub comment_id: u64,
+    pub comment_id: OpaqueId,
     /// The factory with whose people the comments are exchanged.
     pub factory_id: FactoryId,
     /// The request that the comment is about.
@@ -55,19 +56,27 @@ pub struct CommentEntry {
     pub created_at: DateTime,
 }
 
+/// Condition on a row `c` of `comment`: it is on the network `$2`, and the viewer `$1` may read it.
+macro_rules! readable {
+    () => {
+        "c.operation_network_id = $2 AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
+             SELECT 1 FROM comment_reader r WHERE r.comment_id = c.comment_id AND r.organisation_id = $1))"
+    };
+}
+
 /// Repository of comments.
 pub struct Comments<'w>(pub(super) &'w mut Connection);
 
 impl Comments<'_> {
-    /// Stores a comment; its number.
+    /// Stores a comment.
     ///
     /// # Errors
     /// [`StoreError::Statement`], as for an unknown network.
-    pub async fn add(&mut self, comment: &NewComment) -> Result<u64, StoreError> {
+    pub async fn add(&mut self, comment: &NewComment) -> Result<(), StoreError> {
         let sql = "INSERT INTO comment (operation_network_id, factory_id, dynamic_data_request_id, field_name,
-                       author_id, is_from_factory, text, created_at)
-                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8) RETURNING comment_id";
-        let row = sqlx::query(sql)
+                       author_id, is_from_factory, text, created_at, opaque_id)
+                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9)";
+        sqlx::query(sql)
             .bind(comment.operation_network_id.as_str())
             .bind(comment.factory_id.as_str())
             .bind(comment.dynamic_data_request_id.as_ref().map(DynamicDataRequestId::as_str))
@@ -76,14 +85,16 @@ impl Comments<'_> {
             .bind(i64::from(comment.is_from_factory))
             .bind(&comment.text)
             .bind(comment.created_at.ticks())
-            .fetch_one(&mut *self.0)
+            .bind(comment.comment_id.as_str())
+            .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("store a comment"))?;
-        row.unsigned("comment_id")
+        Ok(())
     }
 
-    /// Returns the comments on a network that the viewer may read, oldest first. Administrators read
-    /// what their organisation may.
+    /// Returns the comments on a network that the viewer may read, oldest first, those that came after
+    /// `after`. One that the viewer may not read is like one that never came: it restricts nothing.
+    /// Administrators read what their organisation may.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -91,17 +102,21 @@ impl Comments<'_> {
         &mut self,
         scope: &Scope,
         network: &OperationNetworkId,
-        after: u64,
+        after: Option<&OpaqueId>,
         limit: u32,
     ) -> Result<Vec<CommentEntry>, StoreError> {
-        let sql = "SELECT c.* FROM comment c
-                   WHERE c.operation_network_id = $2 AND c.comment_id > $3 AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
-                       SELECT 1 FROM comment_reader r WHERE r.comment_id = c.comment_id AND r.organisation_id = $1))
-                   ORDER BY c.comment_id LIMIT $4";
+        let sql = concat!(
+            "SELECT c.* FROM comment c WHERE ",
+            readable!(),
+            " AND c.comment_id > COALESCE(
+                  (SELECT c.comment_id FROM comment c WHERE c.opaque_id = $3 AND ",
+            readable!(),
+            "), 0) ORDER BY c.comment_id LIMIT $4"
+        );
         let rows = sqlx::query(sql)
             .bind(scope.recipient())
             .bind(network.as_str())
-            .bind(i64::try_from(after).unwrap_or(i64::MAX))
+            .bind(after.map(OpaqueId::as_str))
             .bind(i64::from(limit))
             .fetch_all(&mut *self.0)
             .await
@@ -113,11 +128,12 @@ impl Comments<'_> {
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn readers(&mut self, comment_id: u64) -> Result<Vec<OrganisationId>, StoreError> {
-        let sql = "SELECT organisation_id FROM comment_reader WHERE comment_id = $1
-                   ORDER BY organisation_id";
+    pub async fn readers(&mut self, comment: &OpaqueId) -> Result<Vec<OrganisationId>, StoreError> {
+        let sql = "SELECT r.organisation_id FROM comment_reader r
+                   JOIN comment c ON c.comment_id = r.comment_id WHERE c.opaque_id = $1
+                   ORDER BY r.organisation_id";
         let rows = sqlx::query(sql)
-            .bind(signed(comment_id))
+            .bind(comment.as_str())
             .fetch_all(&mut *self.0)
             .await
             .map_err(StoreError::during("list the readers of a comment"))?;
@@ -127,7 +143,7 @@ impl Comments<'_> {
 
 fn read(row: &DatabaseRow) -> Result<CommentEntry, StoreError> {
     Ok(CommentEntry {
-        comment_id: row.unsigned("comment_id")?,
+        comment_id: row.parsed("opaque_id")?,
         factory_id: row.parsed("factory_id")?,
         dynamic_data_request_id: row.parsed_option("dynamic_data_request_id")?,
         field_name: row.parsed_option("field_name")?,

@@ -10,7 +10,7 @@ use sqlx::{
 
 use super::{error::StoreError, work::Work};
 
-const MIGRATIONS: [(i64, &str, &str); 16] = [
+const MIGRATIONS: [(i64, &str, &str); 17] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
@@ -27,6 +27,7 @@ const MIGRATIONS: [(i64, &str, &str); 16] = [
     (33, "sessions", include_str!("../../migrations/sqlite/0033_sessions.sql")),
     (34, "second factors", include_str!("../../migrations/sqlite/0034_second_factors.sql")),
     (35, "signed messages", include_str!("../../migrations/sqlite/0035_signed_messages.sql")),
+    (36, "opaque ids", include_str!("../../migrations/sqlite/0036_opaque_ids.sql")),
 ];
 
 /// Reads of pages at once; more would only share the same disk.

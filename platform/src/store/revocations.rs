@@ -13,14 +13,14 @@ use super::{
     row::{Columns, DatabaseRow, signed},
     scope::Scope,
 };
+use crate::opaque_id::OpaqueId;
 
 /// A receipt as its readers see it: for the organisations that received the values, and for the
 /// factory's own.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RevocationEntry {
-    /// Its number, counting up.
-    pub revocation_number: u64,
+    pub receipt_id: OpaqueId,
     pub factory_id: FactoryId,
     pub operation_id: OperationId,
     pub dynamic_data_request_id: DynamicDataRequestId,
@@ -35,24 +35,36 @@ pub struct RevocationEntry {
     pub received_at: DateTime,
 }
 
+/// Condition on a row `v` of `revocation`: it is about the network `$2`, and the viewer `$1` may read it.
+macro_rules! readable {
+    () => {
+        "v.operation_network_id = $2 AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
+             SELECT 1 FROM revocation_reader r
+             WHERE r.revocation_number = v.revocation_number AND r.organisation_id = $1))"
+    };
+}
+
 /// Repository of receipts.
 pub struct Revocations<'w>(pub(super) &'w mut Connection);
 
 impl Revocations<'_> {
     /// Stores a receipt with its readers: of the recipients that the factory names those that a
-    /// revision named as recipients of the request, and the factory's organisation.
+    /// revision named as recipients of the request, and the factory's organisation. A repeat has no
+    /// effect.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
     pub async fn add(
         &mut self,
+        id: &OpaqueId,
         receipt: &SignedRevocation,
         received_at: DateTime,
     ) -> Result<(), StoreError> {
         let sql =
             "INSERT INTO revocation (message_id, factory_id, operation_network_id, operation_id,
-                       dynamic_data_request_id, signed_text, signature, public_key, received_at)
-                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9)
+                       dynamic_data_request_id, signed_text, signature, public_key, received_at,
+                       opaque_id)
+                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10)
                    ON CONFLICT DO NOTHING RETURNING revocation_number";
         let row = sqlx::query(sql)
             .bind(receipt.message_id.as_str())
@@ -64,6 +76,7 @@ impl Revocations<'_> {
             .bind(&receipt.signature)
             .bind(&receipt.public_key)
             .bind(received_at.ticks())
+            .bind(id.as_str())
             .fetch_optional(&mut *self.0)
             .await
             .map_err(StoreError::during("store a receipt of a revocation"))?;
@@ -89,7 +102,8 @@ impl Revocations<'_> {
         Ok(())
     }
 
-    /// Returns the receipts about requests of a network that the viewer may read, oldest first.
+    /// Returns the receipts about requests of a network that the viewer may read, oldest first, those
+    /// that came after `after`. One that the viewer may not read restricts nothing.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -97,19 +111,21 @@ impl Revocations<'_> {
         &mut self,
         scope: &Scope,
         network: &OperationNetworkId,
-        after: u64,
+        after: Option<&OpaqueId>,
         limit: u32,
     ) -> Result<Vec<RevocationEntry>, StoreError> {
-        let sql = "SELECT v.* FROM revocation v
-                   WHERE v.operation_network_id = $2 AND v.revocation_number > $3
-                       AND (CAST($1 AS TEXT) IS NULL OR EXISTS (
-                           SELECT 1 FROM revocation_reader r
-                           WHERE r.revocation_number = v.revocation_number AND r.organisation_id = $1))
-                   ORDER BY v.revocation_number LIMIT $4";
+        let sql = concat!(
+            "SELECT v.* FROM revocation v WHERE ",
+            readable!(),
+            " AND v.revocation_number > COALESCE(
+                  (SELECT v.revocation_number FROM revocation v WHERE v.opaque_id = $3 AND ",
+            readable!(),
+            "), 0) ORDER BY v.revocation_number LIMIT $4"
+        );
         let rows = sqlx::query(sql)
             .bind(scope.recipient())
             .bind(network.as_str())
-            .bind(signed(after))
+            .bind(after.map(OpaqueId::as_str))
             .bind(i64::from(limit))
             .fetch_all(&mut *self.0)
             .await
@@ -120,7 +136,7 @@ impl Revocations<'_> {
 
 fn read(row: &DatabaseRow) -> Result<RevocationEntry, StoreError> {
     Ok(RevocationEntry {
-        revocation_number: row.unsigned("revocation_number")?,
+        receipt_id: row.parsed("opaque_id")?,
         factory_id: row.parsed("factory_id")?,
         operation_id: row.parsed("operation_id")?,
         dynamic_data_request_id: row.parsed("dynamic_data_request_id")?,

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeSet;
 
+use platform::opaque_id::OpaqueId;
 use serde_json::{Value, json};
 use testkit::{Contract, authenticator::code};
 
@@ -110,6 +111,7 @@ fn redacted(value: &Value) -> Value {
             .collect(),
         Value::Array(elements) => elements.iter().map(redacted).collect(),
         Value::String(text) if text.parse::<asi_model::DateTime>().is_ok() => json!("[time]"),
+        Value::String(text) if text.parse::<OpaqueId>().is_ok() => json!("[opaque id]"),
         other => other.clone(),
     }
 }

@@ -18,6 +18,7 @@ mod journey;
 mod leases;
 mod members;
 mod migration;
+mod opaque_ids;
 mod openapi;
 mod past_releases;
 mod receipts;

@@ -10,6 +10,7 @@ use asi_model::{
 use messaging::LogicalAddress;
 
 use crate::{
+    clock::new_opaque_id,
     ingest::{decode::Incoming, unit::IngestUnit},
     live::LiveEvent,
     networks,
@@ -70,6 +71,7 @@ async fn comment(
         return unit.reject_foreign(address, incoming, &comment.factory_id, about).await;
     }
     let new = NewComment {
+        comment_id: new_opaque_id(),
         operation_network_id: id.clone(),
         factory_id: comment.factory_id.clone(),
         dynamic_data_request_id: comment.dynamic_data_request_id.clone(),
@@ -79,8 +81,8 @@ async fn comment(
         text: comment.text.chars().take(TEXT_CHARS_MAX).collect(),
         created_at: incoming.received_at,
     };
-    let comment_id = unit.work.comments().add(&new).await?;
-    let event = networks::comment_added(unit.work, id, comment_id).await?;
+    unit.work.comments().add(&new).await?;
+    let event = networks::comment_added(unit.work, id, &new.comment_id).await?;
     unit.effects.notifications.push(event);
     Ok(())
 }
@@ -99,7 +101,7 @@ async fn revocation(
         let about = format!("{network}/{request}");
         return unit.reject_foreign(address, incoming, &receipt.factory_id, about).await;
     }
-    unit.work.revocations().add(receipt, incoming.received_at).await
+    unit.work.revocations().add(&new_opaque_id(), receipt, incoming.received_at).await
 }
 
 /// Records the answer to a part of a network.

@@ -5,7 +5,7 @@ use std::time::Duration;
 use asi_model::messages::{AcknowledgementResult, Fault};
 
 use crate::{
-    clock::new_message_id,
+    clock::{new_message_id, new_opaque_id},
     ingest::unit::IngestUnit,
     networks::{self, Author, ChangeError},
     store::{
@@ -41,6 +41,7 @@ pub(super) async fn add_request(
             let id = &message.dynamic_data_request.dynamic_data_request_id;
             let path = format!("operation-networks/{network}/operations/{operation}/requests/{id}");
             let entry = NewAuditEntry {
+                entry_id: new_opaque_id(),
                 recorded_at: unit.now,
                 agent: &agent,
                 operation: "addDynamicDataRequest",
