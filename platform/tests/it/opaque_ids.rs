@@ -25,7 +25,7 @@ fn items(page: &Value) -> &[Value] {
 /// Asserts that ids have no order: they are random from their first digits on.
 fn assert_random(ids: &[&str]) {
     let is_opaque = |id: &&str| id.len() == 32 && id.bytes().all(|digit| digit.is_ascii_hexdigit());
-    assert!(ids.iter().all(|id| is_opaque(id)), "{ids:?}");
+    assert!(ids.iter().all(is_opaque), "{ids:?}");
     let prefixes: BTreeSet<&str> = ids.iter().map(|id| &id[..PREFIX]).collect();
     assert_eq!(prefixes.len(), ids.len(), "{ids:?}");
 }
@@ -66,7 +66,8 @@ async fn ids_of_comments_count_nothing_of_others() {
         }
         own.push(comment(&inspector, "AskedByHamburg").await);
     }
-    let ids: Vec<&str> = own.iter().map(|entry| entry["commentId"].as_str().unwrap()).collect();
+    let ids: Vec<&str> =
+        own.iter().map(|entry| entry["commentId"].as_str().expect("as described")).collect();
     assert_random(&ids);
     for (entry, id) in own.iter().zip(&ids) {
         assert_eq!(numbers_of(entry), [] as [i64; 0], "{entry}");
@@ -85,7 +86,9 @@ async fn ids_of_comments_count_nothing_of_others() {
     assert_eq!(read, own);
     // A comment of others is like one that never was.
     let foreign = buyer.get(&comments()).await.expect_ok();
-    for cursor in [items(&foreign)[0]["commentId"].as_str().unwrap(), &"0".repeat(32), "2"] {
+    for cursor in
+        [items(&foreign)[0]["commentId"].as_str().expect("as described"), &"0".repeat(32), "2"]
+    {
         let path = format!("{}?cursor={cursor}", comments());
         assert_eq!(items(&inspector.get(&path).await.expect_ok()), own, "{cursor}");
     }
@@ -113,7 +116,8 @@ async fn ids_of_audit_entries_count_nothing_of_others() {
         path = format!("/audit-entries?limit=2&cursor={cursor}");
     }
     assert_eq!(items(&inspector.get("/audit-entries").await.expect_ok()), read);
-    let ids: Vec<&str> = read.iter().map(|entry| entry["entryId"].as_str().unwrap()).collect();
+    let ids: Vec<&str> =
+        read.iter().map(|entry| entry["entryId"].as_str().expect("as described")).collect();
     assert!(ids.len() > 3, "{read:?}");
     assert_random(&ids);
     for entry in &read {
@@ -121,8 +125,11 @@ async fn ids_of_audit_entries_count_nothing_of_others() {
     }
     // An entry of others is no place, and neither is one that retention removed.
     let all = admin.get("/audit-entries?limit=1000").await.expect_ok();
-    let foreign = items(&all).iter().find(|entry| entry["organisationId"] == "acme-aero").unwrap();
-    for cursor in [foreign["entryId"].as_str().unwrap(), &"0".repeat(32)] {
+    let foreign = items(&all)
+        .iter()
+        .find(|entry| entry["organisationId"] == "acme-aero")
+        .expect("as described");
+    for cursor in [foreign["entryId"].as_str().expect("as described"), &"0".repeat(32)] {
         let page = inspector.get(&format!("/audit-entries?cursor={cursor}")).await.expect_ok();
         assert_eq!(items(&page), [] as [Value; 0]);
     }
@@ -147,8 +154,10 @@ async fn ids_of_receipts_count_nothing_of_others() {
     })
     .await;
     let whole = buyer.get(&path).await.expect_ok();
-    let ids: Vec<&str> =
-        items(&whole).iter().map(|entry| entry["receiptId"].as_str().unwrap()).collect();
+    let ids: Vec<&str> = items(&whole)
+        .iter()
+        .map(|entry| entry["receiptId"].as_str().expect("as described"))
+        .collect();
     assert_eq!(ids.len(), 2, "{whole}");
     assert_random(&ids);
     let rest = buyer.get(&format!("{path}?cursor={}", ids[0])).await.expect_ok();
