@@ -7,6 +7,7 @@ type Schemas = components['schemas']
 /** Entry of the record of who read a factory's values. */
 export type AccessRetentionEntry = Schemas['AccessRetentionEntry']
 export type AccessView = Schemas['AccessView']
+export type AuditEntry = Schemas['AuditEntry']
 export type Collaboration = Schemas['Collaboration']
 export type CommentEntry = Schemas['CommentEntry']
 /** What a removal ends, and what is in its way. */

@@ -2,7 +2,7 @@ import { render, screen } from '@testing-library/svelte'
 import userEvent from '@testing-library/user-event'
 import { afterEach, describe, expect, it, vi } from 'vitest'
 import { serve, type Asked } from '../../vitest.server'
-import type { Removal } from '../api/types'
+import type { AuditEntry, Removal } from '../api/types'
 import AuditPage from '../audit/AuditPage.svelte'
 import { texts } from '../language/texts'
 import RemovalDialog from './RemovalDialog.svelte'
@@ -56,8 +56,8 @@ describe('a removal', () => {
 
 describe('the record of changes', () => {
   it('names people of the own organisation and the organisations of others', async () => {
-    const entry = {
-      number: 1,
+    const entry: AuditEntry = {
+      entryId: '1c',
       recordedAt: '2026-01-01T00:00:00Z',
       agentKind: 'USER',
       operation: 'putUser',
@@ -67,8 +67,8 @@ describe('the record of changes', () => {
     serve({
       'GET /audit-entries': () => ({
         items: [
-          { ...entry, number: 3, agentName: 'anna', organisationId: 'acme' },
-          { ...entry, number: 2, organisationId: 'munich' },
+          { ...entry, entryId: 'a3', agentName: 'anna', organisationId: 'acme' },
+          { ...entry, entryId: 'b2', organisationId: 'munich' },
           entry,
         ],
       }),
