@@ -9,6 +9,7 @@ mod dry_run;
 mod engine;
 mod inputs;
 mod script;
+mod unreleased;
 
 // The documents and their transforms have a pure crate of their own; users of the engine need not
 // name it.
@@ -31,3 +32,4 @@ pub use script::{
     config::{ScriptConfig, ScriptRuntime},
     status::{LandlockState, ScriptWorkerStatus, WorkerPurpose, WorkerWalls},
 };
+pub use unreleased::{SeesUnreleased, Unreleased};

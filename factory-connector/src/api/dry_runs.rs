@@ -12,7 +12,7 @@ use super::{
     fields::{MappingDraft, mapping_of},
     paths::FieldPath,
     problems::{Problems, engine, shop_floor},
-    roles::Engineer,
+    roles::{BeforeGate, Engineer},
 };
 use crate::clock::now;
 
@@ -74,7 +74,7 @@ pub struct DryRun {
     responses((status = 200, body = DryRun), Problems)
 )]
 pub async fn dry_run_mapping(
-    _: Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
     ApiJson(body): ApiJson<DryRunBody>,
@@ -104,7 +104,8 @@ pub async fn dry_run_mapping(
         samples.first().map(|sample| sample.at),
         samples.last().map(|sample| sample.at),
     );
-    let mut trace = api.engine.dry_run(mapping, samples, state).await.map_err(engine)?;
+    let trace = api.engine.dry_run(mapping, samples, state).await.map_err(engine)?;
+    let mut trace = trace.seen_by(BeforeGate::from(&user));
     let runs_total = trace.runs.len();
     let most = body.limit.unwrap_or(RUNS_DEFAULT).clamp(1, RUNS_MAX);
     trace.runs.drain(..runs_total.saturating_sub(most));

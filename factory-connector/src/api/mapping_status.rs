@@ -11,7 +11,7 @@ use super::{
     context::Api,
     paths::FieldPath,
     problems::{Problems, engine},
-    roles::Engineer,
+    roles::{BeforeGate, Engineer},
 };
 
 /// Mappings in a survey without a limit, and at most.
@@ -37,12 +37,13 @@ pub struct SurveyQuery {
     responses((status = 200, body = MappingSurvey), Problems)
 )]
 pub async fn survey_mappings(
-    _: Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiQuery(query): ApiQuery<SurveyQuery>,
 ) -> Result<Json<MappingSurvey>, Problem> {
     let most = query.limit.unwrap_or(SURVEYED_DEFAULT).min(SURVEYED_MAX);
-    api.engine.survey(query.health, most).await.map(Json).map_err(engine)
+    let survey = api.engine.survey(query.health, most).await.map_err(engine)?;
+    Ok(Json(survey.seen_by(BeforeGate::from(&user))))
 }
 
 /// Shows the status of a field's mapping: last values in and out, counts, faults, time spent.
@@ -54,13 +55,12 @@ pub async fn survey_mappings(
     responses((status = 200, body = MappingStatus), Problems)
 )]
 pub async fn show_mapping_status(
-    _: Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<MappingStatus>, Problem> {
     let id = mapping_id_of(&api, path.into_key()).await?;
-    let status = api.engine.status(&id).await.map_err(engine)?;
-    status.map(Json).ok_or_else(|| Problem::not_found("mapping at work for this field"))
+    status_of(&api, &id, BeforeGate::from(&user)).await
 }
 
 /// Closes the circuit breakers of a field's scripts that exceeded their budget: they run again at
@@ -73,14 +73,23 @@ pub async fn show_mapping_status(
     responses((status = 200, body = MappingStatus), Problems)
 )]
 pub async fn restart_mapping(
-    _: Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<MappingStatus>, Problem> {
     let id = mapping_id_of(&api, path.into_key()).await?;
     api.engine.reset(&id).await.map_err(engine)?;
-    let status = api.engine.status(&id).await.map_err(engine)?;
-    status.map(Json).ok_or_else(|| Problem::not_found("mapping at work for this field"))
+    status_of(&api, &id, BeforeGate::from(&user)).await
+}
+
+async fn status_of(
+    api: &Api,
+    id: &MappingId,
+    before_gate: BeforeGate,
+) -> Result<Json<MappingStatus>, Problem> {
+    let status = api.engine.status(id).await.map_err(engine)?;
+    let status = status.ok_or_else(|| Problem::not_found("mapping at work for this field"))?;
+    Ok(Json(status.seen_by(before_gate)))
 }
 
 async fn mapping_id_of(api: &Api, field: FieldKey) -> Result<MappingId, Problem> {

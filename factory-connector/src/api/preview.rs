@@ -301,6 +301,7 @@ async fn run(
         .read(move |state| state.field(&key).and_then(|field| field.state_for(&draft)))
         .await?;
     let trace = api.engine.dry_run(mapping, samples, state).await.map_err(engine)?;
+    let trace = trace.seen_by(before_gate);
     preview.diagnostics = trace.diagnostics;
     let last: Option<TraceRun> = trace.runs.into_iter().next_back();
     let Some(last) = last else { return Ok(None) };

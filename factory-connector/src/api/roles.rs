@@ -60,6 +60,8 @@ pub struct Engineer(SignedIn<Principal>);
 #[derive(Debug, Clone, Copy)]
 pub struct BeforeGate(());
 
+impl mapping_engine::SeesUnreleased for BeforeGate {}
+
 impl From<&Operator> for BeforeGate {
     fn from(_: &Operator) -> Self {
         Self(())

@@ -56,7 +56,7 @@ pub async fn start_shadow_mapping(
     let field = path.into_key();
     let mapping = checked(&api, &field, draft).await?;
     set(&api, field.clone(), Some(mapping), &user.principal.user_name).await?;
-    view(&api, field).await
+    view(&api, field, BeforeGate::from(&user)).await
 }
 
 /// Shows the shadow mapping, with its values beside those of the published one.
@@ -68,11 +68,11 @@ pub async fn start_shadow_mapping(
     responses((status = 200, body = ShadowView), Problems)
 )]
 pub async fn show_shadow_mapping(
-    _: Engineer,
+    user: Engineer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
 ) -> Result<Json<ShadowView>, Problem> {
-    view(&api, path.into_key()).await
+    view(&api, path.into_key(), BeforeGate::from(&user)).await
 }
 
 /// Ends the shadow mapping.
@@ -142,7 +142,11 @@ async fn set(
     set.await?.map_err(decision_problem)
 }
 
-async fn view(api: &Api, field: asi_model::FieldKey) -> Result<Json<ShadowView>, Problem> {
+async fn view(
+    api: &Api,
+    field: asi_model::FieldKey,
+    before_gate: BeforeGate,
+) -> Result<Json<ShadowView>, Problem> {
     let known = api
         .coordinator
         .read(move |state| {
@@ -165,13 +169,15 @@ async fn view(api: &Api, field: asi_model::FieldKey) -> Result<Json<ShadowView>,
     let shadow = shadow.ok_or_else(no_shadow)?;
     // Ids are not compared, only what a person wrote.
     let written = Mapping { mapping_id: mapping_id.clone(), ..shadow.mapping.clone() };
+    let status = api.engine.status(&shadow_id).await.map_err(engine)?;
+    let of_published = api.engine.status(&mapping_id).await.map_err(engine)?;
     Ok(Json(ShadowView {
         changes: published.map(|published| compare(&published, &written)).unwrap_or_default(),
         mapping: shadow.mapping,
         author: shadow.author,
         started_at: shadow.started_at,
-        status: api.engine.status(&shadow_id).await.map_err(engine)?,
-        published: api.engine.status(&mapping_id).await.map_err(engine)?,
+        status: status.map(|status| status.seen_by(before_gate)),
+        published: of_published.map(|status| status.seen_by(before_gate)),
     }))
 }
 

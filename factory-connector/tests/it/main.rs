@@ -12,4 +12,5 @@ mod mappings;
 mod plant;
 mod previews;
 mod roles;
+mod texts_of_scripts;
 mod trust;

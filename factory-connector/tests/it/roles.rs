@@ -151,17 +151,19 @@ const ROLES: &[(&str, Least)] = &[
 ];
 
 /// An operation of the description.
-struct Operation {
-    id: String,
-    method: Method,
-    /// Its path below `/api/v1`, with `unknown` for each parameter.
+pub struct Operation {
+    pub id: String,
+    pub method: Method,
+    /// Its path below `/api/v1`, with the parameters in braces.
+    pub template: String,
+    /// Its path with `unknown` for each parameter.
     path: String,
     /// The least role that the description names.
     described: Least,
 }
 
 /// Returns every operation of the description.
-fn operations() -> Vec<Operation> {
+pub fn operations() -> Vec<Operation> {
     let description =
         serde_json::to_value(factory_connector::api::openapi()).expect("it serialises");
     let paths = description["paths"].as_object().expect("paths");
@@ -173,6 +175,7 @@ fn operations() -> Vec<Operation> {
                 id: operation["operationId"].as_str().expect("an id").to_owned(),
                 method: method.to_uppercase().parse().expect("a method"),
                 path: filled(path),
+                template: path.to_owned(),
                 described: described(operation),
             });
         }
@@ -198,7 +201,7 @@ fn described(operation: &Value) -> Least {
 }
 
 /// Adds a person with a role and returns the person's session.
-async fn person(plant: &Plant, role: &str) -> SignedIn {
+pub async fn person(plant: &Plant, role: &str) -> SignedIn {
     let (name, password) = (role.to_lowercase(), format!("a password of the {role}"));
     let body = json!({ "role": role, "password": password });
     plant.put(&format!("/users/its-{name}"), body).await;

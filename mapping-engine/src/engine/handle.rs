@@ -18,6 +18,7 @@ use super::{
 use crate::{
     dry_run::{DryRunSample, SAMPLES_MAX, Trace},
     script::status::{ScriptWorkerStatus, ScriptWorkers},
+    unreleased::Unreleased,
 };
 
 /// Cloneable handle to the engine's task.
@@ -91,10 +92,10 @@ impl MappingEngineHandle {
         &self,
         wanted: Option<MappingHealth>,
         most: usize,
-    ) -> Result<MappingSurvey, EngineError> {
+    ) -> Result<Unreleased<MappingSurvey>, EngineError> {
         let (reply, answer) = oneshot::channel();
         self.send(MappingCommand::Survey(wanted, most, reply)).await?;
-        answer.await.map_err(|_| EngineError::Stopped)
+        answer.await.map(Unreleased::new).map_err(|_| EngineError::Stopped)
     }
 
     /// Returns the counters, inputs and last candidate of one mapping.
@@ -104,10 +105,11 @@ impl MappingEngineHandle {
     pub async fn status(
         &self,
         mapping_id: &MappingId,
-    ) -> Result<Option<MappingStatus>, EngineError> {
+    ) -> Result<Option<Unreleased<MappingStatus>>, EngineError> {
         let (reply, answer) = oneshot::channel();
         self.send(MappingCommand::Status(mapping_id.clone(), reply)).await?;
-        answer.await.map_err(|_| EngineError::Stopped)
+        let status = answer.await.map_err(|_| EngineError::Stopped)?;
+        Ok(status.map(Unreleased::new))
     }
 
     /// Returns the workers of scripts that were started or could not be, with the walls around each.
@@ -132,7 +134,7 @@ impl MappingEngineHandle {
     /// # Errors
     /// [`EngineError::Stopped`].
     pub async fn check(&self, mapping: Mapping) -> Result<Vec<MappingDiagnostic>, EngineError> {
-        self.dry_run(mapping, Vec::new(), None).await.map(|trace| trace.diagnostics)
+        self.run(mapping, Vec::new(), None).await.map(|trace| trace.diagnostics)
     }
 
     /// Returns the recorded values of these inputs, oldest first. Variables are recorded while a
@@ -156,6 +158,15 @@ impl MappingEngineHandle {
     /// # Errors
     /// [`EngineError::TooManySamples`], [`EngineError::Stopped`].
     pub async fn dry_run(
+        &self,
+        mapping: Mapping,
+        samples: Vec<DryRunSample>,
+        state: Option<TransformState>,
+    ) -> Result<Unreleased<Trace>, EngineError> {
+        self.run(mapping, samples, state).await.map(Unreleased::new)
+    }
+
+    async fn run(
         &self,
         mapping: Mapping,
         samples: Vec<DryRunSample>,

@@ -10,9 +10,9 @@ use std::{
 
 use asi_model::{DataValue, DateTime, Variant};
 use mapping_engine::{
-    Candidate, Inputs, Mapping, MappingEngine, MappingEngineConfig, MappingEngineHandle,
-    MappingHealth, MappingId, MappingStatus, PublishRequest, ScriptConfig, ScriptRuntime,
-    TargetKey,
+    Candidate, DryRunSample, Inputs, Mapping, MappingEngine, MappingEngineConfig,
+    MappingEngineHandle, MappingHealth, MappingId, MappingStatus, MappingSurvey, PublishRequest,
+    ScriptConfig, ScriptRuntime, SeesUnreleased, TargetKey, Trace, TransformState,
 };
 use shop_floor::{InputChange, InputKey, MonitorRequest, ShopFloorError};
 use tokio::{sync::mpsc, task::JoinHandle, time::timeout};
@@ -48,6 +48,11 @@ impl Inputs for PlayedInputs {
             .retain(|_, key| !inputs.contains(key));
     }
 }
+
+/// A test sees everything.
+struct Tester;
+
+impl SeesUnreleased for Tester {}
 
 /// A running engine.
 pub struct Bench {
@@ -174,15 +179,26 @@ impl Bench {
     }
 
     pub async fn status(&self, id: &str) -> MappingStatus {
-        self.handle
-            .status(&mapping_id(id))
-            .await
-            .expect("the engine runs")
-            .expect("the mapping is there")
+        let status = self.handle.status(&mapping_id(id)).await.expect("the engine runs");
+        status.expect("the mapping is there").seen_by(Tester)
+    }
+
+    pub async fn survey(&self, wanted: Option<MappingHealth>, most: usize) -> MappingSurvey {
+        self.handle.survey(wanted, most).await.expect("the engine runs").seen_by(Tester)
+    }
+
+    pub async fn dry_run(
+        &self,
+        mapping: Mapping,
+        samples: Vec<DryRunSample>,
+        state: Option<TransformState>,
+    ) -> Trace {
+        let trace = self.handle.dry_run(mapping, samples, state).await;
+        trace.expect("the engine runs").seen_by(Tester)
     }
 
     pub async fn health(&self, id: &str) -> MappingHealth {
-        let items = self.handle.survey(None, usize::MAX).await.expect("the engine runs").items;
+        let items = self.survey(None, usize::MAX).await.items;
         let id = mapping_id(id);
         items.iter().find(|item| item.status.mapping_id == id).expect("the mapping is there").health
     }

@@ -79,9 +79,9 @@ async fn wrong_mappings_are_rejected_with_everything_and_right_ones_put_all_the_
     assert_eq!(pointers, ["/inputs/1/name", "/steps/0/divisor"]);
     assert!(put[1].as_ref().is_ok_and(Vec::is_empty), "{put:?}");
     assert_eq!(bench.ask("right", 4_i32).await.value, 4_i32.into());
-    assert_eq!(bench.handle.survey(None, 10).await.expect("runs").items.len(), 1);
+    assert_eq!(bench.survey(None, 10).await.items.len(), 1);
     bench.remove("right").await;
-    assert_eq!(bench.handle.survey(None, 10).await.expect("runs").items.len(), 0);
+    assert_eq!(bench.survey(None, 10).await.items.len(), 0);
     bench.stop().await;
 }
 
@@ -118,18 +118,14 @@ async fn what_came_in_is_recorded_and_can_be_tried_on() {
     let last = |trace: mapping_engine::Trace| {
         trace.runs.last().and_then(|run| run.candidate.clone()).expect("a value")
     };
-    let trace = bench.handle.dry_run(counter(), recorded.clone(), None).await.expect("runs");
+    let trace = bench.dry_run(counter(), recorded.clone(), None).await;
     assert_eq!(trace.runs.len(), 3);
     assert_eq!(last(trace).value, json!("5"));
     // As if it had run before: it goes on counting from there.
     let state: TransformState =
         serde_json::from_str(r#"[{"function":"counter","total":40,"last":14,"level":null}]"#)
             .expect("a state");
-    let trace = bench
-        .handle
-        .dry_run(counter(), vec![recorded[2].clone()], Some(state))
-        .await
-        .expect("runs");
+    let trace = bench.dry_run(counter(), vec![recorded[2].clone()], Some(state)).await;
     assert_eq!(last(trace).value, json!("41"));
     // Another version goes on with what was recorded.
     bench.put(chain("count", &["a"], "UInt64", json!([]))).await;
@@ -158,7 +154,7 @@ async fn a_mapping_is_replaced_in_place() {
         "it speaks at once about what is known"
     );
     assert_eq!(bench.ask("m", 5_i32).await.value, 10_i32.into());
-    assert_eq!(bench.handle.survey(None, 10).await.expect("runs").items.len(), 1);
+    assert_eq!(bench.survey(None, 10).await.items.len(), 1);
     bench.stop().await;
 }
 

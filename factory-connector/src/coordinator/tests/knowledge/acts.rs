@@ -51,6 +51,8 @@ pub(super) enum Act {
     Revise(u8),
     Wait(u32),
     SetClockBack(u32),
+    /// The clock leaps forward: nothing was released in between.
+    SetClockForward(u32),
     Restart,
     /// The link is up: everything that waits leaves.
     Send {
@@ -81,8 +83,11 @@ fn act() -> impl Strategy<Value = Act> {
     let name = || 0..2_usize;
     let policy = || policies().prop_map(Box::new);
     prop_oneof![
-        10 => (proptest::collection::vec(coming(), 1..5), 0..8_000_u32)
+        8 => (proptest::collection::vec(coming(), 1..5), 0..8_000_u32)
             .prop_map(|(coming, later_ms)| Act::Values(coming, later_ms)),
+        // One value: that it comes later is concealed more often than that several do.
+        4 => (coming(), 0..8_000_u32)
+            .prop_map(|(coming, later_ms)| Act::Values(vec![coming], later_ms)),
         // Several values of one field, of which a policy may show the last one only.
         4 => (field(), proptest::collection::vec(coming(), 2..5)).prop_map(|(field, coming)| {
             let coming = coming.into_iter().map(|coming| Coming { field, ..coming });
@@ -98,6 +103,7 @@ fn act() -> impl Strategy<Value = Act> {
         1 => (0..8_u8).prop_map(Act::Revise),
         6 => prop_oneof![1..2_000_u32, 2_000..90_000_u32].prop_map(Act::Wait),
         1 => (1..100_000_u32).prop_map(Act::SetClockBack),
+        1 => prop_oneof![1..100_000_u32, 100_000..100_000_000_u32].prop_map(Act::SetClockForward),
         1 => Just(Act::Restart),
         3 => any::<bool>().prop_map(|is_receipted| Act::Send { is_receipted }),
     ]

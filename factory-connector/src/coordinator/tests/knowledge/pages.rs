@@ -80,8 +80,12 @@ fn filled(path: &str) -> Vec<String> {
         }
         path
     };
-    // A field of each request: lists have all of them.
-    let mut addresses: Vec<String> = [&FIELDS[1], &FIELDS[4]].map(of).into();
+    // A number of each request, a text, an array, a structure and a value with a status of its own: lists
+    // have all fields.
+    let names = ["level", "note", "curve", "samples", "part", "count"];
+    let shown = FIELDS.iter().filter(|field| names.contains(&field.name));
+    let mut addresses: Vec<String> = shown.map(of).collect();
+    addresses.sort_unstable();
     addresses.dedup();
     addresses
 }

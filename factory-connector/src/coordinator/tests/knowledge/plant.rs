@@ -105,6 +105,7 @@ impl Plant {
                 knower.restart();
             }
             Act::Wait(ms) => self.wait(*ms).await,
+            Act::SetClockForward(ms) => self.pass(later(self.now, *ms)).await,
             Act::SetClockBack(ms) => {
                 let former = self.now;
                 self.now = earlier(former, *ms);
@@ -114,7 +115,10 @@ impl Plant {
             decision => self.decide(decision, knower),
         }
         self.commit().await;
-        let is_decision = !matches!(act, Act::Values(..) | Act::Wait(_) | Act::Send { .. });
+        let is_decision = !matches!(
+            act,
+            Act::Values(..) | Act::Wait(_) | Act::SetClockForward(_) | Act::Send { .. }
+        );
         for (field, at) in std::mem::take(&mut self.releases) {
             // A decision coarsens what is shown at once; intervals are for what comes.
             if !is_decision {
@@ -212,7 +216,7 @@ impl Plant {
 
     /// Waits. Whatever falls due is released in time.
     pub(super) async fn wait(&mut self, ms: u32) {
-        let end = self.now.after(Duration::from_millis(ms.into()));
+        let end = later(self.now, ms);
         while let Some(due) = self.work.state.fields().next_deadline().filter(|due| *due <= end) {
             self.pass(due.max(self.now)).await;
         }
@@ -311,6 +315,10 @@ fn mapping(field: usize, number: usize) -> mapping_engine::Mapping {
 
 fn id_of(name: usize) -> DocumentId {
     format!("policy-{name}").parse().expect("an id")
+}
+
+fn later(at: DateTime, ms: u32) -> DateTime {
+    at.after(Duration::from_millis(ms.into()))
 }
 
 pub(super) fn earlier(at: DateTime, ms: u32) -> DateTime {
