@@ -128,6 +128,18 @@ fn inputs(field: &Field) -> BTreeSet<disclosure::VariableKey> {
     mapping.map(|mapping| variables_of(&mapping.inputs)).unwrap_or_default()
 }
 
+/// Returns the variables behind a field: the inputs of its mapping, and those of the fields whose states
+/// withhold it.
+fn variables_behind(plant: &Plant, field: &Field) -> BTreeSet<disclosure::VariableKey> {
+    let mut variables = inputs(field);
+    for condition in &field.gate().policy().withhold_while {
+        let watched = condition.field.clone().map(|name| field.key().request.field(name));
+        let watched = watched.and_then(|key| plant.scene.state.field(&key));
+        variables.extend(watched.map(inputs).unwrap_or_default());
+    }
+    variables
+}
+
 /// Returns the bits per hour under each cap in force, with the cap, by going through all fields.
 fn naive_sums(plant: &Plant) -> Vec<(f64, Option<f64>)> {
     let state = &plant.scene.state;
@@ -150,13 +162,7 @@ fn naive_sums(plant: &Plant) -> Vec<(f64, Option<f64>)> {
         let mapped = state.fields().iter().filter(|field| field.decision().is_mapped());
         let covered = mapped.filter(|field| {
             let recipients = state.networks().recipients(&field.key().request);
-            let mut variables = inputs(field);
-            for condition in &field.gate().policy().withhold_while {
-                let watched = condition.field.clone().map(|name| field.key().request.field(name));
-                variables.extend(
-                    watched.and_then(|key| state.field(&key)).map(inputs).unwrap_or_default(),
-                );
-            }
+            let variables = variables_behind(plant, field);
             recipients.iter().any(|recipient| readers.contains(recipient.as_str()))
                 && cap.variable.as_ref().is_none_or(|own| variables.contains(own))
         });
@@ -204,12 +210,13 @@ proptest! {
             bits_per_hour(field.definition(), policy).map(|bits| bits / values)
         };
         for cap in state.budgets().caps_in_force() {
+            let document = &cap.cap.document;
             let is_counted = |key: &&FieldKey| {
                 let recipients = state.networks().recipients(&key.request);
+                let variables = variables_behind(&plant, state.field(key).expect("a field"));
                 recipients.iter().any(|recipient| cap.readers.contains(recipient))
+                    && document.variable.as_ref().is_none_or(|own| variables.contains(own))
             };
-            let document = &cap.cap.document;
-            if document.variable.is_some() { continue }
             let keys = || released.keys().filter(is_counted);
             let disclosed: f64 = keys().map(|key| f64::from(released[key]) * bits_each(key).expect("bounded")).sum();
             let ends: f64 = keys().map(|key| bits_each(key).expect("bounded")).sum();
