@@ -1,6 +1,6 @@
 //! Answers with values as machines and scripts made them, which no disclosure gate released.
 
-/// Right to see values that no disclosure gate released. Whoever answers people gives it to a proof
+/// Right to see values that no disclosure gate released. The API that answers people gives it to a proof
 /// of who they are.
 pub trait SeesUnreleased {}
 

@@ -35,7 +35,7 @@ fn write_ledger(folder: &Path) -> String {
     let leaf = transparency_log::leaf_hash(log.start().canonical().as_bytes());
     for sequence in FIRST..=LAST {
         let text = |text: &str| json!({ "Type": 12, "Body": text });
-        let report = json!({
+        let mut report = json!({
             "DataSetWriterId": 1, "SequenceNumber": sequence, "Timestamp": at(sequence),
             "Payload": {
                 "reportName": text("P"), "dynamicDataRequestId": text("req"), "operationId": text("op"),
@@ -45,6 +45,9 @@ fn write_ledger(folder: &Path) -> String {
                 "count": { "Type": 9, "Body": sequence.to_string() },
             },
         });
+        if sequence == FIRST {
+            report["Payload"]["begin"] = json!({ "Type": 9, "Body": "1" });
+        }
         let report = report.to_string();
         let range = SequenceRange {
             data_set_writer_id: 1,
@@ -83,13 +86,17 @@ fn write_ledger(folder: &Path) -> String {
 
 /// A report as a page of the history shows it.
 fn shown(sequence: u32) -> Value {
+    let field = |value: String| json!({ "value": value, "status": "Good", "sourceTimestamp": at(sequence) });
+    let mut fields = json!({ "count": field(sequence.to_string()) });
+    if sequence == FIRST {
+        fields["begin"] = field("1".to_owned());
+    }
     json!({
         "factoryId": "F", "dataSetWriterId": 1, "epoch": 1, "sequence": sequence,
         "operationNetworkId": "net", "operationId": "op", "dynamicDataRequestId": "req",
         "reportName": "P", "shopfloorTimestamp": at(sequence), "reportTimestamp": at(sequence),
         "receivedAt": at(sequence + 1),
-        "fields": { "count": { "value": sequence.to_string(), "status": "Good",
-            "sourceTimestamp": at(sequence) } },
+        "fields": fields,
     })
 }
 
@@ -206,13 +213,21 @@ fn an_access_to_what_never_left_for_the_reader_is_found() {
     assert_eq!(honest.code, 0, "{}{}", honest.out, honest.err);
     let outcome: Value = serde_json::from_str(&honest.out).unwrap();
     assert_eq!(outcome["left"]["accessesCovered"], json!(1), "{outcome:#}");
-    let changes: [Change; 5] = [
+    let of_both = compare_access(folder.path(), &key, |access| {
+        access.fields.insert("begin".to_owned());
+    });
+    assert_eq!(of_both.code, 0, "{}{}", of_both.out, of_both.err);
+    let changes: [Change; 6] = [
         ("another organisation", |access| access.viewer = "hull".parse().unwrap()),
         ("another field", |access| access.fields = ["level".to_owned()].into()),
         ("another request", |access| {
             access.request.dynamic_data_request_id = "other".parse().unwrap();
         }),
         ("a value before the first", |access| access.values_from = Some(at(FIRST - 1))),
+        ("a field that did not leave within the span", |access| {
+            access.fields.insert("begin".to_owned());
+            access.values_from = Some(at(FIRST + 1));
+        }),
         ("a value after the last", |access| access.values_to = Some(at(LAST + 1))),
     ];
     for (what, change) in changes {

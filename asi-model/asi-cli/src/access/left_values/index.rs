@@ -30,6 +30,8 @@ pub struct LeftIndex {
 struct Times {
     /// Sorted, each once.
     exact: Vec<DateTime>,
+    /// True if values without a time left.
+    has_timeless: bool,
     /// Latest time that a value of an emptied report may have.
     emptied_until: Option<DateTime>,
 }
@@ -50,6 +52,12 @@ pub enum Coverage {
 impl Times {
     fn has(&self, at: DateTime) -> bool {
         self.exact.binary_search(&at).is_ok()
+    }
+
+    /// Returns true if a value left whose time is within the span, or that has none.
+    fn has_any(&self, from: DateTime, to: DateTime) -> bool {
+        let next = self.exact.partition_point(|at| *at < from);
+        self.has_timeless || self.exact.get(next).is_some_and(|at| *at <= to)
     }
 
     fn may_have(&self, at: DateTime) -> bool {
@@ -83,8 +91,8 @@ impl LeftIndex {
         index
     }
 
-    /// Compares an access with what left for its organisation: each of its fields, and a value at both
-    /// ends of its time span.
+    /// Compares an access with what left for its organisation: of each of its fields a value within its
+    /// time span, and a value at both ends of it.
     pub fn check(&self, access: &Access) -> Coverage {
         let viewer = self.viewers.0.get(&access.viewer);
         let Some((viewer, file)) = viewer.and_then(|id| Some((id, self.files.get(id)?))) else {
@@ -117,6 +125,23 @@ impl LeftIndex {
             }
         }
         let mut coverage = Coverage::Covered;
+        if let (Some(from), Some(to)) = (access.values_from, access.values_to) {
+            for (name, times) in access.fields.iter().zip(&read) {
+                if times.has_any(from, to) {
+                    continue;
+                }
+                coverage = if times.may_have(from) {
+                    Coverage::ByEmptied
+                } else if is_older(Some(from)) {
+                    Coverage::Older
+                } else {
+                    let message = format!(
+                        "read, but no value of the field {name} from {from} to {to} left for it"
+                    );
+                    return Coverage::NotCovered(message);
+                };
+            }
+        }
         for at in [access.values_from, access.values_to].into_iter().flatten() {
             if read.iter().any(|times| times.has(at)) {
                 continue;
@@ -135,7 +160,9 @@ impl LeftIndex {
 
     fn add(&mut self, viewer: u32, value: &LeftValue) {
         let fields = self.left.entry((viewer, value.request)).or_default();
-        fields.entry(value.field).or_default().exact.extend(value.at);
+        let times = fields.entry(value.field).or_default();
+        times.exact.extend(value.at);
+        times.has_timeless |= value.at.is_none();
     }
 
     fn add_emptied(&mut self, collected: &LeftValues) {
