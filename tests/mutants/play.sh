@@ -5,7 +5,7 @@
 #
 # Each patch in the folder is one mutant. The folder's file `tests` has the tests that are played against it, as arguments
 # of `cargo test`, a line each. A first line `Found by: ...` of a patch names the tests that are played before them, or
-# that are not among them. Mutants are played in a copy of the committed tree, below target, so that the tree itself stays
+# that are not among them. A mutant that docs/attacks.md names has to be found by a test of its row. Mutants are played in a copy of the committed tree, below target, so that the tree itself stays
 # as it is. MUTANTS_TARGET is the folder of what is built for it.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -28,26 +28,33 @@ for test in "${tests[@]}"; do
   # shellcheck disable=SC2086
   cargo test --quiet --locked $test >"$logs/none.log" 2>&1 || { echo "The tests fail without a mutant: $logs/none.log"; exit 1; }
 done
+# Tests of the rows of docs/attacks.md that name a mutant, without their packages.
+named() { { grep -F "tests/mutants/$part/$1.patch" "$root/docs/attacks.md" || true; } | grep -oE '`[a-z-]+::[a-z_0-9]+`' | sed 's/.*:://; s/`//' | sort -u; }
+
 survivors=()
 for name in "${names[@]}"; do
   patch=$root/tests/mutants/$part/$name.patch log=$logs/$name.log
   patch --quiet -p1 <"$patch"
-  result=survived
+  result=survived failed=
   mapfile -t first < <(sed -n 's/^Found by: //p' "$patch")
+  mapfile -t expected < <(named "$name")
   for test in "${first[@]}" "${tests[@]}"; do
     # shellcheck disable=SC2086
-    if ! cargo test --quiet --locked $test >"$log" 2>&1; then
-      # A mutant that does not compile proves nothing.
-      if grep -q '^test result: FAILED\|^failures:' "$log"; then
-        result="found: $(grep -oE '^    [a-z_:]+$' "$log" | sort -u | tr -d ' ' | paste -sd ' ')"
-      else
-        result="not judged: $(grep -m1 '^error' "$log" | cut -c1-120)"
-      fi
+    cargo test --quiet --locked --no-fail-fast $test >"$log" 2>&1 && continue
+    # A mutant that does not compile proves nothing.
+    if ! grep -q '^test result: FAILED\|^failures:' "$log"; then
+      result="not judged: $(grep -m1 '^error' "$log" | cut -c1-120)"
+      break
+    fi
+    failed+=" $(grep -oE '^    [a-z_0-9:]+$' "$log" | sort -u | tr -d ' ' | paste -sd ' ')"
+    result="found by tests of other rows only:$failed"
+    if [ ${#expected[@]} = 0 ] || grep -qE "(^|:)($(IFS='|'; echo "${expected[*]}"))$" <(tr ' ' '\n' <<<"$failed"); then
+      result="found:$failed"
       break
     fi
   done
   patch --quiet --reverse -p1 <"$patch"
   echo "$name: $result"
-  [[ $result == found* ]] || survivors+=("$name")
+  [[ $result == found:* ]] || survivors+=("$name")
 done
 [ ${#survivors[@]} = 0 ] || { echo "Not found: ${survivors[*]} (logs in target/mutants/$part)"; exit 1; }
