@@ -75,8 +75,8 @@ pub trait SpoolStore: Send + Sync + 'static {
     }
 
     /// Signs a message right before it is written to the wire, after [`Self::may_leave`]; messages
-    /// that are not in the spool, too. By default none is signed.
-    fn sign(&self, _envelope: &mut Envelope) {}
+    /// that are not in the spool, too. A store that signs none says so by doing nothing.
+    fn sign(&self, envelope: &mut Envelope);
 
     /// Records outcomes in one transaction. Rows that were removed meanwhile are ignored.
     async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), SpoolError>;

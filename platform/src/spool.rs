@@ -1,7 +1,7 @@
 //! Outgoing messages of the store as the spool that the link reads.
 
 use async_trait::async_trait;
-use messaging::{Backlog, Fetch, RowId, RowOutcome, SpoolError, SpoolRow, SpoolStore};
+use messaging::{Backlog, Envelope, Fetch, RowId, RowOutcome, SpoolError, SpoolRow, SpoolStore};
 
 use crate::store::Store;
 
@@ -19,6 +19,9 @@ impl StoredSpool {
 
 #[async_trait]
 impl SpoolStore for StoredSpool {
+    /// Messages of the platform are not signed: plants trust the broker that they signed in to.
+    fn sign(&self, _: &mut Envelope) {}
+
     async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, SpoolError> {
         Ok(self.0.read().await?.outgoing().fetch(fetch).await?)
     }

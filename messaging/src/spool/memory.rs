@@ -112,6 +112,8 @@ impl MemorySpool {
 
 #[async_trait]
 impl SpoolStore for MemorySpool {
+    fn sign(&self, _: &mut Envelope) {}
+
     async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, SpoolError> {
         let rows = self.rows.lock();
         let from = RowId(fetch.after.0 + 1);

@@ -275,6 +275,14 @@ describe('the ledger', () => {
         policy: { roundingStep: 10 },
         mappingState: 'MAPPED',
         decidedBy: 'eva',
+        grounds: { preview: '00ff' },
+      }),
+      entry(0, {
+        kind: 'CONSENT',
+        fieldName: 'scrap',
+        policy: {},
+        mappingState: 'MAPPED',
+        decidedBy: 'eva',
       }),
     ]
     serve({ ...nothing, 'GET /ledger': () => ({ recipients: ['acme'], items }) })
@@ -283,7 +291,8 @@ describe('the ledger', () => {
     const said = rows().map((row) => row.textContent.replace(/\s+/g, ' '))
     expect(said[0]).toMatch(/count 40 .*delivered 21 Nov.*m-1/)
     expect(said[1]).toMatch(/sent 21 Nov.*, no receipt yet/)
-    expect(said[2]).toMatch(/Decision.*Mapped · eva.*Rounding step 10/)
+    expect(said[2]).toMatch(/Decision.*Mapped · eva.*Rounding step 10.*decided on its preview/)
+    expect(said[3]).toMatch(/Decision.*Mapped · eva.*decided without a preview/)
     expect(screen.queryByRole('navigation')).toBeNull()
   })
 

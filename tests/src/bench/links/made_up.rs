@@ -65,6 +65,8 @@ impl MadeUpSpool {
 
 #[async_trait]
 impl SpoolStore for MadeUpSpool {
+    fn sign(&self, _: &mut Envelope) {}
+
     async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, SpoolError> {
         if fetch.lane != Lane::Control {
             return Ok(Vec::new());

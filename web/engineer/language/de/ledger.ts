@@ -38,6 +38,8 @@ export const ledger: typeof English = {
     delivery: 'Zustellung',
     delivered: (when: string) => `zugestellt ${when}`,
     sentOnly: (when: string) => `gesendet ${when}, noch keine Quittung`,
+    previewSeen: 'mit Vorschau entschieden',
+    noPreview: 'ohne Vorschau entschieden',
     revokedAt: (writer: number, last: string) => `Schreiber ${writer}, zuletzt zugestellt ${last}`,
     emptiedReports: (n: number) =>
       n === 1 ? 'Werte von 1 Bericht gelöscht' : `Werte von ${n} Berichten gelöscht`,

@@ -36,6 +36,8 @@ export const ledger = {
     delivery: 'Delivery',
     delivered: (when: string) => `delivered ${when}`,
     sentOnly: (when: string) => `sent ${when}, no receipt yet`,
+    previewSeen: 'decided on its preview',
+    noPreview: 'decided without a preview',
     revokedAt: (writer: number, last: string) => `Writer ${writer}, last delivered ${last}`,
     emptiedReports: (n: number) =>
       n === 1 ? 'Values of 1 report emptied' : `Values of ${n} reports emptied`,
