@@ -7,6 +7,7 @@
 //! - [`mod@chaos`]: everything that can go wrong, seeded, and the proof that nothing is lost or
 //!   doubled.
 //! - [`demo`]: the frame order played for a person, or checked without one.
+//! - [`mod@probes`]: attacks that once worked, replayed, and many at once.
 //! - [`world`]: two factories and a cloud, configured and running.
 //! - [`frame_order`]: partners, operations and requests of the order that two factories share.
 //! - [`scenario`]: the frame order from the first message to the last value; the demo, its check and
@@ -19,5 +20,6 @@ pub mod chaos;
 pub mod demo;
 pub mod frame_order;
 pub mod harness;
+pub mod probes;
 pub mod scenario;
 pub mod world;

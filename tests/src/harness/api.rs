@@ -110,6 +110,20 @@ impl Api {
         self.call(Method::DELETE, path, None::<&()>).await
     }
 
+    /// Sends a text as a JSON document, whatever it is. Returns the status of the answer.
+    ///
+    /// # Errors
+    /// Transport errors.
+    pub async fn send_text(
+        &self,
+        method: Method,
+        path: &str,
+        body: String,
+    ) -> anyhow::Result<StatusCode> {
+        let request = self.client.request(method, path).header("content-type", "application/json");
+        Ok(request.body(body).send().await?.status())
+    }
+
     /// Opens a stream of server-sent events, without an overall timeout.
     ///
     /// # Errors

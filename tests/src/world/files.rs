@@ -35,7 +35,10 @@ fn write_once(file: &Path, text: &str) -> anyhow::Result<()> {
 
 /// The embedded broker, with a user of other programs.
 fn own_broker(places: &Places) -> String {
-    let Places { broker_tls, broker_plain, broker_detour, .. } = places;
+    let Places { broker_tls, broker_plain, broker_detour, broker_websocket, .. } = places;
+    let websocket = broker_websocket
+        .map(|port| format!("websocket_listen = \"127.0.0.1:{port}\"\n"))
+        .unwrap_or_default();
     let detour = broker_detour
         .map(|port| format!("public_url = \"amqps://127.0.0.1:{port}\"\n"))
         .unwrap_or_default();
@@ -43,7 +46,7 @@ fn own_broker(places: &Places) -> String {
         r#"[broker]
 listen = "127.0.0.1:{broker_tls}"
 plain_listen = "127.0.0.1:{broker_plain}"
-{detour}
+{websocket}{detour}
 [[broker.users]]
 user_name = "{OBSERVER}"
 password = "{OBSERVER_PASSWORD}"

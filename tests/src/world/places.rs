@@ -22,6 +22,9 @@ pub struct Places {
     /// Port at which connectors find the broker when a proxy stands in between.
     #[serde(default)]
     pub broker_detour: Option<u16>,
+    /// Its broker in WebSockets, with TLS, where a world has that.
+    #[serde(default)]
+    pub broker_websocket: Option<u16>,
     pub munich: FactoryPlaces,
     pub hamburg: FactoryPlaces,
 }
@@ -97,6 +100,7 @@ impl Places {
             broker_tls: ports[1],
             broker_plain: ports[2],
             broker_detour: None,
+            broker_websocket: None,
             munich: factory(&ports[3..9]),
             hamburg: factory(&ports[9..15]),
         }

@@ -1,15 +1,18 @@
 //! Tools that the tests of several crates share.
 //!
 //! - [`wait`]: polling with a deadline.
+//! - [`amqp`] and [`opcua`]: what peers send, byte by byte.
 //! - [`ApiClient`]: a client of a daemon's web API, as a browser is one.
 //! - [`authenticator`]: codes of a second factor.
 //! - [`Contract`]: an API's description, which answers are compared with.
 //! - [`EventStream`]: server-sent events, one by one.
 
+pub mod amqp;
 mod api_client;
 pub mod authenticator;
 mod contract;
 mod event_stream;
+pub mod opcua;
 pub mod wait;
 
 pub use api_client::{Answer, ApiClient};

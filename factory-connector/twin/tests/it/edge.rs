@@ -11,13 +11,11 @@ use tokio::{io::AsyncWriteExt, net::TcpStream};
 use crate::{
     harness::{DEADLINE, TestTwin, document, message},
     hostile::assert_served,
-    wire::{address, channel, frame, framed, get_endpoints, hello, refusal},
+    wire::{
+        address, channel, claiming, frame, framed, get_endpoints, hello, nested_header, opening,
+        refusal,
+    },
 };
-
-/// The header of a message that claims to be longer than what follows.
-fn claiming(kind: &[u8; 4], size: u32) -> Vec<u8> {
-    [kind.as_slice(), &size.to_le_bytes()].concat()
-}
 
 #[tokio::test]
 async fn a_message_that_claims_more_than_the_receive_buffer_is_refused_by_its_header() {
@@ -60,17 +58,6 @@ async fn what_is_claimed_is_not_buffered() {
     twin.stop().await;
 }
 
-/// A request to open a channel with a policy, whose encrypted part is noise of that many bytes.
-fn opening(policy: &str, sender: &[u8], receiver: &[u8], noise: usize) -> Vec<u8> {
-    let mut body = 0_u32.to_le_bytes().to_vec();
-    for part in [policy.as_bytes(), sender, receiver] {
-        body.extend(u32::try_from(part.len()).unwrap().to_le_bytes());
-        body.extend(part);
-    }
-    body.extend((0..noise).map(|at| (at * 7) as u8));
-    framed(b"OPNF", &body)
-}
-
 #[tokio::test]
 async fn whatever_is_wrong_with_a_request_for_a_channel_the_answer_and_its_time_are_the_same() {
     let twin = TestTwin::start().await;
@@ -109,30 +96,15 @@ async fn whatever_is_wrong_with_a_request_for_a_channel_the_answer_and_its_time_
     twin.stop().await;
 }
 
-/// An additional header of a known structure with a variant, which holds one thing inside the other.
-fn nested(variant: u8, level: &[u8], depth: usize) -> Vec<u8> {
-    let mut value = vec![variant];
-    for _ in 0..depth {
-        value.extend(level);
-    }
-    value.push(0);
-    // LiteralOperand_Encoding_DefaultBinary, which has a variant and nothing else.
-    let mut header = vec![1, 0];
-    header.extend(597_u16.to_le_bytes());
-    header.push(1);
-    header.extend(u32::try_from(value.len()).unwrap().to_le_bytes());
-    [header, value].concat()
-}
-
 #[tokio::test]
 async fn nested_values_end_a_request_and_not_the_process() {
     let twin = TestTwin::start().await;
     twin.handle.apply(document(message("net", 1)));
     let client = twin.client("vera").await;
     for (what, header) in [
-        ("diagnostics in diagnostics", nested(25, &[0x40], 60_000)),
-        ("data values in variants in data values", nested(23, &[0x01, 23], 30_000)),
-        ("variants in variants", nested(24, &[24], 60_000)),
+        ("diagnostics in diagnostics", nested_header(25, &[0x40], 60_000)),
+        ("data values in variants in data values", nested_header(23, &[0x01, 23], 30_000)),
+        ("variants in variants", nested_header(24, &[24], 60_000)),
     ] {
         let (mut stream, channel) = channel(&twin).await;
         let body = get_endpoints(&twin.url, channel, 2, &header);

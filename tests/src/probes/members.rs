@@ -1,0 +1,81 @@
+//! Members of a collaboration against each other.
+
+use anyhow::Context as _;
+use reqwest::StatusCode;
+use serde_json::{Value, json};
+
+use crate::{
+    frame_order::{INSPECTOR, MAKER, NETWORK},
+    harness::{Api, ApiError},
+};
+
+const PASSWORD: &str = "a planner of their own";
+
+/// Adds a planner of a member, and signs in.
+pub(super) async fn planner(platform: &Api, organisation: &str) -> anyhow::Result<Api> {
+    let name = format!("planner-{organisation}");
+    let body = json!({ "password": PASSWORD, "role": "PLANNER", "organisationId": organisation });
+    let _: Value = platform.put(&format!("/api/v1/users/{name}"), &body).await?;
+    let mut api = Api::new(platform.base())?;
+    api.sign_in(&name, PASSWORD).await?;
+    Ok(api)
+}
+
+fn path() -> String {
+    format!("/api/v1/operation-networks/{NETWORK}")
+}
+
+/// Puts the buyer's request under the maker's name.
+pub(super) async fn takes_a_request_over(platform: Api, planner: Api) -> anyhow::Result<String> {
+    let before: Value = platform.get(&path()).await?;
+    let mut network = before.clone();
+    let operations = network["operationList"].as_array_mut().context("operations")?;
+    let requests = operations
+        .iter_mut()
+        .filter_map(|operation| operation["dynamicDataRequestList"].as_array_mut())
+        .flatten();
+    let mut count = 0;
+    for request in requests {
+        request["requesterId"] = json!(MAKER);
+        request["recipientList"] = json!([MAKER]);
+        count += 1;
+    }
+    anyhow::ensure!(count > 0, "there is no request to take over");
+    let document = json!({
+        "operationNetworkId": NETWORK,
+        "operationList": network["operationList"],
+        "operationRelationList": network["operationRelationList"],
+    });
+    let refused = planner.put::<Value>(&path(), &document).await;
+    let said = refusal(refused)?;
+    let after: Value = platform.get(&path()).await?;
+    anyhow::ensure!(before["operationList"] == after["operationList"], "the network changed");
+    Ok(said)
+}
+
+/// Withdraws the network that the buyer drew.
+pub(super) async fn withdraws_the_network(planner: Api) -> anyhow::Result<String> {
+    refusal(planner.delete::<Value>(&path()).await)
+}
+
+/// Reads what the maker released to the buyer, as the inspector.
+pub(super) async fn reads_of_others(platform: Api, inspector: Api) -> anyhow::Result<String> {
+    let of = |who: &str| format!("/api/v1/reports?operationNetworkId={NETWORK}&limit=500{who}");
+    let buyers: Value = platform.get(&of("")).await?;
+    let shown = buyers["items"].as_array().map_or(0, Vec::len);
+    anyhow::ensure!(shown > 0, "the buyer reads nothing either");
+    let seen: Value = inspector.get(&of("")).await?;
+    let items = seen["items"].as_array().context("reports")?;
+    anyhow::ensure!(items.is_empty(), "{INSPECTOR} reads {} reports", items.len());
+    Ok(format!("the buyer reads {shown}, another member none"))
+}
+
+/// Returns the status and code of a refusal.
+fn refusal(answer: anyhow::Result<Value>) -> anyhow::Result<String> {
+    let Err(error) = answer else { anyhow::bail!("it was taken") };
+    let Some(problem) = error.downcast_ref::<ApiError>() else { return Err(error) };
+    let is_refused =
+        problem.status.is_client_error() && problem.status != StatusCode::TOO_MANY_REQUESTS;
+    anyhow::ensure!(is_refused, "answered {problem}");
+    Ok(format!("{} {}", problem.status.as_u16(), problem.problem["code"].as_str().unwrap_or("")))
+}
