@@ -20,7 +20,7 @@ use crate::{DisclosurePolicy, Gate, GateOutcome, GateState};
 ///     draft.shown()
 /// }
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct DraftGate(Gate);
 
 impl DraftGate {

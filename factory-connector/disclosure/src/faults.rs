@@ -94,6 +94,14 @@ impl DisclosurePolicy {
                 );
             }
         }
+        for condition in self.withhold_while.iter().filter(|condition| condition.field.is_none()) {
+            if !condition.states.is_empty() && !condition.fits(field_type) {
+                found.add(
+                    "withholdWhile",
+                    format!("none of these states is one of a {field_type}, as this field is"),
+                );
+            }
+        }
         faults.append(&mut found.0);
         faults
     }
@@ -236,6 +244,10 @@ mod tests {
                 vec!["rateLimits"],
             ),
             (r#"{"withholdWhile":[{"states":[]}]}"#, BuiltInType::String, vec!["withholdWhile"]),
+            (r#"{"withholdWhile":[{"states":[7]}]}"#, BuiltInType::String, vec!["withholdWhile"]),
+            (r#"{"withholdWhile":[{"states":[7]}]}"#, BuiltInType::Variant, vec![]),
+            (r#"{"withholdWhile":[{"states":["7"]}]}"#, BuiltInType::Int32, vec![]),
+            (r#"{"withholdWhile":[{"states":["A"]}]}"#, BuiltInType::Guid, vec!["withholdWhile"]),
             // A step of a day is at midnight, which is outside of the hours.
             (
                 r#"{"timeStepMs":86400000,"workingHours":{"days":["MONDAY"],"from":"06:00","until":"22:00"}}"#,

@@ -65,6 +65,8 @@ pub struct GateState {
     pub(crate) is_in_withheld_state: bool,
     /// Other fields; true for those in a withheld state, absent when that is not known.
     pub(crate) withheld_by: BTreeMap<FieldName, bool>,
+    /// End of the last state that withheld, where releases have slots.
+    pub(crate) opened_at: Option<DateTime>,
 }
 
 impl GateState {
@@ -86,7 +88,15 @@ impl GateState {
 ///
 /// `now` must never decrease for one gate; [`Gate::new`] corrects a state from a clock that was set
 /// back.
-#[derive(Debug, Clone)]
+///
+/// There is one gate of a field, and no second one is made of it, which could get another policy:
+///
+/// ```compile_fail,E0308
+/// fn second(gate: &disclosure::Gate) -> disclosure::Gate {
+///     gate.clone()
+/// }
+/// ```
+#[derive(Debug)]
 pub struct Gate {
     policy: Arc<DisclosurePolicy>,
     /// True when the policy only coarsens values, so that every candidate is released at once.
@@ -111,6 +121,7 @@ impl Gate {
     ) -> Self {
         // After a clock was set back, the gate must neither release early nor be closed for years.
         state.last_released_at = state.last_released_at.map(|at| at.min(now));
+        state.opened_at = state.opened_at.map(|at| at.min(now));
         for (arrived_at, _) in &mut state.waiting {
             *arrived_at = (*arrived_at).min(now);
         }
@@ -172,6 +183,9 @@ impl Gate {
         }
         self.on_time(now);
         if let Some(is_withheld) = self.policy.is_own_state_withheld(&candidate) {
+            if self.state.is_in_withheld_state && !is_withheld {
+                self.open_from(now);
+            }
             self.state.is_in_withheld_state = is_withheld;
         }
         if self.is_withheld() {
@@ -236,15 +250,26 @@ impl Gate {
     ) -> bool {
         self.on_time(now);
         let before = self.state.withheld_by.get(other).copied();
+        let was_withheld = self.is_withheld();
         match is_withheld {
             Some(is_withheld) => drop(self.state.withheld_by.insert(other.clone(), is_withheld)),
             None => drop(self.state.withheld_by.remove(other)),
         }
         if self.is_withheld() {
             self.state.aggregation.pause(now);
+        } else if was_withheld {
+            self.open_from(now);
         }
         self.on_time(now);
         before != is_withheld
+    }
+
+    /// Notes that a state which withheld has ended: what is due already is released in the next slot from
+    /// now on, so that the time of a release tells no more than others do.
+    fn open_from(&mut self, now: DateTime) {
+        if self.policy.aggregate.is_some() || !self.policy.time_step().is_zero() {
+            self.state.opened_at = Some(now);
+        }
     }
 
     /// Returns whether the state of another field withholds this one; `None` where it is unknown.
@@ -388,7 +413,9 @@ impl Gate {
         for limit in &self.policy.rate_limits {
             at = at.max(limit.next_at(&self.state.released).unwrap_or(at));
         }
-        self.policy.first_slot(at.max(self.not_before.unwrap_or(at)))
+        let not_before = self.not_before.max(self.state.opened_at);
+        at = at.max(not_before.unwrap_or(at));
+        self.policy.first_slot(self.policy.end_of_window(at))
     }
 }
 

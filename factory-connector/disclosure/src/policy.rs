@@ -129,6 +129,21 @@ impl DisclosurePolicy {
         self.first_slot_of(at, self.time_step())
     }
 
+    /// Returns the first instant from `at` on at which a window ends, later by the delay; `at` without
+    /// windows. An aggregate that something holds up is released at the end of another window: at any
+    /// other time its release would tell how long that took.
+    pub(super) fn end_of_window(&self, at: DateTime) -> DateTime {
+        let Some(window) = self.aggregate.map(WindowAggregate::window) else { return at };
+        if window.is_zero() {
+            return at;
+        }
+        let phase = Duration::from_nanos(
+            u64::try_from(self.delay().as_nanos() % window.as_nanos()).unwrap_or_default(),
+        );
+        let ticks = i64::try_from(phase.as_nanos() / 100).unwrap_or_default();
+        ceil_to(DateTime::from_ticks(at.ticks() - ticks), window).after(phase)
+    }
+
     /// Returns `at` where a value may be released then, on the time step up to a lateness that
     /// timers have, and within all hours; otherwise the next slot; `None` when there is none.
     pub(super) fn first_punctual(&self, at: DateTime) -> Option<DateTime> {

@@ -13,7 +13,7 @@ use super::{
 impl DisclosurePolicy {
     /// Combines two policies to the strictest, dimension by dimension.
     ///
-    /// The longer of two steps, intervals, windows and delays applies, and the smaller number of
+    /// The longer of two steps (which has other boundaries where it is no multiple of the shorter one), intervals, windows and delays applies, and the smaller number of
     /// digits; all rate limits, hours and withheld states apply, and the coarser status codes: a policy
     /// that says nothing about them allows no finer ones. Of two lists of bands the common
     /// bounds remain; beside a rounding step the bands that are at least as wide. Of two aggregates
@@ -59,7 +59,8 @@ impl DisclosurePolicy {
     #[must_use]
     pub fn allows_all_of(&self, former: &Self) -> bool {
         // With itself: the combination has one form of what can be written in several.
-        self == former || former.strictest(self) == former.strictest(former)
+        self == former
+            || (former.strictest(self) == former.strictest(former) && is_on_grid_of(former, self))
     }
 
     /// Adapts this policy to a field of this type: parts that the type cannot have are removed, and
@@ -77,6 +78,9 @@ impl DisclosurePolicy {
             fitted.bands = self.bands.iter().map(|bound| bound.ceil().clamp(-9e15, 9e15)).collect();
             fitted.bands.dedup();
         }
+        let fits =
+            |condition: &WithholdCondition| condition.field.is_some() || condition.fits(field_type);
+        fitted.withhold_while.retain(fits);
         if is_array || !field_type.is_numeric() {
             // These values have no aggregate. A single value of the window reveals more of the
             // value, but no more of the time.
@@ -95,6 +99,21 @@ fn whole_step(step: RoundingStep) -> Option<RoundingStep> {
         Decimal::from_f64(fraction).and_then(Decimal::to_integer).unwrap_or(i128::MAX)
     });
     if whole <= 1 { None } else { RoundingStep::new(Decimal::new(whole, 0)).ok() }
+}
+
+/// Returns true where the steps of `former` are multiples of those of `policy`: what is on the one's is on
+/// the other's, too.
+fn is_on_grid_of(former: &DisclosurePolicy, policy: &DisclosurePolicy) -> bool {
+    let window = |policy: &DisclosurePolicy| policy.aggregate.map(|aggregate| aggregate.window_ms);
+    let times = [(former.time_step_ms, policy.time_step_ms), (window(former), window(policy))];
+    let is_multiple = |(former, own): (Option<u64>, Option<u64>)| {
+        own.is_none_or(|own| former.unwrap_or_default().is_multiple_of(own.max(1)))
+    };
+    let (steps, own) = (former.rounding_step, policy.rounding_step);
+    times.into_iter().all(is_multiple)
+        && own
+            .zip(steps)
+            .is_none_or(|(own, former)| former.decimal().round_to(own) == former.decimal())
 }
 
 fn least<T: Ord>(left: Option<T>, right: Option<T>) -> Option<T> {
@@ -302,6 +321,13 @@ mod tests {
         check("{}", "{}", true);
         check(r#"{"roundingStep":10}"#, "{}", true);
         check("{}", r#"{"roundingStep":10}"#, false);
+        check(r#"{"roundingStep":15}"#, r#"{"roundingStep":10}"#, false);
+        check(r#"{"roundingStep":1.5}"#, r#"{"roundingStep":0.5}"#, true);
+        check(r#"{"timeStepMs":90000}"#, r#"{"timeStepMs":60000}"#, false);
+        check(r#"{"timeStepMs":120000}"#, r#"{"timeStepMs":60000}"#, true);
+        let window = |ms: u32| format!(r#"{{"aggregate":{{"function":"LAST","windowMs":{ms}}}}}"#);
+        check(&window(90_000), &window(60_000), false);
+        check(&window(120_000), &window(60_000), true);
         check(r#"{"roundingStep":10}"#, r#"{"roundingStep":10,"delayMs":5}"#, false);
         check(r#"{"roundingStep":100,"delayMs":9}"#, r#"{"roundingStep":10,"delayMs":9}"#, true);
         check(r#"{"bands":[0.0,50.0]}"#, r#"{"bands":[0.0,25.0,50.0]}"#, true);

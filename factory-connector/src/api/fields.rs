@@ -1,5 +1,7 @@
 //! Fields, decisions about them, and values that people enter.
 
+use std::sync::Arc;
+
 use asi_model::{
     DateTime, FieldKey,
     messages::{MappingState, ValueSource},
@@ -9,7 +11,7 @@ use axum::{Json, extract::State};
 use connector_state::{
     operator::{Action, EntryFault, OperationKey, OperatorEntry},
     use_cases::{
-        decide::{DecisionCommand, DecisionRequest, decide},
+        decide::{DecisionCommand, DecisionRequest, SeenPreview, decide},
         enter::{EntryOutcome, enter},
     },
     writes::PreviewRow,
@@ -189,15 +191,16 @@ fn preview_row(
     user: &str,
     field: &FieldKey,
     body: &DecisionBody,
-) -> Result<Option<PreviewRow>, Problem> {
+) -> Result<Option<SeenPreview>, Problem> {
     let (Some(preview_id), Some(value_source)) = (&body.preview_id, body.value_source) else {
         return Ok(None);
     };
     let disclosure = body.disclosure.clone().unwrap_or_default();
     let draft =
         draft_text(value_source, body.mapping.as_ref(), &disclosure, body.policy_id.as_ref());
-    let text = api.previews.text_for(preview_id, (user, field, &draft))?;
-    Ok(Some(PreviewRow::new(text, salt())))
+    let (text, effective) = api.previews.text_for(preview_id, (user, field, &draft))?;
+    let row = PreviewRow::new(text, salt());
+    Ok(Some(SeenPreview { row, effective: Arc::new(effective) }))
 }
 
 /// Shows a field with its decision and its newest disclosed value.

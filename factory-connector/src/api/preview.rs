@@ -140,6 +140,7 @@ pub async fn preview_decision(
         field,
         draft: shown_draft,
         text: serde_json::to_string(&preview).map_err(|error| Problem::internal(&error))?,
+        effective: preview.effective_disclosure.clone(),
     });
     Ok(Json(preview))
 }

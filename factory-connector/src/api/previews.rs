@@ -7,6 +7,7 @@ use std::{
 
 use asi_model::FieldKey;
 use daemon::web::Problem;
+use disclosure::DisclosurePolicy;
 
 /// Most previews that are remembered. An open page asks for one each 1.5 s: minutes for several.
 const PREVIEWS_MAX: usize = 500;
@@ -23,6 +24,8 @@ pub(super) struct ShownPreview {
     pub(super) draft: String,
     /// The answer that the user saw, as JSON.
     pub(super) text: String,
+    /// The precision that it shows.
+    pub(super) effective: DisclosurePolicy,
 }
 
 /// Owner of the previews of all users, the oldest first.
@@ -41,7 +44,7 @@ impl ShownPreviews {
         }
     }
 
-    /// Returns the text of the preview on which a user decides.
+    /// Returns the text of the preview on which a user decides, and the precision that it shows.
     ///
     /// # Errors
     /// `UNKNOWN_PREVIEW` where the user saw no such preview of the field lately,
@@ -50,7 +53,7 @@ impl ShownPreviews {
         &self,
         preview_id: &str,
         (user, field, draft): (&str, &FieldKey, &str),
-    ) -> Result<String, Problem> {
+    ) -> Result<(String, DisclosurePolicy), Problem> {
         let shown = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let known = shown.iter().find(|preview| {
             preview.preview_id == preview_id && preview.user == user && preview.field == *field
@@ -62,7 +65,7 @@ impl ShownPreviews {
             )
         })?;
         if known.draft == draft {
-            Ok(known.text.clone())
+            Ok((known.text.clone(), known.effective.clone()))
         } else {
             Err(Problem::conflict(
                 "PREVIEW_OF_ANOTHER_DRAFT",

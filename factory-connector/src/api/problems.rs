@@ -92,6 +92,10 @@ pub(super) fn decision_problem(error: DecisionError) -> Problem {
             )
         }
         DecisionError::OverCap(excesses) => over_cap(&excesses, "/disclosure"),
+        DecisionError::AnotherPreview => Problem::conflict(
+            "PREVIEW_OF_ANOTHER_POLICY",
+            "A policy was changed since the preview was shown. Look at the preview again.",
+        ),
         DecisionError::DecidedSince => Problem::conflict(
             "DECIDED_SINCE",
             "Something else was decided about the field since; read it again.",

@@ -64,4 +64,14 @@ async fn what_was_previewed_is_recorded_with_the_consent() {
     assert!(chain.contains("commitment") && !chain.contains("coarse"), "{chain}");
     assert_eq!(plant.post("/ledger/verification", json!({})).await["valid"], true);
     assert_eq!(preview_of(entry), Some(hash.as_str()));
+
+    // What was seen is not what holds once somebody else has changed a policy.
+    let preview = plant.post(&format!("{}/preview", field("count")), draft.clone()).await;
+    assert_eq!(preview["effectiveDisclosure"]["roundingStep"], json!(10), "{preview:#}");
+    let finer = json!({ "name": "Fine", "disclosure": { "roundingStep": 5 } });
+    plant.put("/policies/coarse", finer).await;
+    let code = refused(&plant, &path, &decision(&preview["previewId"], 5)).await;
+    assert_eq!(code, "PREVIEW_OF_ANOTHER_POLICY");
+    let preview = plant.post(&format!("{}/preview", field("count")), draft.clone()).await;
+    plant.put(&path, decision(&preview["previewId"], 5)).await;
 }

@@ -33,6 +33,8 @@ struct StoredGate {
     is_in_withheld_state: bool,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     withheld_by: BTreeMap<FieldName, bool>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    opened_at: Option<DateTime>,
 }
 
 /// An aggregate's open window as stored. Numbers that JSON could round are texts.
@@ -124,6 +126,7 @@ pub fn gate_to_json(state: &GateState) -> String {
         covered_from: state.aggregation.covered_from,
         is_in_withheld_state: state.is_in_withheld_state,
         withheld_by: state.withheld_by.clone(),
+        opened_at: state.opened_at,
     };
     serde_json::to_string(&stored).expect("times and JSON texts serialise")
 }
@@ -152,6 +155,7 @@ pub fn gate_from_json(text: &str) -> Result<GateState, String> {
         },
         is_in_withheld_state: stored.is_in_withheld_state,
         withheld_by: stored.withheld_by,
+        opened_at: stored.opened_at,
     })
 }
 

@@ -3,6 +3,7 @@ mod fast_path;
 mod model;
 mod parts;
 mod properties;
+mod slots;
 mod statuses;
 mod strategies;
 mod transitions;

@@ -20,7 +20,7 @@ use crate::{
 };
 
 /// A report field that a partner requested.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Field {
     key: FieldKey,
     id: i64,

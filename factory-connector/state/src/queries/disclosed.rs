@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use asi_model::{DateTime, FieldKey, FieldName, StatusCode, messages::ValueSource};
-use disclosure::{DisclosurePolicy, DraftGate, PolicyFault};
+use disclosure::{DisclosurePolicy, DraftGate, PolicyFault, WithholdCondition};
 
 use crate::{ConnectorState, fields::is_withheld_by};
 
@@ -26,23 +26,30 @@ pub fn draft_gate(
     Some(gate)
 }
 
-/// Returns faults of the states that a policy looks at: they must be fields of the same request.
+/// Returns faults of the states that a policy looks at: they must be fields of the same request, with
+/// values that can be in one of the states.
 #[must_use]
 pub fn withholding_faults(
     state: &ConnectorState,
     key: &FieldKey,
     policy: &DisclosurePolicy,
 ) -> Vec<PolicyFault> {
-    fields_named_by(policy)
-        .filter(|other| !state.fields.contains(&key.request.field((*other).clone())))
-        .map(|other| PolicyFault {
-            member: "withholdWhile",
-            message: format!(
+    let fault = |condition: &WithholdCondition| {
+        let other = condition.field.as_ref()?;
+        let watched = state.fields.get(&key.request.field(other.clone()));
+        let message = match watched.map(|field| field.definition().field_type.0) {
+            None => format!(
                 "the request has no field {other}; name one of its fields, or none for the own \
                  value"
             ),
-        })
-        .collect()
+            Some(field_type) if !condition.fits(field_type) => {
+                format!("none of these states is one of a {field_type}, as the field {other} is")
+            }
+            Some(_) => return None,
+        };
+        Some(PolicyFault { member: "withholdWhile", message })
+    };
+    policy.withhold_while.iter().filter_map(fault).collect()
 }
 
 /// Returns the status with which a value of this source is refused; `None` where it is accepted.

@@ -49,7 +49,16 @@ pub struct DecisionRequest {
     /// Named policy and rules that the decision rests on.
     pub basis: DecisionBasis,
     /// The preview that the author saw; the consent names its hash.
-    pub preview: Option<PreviewRow>,
+    pub preview: Option<SeenPreview>,
+}
+
+/// A preview that the author of a decision saw.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SeenPreview {
+    pub row: PreviewRow,
+    /// The precision that it shows: of the draft, the named policies and those of the recipients, as they were
+    /// then.
+    pub effective: Arc<DisclosurePolicy>,
 }
 
 /// Reason for which a decision is not taken.
@@ -73,6 +82,9 @@ pub enum DecisionError {
     /// Another decision was taken since.
     #[error("something else was decided about the field since; look at it before you change it")]
     DecidedSince,
+    /// A policy that contributes to the precision was changed since the preview was shown.
+    #[error("the preview shows another precision than would be decided; look at the preview again")]
+    AnotherPreview,
     /// No field is mapped.
     #[error("none of these fields is mapped, so there is no consent to end")]
     NothingToRevoke,
@@ -156,8 +168,8 @@ fn take(
     let (was_mapped, writer, version) =
         (field.decision().is_mapped(), field.writer(), field.decision().version);
     let DecisionRequest { command, reason, decided_by, mut basis, preview } = request;
-    basis.preview = preview.as_ref().map(|preview| preview.hash.clone());
-    changes.writes.fields.previews.extend(preview);
+    basis.preview = preview.as_ref().map(|preview| preview.row.hash.clone());
+    changes.writes.fields.previews.extend(preview.map(|preview| preview.row));
     let policy_id = basis.policy_id.clone();
     match command {
         DecisionCommand::Map { value_source, mapping, policy } => {
@@ -217,7 +229,8 @@ fn check(
     let field = state.field(key).ok_or(DecisionError::UnknownField)?;
     match &request.command {
         DecisionCommand::Map { value_source, mapping, policy } => {
-            let faults = withholding_faults(state, key, policy);
+            let mut faults = withholding_faults(state, key, policy);
+            faults.extend(policy.faults(field.definition().field_type.0, field.is_array()));
             if !faults.is_empty() {
                 return Err(DecisionError::Policy(faults));
             }
@@ -227,8 +240,13 @@ fn check(
             if *value_source == ValueSource::Mapping && mapping.is_none() {
                 return Err(DecisionError::NoMapping);
             }
-            let faults = policy.faults(field.definition().field_type.0, field.is_array());
-            if faults.is_empty() { Ok(()) } else { Err(DecisionError::Policy(faults)) }
+            let shows_another = |preview: &SeenPreview| {
+                preview.effective != effective_policy(state, field, policy, named).0
+            };
+            if request.preview.as_ref().is_some_and(shows_another) {
+                return Err(DecisionError::AnotherPreview);
+            }
+            Ok(())
         }
         DecisionCommand::Refuse if request.reason.is_none() => Err(DecisionError::NoReason),
         DecisionCommand::Refuse | DecisionCommand::LeavePending => Ok(()),

@@ -13,8 +13,8 @@ proptest! {
     fn the_fast_path_equals_the_general_one(policy in policies(), steps in steps(900), is_clock_set_back in any::<bool>()) {
         let DisclosurePolicy { rounding_step, bands, significant_digits, .. } = policy;
         let policy = DisclosurePolicy { rounding_step, bands, significant_digits, ..Default::default() };
-        let mut short = Gate::new(Arc::new(policy), BuiltInType::Int64, GateState::default(), at(0));
-        let mut long = Gate { is_immediate: false, ..short.clone() };
+        let gate = || Gate::new(Arc::new(policy.clone()), BuiltInType::Int64, GateState::default(), at(0));
+        let (mut short, mut long) = (gate(), Gate { is_immediate: false, ..gate() });
         let (mut now, last) = (0, steps.len() / 2);
         for (index, (pause, step)) in steps.into_iter().enumerate() {
             now += pause;
