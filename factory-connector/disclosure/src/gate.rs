@@ -1,21 +1,18 @@
 //! Gate of one field: a state machine over candidates and time.
 
 mod document;
+mod gate_state;
 mod stored_value;
 mod transition;
 
-use std::{
-    collections::{BTreeMap, VecDeque},
-    sync::Arc,
-    time::Duration,
-};
+use std::{sync::Arc, time::Duration};
 
 use asi_model::{BuiltInType, DataValue, DateTime, FieldName};
 pub use document::{gate_from_json, gate_to_json};
+pub use gate_state::GateState;
 
 use super::{
     AggregateFunction, DisclosurePolicy, Released,
-    aggregate::Aggregation,
     coarsening::{Coarsened, coarsen},
     rate,
 };
@@ -35,53 +32,6 @@ pub enum GateOutcome {
     Withheld { until: DateTime },
     /// Never released: the policy withholds candidates in the present state.
     Suppressed,
-}
-
-/// State of a gate that is stored over restarts. Its members are the gate's own: what waits in it
-/// leaves without being coarsened again.
-///
-/// ```compile_fail,E0451
-/// let _ = disclosure::GateState { disclosed: None, ..Default::default() };
-/// ```
-///
-/// ```compile_fail,E0616
-/// fn wait(state: &mut disclosure::GateState, value: asi_model::DataValue) {
-///     state.waiting.push_back((asi_model::DateTime::MIN, value));
-/// }
-/// ```
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct GateState {
-    /// Time of the last release, for the minimum interval.
-    pub(crate) last_released_at: Option<DateTime>,
-    /// The value released last.
-    pub(crate) disclosed: Option<Released>,
-    /// Coarsened values that wait, with their times of arrival, oldest first.
-    pub(crate) waiting: VecDeque<(DateTime, DataValue)>,
-    /// Times of releases, for the rate limits, oldest first.
-    pub(crate) released: VecDeque<DateTime>,
-    /// The window of an aggregate.
-    pub(crate) aggregation: Aggregation,
-    /// True when the field's own value is in a withheld state.
-    pub(crate) is_in_withheld_state: bool,
-    /// Other fields; true for those in a withheld state, absent when that is not known.
-    pub(crate) withheld_by: BTreeMap<FieldName, bool>,
-    /// End of the last state that withheld, where releases have slots.
-    pub(crate) opened_at: Option<DateTime>,
-}
-
-impl GateState {
-    /// Coarsens the status codes of a state that may be from a time when all were disclosed.
-    fn coarsen_statuses(&mut self, policy: &DisclosurePolicy) {
-        let coarsen = |mut value: DataValue| {
-            value.status = policy.status_codes.coarsen(value.status);
-            value
-        };
-        for (_, value) in &mut self.waiting {
-            *value = coarsen(std::mem::take(value));
-        }
-        let disclosed = self.disclosed.take();
-        self.disclosed = disclosed.map(|old| Released::by_gate(coarsen(old.into_value())));
-    }
 }
 
 /// Decides which of a field's candidates are released, and at which time.

@@ -65,7 +65,7 @@ async fn what_was_previewed_is_recorded_with_the_consent() {
     assert_eq!(plant.post("/ledger/verification", json!({})).await["valid"], true);
     assert_eq!(preview_of(entry), Some(hash.as_str()));
 
-    // What was seen is not what holds once somebody else has changed a policy.
+    // What was seen is not what holds once another person has changed a policy.
     let preview = plant.post(&format!("{}/preview", field("count")), draft.clone()).await;
     assert_eq!(preview["effectiveDisclosure"]["roundingStep"], json!(10), "{preview:#}");
     let finer = json!({ "name": "Fine", "disclosure": { "roundingStep": 5 } });

@@ -2,7 +2,10 @@
 
 use futures::future::BoxFuture;
 
-use super::{Scene, Target, amqp, files, http, members, opcua};
+use super::{
+    amqp, files, http, members, opcua,
+    scene::{Scene, Target},
+};
 use crate::frame_order::MUNICH;
 
 /// An attack on a program.

@@ -16,7 +16,11 @@ use tokio::{
     time::timeout,
 };
 
-use super::{MEMORY_MAX, Scene, Target, amqp, honest_request, http, mib, opcua};
+use super::{
+    amqp, http, opcua,
+    process::mib,
+    scene::{MEMORY_MAX, Scene, Target, honest_request},
+};
 use crate::harness::{Deadline, say};
 
 /// Connections of each kind to each listener.
@@ -27,7 +31,7 @@ const SPAN: Duration = Duration::from_secs(90);
 const ROUNDS: usize = 40;
 /// Factor by which an honest request may take longer under siege.
 const FACTOR_MAX: f64 = 10.0;
-/// What a program may keep of a siege, beside a half of what it had.
+/// Memory that a program may keep of a siege, beside a half of what it had.
 const KEPT_MAX: u64 = 64 << 20;
 /// Time after which memory has to be back.
 const RELIEF: Duration = Duration::from_secs(90);

@@ -165,6 +165,33 @@ fn a_state_of_one_field_withholds_another() {
     );
 }
 
+#[test]
+fn states_of_another_type_withhold() {
+    let mut scene = Scene::default();
+    scene.map("note", ValueSource::Manual, "{}");
+    scene.map("made", ValueSource::Manual, WITHHELD_IN_SETUP);
+    scene.offer("note", "RUN", 1);
+    assert_eq!(scene.offer("made", 1_u64, 2)[0]["Payload"]["made"]["Body"], "1");
+    // A number where the condition has texts: whether it is one of the states nobody knows.
+    scene.offer("note", 7_u64, 3);
+    let outcome = scene.candidate("made", ValueSource::Manual, 2_u64, 4);
+    assert_eq!(outcome, Some(GateOutcome::Suppressed));
+    scene.offer("note", "RUN", 5);
+    assert_eq!(scene.offer("made", 3_u64, 6)[0]["Payload"]["made"]["Body"], "3");
+    // What no value of a field can be is refused as a state.
+    for states in [r#"{"field":"note","states":[7,true]}"#, r#"{"states":["SETUP"]}"#] {
+        let policy = format!(r#"{{"withholdWhile":[{states}]}}"#);
+        let policy = serde_json::from_str(&policy).expect("a policy");
+        let command =
+            DecisionCommand::Map { value_source: ValueSource::Manual, mapping: None, policy };
+        let refused = scene.decide("made", decision(command), 7);
+        assert!(
+            matches!(&refused, Err(DecisionError::Policy(faults)) if faults[0].message.contains("is one of a")),
+            "{states}: {refused:?}"
+        );
+    }
+}
+
 const WITHHELD_IN_SETUP: &str = r#"{"withholdWhile":[{"field":"note","states":["SETUP"]}]}"#;
 
 /// Offers candidates for `made` (numbers) and `note` (texts) that come together. Returns the

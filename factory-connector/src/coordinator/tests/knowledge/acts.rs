@@ -130,8 +130,7 @@ fn coming() -> impl Strategy<Value = Coming> {
     )
 }
 
-/// Policies of which each part is there or not. Steps divide each other, so that a multiple of one
-/// is seen to be a multiple of a finer one.
+/// Policies of which each part is there or not. Some steps divide each other, and some do not.
 fn policies() -> impl Strategy<Value = DisclosurePolicy> {
     let part = |chance: f64, values: Value| {
         let values = values.as_array().cloned().unwrap_or_default();
@@ -144,11 +143,14 @@ fn policies() -> impl Strategy<Value = DisclosurePolicy> {
             "utcOffsetMinutes": offset })
     };
     let parts = (
-        part(0.5, json!([10, 100, 1000])),
+        part(0.5, json!([10, 100, 150, 1000])),
         part(0.25, json!([5_000, 60_000])),
         part(0.25, json!([3_000, 30_000])),
-        part(0.25, json!([10_000, 60_000])),
-        part(0.2, json!(["LAST", "MAXIMUM", "MINIMUM", "MEAN", "SUM"])),
+        part(0.25, json!([10_000, 15_000, 60_000])),
+        (
+            part(0.2, json!(["LAST", "MAXIMUM", "MINIMUM", "MEAN", "SUM"])),
+            proptest::sample::select(vec![60_000_u32, 90_000]),
+        ),
         part(0.3, json!(["FULL", "SEVERITY"])),
         part(0.2, json!([condition(json!("state")), condition(Value::Null)])),
         part(0.15, json!([[{ "values": 2, "periodMs": 60_000 }]])),
@@ -158,12 +160,13 @@ fn policies() -> impl Strategy<Value = DisclosurePolicy> {
         part(0.05, json!([[hours("00:02", "23:59", 0)]])),
     );
     parts.prop_map(|parts| {
-        let (step, delay, interval, time_step, function, status, condition, rates, ..) = &parts;
+        let (step, delay, interval, time_step, aggregate, status, condition, rates, ..) = &parts;
+        let (function, window) = aggregate;
         let (.., bands, digits, hours, further_hours) = &parts;
         // Bands and a rounding step exclude each other.
         let bands = bands.as_ref().filter(|_| step.is_none());
         let window =
-            function.as_ref().map(|function| json!({ "function": function, "windowMs": 60_000 }));
+            function.as_ref().map(|function| json!({ "function": function, "windowMs": window }));
         let members = [
             ("roundingStep", step.as_ref()),
             ("bands", bands),

@@ -6,7 +6,7 @@ use disclosure::{AggregateFunction, DisclosurePolicy, StatusCodes, WithholdCondi
 
 use super::{
     below,
-    fields::{FIELDS, PARTNERS, STATE, WITHHELD_STATE, recipients},
+    fields::{FIELDS, FieldOf, PARTNERS, STATE, WITHHELD_STATE, recipients},
     possible::{Possible, held_statuses, is_mean, is_sum, is_within, number_of},
     *,
 };
@@ -67,7 +67,7 @@ impl Knower {
                 arrived_at: now,
                 step: self.step(*field),
                 hidden_part: self.hidden_part(*field),
-                time_step: self.time_step(*field),
+                time_steps: vec![self.time_step(*field)],
                 is_window_over: false,
                 window_end: self.fields[*field].window_end.filter(|end| now < *end),
                 was_due: false,
@@ -154,18 +154,19 @@ impl Knower {
             .filter_map(Value::as_str)
             .collect();
         assert_eq!(stated, self.recipients(request), "who may read {report}");
+        let is_shown = |of: &FieldOf| of.request == request && !payload[of.name].is_null();
+        let shown = (0..FIELDS.len()).filter(|field| is_shown(&FIELDS[*field]));
+        let longest = shown.map(|field| self.time_step(field)).max().unwrap_or_default();
+        for time in [&report["Timestamp"], &payload["shopfloorTimestamp"]["Body"]] {
+            let time: DateTime = serde_json::from_value(time.clone()).expect("a time");
+            assert_eq!(time.floor_to(longest), time, "its fields have steps: {report}");
+        }
         for (field, of) in FIELDS.iter().enumerate().filter(|(_, of)| of.request == request) {
             let member = &payload[of.name];
             if member.is_null() {
                 continue;
             }
             assert!(self.fields[field].own.is_some(), "{} is not disclosed: {report}", of.name);
-            let times = [&report["Timestamp"], &payload["shopfloorTimestamp"]["Body"]];
-            for time in times {
-                let time: DateTime = serde_json::from_value(time.clone()).expect("a time");
-                let step = self.time_step(field);
-                assert_eq!(time.floor_to(step), time, "{} has a step: {report}", of.name);
-            }
             // A value with a status has another form, and so has a status without a value.
             let is_of = |kind: BuiltInType| member["Type"] == json!(kind.id());
             let (status, value) = if is_of(BuiltInType::StatusCode) {
@@ -330,7 +331,9 @@ impl Knower {
             for possible in &mut self.fields[field].possible {
                 possible.step = possible.step.max(step);
                 possible.hidden_part = possible.hidden_part.max(part);
-                possible.time_step = possible.time_step.max(time_step);
+                if possible.time_steps.last() != Some(&time_step) {
+                    possible.time_steps.push(time_step);
+                }
                 possible.was_due &= !is_later;
             }
         }

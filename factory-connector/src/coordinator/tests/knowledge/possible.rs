@@ -9,6 +9,9 @@ use disclosure::WorkingHours;
 
 use super::*;
 
+/// Part of the longest rounding step by which a number may differ from what is made of it.
+const ROUNDED_PART: f64 = 0.9;
+
 /// A candidate of which something may be shown.
 #[derive(Debug, Clone)]
 pub(super) struct Possible {
@@ -18,8 +21,8 @@ pub(super) struct Possible {
     pub(super) step: f64,
     /// The largest part of a number that its significant digits hid since it came.
     pub(super) hidden_part: f64,
-    /// The longest time step since it came.
-    pub(super) time_step: Duration,
+    /// The time steps since it came, one after the other.
+    pub(super) time_steps: Vec<Duration>,
     /// True where its window ended before the clock was set back.
     pub(super) is_window_over: bool,
     /// End of the window in which it came, where the clock was set back behind that window's begin: it counts
@@ -53,8 +56,13 @@ impl Possible {
 
     /// Returns true where one number may have been made of the other.
     pub(super) fn is_near(&self, raw: f64, shown: f64) -> bool {
-        // Rounded again under each policy since it came: a half, a twentieth, ...
-        (raw - shown).abs() <= 0.556 * self.step + self.hidden_part * raw.abs()
+        // Rounded again under each policy since it came: a half and a third, as steps do not divide each other.
+        (raw - shown).abs() <= ROUNDED_PART * self.step + self.hidden_part * raw.abs()
+    }
+
+    /// Returns a time as it is under each time step since it came.
+    fn floored(&self, at: DateTime) -> DateTime {
+        self.time_steps.iter().fold(at, |at, step| at.floor_to(*step))
     }
 
     pub(super) fn explains(&self, shown: f64) -> bool {
@@ -88,7 +96,7 @@ impl Possible {
                     && raw.iter().zip(shown).all(|(raw, shown)| self.is_made_of(raw, shown))
             }
             _ => match (time(raw), time(shown), number_of(raw), number_of(shown)) {
-                (Some(raw), Some(shown), ..) => raw.floor_to(self.time_step) == shown,
+                (Some(raw), Some(shown), ..) => self.floored(raw) == shown,
                 (.., Some(raw), Some(shown)) => self.is_near(raw, shown),
                 _ => raw == shown,
             },
@@ -124,7 +132,7 @@ pub(super) fn number_of(body: &Value) -> Option<f64> {
 /// Returns true for a number between the values of which it may be the mean.
 pub(super) fn is_mean(values: &[&Possible], shown: f64) -> bool {
     let numbers = || values.iter().flat_map(|possible| possible.elements());
-    let room = values.iter().map(|possible| 0.556 * possible.step).fold(0.0, f64::max);
+    let room = values.iter().map(|possible| ROUNDED_PART * possible.step).fold(0.0, f64::max);
     let part = values.iter().map(|possible| possible.hidden_part).fold(0.0, f64::max);
     let (least, most) = (numbers().fold(f64::MAX, f64::min), numbers().fold(f64::MIN, f64::max));
     let room = room + part * least.abs().max(most.abs());
@@ -133,7 +141,7 @@ pub(super) fn is_mean(values: &[&Possible], shown: f64) -> bool {
 
 /// Returns true for a number of at most the sum of all values.
 pub(super) fn is_sum(values: &[&Possible], shown: f64) -> bool {
-    let room = values.iter().map(|possible| 0.556 * possible.step).fold(0.0, f64::max);
+    let room = values.iter().map(|possible| ROUNDED_PART * possible.step).fold(0.0, f64::max);
     let part = values.iter().map(|possible| possible.hidden_part).fold(0.0, f64::max);
     let sum: f64 = values.iter().flat_map(|possible| possible.elements()).map(f64::abs).sum();
     shown.abs() <= sum * (1.0 + part) + room

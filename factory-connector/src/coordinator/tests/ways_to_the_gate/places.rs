@@ -6,7 +6,7 @@ use std::path::Path;
 /// gate's nor its own. Whatever leaves is of a type that a gate alone makes (`disclosure::Released`,
 /// whose documentation is tested for what does not compile); so all that remains to be counted is
 /// who has a gate, and what a gate believes: its stored state.
-const PLACES: [(&str, &[&str]); 16] = [
+const PLACES: [(&str, &[&str]); 17] = [
     // Written values and the beginning of a request's validity come one by one.
     (
         "receive_candidate(",
@@ -48,8 +48,9 @@ const PLACES: [(&str, &[&str]); 16] = [
     (
         "Released::by_gate",
         &[
-            "disclosure/src/gate.rs 3",
+            "disclosure/src/gate.rs 2",
             "disclosure/src/gate/document.rs 1",
+            "disclosure/src/gate/gate_state.rs 1",
             "disclosure/src/gate/transition.rs 1",
         ],
     ),
@@ -80,6 +81,7 @@ const PLACES: [(&str, &[&str]); 16] = [
     // Never replaced: intervals and rates go on, also for another type.
     (".gate =", &[]),
     (".change_type(", &["state/src/fields/field_mut.rs 1"]),
+    (".change_policy(", &["state/src/use_cases/decide.rs 1", "state/src/use_cases/policies.rs 1"]),
     (
         "through_gate(",
         &[
@@ -93,7 +95,8 @@ const PLACES: [(&str, &[&str]); 16] = [
 ];
 
 /// Texts that make a gate or what only a gate makes. Outside of the packages of [`PLACES`] they have no place.
-const MAKERS: [&str; 4] = ["Gate::new(", "gate_from_json(", "Released::by_gate", "Gate as "];
+const MAKERS: [&str; 5] =
+    ["Gate::new(", "gate_from_json(", "Released::by_gate", ".change_policy(", "Gate as "];
 
 /// The listed ways alone bring values to a gate, and nothing but the gate decides what is
 /// disclosed.
