@@ -39,6 +39,7 @@ async fn at_each_stage_each_member_reads_what_is_for_it_and_nothing_else() {
     play.revise(&[INSPECTOR]).await;
     play.report(&both, &[3], &ALL).await;
     play.check("a revision removes the buyer").await;
+    play.attack("a revision removes the buyer").await;
     play.answer().await;
     play.decide(&OF_THE_BUYER, "MAPPED").await;
     play.report(&[INSPECTOR], &ALL, &ALL).await;
@@ -48,6 +49,7 @@ async fn at_each_stage_each_member_reads_what_is_for_it_and_nothing_else() {
     play.decide(&OF_THE_BUYER, "PENDING").await;
     play.report(&[INSPECTOR], &[3], &ALL).await;
     play.check("revoked").await;
+    play.attack("revoked").await;
     play.decide(&OF_THE_BUYER, "MAPPED").await;
     play.report(&[INSPECTOR], &ALL, &ALL).await;
     play.check("consented again").await;

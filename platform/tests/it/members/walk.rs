@@ -57,8 +57,8 @@ pub struct ReadAnswer {
     pub body: String,
 }
 
-/// Lists the readings: each operation with each combination of ids in its path, without a query and
-/// with each value of each parameter of it.
+/// Lists the readings: each operation with each combination of ids in its path, without a query, with
+/// each value of each parameter of it, and with the first and the last values of all parameters together.
 pub fn readings(ids: &Ids) -> Vec<Reading> {
     let description: Value = serde_json::to_value(platform::api::openapi()).expect("it serialises");
     let mut readings = Vec::new();
@@ -66,6 +66,7 @@ pub fn readings(ids: &Ids) -> Vec<Reading> {
         let operation = path.strip_prefix("/api/v1").expect("all are under /api/v1");
         let Some(get) = methods.get("get").filter(|_| operation != STREAM) else { continue };
         let (mut paths, mut queries) = (vec![operation.to_owned()], vec![String::new()]);
+        let (mut first, mut last) = (Vec::new(), Vec::new());
         for parameter in get["parameters"].as_array().into_iter().flatten() {
             let name = parameter["name"].as_str().expect("a name");
             let values = ids.values(name);
@@ -77,7 +78,12 @@ pub fn readings(ids: &Ids) -> Vec<Reading> {
                 paths = paths.iter().flat_map(filled).collect();
             } else {
                 queries.extend(values.iter().map(|value| format!("?{name}={value}")));
+                first.extend(values.first().map(|value| format!("{name}={value}")));
+                last.extend(values.last().map(|value| format!("{name}={value}")));
             }
+        }
+        if first.len() > 1 {
+            queries.extend([first, last].map(|all| format!("?{}", all.join("&"))));
         }
         for path in &paths {
             readings.extend(queries.iter().map(|query| Reading {
