@@ -122,6 +122,10 @@ knowledge: ## 1 000 histories of whole connectors: partners learn nothing below 
 	VERBUND_KNOWLEDGE_CASES=$(or $(CASES),1000) $(if $(SEED),VERBUND_KNOWLEDGE_SEED=$(SEED)) \
 	  $(CARGO) test --locked -p factory-connector --lib coordinator::tests::knowledge -- --nocapture
 
+probes: prerequisites-test web ## attacks that once worked, against release builds: answer, time and memory of each, and many at once: ONLY="name"
+	$(CARGO) build --locked --release $(PROGRAMS) --bin probes
+	target/release/probes $(if $(ONLY),"$(ONLY)")
+
 fuzz: ## random input for every edge, shared by its targets: HOURS=1, or SECONDS=60 for each; TARGETS="..."
 	tools/fuzz.sh $(or $(SECONDS),$(if $(HOURS),$(HOURS)h,60)) $(TARGETS)
 
@@ -131,6 +135,7 @@ test-slow: ## what takes too long for each change: histories, foreign peers, fuz
 	$(MAKE) foreign-kills
 	$(MAKE) fuzz
 	$(MAKE) scale
+	$(MAKE) probes
 	$(MAKE) screenshots
 	$(MAKE) chaos MINUTES=$(or $(MINUTES),30)
 	$(MAKE) mutants-gate
@@ -181,4 +186,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: supply-chain advisories sbom notices programs fuzz test-slow knowledge mutants-gate mutants-ledger mutants-platform foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test
+.PHONY: probes supply-chain advisories sbom notices programs fuzz test-slow knowledge mutants-gate mutants-ledger mutants-platform foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test

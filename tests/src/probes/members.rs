@@ -5,7 +5,7 @@ use reqwest::StatusCode;
 use serde_json::{Value, json};
 
 use crate::{
-    frame_order::{INSPECTOR, MAKER, NETWORK},
+    frame_order::{COLLABORATION, INSPECTOR, MAKER, NETWORK},
     harness::{Api, ApiError},
 };
 
@@ -28,7 +28,7 @@ fn path() -> String {
 /// Puts the buyer's request under the maker's name.
 pub(super) async fn takes_a_request_over(platform: Api, planner: Api) -> anyhow::Result<String> {
     let before: Value = platform.get(&path()).await?;
-    let mut network = before.clone();
+    let mut network = before["network"].clone();
     let operations = network["operationList"].as_array_mut().context("operations")?;
     let requests = operations
         .iter_mut()
@@ -41,15 +41,11 @@ pub(super) async fn takes_a_request_over(platform: Api, planner: Api) -> anyhow:
         count += 1;
     }
     anyhow::ensure!(count > 0, "there is no request to take over");
-    let document = json!({
-        "operationNetworkId": NETWORK,
-        "operationList": network["operationList"],
-        "operationRelationList": network["operationRelationList"],
-    });
+    let document = json!({ "collaborationId": COLLABORATION, "operationNetwork": network });
     let refused = planner.put::<Value>(&path(), &document).await;
     let said = refusal(refused)?;
     let after: Value = platform.get(&path()).await?;
-    anyhow::ensure!(before["operationList"] == after["operationList"], "the network changed");
+    anyhow::ensure!(before["network"] == after["network"], "the network changed");
     Ok(said)
 }
 
@@ -74,8 +70,7 @@ pub(super) async fn reads_of_others(platform: Api, inspector: Api) -> anyhow::Re
 fn refusal(answer: anyhow::Result<Value>) -> anyhow::Result<String> {
     let Err(error) = answer else { anyhow::bail!("it was taken") };
     let Some(problem) = error.downcast_ref::<ApiError>() else { return Err(error) };
-    let is_refused =
-        problem.status.is_client_error() && problem.status != StatusCode::TOO_MANY_REQUESTS;
+    let is_refused = problem.status.is_client_error();
     anyhow::ensure!(is_refused, "answered {problem}");
     Ok(format!("{} {}", problem.status.as_u16(), problem.problem["code"].as_str().unwrap_or("")))
 }
