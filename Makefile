@@ -89,7 +89,7 @@ rust-tests: web script-deno
 	if $(CARGO) nextest --version >/dev/null 2>&1; then \
 	  run="$(CARGO) nextest run --locked --workspace --no-fail-fast --test-threads $$(($$(nproc) + 1))"; \
 	  $$run && SCRIPT_DENO=$(SCRIPT_DENO) $$run -E 'package(script-quickjs) | (package(factory-connector) & test(/^mappings::/))' && \
-	  $(CARGO) test --locked -p disclosure -p connector-state -p factory-connector -p platform --doc; \
+	  $(CARGO) test --locked -p disclosure -p mapping-engine -p connector-state -p factory-connector -p platform --doc; \
 	else \
 	  $(CARGO) test --locked --workspace --no-fail-fast && \
 	  SCRIPT_DENO=$(SCRIPT_DENO) $(CARGO) test --locked -p script-quickjs --test it && \

@@ -130,6 +130,9 @@ fn coming() -> impl Strategy<Value = Coming> {
     )
 }
 
+/// Time steps of policies.
+pub(super) const TIME_STEPS_MS: [u64; 3] = [10_000, 15_000, 60_000];
+
 /// Policies of which each part is there or not. Some steps divide each other, and some do not.
 fn policies() -> impl Strategy<Value = DisclosurePolicy> {
     let part = |chance: f64, values: Value| {
@@ -146,7 +149,7 @@ fn policies() -> impl Strategy<Value = DisclosurePolicy> {
         part(0.5, json!([10, 100, 150, 1000])),
         part(0.25, json!([5_000, 60_000])),
         part(0.25, json!([3_000, 30_000])),
-        part(0.25, json!([10_000, 15_000, 60_000])),
+        part(0.25, json!(TIME_STEPS_MS)),
         (
             part(0.2, json!(["LAST", "MAXIMUM", "MINIMUM", "MEAN", "SUM"])),
             proptest::sample::select(vec![60_000_u32, 90_000]),
