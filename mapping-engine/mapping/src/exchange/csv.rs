@@ -36,7 +36,7 @@ pub(super) fn read(text: &str) -> Result<Vec<Row>, CsvError> {
             Some('\r') if chars.peek() == Some(&'\n') => {}
             Some('\n') | None => {
                 let is_empty = row.is_empty() && field.is_empty() && !is_quoted;
-                row.push(std::mem::take(&mut field));
+                row.push(without_mark(std::mem::take(&mut field)));
                 let full = std::mem::take(&mut row);
                 if !is_empty {
                     rows.push((begun, full));
@@ -49,7 +49,7 @@ pub(super) fn read(text: &str) -> Result<Vec<Row>, CsvError> {
                 is_quoted = false;
             }
             Some(c) if c == separator => {
-                row.push(std::mem::take(&mut field));
+                row.push(without_mark(std::mem::take(&mut field)));
                 is_quoted = false;
             }
             Some(_) if is_quoted => {
@@ -84,11 +84,30 @@ fn quoted(
     }
 }
 
+/// Returns true for a cell that a spreadsheet would run as a formula, or that has the mark against that.
+fn needs_mark(cell: &str) -> bool {
+    let begin = cell.trim_start_matches([' ', '\u{a0}']);
+    begin.starts_with(['=', '+', '-', '@', '\t', '\r', '\n', '\'', '＝', '＋', '－', '＠'])
+        && cell.parse::<f64>().is_err()
+}
+
+/// Removes the apostrophe with which a cell is text to a spreadsheet.
+fn without_mark(cell: String) -> String {
+    match cell.strip_prefix('\'') {
+        Some(rest) if needs_mark(rest) => rest.to_owned(),
+        _ => cell,
+    }
+}
+
+/// Writes a row in which no cell is taken for a formula: one that would be begins with an apostrophe, which
+/// [`read`] removes again.
 pub(super) fn write(to: &mut String, fields: &[&str]) {
     for (index, field) in fields.iter().enumerate() {
         if index > 0 {
             to.push(',');
         }
+        let marked = needs_mark(field).then(|| format!("'{field}"));
+        let field = &marked.as_deref().unwrap_or(field);
         let is_plain = !field.contains(['"', ',', ';', '\t', '\n', '\r']) && *field == field.trim();
         if is_plain && !(fields.len() == 1 && field.is_empty()) {
             to.push_str(field);
@@ -129,9 +148,25 @@ mod tests {
         );
     }
 
+    #[test]
+    fn no_cell_is_a_formula() {
+        for (cell, written) in [
+            ("=HYPERLINK(1)", "'=HYPERLINK(1)\r\n"),
+            ("@SUM", "'@SUM\r\n"),
+            (" +1+2", "' +1+2\r\n"),
+            ("-1.5", "-1.5\r\n"),
+            ("'quoted", "''quoted\r\n"),
+        ] {
+            let mut text = String::new();
+            write(&mut text, &[cell]);
+            assert_eq!(text, written);
+            assert_eq!(read(&text).expect("a table")[0].1, [cell]);
+        }
+    }
+
     proptest! {
         #[test]
-        fn rows_come_back(rows in vec(vec("[a-z\",;\\t\\r\\n ü]{0,8}", 3), 1..6)) {
+        fn rows_come_back(rows in vec(vec("[a-z\",;\\t\\r\\n ü='+@-]{0,8}", 3), 1..6)) {
             let mut text = String::from("h1,h2,h3\r\n");
             for row in &rows {
                 write(&mut text, &row.iter().map(String::as_str).collect::<Vec<_>>());
