@@ -1,7 +1,6 @@
 //! Members of a collaboration against each other.
 
 use anyhow::Context as _;
-use reqwest::StatusCode;
 use serde_json::{Value, json};
 
 use crate::{
@@ -70,7 +69,12 @@ pub(super) async fn reads_of_others(platform: Api, inspector: Api) -> anyhow::Re
 fn refusal(answer: anyhow::Result<Value>) -> anyhow::Result<String> {
     let Err(error) = answer else { anyhow::bail!("it was taken") };
     let Some(problem) = error.downcast_ref::<ApiError>() else { return Err(error) };
-    let is_refused = problem.status.is_client_error();
+    let code = problem.problem["code"].as_str().unwrap_or_default();
+    let faults = problem.problem["faults"].as_array().cloned().unwrap_or_default();
+    let codes: std::collections::BTreeSet<_> =
+        faults.iter().filter_map(|fault| fault["code"].as_str()).collect();
+    // A document that is refused for its form alone proves nothing.
+    let is_refused = code == "FORBIDDEN" || codes.iter().any(|code| code.starts_with("FOREIGN_"));
     anyhow::ensure!(is_refused, "answered {problem}");
-    Ok(format!("{} {}", problem.status.as_u16(), problem.problem["code"].as_str().unwrap_or("")))
+    Ok(format!("{} {code} {}", problem.status.as_u16(), Vec::from_iter(codes).join(" ")))
 }

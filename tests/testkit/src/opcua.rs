@@ -12,7 +12,7 @@ pub fn hello(url: &str, buffer_size: u32) -> Vec<u8> {
     for number in [0, buffer_size, buffer_size, 0, 0] {
         body.extend(number.to_le_bytes());
     }
-    body.extend(u32::try_from(url.len()).unwrap().to_le_bytes());
+    body.extend(u32::try_from(url.len()).expect("few bytes").to_le_bytes());
     body.extend(url.as_bytes());
     framed(b"HELF", &body)
 }
@@ -22,7 +22,7 @@ pub fn hello(url: &str, buffer_size: u32) -> Vec<u8> {
 pub fn open_channel() -> Vec<u8> {
     let policy = b"http://opcfoundation.org/UA/SecurityPolicy#None";
     let mut body = 0_u32.to_le_bytes().to_vec();
-    body.extend(u32::try_from(policy.len()).unwrap().to_le_bytes());
+    body.extend(u32::try_from(policy.len()).expect("few bytes").to_le_bytes());
     body.extend(policy);
     for absent in [-1_i32, -1] {
         body.extend(absent.to_le_bytes());
@@ -53,7 +53,7 @@ pub fn open_channel() -> Vec<u8> {
 /// A message of a type, with its size.
 #[must_use]
 pub fn framed(kind: &[u8; 4], body: &[u8]) -> Vec<u8> {
-    let length = u32::try_from(body.len() + 8).unwrap();
+    let length = u32::try_from(body.len() + 8).expect("few bytes");
     [kind.as_slice(), &length.to_le_bytes(), body].concat()
 }
 
@@ -75,7 +75,7 @@ pub fn get_endpoints(url: &str, channel: u32, sequence: u32, additional_header: 
     body.extend((-1_i32).to_le_bytes());
     body.extend(0_u32.to_le_bytes());
     body.extend(additional_header);
-    body.extend(u32::try_from(url.len()).unwrap().to_le_bytes());
+    body.extend(u32::try_from(url.len()).expect("few bytes").to_le_bytes());
     body.extend(url.as_bytes());
     body.extend((-1_i32).to_le_bytes());
     body.extend((-1_i32).to_le_bytes());
@@ -99,7 +99,7 @@ pub fn claiming(kind: &[u8; 4], size: u32) -> Vec<u8> {
 pub fn opening(policy: &str, sender: &[u8], receiver: &[u8], noise: usize) -> Vec<u8> {
     let mut body = 0_u32.to_le_bytes().to_vec();
     for part in [policy.as_bytes(), sender, receiver] {
-        body.extend(u32::try_from(part.len()).unwrap().to_le_bytes());
+        body.extend(u32::try_from(part.len()).expect("few bytes").to_le_bytes());
         body.extend(part);
     }
     body.extend((0..noise).map(|at| u8::try_from(at * 7 % 256).expect("a byte")));
@@ -118,6 +118,6 @@ pub fn nested_header(variant: u8, level: &[u8], depth: usize) -> Vec<u8> {
     let mut header = vec![1, 0];
     header.extend(597_u16.to_le_bytes());
     header.push(1);
-    header.extend(u32::try_from(value.len()).unwrap().to_le_bytes());
+    header.extend(u32::try_from(value.len()).expect("few bytes").to_le_bytes());
     [header, value].concat()
 }

@@ -161,7 +161,7 @@ impl Knower {
         for time in [&report["Timestamp"], &payload["shopfloorTimestamp"]["Body"]] {
             let time: DateTime = serde_json::from_value(time.clone()).expect("a time");
             // One that waited is on the step of its time, where that was longer.
-            let steps = TIME_STEPS_MS.map(|ms| Duration::from_millis(ms)).into_iter();
+            let steps = TIME_STEPS_MS.map(Duration::from_millis).into_iter();
             let mut steps = steps.filter(|step| *step >= longest);
             let is_coarse = longest.is_zero() || steps.any(|step| time.floor_to(step) == time);
             assert!(is_coarse, "its fields have a step of {longest:?}: {report}");
