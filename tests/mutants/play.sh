@@ -11,6 +11,8 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 part=${1:?which folder of tests/mutants} && shift
 root=$PWD logs=$PWD/target/mutants/$part copy=$PWD/target/mutants/$part/tree
+# A history that fails is not made smaller, which takes minutes.
+export VERBUND_KNOWLEDGE_SHRINKS=0
 export CARGO_TARGET_DIR=${MUTANTS_TARGET:-$PWD/target/mutants/build}
 names=("$@")
 if [ ${#names[@]} = 0 ]; then

@@ -8,7 +8,8 @@
 //! fewer or more while a state withholds them. Both must yield the same bytes (non-interference). A second model ([`knower`]), which knows candidates and policies only, says
 //! what may be known; each message is compared with it when it leaves.
 //!
-//! `VERBUND_KNOWLEDGE_CASES` sets the number of histories and `VERBUND_KNOWLEDGE_SEED` their seed.
+//! `VERBUND_KNOWLEDGE_CASES` sets the number of histories and `VERBUND_KNOWLEDGE_SEED` their seed;
+//! `VERBUND_KNOWLEDGE_SHRINKS` the attempts to make one that fails smaller.
 
 mod acts;
 mod below;
@@ -70,11 +71,12 @@ fn partners_learn_what_policies_let_through_and_nothing_below() {
     let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
     let seed = number("VERBUND_KNOWLEDGE_SEED").unwrap_or(SEED);
     let cases = number("VERBUND_KNOWLEDGE_CASES").and_then(|cases| u32::try_from(cases).ok());
+    let shrinks = number("VERBUND_KNOWLEDGE_SHRINKS").and_then(|count| u32::try_from(count).ok());
     let mut bytes = [0; 32];
     bytes[..8].copy_from_slice(&seed.to_be_bytes());
     let config = ProptestConfig {
         cases: cases.unwrap_or(CASES),
-        max_shrink_iters: 200,
+        max_shrink_iters: shrinks.unwrap_or(200),
         failure_persistence: None,
         ..ProptestConfig::default()
     };

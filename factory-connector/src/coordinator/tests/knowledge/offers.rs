@@ -82,11 +82,10 @@ impl Plant {
             let is_concealed = !policy.time_step().is_zero()
                 && policy.delay().is_zero()
                 && function != Some(AggregateFunction::Mean);
-            let window =
-                policy.aggregate.map_or(policy.time_step(), |aggregate| aggregate.window());
             // Up to the step on which they leave: within the step and the window of their arrival.
-            let step = policy.time_step().min(window);
-            let end = begin.floor_to(step).after(step);
+            let end_of = |step: Duration| begin.floor_to(step).after(step);
+            let windows = policy.aggregate.map(|aggregate| end_of(aggregate.window()));
+            let end = windows.into_iter().fold(end_of(policy.time_step()), DateTime::min);
             if !is_concealed || field == STATE || begin.floor_to(policy.time_step()) == begin {
                 return 0;
             }
