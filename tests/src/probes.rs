@@ -1,6 +1,6 @@
 //! Attacks that once worked, replayed from outside against the real programs: what each answers, how
 //! long it takes, how much memory it costs, and whether honest people are served all the same. At the
-//! end many attacks at once ([`siege`]).
+//! end many attacks at once.
 
 mod amqp;
 mod attacks;
