@@ -26,7 +26,7 @@ use crate::{
 /// them without one.
 ///
 /// # Errors
-/// When the programs do not start, or with the list of attacks that were not borne.
+/// List of the attacks that were not borne, or the program that does not start.
 pub async fn run(only: Option<&str>, keep: bool) -> anyhow::Result<()> {
     let folder = tempfile::Builder::new().prefix("verbund-probes-").tempdir()?;
     let mut places = Places::anywhere(folder.path().to_owned())?;

@@ -13,9 +13,10 @@ use super::{
 impl DisclosurePolicy {
     /// Combines two policies to the strictest, dimension by dimension.
     ///
-    /// The longer of two steps (which has other boundaries where it is no multiple of the shorter one), intervals, windows and delays applies, and the smaller number of
+    /// The longer of two steps, intervals, windows and delays applies, and the smaller number of
     /// digits; all rate limits, hours and withheld states apply, and the coarser status codes: a policy
-    /// that says nothing about them allows no finer ones. Of two lists of bands the common
+    /// that says nothing about them allows no finer ones. A longer step that is no multiple of the
+    /// shorter one has other boundaries. Of two lists of bands the common
     /// bounds remain; beside a rounding step the bands that are at least as wide. Of two aggregates
     /// with the same window, the function that reveals less of a single value applies.
     #[must_use]

@@ -20,9 +20,14 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// Guesses of a password that may be checked at once.
 const GUESSES_MAX: usize = 10;
 
+/// Makes a client that waits for no answer without end.
+pub(super) fn client() -> anyhow::Result<reqwest::Client> {
+    Ok(reqwest::Client::builder().timeout(PATIENCE).build()?)
+}
+
 /// Tries to sign in at once under many names of half a megabyte.
 pub(super) async fn long_names(port: u16) -> anyhow::Result<String> {
-    let client = reqwest::Client::new();
+    let client = client()?;
     let mut statuses = Vec::new();
     for _ in 0..25 {
         let calls = (0..8).map(|number| {
@@ -40,7 +45,7 @@ pub(super) async fn long_names(port: u16) -> anyhow::Result<String> {
 
 /// Guesses a password sixty times at once.
 pub(super) async fn guesses(port: u16) -> anyhow::Result<String> {
-    let client = reqwest::Client::new();
+    let client = client()?;
     let calls = (0..60).map(|_| sign_in(&client, port, "stranger".to_owned()));
     let (mut checked, mut slowed) = (0, 0);
     for status in join_all(calls).await {
@@ -139,7 +144,7 @@ pub(super) async fn oversize(port: u16) -> anyhow::Result<()> {
     let address = format!("http://127.0.0.1:{port}/api/v1/session");
     let body = vec![b' '; 16 << 20];
     let json = ("content-type", "application/json");
-    reqwest::Client::new().post(address).header(json.0, json.1).body(body).send().await?;
+    client()?.post(address).header(json.0, json.1).body(body).send().await?;
     Ok(())
 }
 

@@ -68,9 +68,12 @@ impl Scene {
     ) -> anyhow::Result<()> {
         let took = before.since.elapsed();
         let Before { target, resident, .. } = before;
-        let peak = self.memory(target).and_then(Memory::peak).unwrap_or_default();
-        let grew = peak.saturating_sub(resident);
         let mut faults = Vec::new();
+        let peak = self.memory(target).and_then(Memory::peak).unwrap_or_else(|error| {
+            faults.push(format!("{error:#}"));
+            0
+        });
+        let grew = peak.saturating_sub(resident);
         let answer = outcome.unwrap_or_else(|error| {
             faults.push(format!("{error:#}"));
             "not as expected".to_owned()

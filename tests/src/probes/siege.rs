@@ -170,8 +170,11 @@ async fn honest(scene: &Scene, until: Option<Instant>, failed: &mut Vec<String>)
 /// Asks over a connection of its own, and returns the time that it took.
 async fn new_caller(port: u16) -> anyhow::Result<Duration> {
     let begun = Instant::now();
-    let client = reqwest::Client::builder().pool_max_idle_per_host(0).build()?;
-    client.get(format!("http://127.0.0.1:{port}/healthz")).send().await?.error_for_status()?;
+    http::client()?
+        .get(format!("http://127.0.0.1:{port}/healthz"))
+        .send()
+        .await?
+        .error_for_status()?;
     Ok(begun.elapsed())
 }
 
@@ -230,7 +233,8 @@ async fn repeat<F: Future<Output = ()>>(attack: impl Fn() -> F) {
 
 /// Guesses passwords from an address, one after the other.
 async fn guess_on(source: Ipv4Addr, port: u16) {
-    let client = reqwest::Client::builder().local_address(Some(source.into())).build();
+    let client =
+        reqwest::Client::builder().local_address(Some(source.into())).timeout(SPAN).build();
     let Ok(client) = client else { return };
     loop {
         http::sign_in(&client, port, "stranger".to_owned()).await.ok();

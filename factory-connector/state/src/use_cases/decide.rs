@@ -56,8 +56,7 @@ pub struct DecisionRequest {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeenPreview {
     pub row: PreviewRow,
-    /// The precision that it shows: of the draft, the named policies and those of the recipients, as they were
-    /// then.
+    /// The precision that it shows, by the draft and the policies of that time.
     pub effective: Arc<DisclosurePolicy>,
 }
 

@@ -12,10 +12,10 @@ use super::{
 use crate::{RoundingStep, StateValue, WithholdCondition, gate_from_json, gate_to_json};
 
 /// Released values with their times.
-type Left = Vec<(u64, DataValue)>;
+pub(super) type Left = Vec<(u64, DataValue)>;
 
 /// Runs a gate through steps. It is woken in time, or (`is_late`) only at the next event.
-fn run(policy: &DisclosurePolicy, steps: &[(u64, Step)], is_late: bool) -> Left {
+pub(super) fn run(policy: &DisclosurePolicy, steps: &[(u64, Step)], is_late: bool) -> Left {
     let policy = Arc::new(policy.clone());
     let mut gate = Gate::new(Arc::clone(&policy), BuiltInType::Int64, GateState::default(), at(0));
     let (mut now, mut left) = (0, Vec::new());

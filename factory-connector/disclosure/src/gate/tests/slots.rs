@@ -4,37 +4,18 @@
 use proptest::prelude::*;
 
 use super::{
-    strategies::{self, START_MS, Step, other, policies, steps},
+    properties,
+    strategies::{self, Step, other, policies, steps},
     *,
 };
 use crate::time_resolution_ms;
 
-/// Plays steps, with a state that holds for a while each time, and returns the times of all releases.
+/// Returns the times of all releases, of a gate whose state is known from the beginning and that never restarts.
 fn released(policy: &DisclosurePolicy, steps: &[(u64, Step)]) -> Vec<DateTime> {
-    let at = strategies::at;
-    let policy = Arc::new(policy.clone());
-    let mut gate = Gate::new(policy, BuiltInType::Int64, GateState::default(), at(0));
-    let (mut now, mut released) = (0, Vec::new());
-    let mut note = |gate: &mut Gate, now| released.extend(gate.take_released().then(|| at(now)));
-    gate.on_state(at(0), &other(), Some(false));
-    for (pause, step) in steps {
-        let next = now + pause;
-        while let Some(due) = gate.due().filter(|due| *due < at(next)) {
-            now = now.max(u64::try_from(due.unix_millis() - START_MS).expect("later"));
-            gate.on_time(at(now));
-            note(&mut gate, now);
-        }
-        now = next;
-        gate.on_time(at(now));
-        note(&mut gate, now);
-        match step {
-            Step::Candidate(value) => drop(gate.on(at(now), value.clone())),
-            Step::State(is_withheld) => drop(gate.on_state(at(now), &other(), *is_withheld)),
-            Step::Wake | Step::Restart => {}
-        }
-        note(&mut gate, now);
-    }
-    released
+    let steps = steps.iter().filter(|(_, step)| !matches!(step, Step::Restart)).cloned();
+    let steps: Vec<_> = std::iter::once((0, Step::State(Some(false)))).chain(steps).collect();
+    let left = properties::run(policy, &steps, false);
+    left.into_iter().map(|(ms, _)| strategies::at(ms)).collect()
 }
 
 proptest! {
