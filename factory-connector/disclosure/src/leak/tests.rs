@@ -77,6 +77,9 @@ fn neither_a_rounding_step_nor_a_rate_of_bursts_hides_the_cycle_time() {
     assert_eq!(conclusions(&[(made(), json!({ "roundingStep": 10 }))]), [C::CycleTime]);
     let hidden = json!({ "roundingStep": 10, "timeStepMs": 3_600_000 });
     assert_eq!(conclusions(&[(made(), hidden)]), []);
+    // Longer than a piece takes, and shorter than ten.
+    let coarse = json!({ "roundingStep": 10, "timeStepMs": 1_800_000 });
+    assert_eq!(conclusions(&[(made(), coarse)]), [C::CycleTime]);
     // Ten an hour may be ten in a second.
     let burst = |values: u32, period_ms: u64| json!({ "rateLimits": [{ "values": values, "periodMs": period_ms }] });
     assert_eq!(conclusions(&[(made(), burst(10, 3_600_000))]), [C::CycleTime]);
