@@ -65,6 +65,20 @@ fn a_corrected_mapping_is_a_version_and_no_consent() {
 }
 
 #[test]
+fn a_corrected_mapping_takes_back_the_reports_that_wait() {
+    let mut scene = Scene::default();
+    scene.map("made", ValueSource::Mapping, "{}");
+    scene.map("note", ValueSource::Manual, "{}");
+    scene.commit(1);
+    let made = scene.state.field(&field("made")).expect("a field").writer();
+    let scaled = mapping(&scene, &json!([{ "function": "scale", "factor": 2 }]));
+    let import = MappingImport { mapping: scaled, author: "eve".to_owned(), note: None };
+    scene.run(|state| import_mappings(state, vec![import], at(2)).expect("no cap"));
+    let taken_back: Vec<u16> = scene.pending.purges.keys().copied().collect();
+    assert_eq!(taken_back, [made], "what waits was made by the former mapping");
+}
+
+#[test]
 fn a_mapping_with_another_unit_does_not_fit_its_field() {
     let scene = Scene::default();
     let other = Mapping { target_unit: Some("KGM".to_owned()), ..mapping(&scene, &json!([])) };
