@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use asi_model::{
-    DynamicDataRequestId, OperationId, OperationNetworkId, network::DynamicDataRequest,
+    DynamicDataRequestId, OperationId, OperationNetworkId, messages::Fault,
+    network::DynamicDataRequest,
 };
 
 use super::{
@@ -27,16 +28,27 @@ pub async fn add_request(
 ) -> Result<ChangeOutcome, ChangeError> {
     let mut row = shown(work, network, author).await?;
     let not_found = || ChangeError::NotFound(format!("operation {operation} in {network}"));
-    let target = row
-        .network
-        .operation_list
-        .iter_mut()
-        .find(|candidate| candidate.operation_id == *operation);
-    let list = &mut target.ok_or_else(not_found)?.dynamic_data_request_list;
-    if !list.contains(&request) {
+    let mut operations = row.network.operation_list.iter();
+    let index = operations.position(|candidate| candidate.operation_id == *operation);
+    let index = index.ok_or_else(not_found)?;
+    let list = &mut row.network.operation_list[index].dynamic_data_request_list;
+    let number = list.iter().position(|known| *known == request).unwrap_or(list.len());
+    if number == list.len() {
         list.push(request);
     }
-    put_again(work, row, author, resend_after).await
+    let place = format!("/operationList/{index}/dynamicDataRequestList/{number}");
+    put_again(work, row, author, resend_after).await.map_err(|error| match error {
+        ChangeError::Faulty(faults) => {
+            ChangeError::Faulty(faults.into_iter().map(|fault| within(&place, fault)).collect())
+        }
+        other => other,
+    })
+}
+
+/// Returns a fault with a pointer into the request that the author sent.
+fn within(place: &str, fault: Fault) -> Fault {
+    let pointer = fault.pointer.strip_prefix(place).map(str::to_owned);
+    Fault { pointer: pointer.unwrap_or(fault.pointer), ..fault }
 }
 
 /// Removes a request: nodes and mappings go at the factory, the history stays.

@@ -93,6 +93,20 @@ fn members(schema: &Value) -> Map<String, Value> {
 /// Lets relations follow an operation that got another id or is gone, so that the document is right but for
 /// the rights of its author.
 fn follow(before: &Value, after: &mut Value) {
+    let operations = after["operationList"].as_array_mut().into_iter().flatten();
+    let requests = operations.flat_map(|operation| {
+        operation.get_mut("dynamicDataRequestList").and_then(Value::as_array_mut)
+    });
+    // A frequency has a period.
+    for request in requests.flatten() {
+        let pair = [("updateFrequency", json!(7)), ("updateFrequencyUnit", json!("MINUTE"))];
+        if pair.iter().any(|(name, _)| request.get(*name).is_some()) {
+            for (name, sample) in pair {
+                let request = request.as_object_mut().expect("a request");
+                request.entry(name).or_insert(sample);
+            }
+        }
+    }
     let (old, new) =
         (ids(&before["operationList"], OPERATION), ids(&after["operationList"], OPERATION));
     let Some(relations) = after.get_mut("operationRelationList").and_then(Value::as_array_mut)
@@ -116,6 +130,15 @@ fn follow(before: &Value, after: &mut Value) {
     }
 }
 
+/// Returns a value of a member that is more than its schema says.
+fn well_formed(name: &str) -> Option<Value> {
+    match name {
+        "unit" | "quantityUnit" => Some(json!("KGM")),
+        "type" => Some(json!("Double")),
+        _ => None,
+    }
+}
+
 struct Walk<'d> {
     document: &'d Value,
     known: &'d Known,
@@ -136,7 +159,12 @@ impl Walk<'_> {
             let pointer = format!("{at}/{name}");
             match value.get(&name) {
                 None => {
-                    let sample = self.sample(&member);
+                    let sample = match name.as_str() {
+                        "inspectedOperationId" => {
+                            self.document["operationList"][0]["operationId"].clone()
+                        }
+                        name => well_formed(name).unwrap_or_else(|| self.sample(&member)),
+                    };
                     self.add(pointer, Kind::Added, |parent, name| parent[name] = sample);
                 }
                 Some(inner) => {
@@ -171,7 +199,9 @@ impl Walk<'_> {
         } else if value.is_object() {
             self.object(value, schema, pointer);
         } else {
-            for other in self.others(value, schema) {
+            let name = pointer.rsplit('/').next().unwrap_or_default();
+            let others = well_formed(name).map(|other| vec![other]);
+            for other in others.unwrap_or_else(|| self.others(value, schema)) {
                 self.add(pointer.to_owned(), Kind::Changed, |parent, name| match parent {
                     Value::Array(list) => list[name.parse::<usize>().expect("an index")] = other,
                     parent => parent[name] = other,

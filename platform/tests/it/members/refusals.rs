@@ -1,9 +1,10 @@
 //! Refusals: what is hidden from its author is refused as what never existed.
 //!
-//! The exception are ids that a document would take: one that something hidden has is refused, where
-//! one that never existed would be taken.
+//! An id that a document would take is refused where something hidden has it, and one that never
+//! existed would be taken. Such attempts are made once more with a fault of their own, so that both
+//! are refused: they differ in nothing but that the id cannot be used.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::Member;
 use crate::{chain::ids, harness::Answer};
@@ -53,16 +54,21 @@ impl<'m> Refusals<'m> {
             return 0;
         }
         let never_path = self.never_existing(path);
-        let takes_id = operation.starts_with("PUT /operation-networks/")
-            || (operation.ends_with("/requests") && never_path == path);
-        let never_body = body.map(|body| self.never_existing(&body.to_string()));
-        let never_body = never_body.map(|text| serde_json::from_str::<Value>(&text).expect("JSON"));
-        if takes_id || (never_path == path && never_body.as_ref() == body) {
+        let never_body = body.map(|body| self.never_value(body));
+        if never_path == path && never_body.as_ref() == body {
             return 0;
         }
-        let (method, _) = operation.split_once(' ').expect("a method");
-        let method = method.parse().expect("a method");
-        let never = self.author.api.call(method, &never_path, never_body).await;
+        if answer.status == 409 {
+            self.assert_network_is_taken(operation, path, answer);
+            return 1;
+        }
+        let takes_id = operation.starts_with("PUT /operation-networks/")
+            || (operation.ends_with("/requests") && never_path == path);
+        if takes_id {
+            let bodies = (body.expect("a document"), never_body.expect("a document"));
+            return self.assert_only_ids_are_taken(operation, (path, &never_path), bodies).await;
+        }
+        let never = self.call(operation, &never_path, never_body).await;
         assert_eq!(
             (answer.status, self.never_existing(&answer.body.to_string())),
             (never.status, never.body.to_string()),
@@ -71,4 +77,76 @@ impl<'m> Refusals<'m> {
         );
         1
     }
+
+    fn never_value(&self, body: &Value) -> Value {
+        serde_json::from_str(&self.never_existing(&body.to_string())).expect("JSON")
+    }
+
+    async fn call(&self, operation: &str, path: &str, body: Option<Value>) -> Answer {
+        let (method, _) = operation.split_once(' ').expect("a method");
+        self.author.api.call(method.parse().expect("a method"), path, body).await
+    }
+
+    /// Asserts that the refusal of a hidden network's id says that it is taken, and nothing else.
+    fn assert_network_is_taken(&self, operation: &str, path: &str, answer: &Answer) {
+        assert!(operation.starts_with("PUT /operation-networks/"), "{operation}: {answer:?}");
+        let mut body = answer.body.clone();
+        let members = body.as_object_mut().expect("a problem");
+        let detail = members.remove("detail").expect("a detail");
+        let code = members.remove("code").expect("a code");
+        assert_eq!(
+            (detail, code),
+            (json!("There is a network with this id already."), json!("ALREADY_EXISTS")),
+            "{}: {path}",
+            self.author.id
+        );
+        // What is left is the same for every conflict.
+        let names: Vec<&str> = members.keys().map(String::as_str).collect();
+        assert_eq!(names, ["type", "title", "status"], "{}: {path}: {answer:?}", self.author.id);
+    }
+
+    /// Asserts that a document with hidden ids is refused as the same one with ids that never existed, but
+    /// for hidden ids being taken where the document gives them.
+    async fn assert_only_ids_are_taken(
+        &self,
+        operation: &str,
+        (path, never_path): (&str, &str),
+        (body, never_body): (&Value, Value),
+    ) -> usize {
+        let body = spoiled(body.clone());
+        let answer = self.call(operation, path, Some(body.clone())).await;
+        let never = self.call(operation, never_path, Some(spoiled(never_body))).await;
+        let what = || format!("{}: {operation} {path}: {answer:?} {never:?}", self.author.id);
+        assert_eq!((answer.status, never.status), (422, 422), "{}", what());
+        let is_taken = |fault: &&Value| fault["code"] == "ID_TAKEN";
+        let faults = |answer: &Answer| answer.body["faults"].as_array().expect("faults").clone();
+        let (of_hidden, of_never) = (faults(&answer), faults(&never));
+        for taken in of_hidden.iter().filter(is_taken) {
+            let place = taken["pointer"].as_str().expect("a pointer");
+            let id = body.pointer(place).and_then(Value::as_str);
+            assert!(id.is_some_and(|id| self.hidden.iter().any(|one| one == id)), "{}", what());
+            assert_eq!(
+                taken["message"],
+                "This id cannot be used here; take another one.",
+                "{}",
+                what()
+            );
+        }
+        let others = of_hidden.iter().filter(|fault| !is_taken(fault));
+        let others: Vec<Value> = others.map(|fault| self.never_value(fault)).collect();
+        assert_eq!(others, of_never, "{}", what());
+        1
+    }
+}
+
+/// A document with a fault that has to do with nobody: a place or a recipient that nobody knows.
+fn spoiled(mut body: Value) -> Value {
+    let operations = body.pointer_mut("/operationNetwork/operationList");
+    if let Some(operations) = operations.and_then(Value::as_array_mut) {
+        operations.push(json!({ "operationId": "Spoiled", "operationType": "PRODUCTION",
+            "owningFactoryId": "NOWHERE" }));
+    } else {
+        body["recipientList"].as_array_mut().expect("recipients").push(json!("nowhere"));
+    }
+    body
 }
