@@ -132,12 +132,7 @@ impl Gate {
             return self.release_at_once(now, candidate);
         }
         self.on_time(now);
-        if let Some(is_withheld) = self.policy.is_own_state_withheld(&candidate) {
-            if self.state.is_in_withheld_state && !is_withheld {
-                self.open_from(now);
-            }
-            self.state.is_in_withheld_state = is_withheld;
-        }
+        self.note_own_state(now, &candidate);
         if self.is_withheld() {
             // A mean must not weight the value before with the time in which candidates are
             // withheld.
@@ -167,6 +162,21 @@ impl Gate {
             None => GateOutcome::Unchanged { is_coarsened },
             Some(until) => GateOutcome::Withheld { until },
         }
+    }
+
+    /// Notes the state of a candidate that comes before anything is asked for. Returns true where a
+    /// state withholds it, so that it may not be offered later either.
+    pub fn withholds(&mut self, now: DateTime, candidate: &DataValue) -> bool {
+        self.note_own_state(now, candidate);
+        self.is_withheld()
+    }
+
+    fn note_own_state(&mut self, now: DateTime, candidate: &DataValue) {
+        let Some(is_withheld) = self.policy.is_own_state_withheld(candidate) else { return };
+        if self.state.is_in_withheld_state && !is_withheld {
+            self.open_from(now);
+        }
+        self.state.is_in_withheld_state = is_withheld;
     }
 
     /// Returns true when no value waits, and no candidate has to.

@@ -31,14 +31,15 @@ impl RateLimit {
     }
 }
 
-/// Records a release for as long as one of the limits needs it. Without limits those of a former
-/// policy are kept, for when it applies again.
+/// Records a release under limits: as many as any limit can ask for, whatever the present ones are. A
+/// former policy with a limit of more values may apply again, and then all of them count. What was
+/// released without a limit counts for none.
 pub(super) fn remember(released: &mut VecDeque<DateTime>, limits: &[RateLimit], now: DateTime) {
-    let Some(count) = limits.iter().map(|limit| limit.values.clamp(1, VALUES_MAX)).max() else {
+    if limits.is_empty() {
         return;
-    };
+    }
     released.push_back(now);
-    while released.len() > usize::try_from(count).unwrap_or(0) {
+    while released.len() > VALUES_MAX as usize {
         released.pop_front();
     }
 }
@@ -57,6 +58,9 @@ mod tests {
             remember(&mut released, &[limit], at(now));
             assert_eq!(limit.next_at(&released), next.map(at), "after {now}");
         }
-        assert_eq!(released.len(), 2);
+        for now in 0..200 {
+            remember(&mut released, &[limit], at(200 + now));
+        }
+        assert_eq!(released.len(), 100, "as many as any limit can ask for");
     }
 }

@@ -155,7 +155,13 @@ impl FieldRegistry {
     ) -> Option<T> {
         let Self { entries, index, .. } = self;
         let entry = entries.get_mut(&id)?;
+        let conditions = |entry: &FieldEntry| entry.field.gate.policy().withhold_while.clone();
+        let former = entry.field.kept.is_some().then(|| conditions(entry));
         let result = change(&mut entry.field.gate);
+        // The states that came with what is kept are not known any more.
+        if former.is_some_and(|former| former != conditions(entry)) {
+            entry.field.kept = None;
+        }
         index.mark_dirty(entry);
         index.note_release(entry);
         if entry.field.gate.take_released() {

@@ -13,12 +13,14 @@
 
 mod acts;
 mod below;
+mod checks;
 mod fields;
 mod file;
 mod knower;
 mod link;
 mod offers;
 mod pages;
+mod past;
 mod plant;
 mod possible;
 mod telemetry;
@@ -54,6 +56,8 @@ struct Amount {
     /// Values that newer ones replaced before they could leave.
     superseded: usize,
     taken_back: usize,
+    /// Reports that a recipient was shown after they had left for others.
+    past_reports: usize,
     pages: usize,
 }
 
@@ -62,6 +66,7 @@ impl Amount {
         self.varied += varied.count;
         self.superseded += varied.superseded;
         self.reports += varied.reports;
+        self.past_reports += varied.past_reports;
         self.later += usize::from(varied.later_ms > 0);
     }
 }
@@ -103,6 +108,7 @@ fn partners_learn_what_policies_let_through_and_nothing_below() {
     assert!(amount.later > cases / 8, "seed {seed}: {amount:?}");
     assert!(amount.superseded > cases / 4, "seed {seed}: {amount:?}");
     assert!(amount.taken_back > cases / 4 && amount.pages > 0, "seed {seed}: {amount:?}");
+    assert!(amount.past_reports > 0, "seed {seed}: {amount:?}");
 }
 
 /// Plays a history at both plants, and compares what can be seen after each act.

@@ -32,6 +32,8 @@ pub struct Field {
     pub(super) rate: DisclosureRate,
     pub(super) validity: Validity,
     pub(super) newest: Option<DataValue>,
+    /// The candidate that is offered once the request begins.
+    pub(super) kept: Option<DataValue>,
     pub(super) transform: Option<TransformState>,
     pub(super) versions: MappingVersions,
     writer: u16,
@@ -121,6 +123,7 @@ impl Field {
             rate: DisclosureRate::new(now),
             validity,
             newest: None,
+            kept: None,
             transform: None,
             versions: MappingVersions::default(),
             writer,

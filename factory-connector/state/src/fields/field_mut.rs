@@ -33,7 +33,7 @@ impl FieldMut<'_> {
 
     /// Closes the gate, and forgets the newest candidate: the consent ended.
     pub(crate) fn close(&mut self, now: DateTime) {
-        self.entry.field.newest = None;
+        self.forget_candidates();
         self.close_gate(now);
     }
 
@@ -59,6 +59,9 @@ impl FieldMut<'_> {
         let field = &mut self.entry.field;
         field.definition = definition;
         field.validity = validity;
+        if field.kept.is_some() {
+            self.index.deadlines.note_beginning(field.id(), validity.from.unwrap_or(now));
+        }
         self.index.note_deadlines(self.entry);
     }
 
@@ -78,21 +81,24 @@ impl FieldMut<'_> {
         self.mark_dirty();
     }
 
-    /// Keeps a candidate that came before its request asks for it, until then.
-    pub(crate) fn keep_until(&mut self, candidate: DataValue, from: DateTime) {
-        self.entry.field.newest = Some(candidate);
-        self.index.deadlines.note_beginning(self.entry.field.id(), from);
+    /// Keeps a candidate that came before its request asks for it, until then; none that a state
+    /// withholds.
+    pub(crate) fn keep_until(&mut self, candidate: DataValue, is_withheld: bool, from: DateTime) {
+        let field = &mut self.entry.field;
+        field.kept = (!is_withheld).then(|| candidate.clone());
+        field.newest = Some(candidate);
+        self.index.deadlines.note_beginning(field.id(), from);
     }
 
-    /// Takes the newest candidate away.
-    pub(crate) fn take_newest(&mut self) -> Option<DataValue> {
-        self.entry.field.newest.take()
+    /// Takes the candidate away that was kept until the request begins.
+    pub(crate) fn take_kept(&mut self) -> Option<DataValue> {
+        self.entry.field.kept.take()
     }
 
     /// Begins another source of values: its functions start in this state, and nothing of the former
     /// source leaves, neither what waited nor what was disclosed.
     pub(crate) fn begin_source(&mut self, transform: Option<TransformState>, now: DateTime) {
-        self.entry.field.newest = None;
+        self.forget_candidates();
         self.close_gate(now);
         self.set_transform(transform);
     }
@@ -121,6 +127,11 @@ impl FieldMut<'_> {
     /// Sets the mapping that runs beside the published one.
     pub(crate) fn set_shadow(&mut self, shadow: Option<Box<ShadowMapping>>) {
         self.entry.field.versions.shadow = shadow;
+    }
+
+    fn forget_candidates(&mut self) {
+        let field = &mut self.entry.field;
+        (field.newest, field.kept) = (None, None);
     }
 
     fn close_gate(&mut self, now: DateTime) {

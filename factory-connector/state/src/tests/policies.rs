@@ -7,10 +7,11 @@ use serde_json::json;
 use crate::{
     DocumentError,
     queries::{fields_under_policy, policy_changes},
-    scene::{Scene, at, decision, field},
+    scene::{Scene, at, decision, field, network},
     use_cases::{
         decide::{DecisionCommand, DecisionError, DecisionRequest},
         policies::{put_policy, set_recipient_policy},
+        validity::begin_requests,
         values::{FieldCandidate, receive_candidates},
     },
 };
@@ -230,6 +231,76 @@ fn a_state_that_withholds_is_judged_before_the_values_of_its_batch() {
     assert_eq!(together(&mut scene, &through, 5), ["4"], "a state between counts, too");
     assert_eq!(together(&mut scene, &[Err("SETUP")], 6), ["4"]);
     assert_eq!(together(&mut scene, &[Ok(8), Err("RUN"), Ok(9)], 7), ["9"]);
+}
+
+/// The two fields, the request of which begins at 1 000 ms.
+fn before_the_request_begins() -> Scene {
+    let mut scene = Scene::default();
+    scene.arrive(network(2, |request| request["validFrom"] = json!(at(1_000))));
+    scene.map("note", ValueSource::Mapping, "{}");
+    scene.map("made", ValueSource::Mapping, WITHHELD_IN_SETUP);
+    scene
+}
+
+/// Lets the request begin, and returns the numbers and the texts that left.
+fn begun(scene: &mut Scene) -> (Vec<serde_json::Value>, Vec<serde_json::Value>) {
+    begin_requests(&mut scene.state, at(1_000));
+    let (writes, _) = scene.commit(1_000);
+    let bodies = writes.reports.queued.iter().map(|report| &report.body);
+    let reports: Vec<serde_json::Value> =
+        bodies.map(|body| serde_json::from_str(body).expect("JSON")).collect();
+    let of = |name: &str| {
+        let members = reports.iter().filter_map(|report| report["Payload"].get(name));
+        members.map(|member| member["Body"].clone()).collect()
+    };
+    (of("made"), of("note"))
+}
+
+#[test]
+fn what_came_in_a_state_before_its_request_begins_is_withheld() {
+    type Kept<'t> = (&'t [Result<u64, &'t str>], Vec<serde_json::Value>);
+    let all: [Kept<'_>; 6] = [
+        (&[Err("RUN"), Ok(1)], vec![json!("1")]),
+        (&[Err("RUN"), Err("SETUP"), Ok(2), Err("RUN")], vec![]),
+        (&[Err("RUN"), Ok(3), Err("SETUP"), Ok(4), Err("RUN")], vec![]),
+        // The state that holds when it begins counts, wherever its field stands among them.
+        (&[Err("RUN"), Ok(5), Err("SETUP")], vec![]),
+        (&[Err("SETUP"), Ok(6), Err("RUN"), Ok(7)], vec![json!("7")]),
+        (&[Ok(8), Err("RUN")], vec![]),
+    ];
+    for (values, expected) in all {
+        let mut scene = before_the_request_begins();
+        for (ms, value) in (0..).zip(values) {
+            assert_eq!(together(&mut scene, std::slice::from_ref(value), ms), [""; 0]);
+        }
+        let (made, note) = begun(&mut scene);
+        assert_eq!(made, expected, "{values:?}");
+        assert_eq!(note.len(), 1, "{values:?}");
+    }
+}
+
+#[test]
+fn what_is_kept_for_a_request_does_not_outlive_its_policy() {
+    let mut scene = before_the_request_begins();
+    scene.map("made", ValueSource::Mapping, "{}");
+    together(&mut scene, &[Err("SETUP"), Ok(1)], 1);
+    scene.map("made", ValueSource::Mapping, WITHHELD_IN_SETUP);
+    together(&mut scene, &[Err("RUN")], 2);
+    assert_eq!(begun(&mut scene).0, [""; 0], "nobody knows in which state it came");
+}
+
+#[test]
+fn reports_of_another_function_are_taken_back() {
+    for (former, is_taken_back) in [("LAST", true), ("MAXIMUM", true), ("MEAN", false)] {
+        let mut scene = Scene::default();
+        let own = format!(r#"{{"aggregate":{{"function":"{former}","windowMs":120000}}}}"#);
+        scene.map("made", ValueSource::Manual, &own);
+        scene.commit(0);
+        let mean = r#"{"aggregate":{"function":"MEAN","windowMs":60000}}"#;
+        scene.map("made", ValueSource::Manual, mean);
+        let made = scene.state.field(&field("made")).expect("a field").writer();
+        assert_eq!(scene.pending.purges.contains_key(&made), is_taken_back, "{former}");
+    }
 }
 
 /// A recipient reads its chain: ids of policies and rules are words of the plant about others.

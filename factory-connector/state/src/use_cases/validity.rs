@@ -4,20 +4,24 @@ use std::collections::BTreeSet;
 
 use asi_model::DateTime;
 
-use super::values::receive_candidate;
+use super::values::{FieldCandidate, receive_candidates};
 use crate::{ChangeSet, ConnectorState, Field, LogRecord, consents, endings};
 
 /// Reason that a partner reads when its request has ended.
 const ENDED: &str = "The request's validity has ended.";
 
-/// Releases the newest values of fields whose requests ask for them from now on.
+/// Releases the values that were kept for requests which ask for them from now on, all at once: a state
+/// among them withholds the others.
 pub fn begin_requests(state: &mut ConnectorState, now: DateTime) {
+    let mut kept = Vec::new();
     while let Some(id) = state.fields.pop_beginning(now) {
         let Some(mut field) = state.fields.by_id_mut(id) else { continue };
-        if let Some((value, source)) = field.take_newest().zip(field.decision().value_source) {
-            receive_candidate(state, id, source, value, None, now);
+        if let Some((value, source)) = field.take_kept().zip(field.decision().value_source) {
+            let (mapping_version, transform) = (None, None);
+            kept.push(FieldCandidate { field: id, source, mapping_version, value, transform });
         }
     }
+    receive_candidates(state, kept, now);
 }
 
 /// Ends the consents to fields whose requests have ended: they are undecided again. Values that

@@ -83,7 +83,8 @@ fn is_accepted(state: &ConnectorState, candidate: &FieldCandidate, now: DateTime
     let FieldCandidate { field, source, mapping_version, .. } = candidate;
     let field = state.fields.by_id(*field);
     field.is_some_and(|field| {
-        is_open_for(field, *source, *mapping_version) && field.validity().contains(now)
+        // States count before the request begins, too: what comes meanwhile may be kept until then.
+        is_open_for(field, *source, *mapping_version) && !field.validity().has_ended(now)
     })
 }
 
@@ -100,14 +101,18 @@ fn take(
     now: DateTime,
 ) -> Option<GateOutcome> {
     let FieldCandidate { field: id, source, mapping_version, value, transform } = candidate;
-    let mut field =
-        state.fields.by_id_mut(id).filter(|field| is_open_for(field, source, mapping_version))?;
-    if !field.validity().contains(now) {
-        if let Some(from) = field.validity().from.filter(|from| *from > now) {
-            field.keep_until(value, from);
-        }
+    let field =
+        state.fields.by_id(id).filter(|field| is_open_for(field, source, mapping_version))?;
+    let validity = field.validity();
+    if validity.has_ended(now) {
         return None;
     }
+    if let Some(from) = validity.from.filter(|from| *from > now) {
+        let is_withheld = through_gate(state, id, now, |gate| gate.withholds(now, &value))?;
+        state.fields.by_id_mut(id)?.keep_until(value, is_withheld, from);
+        return None;
+    }
+    let mut field = state.fields.by_id_mut(id)?;
     field.receive(value.clone(), transform, now);
     through_gate(state, id, now, |gate| gate.on(now, value))
 }

@@ -243,6 +243,26 @@ fn rates_and_intervals_go_on_for_values_of_another_type() {
 }
 
 #[test]
+fn a_rate_goes_on_after_a_policy_with_fewer_values() {
+    let (many, few) = (
+        r#"{"rateLimits":[{"values":3,"periodMs":1000}]}"#,
+        r#"{"rateLimits":[{"values":1,"periodMs":10}]}"#,
+    );
+    let mut gate = gate(many);
+    for ms in 0..3 {
+        gate.on(at(ms), candidate(ms, i64::try_from(ms).expect("small")));
+    }
+    assert_eq!(shown(&gate), Some(2));
+    gate.change_policy(policy(few), at(50));
+    gate.on(at(60), candidate(60, 3));
+    assert_eq!(shown(&gate), Some(3));
+    gate.change_policy(policy(many), at(100));
+    gate.on(at(110), candidate(110, 4));
+    // At 2, at 50 - what was shown waits for the new policy, and leaves again by it - and at 60.
+    assert_eq!(gate.due(), Some(at(1002)), "three of the last second count, by whichever policy");
+}
+
+#[test]
 fn a_rate_goes_on_after_a_policy_without_one() {
     let limits = r#"{"rateLimits":[{"values":1,"periodMs":1000}]}"#;
     let mut gate = gate(limits);

@@ -34,6 +34,8 @@ pub(super) enum Act {
         policy: Box<DisclosurePolicy>,
     },
     Close(usize),
+    /// A field is refused, with a reason for the partners.
+    Refuse(usize),
     /// A mapping is imported.
     Import {
         field: usize,
@@ -47,8 +49,16 @@ pub(super) enum Act {
         partner: usize,
         name: Option<usize>,
     },
-    /// The partner changes the recipients of the first request.
-    Revise(u8),
+    /// The partner changes the recipients of the first request, and lets both begin later.
+    Revise {
+        bits: u8,
+        begin_ms: Option<u32>,
+    },
+    /// The engineer decides whether a recipient of the first request sees what had left before.
+    DecidePast {
+        partner: usize,
+        is_released: bool,
+    },
     Wait(u32),
     SetClockBack(u32),
     /// The clock leaps forward: nothing was released in between.
@@ -70,12 +80,37 @@ pub(super) fn acts() -> impl Strategy<Value = Vec<Act>> {
         })
     });
     let opened: Vec<_> = opened.collect();
-    (opened, proptest::collection::vec(act(), 10..45)).prop_map(|(mut acts, further)| {
-        acts.extend(further);
+    let further = prop_oneof![40 => act().prop_map(|act| vec![act]), 1 => past()];
+    (opened, proptest::collection::vec(further, 10..45)).prop_map(|(mut acts, further)| {
+        acts.extend(further.into_iter().flatten());
         acts.push(Act::Wait(200_000));
         acts.push(Act::Send { is_receipted: true });
         acts
     })
+}
+
+/// A recipient is added after reports have left, and the engineer decides about them.
+fn past() -> impl Strategy<Value = Vec<Act>> {
+    let of_first = || (0..FIELDS.len()).filter(|field| FIELDS[*field].request == 0);
+    let open = |field: usize, policy| Act::Open { field, source: 0, policy: Box::new(policy) };
+    let before: Vec<_> =
+        of_first().map(|field| policies().prop_map(move |p| open(field, p))).collect();
+    let policy = || prop_oneof![3 => Just(DisclosurePolicy::default()), 1 => policies()];
+    let after: Vec<_> =
+        of_first().map(|field| policy().prop_map(move |p| open(field, p))).collect();
+    let values = proptest::collection::vec(coming(), 4..12);
+    (before, values, after, 1..PARTNERS.len(), proptest::bool::weighted(0.8)).prop_map(
+        |(before, values, after, partner, is_released)| {
+            let revise = |bits| Act::Revise { bits, begin_ms: None };
+            let mut acts = vec![revise(0b001)];
+            acts.extend(before);
+            acts.extend([Act::Values(values, 0), Act::Wait(200_000)]);
+            acts.extend([Act::Send { is_receipted: true }, revise(0b111)]);
+            acts.extend(after);
+            acts.push(Act::DecidePast { partner, is_released });
+            acts
+        },
+    )
 }
 
 fn act() -> impl Strategy<Value = Act> {
@@ -96,11 +131,18 @@ fn act() -> impl Strategy<Value = Act> {
         4 => (field(), 0..4_usize, policy())
             .prop_map(|(field, source, policy)| Act::Open { field, source, policy }),
         1 => field().prop_map(Act::Close),
+        1 => field().prop_map(Act::Refuse),
         1 => (field(), 0..2_usize).prop_map(|(field, mapping)| Act::Import { field, mapping }),
         2 => (name(), policy()).prop_map(|(name, policy)| Act::Policy { name, policy }),
         2 => (0..PARTNERS.len(), proptest::option::weighted(0.7, name()))
             .prop_map(|(partner, name)| Act::Recipient { partner, name }),
-        1 => (0..8_u8).prop_map(Act::Revise),
+        1 => (0..8_u8, proptest::option::of(1..60_000_u32))
+            .prop_map(|(bits, begin_ms)| Act::Revise { bits, begin_ms }),
+        // The same recipients: consents go on, but for what has begun already.
+        1 => proptest::option::weighted(0.8, 1..60_000_u32)
+            .prop_map(|begin_ms| Act::Revise { bits: 0b11, begin_ms }),
+        1 => (0..PARTNERS.len(), any::<bool>())
+            .prop_map(|(partner, is_released)| Act::DecidePast { partner, is_released }),
         6 => prop_oneof![1..2_000_u32, 2_000..90_000_u32].prop_map(Act::Wait),
         1 => (1..100_000_u32).prop_map(Act::SetClockBack),
         1 => prop_oneof![1..100_000_u32, 100_000..100_000_000_u32].prop_map(Act::SetClockForward),
@@ -156,7 +198,14 @@ fn policies() -> impl Strategy<Value = DisclosurePolicy> {
         ),
         part(0.3, json!(["FULL", "SEVERITY"])),
         part(0.2, json!([condition(json!("state")), condition(Value::Null)])),
-        part(0.15, json!([[{ "values": 2, "periodMs": 60_000 }]])),
+        part(
+            0.25,
+            json!([
+                [{ "values": 2, "periodMs": 60_000 }],
+                [{ "values": 1, "periodMs": 5_000 }],
+                [{ "values": 4, "periodMs": 300_000 }, { "values": 1, "periodMs": 2_000 }],
+            ]),
+        ),
         part(0.2, json!([[0, 20_000, 50_000], [-50_000, -20_000, 0, 50_000]])),
         part(0.15, json!([1, 3])),
         part(0.1, json!([hours("00:01", "23:59", 0), hours("01:00", "01:20", 60)])),

@@ -193,7 +193,7 @@ pub(super) fn recipients(request: usize, bits: u8) -> Vec<&'static str> {
 }
 
 /// Returns the network in a revision, as the platform sends it.
-pub(super) fn network(revision: u64, bits: u8) -> Value {
+pub(super) fn network(revision: u64, bits: u8, begins_at: Option<DateTime>) -> Value {
     let request = |number: usize| {
         let fields = FIELDS.iter().filter(|field| field.request == number);
         let fields: Vec<Value> = fields
@@ -204,6 +204,7 @@ pub(super) fn network(revision: u64, bits: u8) -> Value {
             .collect();
         json!({ "dynamicDataRequestId": format!("R{number}"), "requesterId": "acme",
             "recipientList": recipients(number, bits), "purpose": "Plan", "updateFrequency": 1,
+            "validFrom": begins_at,
             "updateFrequencyUnit": "MINUTE",
             "reportDataFormat": { "reportName": "Progress", "reportFieldList": fields } })
     };

@@ -24,8 +24,11 @@ impl Plant {
                     knower.check(report, self.now);
                     count += 1;
                 }
-                for Report { writer, epoch, sequence } in reports(row) {
+                for (Report { writer, epoch, sequence }, report) in
+                    reports(row).into_iter().zip(messages)
+                {
                     last.insert((writer, epoch), sequence);
+                    self.left.insert((writer, epoch, sequence), report.clone());
                 }
             }
             self.seen.extend(rows.iter().map(|row| {

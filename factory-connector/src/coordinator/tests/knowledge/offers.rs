@@ -26,6 +26,8 @@ pub(super) struct Varied {
     pub(super) superseded: usize,
     /// Number of reports that left.
     pub(super) reports: usize,
+    /// Number of reports that a recipient was shown later.
+    pub(super) past_reports: usize,
 }
 
 impl Plant {
@@ -49,13 +51,19 @@ impl Plant {
         let policies: Vec<_> = values.iter().map(|(field, _)| self.policy(*field)).collect();
         let mut varied =
             Varied { later_ms: self.concealed(&values, later_ms), ..Varied::default() };
-        let outcomes = self.offer_values(&values, knower);
+        let kept: Vec<bool> = values.iter().map(|(field, _)| self.is_kept(*field)).collect();
+        let (outcomes, withheld) = self.offer_values(&values, knower);
         self.commit().await;
         self.wait_meanwhile(varied.later_ms).await;
         for (place, (((field, value), policy), outcome)) in
             values.iter().zip(&policies).zip(&outcomes).enumerate()
         {
             let outcome = *outcome;
+            if kept[place] && (!withheld[place] || *field == STATE) {
+                // It leaves when its request begins, unless another one takes its place.
+                varied.values.push((*field, value.clone()));
+                continue;
+            }
             let mut other = differing(*field, value, policy, outcome);
             if is_superseded(place, &values, policy, &outcomes) {
                 other = superseded(*field, &other, policy, &values[place + 1..]);
@@ -86,7 +94,11 @@ impl Plant {
             let end_of = |step: Duration| begin.floor_to(step).after(step);
             let windows = policy.aggregate.map(|aggregate| end_of(aggregate.window()));
             let end = windows.into_iter().fold(end_of(policy.time_step()), DateTime::min);
-            if !is_concealed || field == STATE || begin.floor_to(policy.time_step()) == begin {
+            if !is_concealed
+                || field == STATE
+                || self.is_kept(field)
+                || begin.floor_to(policy.time_step()) == begin
+            {
                 return 0;
             }
             u32::try_from(end.since(begin).as_millis()).unwrap_or(u32::MAX).saturating_sub(1)
@@ -94,17 +106,24 @@ impl Plant {
         values.iter().map(|(field, _)| of(*field)).min().unwrap_or(0).min(later_ms)
     }
 
+    /// Returns true while values of a field are kept until its request begins.
+    fn is_kept(&self, field: usize) -> bool {
+        let field = self.work.state.field(&FIELDS[field].key()).expect("a field");
+        field.decision().is_mapped() && field.validity().from.is_some_and(|from| from > self.now)
+    }
+
     fn policy(&self, field: usize) -> Arc<DisclosurePolicy> {
         let field = self.work.state.field(&FIELDS[field].key()).expect("a field");
         Arc::clone(field.gate().policy())
     }
 
-    /// Offers the values of mappings in one batch, and then each that was written.
+    /// Offers the values of mappings in one batch, and then each that was written. Returns what the
+    /// gates say, and whether a state withholds it as the second model has it.
     fn offer_values(
         &mut self,
         values: &[(usize, DataValue)],
         knower: &mut Knower,
-    ) -> Vec<Option<GateOutcome>> {
+    ) -> (Vec<Option<GateOutcome>>, Vec<bool>) {
         let now = self.now;
         let source = |state: &ConnectorState, field: usize| {
             let field = state.field(&FIELDS[field].key()).expect("a field");
@@ -113,8 +132,11 @@ impl Plant {
         let mapped: Vec<_> = (0..values.len())
             .filter(|place| source(&self.work.state, values[*place].0).0 == ValueSource::Mapping)
             .collect();
-        let mut outcomes = vec![None; values.len()];
-        knower.offer(mapped.iter().map(|place| (values[*place].0, &values[*place].1)), now);
+        let (mut outcomes, mut withheld) = (vec![None; values.len()], vec![false; values.len()]);
+        let of_mappings = mapped.iter().map(|place| (values[*place].0, &values[*place].1));
+        for (place, is_withheld) in mapped.iter().zip(knower.offer(of_mappings, now)) {
+            withheld[*place] = is_withheld;
+        }
         let batch: Vec<Candidate> = mapped
             .iter()
             .map(|place| Candidate {
@@ -130,7 +152,7 @@ impl Plant {
         for (place, (field, value)) in values.iter().enumerate() {
             if !mapped.contains(&place) {
                 let (source, _) = source(&self.work.state, *field);
-                knower.offer(std::iter::once((*field, value)), now);
+                withheld[place] = knower.offer(std::iter::once((*field, value)), now) == [true];
                 let key = FIELDS[*field].key();
                 let state = &mut self.work.state;
                 outcomes[place] = values::write_value(state, &key, source, value.clone(), now).ok();
@@ -140,7 +162,7 @@ impl Plant {
         let answered =
             outcomes.iter().flatten().filter(|outcome| **outcome != GateOutcome::Suppressed);
         self.seen.extend(answered.map(|outcome| format!("outcome {}", is_released(*outcome))));
-        outcomes
+        (outcomes, withheld)
     }
 
     fn value(&self, coming: &Coming) -> DataValue {

@@ -1,6 +1,8 @@
 //! A plant with a clock of its own: state, store, spool and link adapter, as the coordinator's loop
 //! runs them.
 
+use std::collections::BTreeMap;
+
 use connector_state::{
     Effects, transaction,
     use_cases::{
@@ -52,6 +54,8 @@ pub(super) struct Plant {
     pub(super) versions: [Option<u32>; 2],
     pub(super) recipient_versions: [Option<u32>; 3],
     pub(super) seen: Vec<String>,
+    /// Reports that left, by writer, epoch and sequence number.
+    pub(super) left: BTreeMap<(u64, u64, u64), Value>,
     /// Fields by their places, with the times of their releases.
     pub(super) releases: Vec<(usize, DateTime)>,
 }
@@ -70,10 +74,11 @@ impl Plant {
             versions: [None; 2],
             recipient_versions: [None; 3],
             seen: Vec::new(),
+            left: BTreeMap::new(),
             releases: Vec::new(),
         };
         plant.commit().await;
-        plant.revise(0b11);
+        plant.revise(0b11, None);
         plant.commit().await;
         plant
     }
@@ -112,12 +117,19 @@ impl Plant {
                 knower.set_clock_back(former, self.now);
                 values::set_clock_back(&mut self.work.state, self.now);
             }
+            Act::DecidePast { partner, is_released } => {
+                varied.past_reports = self.decide_past(*partner, *is_released, knower).await;
+            }
             decision => self.decide(decision, knower),
         }
         self.commit().await;
         let is_decision = !matches!(
             act,
-            Act::Values(..) | Act::Wait(_) | Act::SetClockForward(_) | Act::Send { .. }
+            Act::Values(..)
+                | Act::Wait(_)
+                | Act::SetClockForward(_)
+                | Act::Send { .. }
+                | Act::DecidePast { .. }
         );
         for (field, at) in std::mem::take(&mut self.releases) {
             // A decision coarsens what is shown at once; intervals are for what comes.
@@ -146,8 +158,14 @@ impl Plant {
                     knower.open(*field, *source, policy);
                 }
             }
-            Act::Close(field) => {
-                if self.take(*field, DecisionCommand::LeavePending) {
+            Act::Close(field) | Act::Refuse(field) => {
+                let is_refused = matches!(act, Act::Refuse(_));
+                let command = if is_refused {
+                    DecisionCommand::Refuse
+                } else {
+                    DecisionCommand::LeavePending
+                };
+                if self.take(*field, command) {
                     knower.close(*field);
                 }
             }
@@ -158,8 +176,8 @@ impl Plant {
                 self.work.pending.merge(changes.expect("there is no cap"));
                 knower.import(*field, number + 2);
             }
-            Act::Revise(bits) => {
-                self.revise(*bits);
+            Act::Revise { bits, begin_ms } => {
+                self.revise(*bits, begin_ms.map(|ms| later(now, ms)));
                 let is_mapped = |field: &fields::FieldOf| {
                     let field = self.work.state.field(&field.key());
                     field.is_some_and(|field| field.decision().is_mapped())
@@ -201,14 +219,16 @@ impl Plant {
 
     fn take(&mut self, field: usize, command: DecisionCommand) -> bool {
         let (decided_by, basis) = ("eve".to_owned(), DecisionBasis::default());
-        let request = DecisionRequest { command, reason: None, decided_by, basis, preview: None };
+        let is_refused = matches!(command, DecisionCommand::Refuse);
+        let reason = is_refused.then(|| "A trade secret.".to_owned());
+        let request = DecisionRequest { command, reason, decided_by, basis, preview: None };
         let decided = decide(&mut self.work.state, &FIELDS[field].key(), request, self.now);
         decided.map(|changes| self.work.pending.merge(changes)).is_ok()
     }
 
-    fn revise(&mut self, bits: u8) {
+    fn revise(&mut self, bits: u8, begins_at: Option<DateTime>) {
         self.revision += 1;
-        let json = network(self.revision, bits);
+        let json = network(self.revision, bits, begins_at);
         let message = serde_json::from_value(json.clone()).expect("a network");
         let changes = receive_network(&mut self.work.state, message, json.to_string(), self.now);
         self.work.pending.merge(changes);
@@ -240,7 +260,16 @@ impl Plant {
         let received = self.received + 1;
         let starts = u8::try_from(received % 251).expect("small");
         let Self {
-            folder, work, now, revision, versions, recipient_versions, seen, releases, ..
+            folder,
+            work,
+            now,
+            revision,
+            versions,
+            recipient_versions,
+            seen,
+            left,
+            releases,
+            ..
         } = self;
         let twin = work.outputs.twin.clone();
         work.store.close().await;
@@ -255,6 +284,7 @@ impl Plant {
             versions,
             recipient_versions,
             seen,
+            left,
             releases,
         }
     }
