@@ -1,10 +1,11 @@
-//! Passwords in a store, sealed: a copy of the store alone tells none of them.
+//! Secrets in a store, sealed: a copy of the store alone tells none of them.
 //!
 //! A sealed text is `v1.<id of the key>.<nonce, ciphertext and tag>`, by ChaCha20-Poly1305 with a random
 //! nonce. Its purpose is authenticated with it, so that the password of one row opens in no other. Keys
 //! are read from their file with every use: a rotation beside the running daemon is seen at once.
 
 mod key_file;
+mod secrets;
 
 use std::path::{Path, PathBuf};
 
@@ -15,6 +16,7 @@ use serde::Deserialize;
 use crate::Confidential;
 pub use key_file::KeyFileError;
 use key_file::{Key, KeyFile};
+pub use secrets::{SecretStore, StoredSecret, forget, remedy, rotate, seal_all};
 
 /// Name of the credential that a service manager passes.
 pub const CREDENTIAL: &str = "verbund-sealing-key";

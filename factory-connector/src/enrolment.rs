@@ -18,7 +18,7 @@ use crate::{
     config::ConnectorConfig,
     ledger_key::{self, LEDGER_KEY_FILE},
     passwords,
-    store::{Enrolment, PasswordHolder, Store},
+    store::{Enrolment, SecretHolder, Store},
 };
 
 /// Time limit of the exchange: a person waits for it at a terminal.
@@ -60,7 +60,7 @@ pub async fn enrol(
         .context("reading the broker's address that the platform named")?;
     config.check_named_broker(&named).map_err(anyhow::Error::msg)?;
     let sealed =
-        passwords::seal(&config.sealer(), &PasswordHolder::Broker, answer.password.expose())?;
+        passwords::seal(&config.sealer(), &SecretHolder::Broker, answer.password.expose())?;
     let enrolment = Enrolment {
         factory_id: answer.factory_id.to_string(),
         broker_url: answer.broker_url,

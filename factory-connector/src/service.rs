@@ -16,7 +16,7 @@ use daemon::{
     Confidential, data_directory,
     lifecycle::{Importance, Lifecycle},
     plaintext::{self, PlaintextWay},
-    sealing::Sealer,
+    sealing::{self, Sealer},
     telemetry::Metrics,
     web::{
         health::Readiness,
@@ -143,9 +143,9 @@ async fn prepare(config: &ConnectorConfig) -> anyhow::Result<Enrolment> {
     data_directory::create(directory, config.allow_shared_data_directory)?;
     let mut session = Store::connect(directory).await?;
     // Before anything reads them: a store of before has them in plain text.
-    let sealed = passwords::seal_all(&mut session, &config.sealer()).await?;
+    let sealed = sealing::seal_all(&mut session, &config.sealer()).await?;
     if sealed > 0 {
-        tracing::info!(passwords.count = sealed, "Passwords in the store were sealed.");
+        tracing::info!(secrets.count = sealed, "Secrets in the store were sealed.");
     }
     let enrolled = session.enrolments().current().await?.context(
         "this connector is not enrolled yet: ask an administrator of the platform for a token and run \

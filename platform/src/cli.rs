@@ -2,6 +2,7 @@
 
 mod administration;
 mod definitions;
+mod seal;
 mod serve;
 
 use std::{
@@ -58,6 +59,9 @@ enum Command {
     /// Add or change users of the platform.
     #[command(subcommand)]
     User(UserCommand),
+    /// Manage the key that seals the secrets in the database.
+    #[command(subcommand)]
+    Seal(seal::SealCommand),
 }
 
 #[derive(Debug, Subcommand)]
@@ -173,6 +177,7 @@ fn run_command(command: Command, config: PlatformConfig) -> anyhow::Result<()> {
             Command::User(UserCommand::Set(user)) => {
                 administration::set_user(&config, user.user, user.role, user.organisation).await
             }
+            Command::Seal(command) => seal::run(command, &config).await,
             Command::Config(_) | Command::Notices => Ok(()),
         }
     })

@@ -12,7 +12,11 @@ use std::{
 
 use asi_model::OrganisationId;
 use broker::AddressPattern;
-use daemon::{Confidential, telemetry::LogConfig};
+use daemon::{
+    Confidential,
+    sealing::{Sealer, SealingConfig},
+    telemetry::LogConfig,
+};
 use messaging::{BrokerProfile, BrokerUrl};
 use serde::{Deserialize, Deserializer};
 pub use web::WebConfig;
@@ -28,6 +32,8 @@ pub struct PlatformConfig {
     pub data_directory: PathBuf,
     /// Use the folder although group or others may enter it.
     pub allow_shared_data_directory: bool,
+    /// Key that seals secrets in the database.
+    pub sealing: SealingConfig,
     /// Pages and API.
     pub web: WebConfig,
     /// The broker, embedded or another.
@@ -48,6 +54,7 @@ impl Default for PlatformConfig {
         Self {
             data_directory: PathBuf::from("platform-data"),
             allow_shared_data_directory: false,
+            sealing: SealingConfig::default(),
             web: WebConfig::default(),
             broker: BrokerSettings::default(),
             admin: AdminConfig::default(),
@@ -323,6 +330,12 @@ impl PlatformConfig {
     #[must_use]
     pub const fn lease_silence(&self) -> Duration {
         Duration::from_millis(self.leases.silence_ms)
+    }
+
+    /// Returns what seals secrets in the database and opens them.
+    #[must_use]
+    pub fn sealer(&self) -> Sealer {
+        Sealer::new(&self.sealing, &self.data_directory)
     }
 
     /// Returns the path of the database.

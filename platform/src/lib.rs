@@ -7,6 +7,7 @@
 //! - Pure: [`leases`] (decides which connector speaks for a factory), [`sequences`] (received
 //!   sequence numbers), [`signing`] (which keys sign for a factory), [`opaque_id`] (ids for
 //!   those outside), [`tools`] (messages of partners' tools).
+//! - `secrets`: sealing of secrets in the database.
 //! - [`accesses`]: values leave only with a record of who got them. [`access_log_key`]: signs that.
 //! - [`store`]: the database, one repository per noun. [`principal`]: rights of the signed-in user.
 //! - [`progress`] (pure): progress of operations. [`live`]: events for pages.
@@ -43,6 +44,7 @@ pub mod progress;
 pub mod progress_notifier;
 pub mod receipts;
 pub mod retention;
+mod secrets;
 pub mod sequences;
 pub mod service;
 pub mod signing;

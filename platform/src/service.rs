@@ -8,7 +8,7 @@ use std::{convert::Infallible, net::SocketAddr, path::Path, sync::Arc, time::Dur
 use daemon::{
     data_directory,
     lifecycle::{Importance, Lifecycle},
-    plaintext,
+    plaintext, sealing,
     telemetry::Metrics,
     web::{
         health::Readiness,
@@ -86,6 +86,12 @@ impl Platform {
         let plaintext_ways = warned(&config);
         let metrics = Metrics::install()?;
         let store = Store::open(&config.database_path()).await?;
+        // Before anybody signs in: a database of before has them in plain text.
+        let sealed = sealing::seal_all(&mut store.clone(), &config.sealer()).await;
+        let sealed = sealed.map_err(StartError::Sealing)?;
+        if sealed > 0 {
+            tracing::info!(secrets.count = sealed, "Secrets in the database were sealed.");
+        }
         let recording = RecordingStore::new(store.clone(), clock.clone());
         let hashing = PasswordHashing::default();
         administrator::ensure(&recording, &config, &hashing, clock.now()).await?;
@@ -131,7 +137,7 @@ impl Platform {
             web_address.port(),
         );
         let accounts = StoredAccounts::new(store.clone(), clock.clone());
-        let sessions = Sessions::new(session_config, accounts, hashing);
+        let sessions = Sessions::new(session_config, accounts, hashing, config.sealer());
         let application = Application::new(ApplicationParts {
             store: recording,
             accesses,

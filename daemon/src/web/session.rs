@@ -18,6 +18,7 @@ mod throttle;
 
 pub use accounts::{
     AccountChange, Accounts, AccountsError, SessionId, StoredSecondFactor, StoredSession,
+    second_factor_purpose,
 };
 pub use credentials::{Caller, SignIn, UserName, UserNameError};
 pub use guard::require_session;

@@ -21,6 +21,7 @@ use axum::{
 };
 use axum_extra::extract::CookieJar;
 use daemon::{
+    sealing::{Sealer, SealingConfig},
     telemetry::Metrics,
     web::{
         ApiJson, ApiPath, Problem,
@@ -267,6 +268,8 @@ pub struct Harness {
     pub api: ApiClient,
     pub readiness: Readiness,
     pub memory: Memory,
+    /// Folder of the key that seals secrets of second factors.
+    pub keys: Arc<tempfile::TempDir>,
     shutdown: CancellationToken,
 }
 
@@ -294,7 +297,9 @@ impl Harness {
         config.stream_check_interval = Duration::from_millis(20);
         let mut trusted_proxies = TrustedProxies::default();
         change(&mut config, &mut trusted_proxies);
-        let sessions = Sessions::new(config, memory.clone(), PasswordHashing::default());
+        let keys = Arc::new(tempfile::tempdir().expect("a folder"));
+        let sealer = Sealer::new(&SealingConfig::default(), keys.path());
+        let sessions = Sessions::new(config, memory.clone(), PasswordHashing::default(), sealer);
         let readiness = Readiness::new();
         let operations = Operations {
             guarded: OpenApiRouter::new()
@@ -323,7 +328,7 @@ impl Harness {
         let shutdown = CancellationToken::new();
         tokio::spawn(server::serve(listener, None, router, limits, shutdown.clone()));
         let api = ApiClient::new(format!("http://{address}"), PATIENCE).expect("a client");
-        Self { api, readiness, memory, shutdown }
+        Self { api, readiness, memory, keys, shutdown }
     }
 
     /// Sends a request without a body.

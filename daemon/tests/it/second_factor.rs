@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use daemon::web::session::SessionConfig;
+use daemon::web::session::{SessionConfig, StoredSecondFactor};
 use reqwest::Method;
 use serde_json::{Value, json};
 use testkit::{Answer, ApiClient, authenticator::code};
@@ -101,4 +101,31 @@ async fn codes_are_guessed_no_faster_than_passwords() {
     }
     assert!(refused <= 5, "{refused} guesses");
     assert_eq!(sign_in(&client, Some(&code(&secret, 1))).await.status, 429);
+}
+
+#[tokio::test]
+async fn a_second_factor_is_stored_sealed_and_opens_for_its_user_with_its_key_alone() {
+    let (harness, _, secret, recovery) = with_factor(|_| ()).await;
+    let client = ApiClient::new(harness.api.origin(), Duration::from_secs(60)).expect("a client");
+    let stored = harness.memory.factors.lock()["ann"].clone();
+    let sealed = stored.sealed_secret.clone().expect("sealed");
+    assert!(sealed.starts_with("v1.") && !sealed.contains(&secret), "{sealed}");
+    let of_bob = StoredSecondFactor { is_confirmed: true, last_step: 0, ..stored };
+    harness.memory.factors.lock().insert("bob".to_owned(), of_bob);
+    let hash = harness.memory.users.lock()["ann"].clone();
+    harness.memory.users.lock().insert("bob".to_owned(), hash);
+    let body = json!({ "userName": "bob", "password": PASSWORD, "code": code(&secret, 1) });
+    let moved = client.call(Method::POST, SESSION, Some(&body)).await.expect("an answer");
+    assert_eq!(problem(&moved), (503, json!("SECOND_FACTOR_SEALED")), "it was sealed for ann");
+
+    std::fs::remove_file(harness.keys.path().join("sealing-key")).expect("lost");
+    let lost = sign_in(&client, Some(&code(&secret, 1))).await;
+    assert_eq!(problem(&lost), (503, json!("SECOND_FACTOR_SEALED")));
+    assert_eq!(problem(&sign_in(&client, None).await), (401, json!("SECOND_FACTOR_NEEDED")));
+    let recovery = recovery[0].as_str().expect("a code");
+    assert_eq!(sign_in(&client, Some(recovery)).await.status, 200);
+    // What a person had removed, since no key opens it.
+    harness.memory.factors.lock().get_mut("ann").expect("a factor").sealed_secret = None;
+    let forgotten = sign_in(&client, Some(&code(&secret, 1))).await;
+    assert_eq!(problem(&forgotten), (503, json!("SECOND_FACTOR_SEALED")));
 }

@@ -109,7 +109,12 @@ impl Api {
         let issuer = format!("Verbund {}", parts.instance.factory_id);
         let (is_secure, port) = (parts.server.is_secure, parts.server.port);
         let config = SessionConfig::new(COOKIE, issuer, is_secure, port);
-        let sessions = Sessions::new(config, accounts.clone(), parts.server.hashing.clone());
+        let sessions = Sessions::new(
+            config,
+            accounts.clone(),
+            parts.server.hashing.clone(),
+            parts.instance.sealer.clone(),
+        );
         Self {
             parts: Arc::new(parts),
             sessions,

@@ -17,7 +17,7 @@ use super::{
     values::ShownValue,
     view::Page,
 };
-use crate::{passwords, store::PasswordHolder};
+use crate::{passwords, store::SecretHolder};
 
 /// Children per page without a limit, and at most: a server may list a hundred thousand in one
 /// folder.
@@ -107,7 +107,7 @@ pub async fn change_source(
 }
 
 async fn put(api: &Api, source: SourceConfig) -> Result<(), Problem> {
-    let holder = PasswordHolder::Source(source.source_id.to_string());
+    let holder = SecretHolder::Source(source.source_id.to_string());
     let sealed_password = match &source.identity {
         Identity::UserName { password, .. } => {
             Some(passwords::seal(&api.instance.sealer, &holder, password.expose()))

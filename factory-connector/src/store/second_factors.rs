@@ -36,11 +36,11 @@ impl SecondFactors<'_> {
         factor: &StoredSecondFactor,
     ) -> Result<(), StoreError> {
         let sql = "INSERT OR REPLACE INTO second_factor
-                       (user_name, secret, is_confirmed, last_step, recovery_digests)
-                   VALUES (?, ?, ?, ?, ?)";
+                       (user_name, secret, sealed_secret, is_confirmed, last_step, recovery_digests)
+                   VALUES (?, x'', ?, ?, ?, ?)";
         query(sql)
             .bind(user_name.to_owned())
-            .bind(factor.secret.expose().clone())
+            .bind(factor.sealed_secret.clone())
             .bind(factor.is_confirmed)
             .bind(signed(factor.last_step))
             .bind(document(&factor.recovery_digests))
@@ -112,7 +112,7 @@ impl SecondFactors<'_> {
 
 fn factor(row: &SqliteRow) -> Result<StoredSecondFactor, StoreError> {
     Ok(StoredSecondFactor {
-        secret: row.column::<Vec<u8>>("secret")?.into(),
+        sealed_secret: row.column("sealed_secret")?,
         is_confirmed: row.flag("is_confirmed")?,
         last_step: row.number("last_step")?,
         recovery_digests: row.document("recovery_digests")?,

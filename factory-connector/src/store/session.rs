@@ -16,7 +16,6 @@ use super::{
     mapping_versions::StoredMappingVersions,
     networks::Networks,
     operator_entries::OperatorEntries,
-    passwords::Passwords,
     past_decisions::PastDecisions,
     past_reports::PastReports,
     policy_documents::PolicyDocuments,
@@ -26,6 +25,7 @@ use super::{
     revocations::Revocations,
     rule_decisions::RuleDecisions,
     second_factors::SecondFactors,
+    secrets::SecretRows,
     shadow_mappings::ShadowMappings,
     sources::Sources,
     spool::Spool,
@@ -173,9 +173,9 @@ impl StoreSession {
         FormerDisclosures(self.connection())
     }
 
-    /// Returns the repository of passwords, sealed or not.
-    pub fn passwords(&mut self) -> Passwords<'_> {
-        Passwords(self.connection())
+    /// Returns the repository of secrets, sealed or not.
+    pub fn secret_rows(&mut self) -> SecretRows<'_> {
+        SecretRows(self.connection())
     }
 
     /// Decisions whether recipients see the past.

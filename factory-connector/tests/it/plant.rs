@@ -18,7 +18,7 @@ use factory_connector::{
     config::ConnectorConfig,
     ledger_key::{self, LEDGER_KEY_FILE},
     passwords, service,
-    store::{Enrolment, PasswordHolder, Store},
+    store::{Enrolment, SecretHolder, Store},
 };
 use mapping_engine::ScriptRuntime;
 use reqwest::{Method, StatusCode};
@@ -306,7 +306,7 @@ async fn enrol(directory: &TempDir, fields: Value) {
     let factory_id: FactoryId = FACTORY.parse().expect("an id");
     let mut session = Store::connect(&data).await.expect("a store");
     let sealer = Sealer::new(&SealingConfig::default(), &data);
-    let sealed = passwords::seal(&sealer, &PasswordHolder::Broker, "none").expect("sealed");
+    let sealed = passwords::seal(&sealer, &SecretHolder::Broker, "none").expect("sealed");
     let enrolment = Enrolment {
         factory_id: FACTORY.to_owned(),
         broker_url: "amqp://127.0.0.1:1".to_owned(),

@@ -29,6 +29,9 @@ pub enum StartError {
     /// The database cannot be used.
     #[error("the database cannot be used")]
     Store(#[from] StoreError),
+    /// Secrets in the database cannot be sealed, or a key is missing.
+    #[error("secrets in the database cannot be sealed")]
+    Sealing(#[source] anyhow::Error),
     /// The embedded broker cannot start.
     #[error("the embedded broker cannot start")]
     Broker(#[from] BrokerError),

@@ -1,6 +1,6 @@
 //! Second factors of users.
 
-use daemon::web::session::StoredSecondFactor;
+use daemon::{sealing::StoredSecret, web::session::StoredSecondFactor};
 
 use super::{
     database::Connection,
@@ -38,11 +38,11 @@ impl SecondFactors<'_> {
         factor: &StoredSecondFactor,
     ) -> Result<(), StoreError> {
         let sql = "INSERT OR REPLACE INTO second_factor
-                       (user_name, secret, is_confirmed, last_step, recovery_digests)
-                   VALUES ($1, $2, $3, $4, $5)";
+                       (user_name, secret, sealed_secret, is_confirmed, last_step, recovery_digests)
+                   VALUES ($1, x'', $2, $3, $4, $5)";
         sqlx::query(sql)
             .bind(user_name)
-            .bind(factor.secret.expose().as_slice())
+            .bind(&factor.sealed_secret)
             .bind(factor.is_confirmed)
             .bind(signed(factor.last_step))
             .bind(document(&factor.recovery_digests))
@@ -50,6 +50,54 @@ impl SecondFactors<'_> {
             .await
             .map_err(StoreError::during("store a second factor"))?;
         Ok(())
+    }
+
+    /// Reads the secrets of all users by name, sealed or, in a store of before, in plain hexadecimal.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn secrets(&mut self) -> Result<Vec<StoredSecret<String>>, StoreError> {
+        let sql =
+            "SELECT user_name, nullif(hex(secret), '') AS plain, sealed_secret FROM second_factor
+                   WHERE secret <> x'' OR sealed_secret IS NOT NULL";
+        let rows = sqlx::query(sql).fetch_all(&mut *self.0).await;
+        let rows = rows.map_err(StoreError::during("read the secrets of second factors"))?;
+        let stored = |row: &DatabaseRow| {
+            Ok(StoredSecret {
+                holder: row.column("user_name")?,
+                plain: row.column::<Option<String>>("plain")?.map(Into::into),
+                sealed: row.column("sealed_secret")?,
+            })
+        };
+        rows.iter().map(stored).collect()
+    }
+
+    /// Puts a sealed secret, or none, in place of a user's, and overwrites what was there. False where it
+    /// was changed meanwhile.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn replace_secret(
+        &mut self,
+        former: &StoredSecret<String>,
+        sealed: Option<&str>,
+    ) -> Result<bool, StoreError> {
+        // What SQLite removes else stays in the page until something takes its place.
+        sqlx::query("PRAGMA secure_delete = ON")
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("have removed secrets overwritten"))?;
+        let sql = "UPDATE second_factor SET secret = x'', sealed_secret = $1
+                   WHERE user_name = $2 AND nullif(hex(secret), '') IS $3 AND sealed_secret IS $4";
+        let done = sqlx::query(sql)
+            .bind(sealed)
+            .bind(&former.holder)
+            .bind(former.plain.as_ref().map(|plain| plain.expose().as_str()))
+            .bind(&former.sealed)
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("store a sealed secret"))?;
+        Ok(done.rows_affected() > 0)
     }
 
     /// Removes the second factor of a user; false if there was none.
@@ -102,7 +150,7 @@ impl SecondFactors<'_> {
 
 fn read(row: &DatabaseRow) -> Result<StoredSecondFactor, StoreError> {
     Ok(StoredSecondFactor {
-        secret: row.column::<Vec<u8>>("secret")?.into(),
+        sealed_secret: row.column("sealed_secret")?,
         is_confirmed: row.column("is_confirmed")?,
         last_step: row.unsigned("last_step")?,
         recovery_digests: row.json("recovery_digests")?,

@@ -6,7 +6,6 @@ use async_trait::async_trait;
 use sha2::{Digest, Sha256};
 
 use super::password::PasswordHash;
-use crate::Confidential;
 
 /// Users, sessions and second factors in the owner's store.
 #[async_trait]
@@ -123,13 +122,21 @@ impl fmt::Debug for StoredSession {
 /// Second factor as it is stored.
 #[derive(Debug, Clone)]
 pub struct StoredSecondFactor {
-    pub secret: Confidential<Vec<u8>>,
+    /// The secret in hexadecimal, sealed for [`second_factor_purpose`]; none where it was sealed with a key
+    /// that is lost: then no code of the app is right.
+    pub sealed_secret: Option<String>,
     /// False until a code of the app has come back.
     pub is_confirmed: bool,
     /// Newest time step whose code was used.
     pub last_step: u64,
     /// Digests of the recovery codes that are left.
     pub recovery_digests: Vec<String>,
+}
+
+/// Returns the purpose for which the secret of a user's second factor is sealed.
+#[must_use]
+pub fn second_factor_purpose(user_name: &str) -> String {
+    format!("second-factor/{user_name}")
 }
 
 /// The SHA-256 of a session's token in hexadecimal: enough to find the session, not to take it

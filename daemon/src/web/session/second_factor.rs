@@ -6,18 +6,17 @@
 mod enrolment;
 mod totp;
 
-use std::time::SystemTime;
-
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    accounts::{AccountChange, Accounts, AccountsError, StoredSecondFactor},
+    accounts::{AccountChange, Accounts, StoredSecondFactor, second_factor_purpose},
     credentials::Caller,
     sessions::{Sessions, SignedIn, internal, now},
 };
 use crate::{
     Confidential,
+    sealing::SealingError,
     web::problem::{Problem, ProblemFault},
 };
 
@@ -99,7 +98,8 @@ impl<A: Accounts> Sessions<A> {
     /// Makes a secret, which counts once it is confirmed.
     ///
     /// # Errors
-    /// A [`Problem`]: 409 where a second factor is on, 422 for a wrong password, and those of a sign-in.
+    /// A [`Problem`]: 409 where a second factor is on, 422 for a wrong password, 503 without a key to seal
+    /// with, and those of a sign-in.
     pub async fn begin_second_factor(
         &self,
         caller: &Caller,
@@ -109,8 +109,10 @@ impl<A: Accounts> Sessions<A> {
         self.check_password(caller, &user.user_name, body.password).await?;
         self.keep_confirmed(&user.user_name).await?;
         let secret = enrolment::new_secret();
+        let purpose = second_factor_purpose(&user.user_name);
+        let sealed = self.sealer().seal(&purpose, &hex::encode(&secret)).map_err(not_sealed)?;
         let factor = StoredSecondFactor {
-            secret: secret.clone().into(),
+            sealed_secret: Some(sealed),
             is_confirmed: false,
             last_step: 0,
             recovery_digests: Vec::new(),
@@ -136,7 +138,8 @@ impl<A: Accounts> Sessions<A> {
             return Err(Problem::conflict("NOT_BEGUN", "Make a secret first, then confirm it."));
         };
         let code = digits(body.code.expose());
-        let Some(last_step) = totp::step_of(begun.secret.expose(), &code, now()) else {
+        let secret = self.opened(&user.user_name, &begun)?;
+        let Some(last_step) = totp::step_of(secret.expose(), &code, now()) else {
             return Err(wrong(
                 "/code",
                 "WRONG_CODE",
@@ -220,26 +223,29 @@ impl<A: Accounts> Sessions<A> {
         }
         let factor = self.accounts().second_factor(user_name).await.map_err(internal)?;
         let Some(factor) = factor.filter(|factor| factor.is_confirmed) else { return Ok(false) };
-        self.uses_code(user_name, &factor, code, now()).await.map_err(internal)
+        let digits = digits(code);
+        if digits.len() != CODE_DIGITS {
+            let digest = enrolment::recovery_digest(code);
+            return self.accounts().use_recovery_code(user_name, &digest).await.map_err(internal);
+        }
+        let secret = self.opened(user_name, &factor)?;
+        let Some(step) = totp::step_of(secret.expose(), &digits, now()) else { return Ok(false) };
+        // The store decides: of two requests with the same code one is refused.
+        self.accounts().use_time_step(user_name, step).await.map_err(internal)
     }
 
-    async fn uses_code(
+    /// Opens the secret of a user's second factor. Without its key no code is right: a recovery code is,
+    /// or an administrator takes the second factor away.
+    fn opened(
         &self,
         user_name: &str,
         factor: &StoredSecondFactor,
-        code: &str,
-        now: SystemTime,
-    ) -> Result<bool, AccountsError> {
-        let digits = digits(code);
-        if digits.len() == CODE_DIGITS {
-            return match totp::step_of(factor.secret.expose(), &digits, now) {
-                // The store decides: of two requests with the same code one is refused.
-                Some(step) => self.accounts().use_time_step(user_name, step).await,
-                None => Ok(false),
-            };
-        }
-        let digest = enrolment::recovery_digest(code);
-        self.accounts().use_recovery_code(user_name, &digest).await
+    ) -> Result<Confidential<Vec<u8>>, Problem> {
+        let sealed = factor.sealed_secret.as_deref().unwrap_or_default();
+        let opened = self.sealer().open(&second_factor_purpose(user_name), sealed);
+        let secret = opened.map_err(not_sealed)?;
+        let bytes = hex::decode(secret.expose().as_bytes()).ok();
+        bytes.map(Into::into).ok_or_else(|| not_sealed(SealingError::Unreadable))
     }
 
     async fn keep_confirmed(&self, user_name: &str) -> Result<(), Problem> {
@@ -249,6 +255,17 @@ impl<A: Accounts> Sessions<A> {
         }
         Ok(())
     }
+}
+
+fn not_sealed(error: SealingError) -> Problem {
+    tracing::error!(
+        error = &error as &dyn std::error::Error,
+        "A second factor cannot be used: its secret does not open."
+    );
+    Problem::unavailable(
+        "SECOND_FACTOR_SEALED",
+        "Codes of the app cannot be checked now. Use a recovery code, or have the second factor removed.",
+    )
 }
 
 /// A code as it was meant: apps show it in groups.

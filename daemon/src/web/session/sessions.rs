@@ -20,7 +20,7 @@ use super::{
     session_config::SessionConfig,
     sign_in_gate::{SignInGate, busy, count},
 };
-use crate::{Confidential, web::problem::Problem};
+use crate::{Confidential, sealing::Sealer, web::problem::Problem};
 
 /// Header that carries the CSRF token of a session with every change.
 pub const CSRF_HEADER: &str = "x-csrf-token";
@@ -41,6 +41,7 @@ struct Inner<A> {
     accounts: A,
     gate: SignInGate,
     hashing: PasswordHashing,
+    sealer: Sealer,
 }
 
 /// Outcome of looking at credentials.
@@ -90,11 +91,20 @@ impl<A: Accounts> std::fmt::Debug for Sessions<A> {
 
 impl<A: Accounts> Sessions<A> {
     /// Returns sessions over the daemon's accounts. All that hashes passwords in the daemon shares
-    /// `hashing`.
+    /// `hashing`; `sealer` seals the secrets of second factors.
     #[must_use]
-    pub fn new(config: SessionConfig, accounts: A, hashing: PasswordHashing) -> Self {
+    pub fn new(
+        config: SessionConfig,
+        accounts: A,
+        hashing: PasswordHashing,
+        sealer: Sealer,
+    ) -> Self {
         let gate = SignInGate::new(config.throttle.clone());
-        Self { inner: Arc::new(Inner { config, accounts, gate, hashing }) }
+        Self { inner: Arc::new(Inner { config, accounts, gate, hashing, sealer }) }
+    }
+
+    pub(super) fn sealer(&self) -> &Sealer {
+        &self.inner.sealer
     }
 
     pub(super) fn config(&self) -> &SessionConfig {

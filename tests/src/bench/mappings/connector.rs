@@ -27,7 +27,7 @@ use disclosure::{DecisionBasis, DisclosurePolicy};
 use factory_connector::{
     ledger_key::LEDGER_KEY_FILE,
     passwords,
-    store::{Enrolment, PasswordHolder, Store},
+    store::{Enrolment, SecretHolder, Store},
 };
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -174,7 +174,7 @@ async fn fill(data: &std::path::Path, bank: &Bank, steps: &Value) -> anyhow::Res
     let mut session = Store::connect(data).await?;
     // Nothing listens there: what is measured ends at the spool.
     let sealer = Sealer::new(&SealingConfig::default(), data);
-    let sealed = passwords::seal(&sealer, &PasswordHolder::Broker, "none")?;
+    let sealed = passwords::seal(&sealer, &SecretHolder::Broker, "none")?;
     let enrolment = Enrolment {
         factory_id: FACTORY.to_owned(),
         broker_url: "amqp://127.0.0.1:1".to_owned(),

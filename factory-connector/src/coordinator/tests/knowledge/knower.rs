@@ -33,11 +33,18 @@ pub(super) struct Knower {
     named: [Option<DisclosurePolicy>; 2],
     of_partner: [Option<usize>; PARTNERS.len()],
     bits: Option<u8>,
+    now: DateTime,
+    /// Begin of the requests: what comes before counts as coming then.
+    begins_at: Option<DateTime>,
     /// The last value of the field at whose state others look is the one that withholds.
     is_in_state: bool,
 }
 
 impl Knower {
+    pub(super) const fn set_time(&mut self, now: DateTime) {
+        self.now = now;
+    }
+
     /// Notes candidates that come together. Returns for each whether a state withholds it.
     pub(super) fn offer<'v>(
         &mut self,
@@ -70,7 +77,7 @@ impl Knower {
                 && value.value.built_in_type() == Some(FIELDS[*field].field_type);
             let possible = Possible {
                 value: (*value).clone(),
-                arrived_at: now,
+                arrived_at: self.begins_at.map_or(now, |begin| begin.max(now)),
                 step: self.step(*field),
                 hidden_part: self.hidden_part(*field),
                 time_steps: vec![self.time_step(*field)],
@@ -114,8 +121,20 @@ impl Knower {
     }
 
     /// Notes other recipients of the first request, with the fields that are still mapped.
-    pub(super) fn revise(&mut self, bits: u8, is_mapped: [bool; FIELDS.len()]) {
+    pub(super) fn revise(
+        &mut self,
+        bits: u8,
+        begins_at: Option<DateTime>,
+        is_mapped: [bool; FIELDS.len()],
+    ) {
         self.change(|knower| knower.bits = Some(bits));
+        self.begins_at = begins_at;
+        let now = self.now;
+        for possible in self.fields.iter_mut().flat_map(|known| &mut known.possible) {
+            if possible.arrived_at > now {
+                possible.arrived_at = begins_at.unwrap_or(now).max(now);
+            }
+        }
         for (field, is_mapped) in is_mapped.into_iter().enumerate() {
             if !is_mapped && self.fields[field].own.is_some() {
                 self.close(field);
@@ -132,14 +151,19 @@ impl Knower {
         for field in 0..FIELDS.len() {
             let (window, delay) = (self.window(field), self.delay(field));
             let Known { possible, window_end, released, rated, .. } = &mut self.fields[field];
-            let is_behind = |possible: &Possible| possible.arrived_at.floor_to(window) > now;
+            // What is kept for the begin of its request has not come yet.
+            let is_kept = |possible: &Possible| possible.arrived_at > former;
+            let is_behind = |possible: &Possible| {
+                !is_kept(possible) && possible.arrived_at.floor_to(window) > now
+            };
             if !window.is_zero() && possible.iter().any(is_behind) {
                 *window_end = Some(now.after(window));
             }
             for released in released.iter_mut().chain(rated) {
                 *released = (*released).min(now);
             }
-            for possible in &mut self.fields[field].possible {
+            let come = self.fields[field].possible.iter_mut();
+            for possible in come.filter(|possible| !is_kept(possible)) {
                 let from = possible.counts_from(window);
                 possible.was_due = possible.is_due(window, delay, former);
                 possible.is_window_over |= from <= former;
@@ -180,8 +204,12 @@ impl Knower {
         for (field, (conditions, window, delay)) in before.into_iter().enumerate() {
             let (now, other) = (self.conditions(field), windows(self, field));
             let is_added = now.iter().any(|condition| !conditions.contains(condition));
-            if is_added || (other.is_some() && other != window) {
+            if is_added {
                 self.forget(field);
+            } else if other.is_some() && other != window {
+                let now = self.now;
+                self.fields[field].possible.retain(|possible| possible.arrived_at > now);
+                self.fields[field].functions.clear();
             }
             let functions = self.policies(field).filter_map(|policy| policy.aggregate);
             let functions: Vec<_> = functions.map(|aggregate| aggregate.function).collect();

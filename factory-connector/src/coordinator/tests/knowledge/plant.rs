@@ -100,6 +100,7 @@ impl Plant {
         of_other: Option<&Varied>,
     ) -> (Self, Varied) {
         let mut varied = Varied::default();
+        knower.set_time(self.now);
         match act {
             Act::Values(coming, later_ms) => {
                 varied = self.offer(coming, *later_ms, knower, of_other).await;
@@ -177,12 +178,13 @@ impl Plant {
                 knower.import(*field, number + 2);
             }
             Act::Revise { bits, begin_ms } => {
-                self.revise(*bits, begin_ms.map(|ms| later(now, ms)));
+                let begins_at = begin_ms.map(|ms| later(now, ms));
+                self.revise(*bits, begins_at);
                 let is_mapped = |field: &fields::FieldOf| {
                     let field = self.work.state.field(&field.key());
                     field.is_some_and(|field| field.decision().is_mapped())
                 };
-                knower.revise(*bits, FIELDS.each_ref().map(is_mapped));
+                knower.revise(*bits, begins_at, FIELDS.each_ref().map(is_mapped));
             }
             other => self.set(other, knower),
         }

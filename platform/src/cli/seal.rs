@@ -1,0 +1,42 @@
+//! `platform seal`.
+
+use clap::Subcommand;
+use daemon::{data_directory, sealing};
+use platform::{config::PlatformConfig, store::Store};
+
+use super::print;
+
+#[derive(Debug, Subcommand)]
+pub(super) enum SealCommand {
+    /// Make a new key and seal all secrets with it; the platform may run.
+    Rotate,
+    /// Print a new key, as a line of a key's file or of a credential.
+    NewKey,
+    /// Remove the secrets that no key opens, so that the platform starts without them.
+    Forget,
+}
+
+pub(super) async fn run(command: SealCommand, config: &PlatformConfig) -> anyhow::Result<()> {
+    if let SealCommand::NewKey = command {
+        return print(sealing::new_key()?.expose());
+    }
+    let sealer = config.sealer();
+    data_directory::create(&config.data_directory, config.allow_shared_data_directory)?;
+    let mut store = Store::open(&config.database_path()).await?;
+    if let SealCommand::Rotate = command {
+        let count = sealing::rotate(&mut store, &sealer).await?;
+        let path = sealer.place().path().display();
+        return print(&format!("{count} secret(s) are sealed with a new key, which is in {path}."));
+    }
+    let forgotten = sealing::forget(&mut store, &sealer).await?;
+    if forgotten.is_empty() {
+        return print("Every secret opens; nothing was removed.");
+    }
+    for user in forgotten {
+        print(&format!(
+            "Removed the secret of {user}'s second factor: an administrator removes the rest, or a recovery code \
+             signs in."
+        ))?;
+    }
+    Ok(())
+}
