@@ -2,11 +2,11 @@
 
 mod administration;
 mod definitions;
+mod output;
 mod seal;
 mod serve;
 
 use std::{
-    io::Write,
     path::{Path, PathBuf},
     process::ExitCode,
 };
@@ -18,6 +18,8 @@ use platform::{
     config::{EXAMPLE, PlatformConfig},
     store::Role,
 };
+
+use output::print;
 
 /// The cloud services of Verbund.
 #[derive(Debug, Parser)]
@@ -190,8 +192,4 @@ fn load(path: Option<&Path>) -> anyhow::Result<PlatformConfig> {
         return Ok(config);
     }
     anyhow::bail!("the configuration has {} fault(s):\n  {}", faults.len(), faults.join("\n  "))
-}
-
-fn print(text: &str) -> anyhow::Result<()> {
-    writeln!(std::io::stdout(), "{text}").context("writing to standard output")
 }

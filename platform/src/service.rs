@@ -85,13 +85,7 @@ impl Platform {
         data_directory::create(&config.data_directory, config.allow_shared_data_directory)?;
         let plaintext_ways = warned(&config);
         let metrics = Metrics::install()?;
-        let store = Store::open(&config.database_path()).await?;
-        // Before anybody signs in: a database of before has them in plain text.
-        let sealed = sealing::seal_all(&mut store.clone(), &config.sealer()).await;
-        let sealed = sealed.map_err(StartError::Sealing)?;
-        if sealed > 0 {
-            tracing::info!(secrets.count = sealed, "Secrets in the database were sealed.");
-        }
+        let store = open_store(&config).await?;
         let recording = RecordingStore::new(store.clone(), clock.clone());
         let hashing = PasswordHashing::default();
         administrator::ensure(&recording, &config, &hashing, clock.now()).await?;
@@ -243,6 +237,17 @@ async fn listen(config: &PlatformConfig) -> Result<(TcpListener, SocketAddr), Se
     let listener = server::listen(address).await?;
     let bound = listener.local_addr().map_err(|source| ServerError::Listen { address, source })?;
     Ok((listener, bound))
+}
+
+/// Opens the database, and seals what a former version left in plain text before anybody signs in.
+async fn open_store(config: &PlatformConfig) -> Result<Store, StartError> {
+    let mut store = Store::open(&config.database_path()).await?;
+    let sealed = sealing::seal_all(&mut store, &config.sealer()).await;
+    let sealed = sealed.map_err(StartError::Sealing)?;
+    if sealed > 0 {
+        tracing::info!(secrets.count = sealed, "Secrets in the database were sealed.");
+    }
+    Ok(store)
 }
 
 /// Opens the recorder of accesses, with the key in the data directory.

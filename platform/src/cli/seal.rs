@@ -4,7 +4,7 @@ use clap::Subcommand;
 use daemon::{data_directory, sealing};
 use platform::{config::PlatformConfig, store::Store};
 
-use super::print;
+use super::output::print;
 
 #[derive(Debug, Subcommand)]
 pub(super) enum SealCommand {
