@@ -19,7 +19,8 @@ for argument in level=4 inline-8bit-counters pc-table trace-compares; do
 done
 
 targets=()
-for manifest in asi-model/fuzz platform/broker/fuzz opcua-stack/fuzz mapping-engine/script-protocol/fuzz; do
+for manifest in asi-model/fuzz platform/broker/fuzz opcua-stack/fuzz mapping-engine/script-protocol/fuzz \
+  messaging/websocket/fuzz daemon/fuzz factory-connector/fuzz; do
   for source in "$manifest"/fuzz_targets/*.rs; do
     name=$(basename "$source" .rs)
     [ $# = 0 ] || [[ " $* " == *" $name "* ]] || continue

@@ -1,5 +1,6 @@
 //! The web side as a browser meets it: over a real socket, with cookies.
 
+mod corpus;
 mod guessing;
 mod harness;
 mod notices;

@@ -5,6 +5,7 @@ mod account;
 mod answers;
 mod caps;
 mod control;
+mod corpus;
 mod events;
 mod ledger;
 mod logs;
