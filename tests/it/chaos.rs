@@ -14,7 +14,12 @@ const SEED: u64 = 1;
 #[tokio::test(flavor = "multi_thread")]
 async fn nothing_is_lost_or_doubled_whatever_is_killed() {
     rustls::crypto::ring::default_provider().install_default().ok();
-    let length = Length { span: Duration::from_secs(15), kills: 30, at_least_kills: 1 };
+    let length = Length {
+        span: Duration::from_secs(15),
+        kills: 30,
+        at_least_kills: 1,
+        may_lack_faults: true,
+    };
     chaos::run(SEED, length, BrokerKind::Embedded, false).await.unwrap();
 }
 
@@ -33,7 +38,12 @@ async fn a_connector_with_an_older_store_discloses_nothing_until_an_engineer_dec
 /// The story of the demo, and then everything that can go wrong, with a broker of another make.
 async fn nothing_is_lost_beside(broker: BrokerKind) {
     rustls::crypto::ring::default_provider().install_default().ok();
-    let length = Length { span: Duration::from_secs(15), kills: 20, at_least_kills: 1 };
+    let length = Length {
+        span: Duration::from_secs(15),
+        kills: 20,
+        at_least_kills: 1,
+        may_lack_faults: true,
+    };
     chaos::run(SEED, length, broker, false).await.unwrap();
 }
 

@@ -1,11 +1,13 @@
 //! Everything that can go wrong between factory and cloud, in an order drawn from a seed, while
 //! values flow: programs killed, lines cut and stalled, stores lost, clocks set, disks full. In the
 //! end the stores of both sides are compared: every report that left is held once, in its order
-//! within each lane, with the values it left with, and the ledger knows of it; and every comment
-//! that one side took is on both sides once.
+//! within each lane, with the fields, values, statuses and times it left with, and the ledger knows of it;
+//! every comment that one side took is on both sides once, and both have the same decisions. After each round
+//! every writer has to send again.
 
 mod clock;
 mod comments;
+mod content;
 mod copied;
 mod disk;
 mod findings;
@@ -16,7 +18,10 @@ mod rolled_back;
 mod stage;
 mod stores;
 
-use std::time::{Duration, Instant};
+use std::{
+    collections::BTreeMap,
+    time::{Duration, Instant},
+};
 
 use comments::CommentTraffic;
 pub use copied::copied;
@@ -44,6 +49,8 @@ pub struct Length {
     pub kills: u32,
     /// A run with fewer kills proves less than was asked for, and fails.
     pub at_least_kills: u32,
+    /// Faults that this machine cannot cause are left out, instead of failing the run.
+    pub may_lack_faults: bool,
 }
 
 /// Time for everything to work again after a round. A peer that is gone without a word is
@@ -63,6 +70,12 @@ pub async fn run(seed: u64, length: Length, broker: BrokerKind, keep: bool) -> a
     say(&format!("Chaos with seed {seed}, in {}", folder.path().display()));
     let mut steps = Steps::default();
     let (mut stage, cast) = Stage::set(folder.path().to_owned(), broker, &mut steps).await?;
+    let lacking = stage.lacking();
+    anyhow::ensure!(
+        lacking.is_empty() || length.may_lack_faults,
+        "{}; or leave these faults out with --may-lack-faults",
+        lacking.join("; ")
+    );
     let outcome = play(&mut stage, &cast, &mut steps, seed, length).await;
     if outcome.is_err() {
         for daemon in stage.world.daemons() {
@@ -160,7 +173,7 @@ async fn round(
         .await
 }
 
-/// Waits until newer reports of both factories arrive.
+/// Waits until newer reports of each busy writer of both factories arrive.
 async fn flows(stage: &mut Stage) -> anyhow::Result<()> {
     stage.supervise()?;
     let platform = stage.world.platform_api().await?;
@@ -169,12 +182,22 @@ async fn flows(stage: &mut Stage) -> anyhow::Result<()> {
         before.push((factory, received(&platform, factory).await?));
     }
     let deadline = Instant::now() + RECOVERY;
-    for (factory, count) in before {
+    for (factory, before) in before {
         loop {
-            if received(&platform, factory).await? >= count + 5 {
+            let now = received(&platform, factory).await?;
+            let is_silent = |request: &&String| {
+                let count = |counts: &BTreeMap<String, u64>| counts.get(*request).copied();
+                count(&now).unwrap_or_default() < count(&before).unwrap_or_default() + 2
+            };
+            let requests = load::requests(factory);
+            let silent: Vec<&String> = requests.iter().filter(is_silent).collect();
+            if silent.is_empty() {
                 break;
             }
-            anyhow::ensure!(Instant::now() < deadline, "no reports of {factory} for {RECOVERY:?}");
+            anyhow::ensure!(
+                Instant::now() < deadline,
+                "no reports of {factory} to {silent:?} for {RECOVERY:?}"
+            );
             stage.supervise()?;
             tokio::time::sleep(Duration::from_millis(50)).await;
         }
@@ -182,11 +205,17 @@ async fn flows(stage: &mut Stage) -> anyhow::Result<()> {
     Ok(())
 }
 
-async fn received(platform: &Api, factory: &str) -> anyhow::Result<u64> {
+/// Returns the number of reports that the platform has of each request to a factory.
+async fn received(platform: &Api, factory: &str) -> anyhow::Result<BTreeMap<String, u64>> {
     let answer: Value = platform.get(&format!("/api/v1/factories/{factory}/writers")).await?;
-    let writers =
-        answer.as_array().or_else(|| answer["items"].as_array()).cloned().unwrap_or_default();
-    Ok(writers.iter().filter_map(|writer| writer["received"].as_u64()).sum())
+    let mut counts = BTreeMap::new();
+    for writer in answer["items"].as_array().into_iter().flatten() {
+        if let Some(request) = writer["dynamicDataRequestId"].as_str() {
+            let count = writer["received"].as_u64().unwrap_or_default();
+            *counts.entry(request.to_owned()).or_default() += count;
+        }
+    }
+    Ok(counts)
 }
 
 /// Lets the last values through: nothing new is made, and nothing waits any more.

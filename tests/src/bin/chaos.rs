@@ -29,6 +29,9 @@ struct Arguments {
     /// The broker: embedded, rabbitmq or mosquitto.
     #[arg(long, default_value = "embedded")]
     broker: BrokerKind,
+    /// Leaves out the faults that this machine cannot cause, instead of failing.
+    #[arg(long)]
+    may_lack_faults: bool,
     /// Keeps the folder for a look at logs and data.
     #[arg(long)]
     keep: bool,
@@ -37,8 +40,10 @@ struct Arguments {
 #[tokio::main]
 async fn main() -> ExitCode {
     rustls::crypto::ring::default_provider().install_default().ok();
-    let Arguments { minutes, seed, kills, at_least_kills, broker, keep } = Arguments::parse();
-    let length = Length { span: Duration::from_secs(minutes * 60), kills, at_least_kills };
+    let Arguments { minutes, seed, kills, at_least_kills, broker, may_lack_faults, keep } =
+        Arguments::parse();
+    let span = Duration::from_secs(minutes * 60);
+    let length = Length { span, kills, at_least_kills, may_lack_faults };
     match chaos::run(seed.unwrap_or_else(rand::random), length, broker, keep).await {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

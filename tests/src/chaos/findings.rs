@@ -7,6 +7,9 @@ use std::{
 
 use super::stores::{self, ReportKey};
 
+/// Part of the counted values, of a hundred, that are in reports at least.
+const STEPS_LEFT_MIN: i64 = 90;
+
 /// Result of the checks.
 #[derive(Debug, Default)]
 pub(super) struct Findings {
@@ -43,14 +46,8 @@ pub(super) async fn of_factory(
                 faults.push(format!("rejected and yet held: {key:?}"))
             }
             Some(there) => {
-                for (name, value) in &report.values {
-                    if there.values.get(name).is_some_and(|other| !stores::is_same(other, value)) {
-                        faults.push(format!(
-                            "{key:?}: {name} left as {value}, is held as {}",
-                            there.values[name]
-                        ));
-                    }
-                }
+                let differences = report.content.differences(&there.content);
+                faults.extend(differences.into_iter().map(|what| format!("{key:?}: {what}")));
             }
         }
     }
@@ -62,6 +59,16 @@ pub(super) async fn of_factory(
     // The spools are far from their limits: whatever is announced as given up was lost by a person.
     faults.extend(gaps.iter().map(|key| format!("given up: {key:?}")));
     faults.extend(holes(left.keys()));
+    faults.extend(forgotten_steps(&left));
+    let [here, there] = stores::decisions(folder, factory).await?;
+    faults.extend(here.iter().filter(|(field, decided)| there.get(*field) != Some(decided)).map(
+        |(field, decided)| {
+            format!(
+                "{factory}: {field:?} is decided {decided:?}, the platform has {:?}",
+                there.get(field)
+            )
+        },
+    ));
     faults.extend(disorder(&arrived, set_back));
     let recipients: usize = left.values().map(|report| report.recipients).sum();
     let entries = stores::ledger_entries(folder, factory).await?;
@@ -93,6 +100,30 @@ fn holes<'k>(keys: impl Iterator<Item = &'k ReportKey>) -> Vec<String> {
     faults
 }
 
+/// Of the values that a script counts, most are in reports: what comes faster than reports may leave is left
+/// out, but nothing is lost between the machine and the first store. A script's count never goes back.
+fn forgotten_steps(left: &BTreeMap<ReportKey, stores::Left>) -> Vec<String> {
+    let mut counts: BTreeMap<&str, BTreeSet<i64>> = BTreeMap::new();
+    for report in left.values() {
+        let steps = report.content.fields.get("steps").map(|field| &field.value);
+        let steps = steps.and_then(|value| value.as_str()?.parse().ok().or(value.as_i64()));
+        if let Some(steps) = steps {
+            counts.entry(&report.content.request).or_default().insert(steps);
+        }
+    }
+    let mut faults = Vec::new();
+    for (request, counts) in counts {
+        let (first, last) = (counts.first().copied(), counts.last().copied());
+        let span = last.zip(first).map_or(0, |(last, first)| last - first + 1);
+        let count = i64::try_from(counts.len()).unwrap_or(i64::MAX);
+        // In parts of a hundred.
+        if count * 100 < span * STEPS_LEFT_MIN {
+            faults.push(format!("{request}: {count} of {span} counted values are in reports"));
+        }
+    }
+    faults
+}
+
 /// Within each lane a writer's reports arrive in their order, but for those that the broker lost.
 fn disorder(
     arrived: &[(ReportKey, stores::Arrived)],
@@ -114,7 +145,7 @@ fn disorder(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chaos::stores::Arrived;
+    use crate::chaos::{content::Content, stores::Arrived};
 
     fn key(sequence: i64) -> ReportKey {
         ReportKey { factory: "F".into(), writer: 1, epoch: 1, sequence }
@@ -131,8 +162,14 @@ mod tests {
 
     #[test]
     fn disorder_is_seen_per_lane_unless_the_broker_lost_it() {
+        let content = Content {
+            request: "r".to_owned(),
+            report_time: None,
+            shopfloor_time: None,
+            fields: BTreeMap::new(),
+        };
         let came =
-            |sequence, is_replay| (key(sequence), Arrived { is_replay, values: BTreeMap::new() });
+            |sequence, is_replay| (key(sequence), Arrived { is_replay, content: content.clone() });
         let arrived =
             [came(1, false), came(5, false), came(2, true), came(3, true), came(6, false)];
         assert!(disorder(&arrived, &BTreeSet::new()).is_empty());

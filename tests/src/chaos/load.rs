@@ -36,6 +36,11 @@ pub(super) async fn put_on(cast: &Cast) -> anyhow::Result<String> {
     Ok(format!("{REQUESTS} requests to each factory"))
 }
 
+/// Returns the ids of the requests that keep a factory's writers busy.
+pub(super) fn requests(factory: &str) -> Vec<String> {
+    (0..REQUESTS).map(|number| request_id(factory, number)).collect()
+}
+
 fn request_id(factory: &str, number: usize) -> String {
     format!("ReqChaos-{factory}-{number}")
 }

@@ -62,7 +62,7 @@ impl Stage {
         ] {
             match Disk::mount(&places.folder.join(folder)) {
                 Ok(disk) => drop(disks.insert(whose, disk)),
-                Err(error) => say(&format!("  No disk will be full: {error:#}")),
+                Err(error) => say(&format!("  The disk of {whose} will not be full: {error:#}")),
             }
         }
         let at = |port| SocketAddr::from((Ipv4Addr::LOCALHOST, port));
@@ -101,10 +101,19 @@ impl Stage {
                 self.clocks.insert(factory.id, clock);
             }
         }
-        if self.clocks.is_empty() {
-            say("  No clock will jump: libfaketime is not installed.");
-        }
         Ok(())
+    }
+
+    /// Returns what has to be done so that every fault can be caused.
+    pub fn lacking(&self) -> Vec<String> {
+        let mut lacking = Vec::new();
+        if self.disks.len() < 3 {
+            lacking.push("run as root, which mounts the disks that will be full".to_owned());
+        }
+        if self.clocks.len() < 3 {
+            lacking.push("install libfaketime, by which clocks jump".to_owned());
+        }
+        lacking
     }
 
     /// Lets it happen; when this returns, everything has been started again and the line is clear.

@@ -12,6 +12,8 @@ use sqlx::{
     sqlite::{SqliteConnectOptions, SqliteRow},
 };
 
+use super::content::{Content, shown_fields};
+
 /// One DataSetMessage of a factory.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct ReportKey {
@@ -36,16 +38,14 @@ pub(super) struct Left {
     pub state: String,
     /// Number of partners it was for.
     pub recipients: usize,
-    /// Field name to value, as it left.
-    pub values: BTreeMap<String, Value>,
+    pub content: Content,
 }
 
 /// Row of a report in the platform's store.
 #[derive(Debug, Clone)]
 pub(super) struct Arrived {
     pub is_replay: bool,
-    /// Field name to value, as it was understood.
-    pub values: BTreeMap<String, Value>,
+    pub content: Content,
 }
 
 const BROKER_FILES: [&str; 3] = ["broker.sqlite", "broker.sqlite-wal", "broker.sqlite-shm"];
@@ -188,7 +188,8 @@ pub(super) async fn left(
             let left = Left {
                 state: row.get("state"),
                 recipients: recipients.as_array().map_or(0, Vec::len),
-                values: payload_values(&body["Payload"]),
+                content: Content::of_message(&body)
+                    .with_context(|| format!("the body of {key:?}"))?,
             };
             Ok((key, left))
         })
@@ -237,7 +238,8 @@ pub(super) async fn arrived(
 ) -> anyhow::Result<Vec<(ReportKey, Arrived)>> {
     let mut store = open(&platform_store(folder)).await?;
     let rows = sqlx::query(
-        "SELECT data_set_writer_id, epoch, sequence, is_replay, fields FROM report WHERE factory_id = ? \
+        "SELECT data_set_writer_id, epoch, sequence, is_replay, fields, shopfloor_timestamp, \
+         report_timestamp, dynamic_data_request_id FROM report WHERE factory_id = ? \
          ORDER BY report_id",
     )
     .bind(factory)
@@ -251,14 +253,13 @@ pub(super) async fn arrived(
                 epoch: row.get("epoch"),
                 sequence: row.get("sequence"),
             };
-            let fields: Value = serde_json::from_str(row.get("fields"))?;
-            Ok((
-                key,
-                Arrived {
-                    is_replay: row.get::<i64, _>("is_replay") != 0,
-                    values: shown_values(&fields),
-                },
-            ))
+            let content = Content {
+                request: row.get("dynamic_data_request_id"),
+                report_time: row.get("report_timestamp"),
+                shopfloor_time: row.get("shopfloor_timestamp"),
+                fields: shown_fields(&serde_json::from_str(row.get("fields"))?)?,
+            };
+            Ok((key, Arrived { is_replay: row.get::<i64, _>("is_replay") != 0, content }))
         })
         .collect()
 }
@@ -300,30 +301,22 @@ pub(super) async fn repeats_and_dead_letters(folder: &Path) -> anyhow::Result<(u
     ))
 }
 
-/// Decodes the fields of a payload in the reversible encoding: a variant, or a data value in one. A
-/// bare status is no value.
-fn payload_values(payload: &Value) -> BTreeMap<String, Value> {
-    let all = payload.as_object().into_iter().flatten();
-    all.map(|(name, field)| {
-        let variant = if field["Type"] == DATA_VALUE { &field["Body"]["Value"] } else { field };
-        let value =
-            if variant["Type"] == STATUS_CODE { Value::Null } else { variant["Body"].clone() };
-        (name.clone(), value)
-    })
-    .collect()
+/// Returns the decision about each field of a factory, as its connector and as the platform has it: state and
+/// reason, by request and field.
+pub(super) async fn decisions(folder: &Path, factory: &str) -> anyhow::Result<[Decisions; 2]> {
+    let decided = |row: &SqliteRow| {
+        let key = (row.get("dynamic_data_request_id"), row.get("field_name"));
+        (key, (row.get("mapping_state"), row.get("reason")))
+    };
+    let columns = "dynamic_data_request_id, field_name, mapping_state, reason";
+    let mut store = open(&connector_store(folder, factory)).await?;
+    let sql = format!("SELECT {columns} FROM field");
+    let here = sqlx::query(sqlx::AssertSqlSafe(sql)).fetch_all(&mut store).await?;
+    let mut store = open(&platform_store(folder)).await?;
+    let sql = format!("SELECT {columns} FROM request_field WHERE factory_id = ?");
+    let there = sqlx::query(sqlx::AssertSqlSafe(sql)).bind(factory).fetch_all(&mut store).await?;
+    Ok([here, there].map(|rows| rows.iter().map(decided).collect()))
 }
 
-// Built-in types (OPC 10000-6, table 1).
-const STATUS_CODE: u8 = 19;
-const DATA_VALUE: u8 = 23;
-
-/// Converts the fields of a report to the form of the platform's API.
-fn shown_values(fields: &Value) -> BTreeMap<String, Value> {
-    let all = fields.as_object().into_iter().flatten();
-    all.map(|(name, field)| (name.clone(), field["value"].clone())).collect()
-}
-
-/// Equal as values: 6 and 6.0 are one number.
-pub(super) fn is_same(one: &Value, other: &Value) -> bool {
-    one == other || one.as_f64().zip(other.as_f64()).is_some_and(|(one, other)| one == other)
-}
+/// State and reason of each field, by request and name.
+pub(super) type Decisions = BTreeMap<(String, String), (String, Option<String>)>;
