@@ -20,7 +20,10 @@ use super::{
     session_config::SessionConfig,
     sign_in_gate::{SignInGate, busy, count},
 };
-use crate::{Confidential, web::problem::Problem};
+use crate::{
+    Confidential,
+    web::{problem::Problem, shares::FairShares},
+};
 
 /// Header that carries the CSRF token of a session with every change.
 pub const CSRF_HEADER: &str = "x-csrf-token";
@@ -41,6 +44,7 @@ struct Inner<A> {
     accounts: A,
     gate: SignInGate,
     hashing: PasswordHashing,
+    shares: FairShares,
 }
 
 /// Outcome of looking at credentials.
@@ -94,7 +98,8 @@ impl<A: Accounts> Sessions<A> {
     #[must_use]
     pub fn new(config: SessionConfig, accounts: A, hashing: PasswordHashing) -> Self {
         let gate = SignInGate::new(config.throttle.clone());
-        Self { inner: Arc::new(Inner { config, accounts, gate, hashing }) }
+        let shares = FairShares::new(config.shares.clone());
+        Self { inner: Arc::new(Inner { config, accounts, gate, hashing, shares }) }
     }
 
     pub(super) fn config(&self) -> &SessionConfig {
@@ -103,6 +108,10 @@ impl<A: Accounts> Sessions<A> {
 
     pub(super) fn gate(&self) -> &SignInGate {
         &self.inner.gate
+    }
+
+    pub(super) fn shares(&self) -> &FairShares {
+        &self.inner.shares
     }
 
     /// Returns the accounts of the daemon.
