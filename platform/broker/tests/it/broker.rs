@@ -70,6 +70,12 @@ async fn a_single_active_consumer_hands_over() {
     }
     eventually("the first gets all", || first.inbox.ids().len() == 50).await;
     assert!(second.inbox.ids().is_empty());
+    // What the first had not settled when it ended would come again.
+    eventually("the first has settled all", || {
+        let status = broker.handle.queue(&queue("factory.f1.ingress"));
+        status.is_some_and(|q| q.ready + q.unsettled == 0)
+    })
+    .await;
     first.stop().await;
     sender.send("factory.f1.ingress", envelope("next", "{}"));
     eventually("the second takes over", || second.inbox.ids() == ["next"]).await;
