@@ -14,6 +14,7 @@ mod responses;
 pub mod roles;
 pub mod server;
 pub mod session;
+pub mod shares;
 
 pub use extract::{ApiJson, ApiPath, ApiQuery};
 pub use problem::Problem;

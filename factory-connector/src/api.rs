@@ -53,6 +53,7 @@ use daemon::{
         self,
         api::{Operations, Shell},
         problem::{Problem, ProblemFault},
+        shares::{downloads, streams},
     },
 };
 use utoipa::OpenApi;
@@ -131,7 +132,7 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(guarded!(operator::entries::list_operator_entries))
         .routes(guarded!(operator::entries::deliver_operator_entries))
         .routes(guarded!(mapping_status::survey_mappings))
-        .routes(guarded!(exchange::export_mappings))
+        .routes(downloads(guarded!(exchange::export_mappings)))
         .routes(guarded!(templates::list_mapping_templates))
         .routes(guarded!(templates::put_mapping_template))
         .routes(guarded!(templates::remove_mapping_template))
@@ -160,8 +161,8 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(guarded!(ledger::list_ledger_entries))
         .routes(guarded!(ledger::fields::search_ledger_fields))
         .routes(guarded!(ledger::checkpoints::list_checkpoints))
-        .routes(guarded!(ledger::verification::verify_ledger))
-        .routes(guarded!(ledger::export::export_ledger))
+        .routes(downloads(guarded!(ledger::verification::verify_ledger)))
+        .routes(downloads(guarded!(ledger::export::export_ledger)))
         .routes(guarded!(ledger::logs::list_ledger_logs))
         .routes(guarded!(ledger::logs::begin_ledger_log))
         .routes(guarded!(revocations::list_revocations))
@@ -174,7 +175,7 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(guarded!(spool::show_spool))
         .routes(guarded!(spool::list_dead_letters))
         .merge(disclosure())
-        .routes(guarded!(events::stream_events))
+        .routes(streams(guarded!(events::stream_events)))
         .routes(import.layer(DefaultBodyLimit::max(exchange::IMPORT_BYTES_MAX)))
         .nest(paths::FIELD, field())
 }

@@ -22,6 +22,7 @@ use daemon::{
         address_range::AddressRange,
         client_address::{ForwardedHeader, TrustedProxies},
         server::{ListenerLimits, TlsFiles},
+        shares::PersonShare,
     },
 };
 pub use limits::{LedgerConfig, RetentionLimits, SpoolLimits};
@@ -102,6 +103,8 @@ pub struct WebConfig {
     pub trusted_proxies: Vec<AddressRange>,
     /// Header in which these proxies tell the address of their client.
     pub forwarded_header: ForwardedHeader,
+    /// Share of a person in requests, downloads and live streams.
+    pub share_per_person: PersonShare,
 }
 
 /// Enrolment at the platform.
@@ -121,6 +124,7 @@ impl Default for WebConfig {
             allow_plaintext: false,
             trusted_proxies: Vec::new(),
             forwarded_header: ForwardedHeader::default(),
+            share_per_person: PersonShare::default(),
         }
     }
 }

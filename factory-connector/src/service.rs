@@ -119,6 +119,7 @@ pub async fn start(
                 is_secure: config.web.is_secure(),
                 port: web_address.port(),
                 trusted_proxies: config.web.proxies(),
+                share_per_person: config.web.share_per_person.clone(),
                 hashing,
             },
         }),

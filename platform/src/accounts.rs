@@ -90,6 +90,10 @@ async fn organisation_of(
 impl Accounts for StoredAccounts {
     type Principal = Principal;
 
+    fn organisation(principal: &Principal) -> Option<&str> {
+        principal.organisation().map(OrganisationId::as_str)
+    }
+
     async fn password_hash(&self, user_name: &str) -> Result<Option<PasswordHash>, AccountsError> {
         let found = self.user(user_name).await.map_err(AccountsError::new)?;
         Ok(found.map(|(_, hash)| hash))

@@ -35,6 +35,7 @@ use daemon::web::{
     self, Problem,
     api::{Operations, Shell},
     problem::ProblemFault,
+    shares::{downloads, streams},
 };
 use utoipa::OpenApi;
 use utoipa_axum::{router::OpenApiRouter, routes};
@@ -116,9 +117,9 @@ fn guarded() -> OpenApiRouter<Application> {
         .routes(routes!(writers::list))
         .routes(routes!(accesses::list))
         .routes(routes!(accesses::checkpoint))
-        .routes(routes!(accesses::export))
+        .routes(downloads(routes!(accesses::export)))
         .routes(routes!(audit::list))
-        .routes(routes!(audit::export))
+        .routes(downloads(routes!(audit::export)))
         .routes(routes!(tools::list, tools::add))
         .routes(routes!(tools::make_credential, tools::revoke))
         .routes(routes!(collaborations::list, collaborations::add))
@@ -134,7 +135,7 @@ fn guarded() -> OpenApiRouter<Application> {
         .routes(routes!(dead_letters::list))
         .routes(routes!(dead_letters::replay))
         .routes(routes!(ledger_logs::list))
-        .routes(routes!(live::stream))
+        .routes(streams(routes!(live::stream)))
 }
 
 /// Operations without a session.

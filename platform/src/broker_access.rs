@@ -5,7 +5,7 @@
 
 use std::{collections::HashMap, sync::Arc, time::Duration};
 
-use asi_model::{FactoryId, ToolId};
+use asi_model::{FactoryId, OrganisationId, ToolId};
 use broker::{AddressPattern, BrokerUser, CredentialTable, QueueName, QueueOptions, SecretHash};
 use daemon::web::session::random_token;
 use messaging::{LinkHandle, LogicalAddress};
@@ -201,12 +201,15 @@ impl BrokerAccess {
         }
     }
 
-    fn users_of(&self, credentials: &[BrokerCredential]) -> HashMap<String, BrokerUser> {
+    fn users_of(
+        &self,
+        credentials: &[(BrokerCredential, Option<OrganisationId>)],
+    ) -> HashMap<String, BrokerUser> {
         let mut users = HashMap::new();
-        for credential in credentials {
+        for (credential, organisation) in credentials {
             let user = users
                 .entry(credential.holder.user_name())
-                .or_insert_with(|| permitted(&credential.holder));
+                .or_insert_with(|| permitted(&credential.holder, organisation.as_ref()));
             user.secrets.push(SecretHash::from_bytes(credential.secret_hash));
         }
         for configured in &self.0.configured {
@@ -217,7 +220,8 @@ impl BrokerAccess {
         }
         let platform = BrokerUser::with_secret(self.0.secret.as_bytes())
             .may_consume(AddressPattern::any())
-            .may_produce(AddressPattern::any());
+            .may_produce(AddressPattern::any())
+            .as_owner();
         users.insert(PLATFORM_USER.to_owned(), platform);
         users
     }
@@ -225,7 +229,7 @@ impl BrokerAccess {
 
 /// A connector reads its own requests and leases and writes its own ingress, a tool likewise, and
 /// nothing else.
-fn permitted(holder: &Holder) -> BrokerUser {
+fn permitted(holder: &Holder, organisation: Option<&OrganisationId>) -> BrokerUser {
     let (reads, writes) = match holder {
         Holder::Factory(id) => (
             vec![
@@ -239,7 +243,8 @@ fn permitted(holder: &Holder) -> BrokerUser {
             LogicalAddress::ToolRequests(id.clone()),
         ),
     };
-    let user = BrokerUser::default().may_produce(AddressPattern::exact(&queue(&writes)));
+    let mut user = BrokerUser::default().may_produce(AddressPattern::exact(&queue(&writes)));
+    user.organisation = organisation.map(ToString::to_string);
     reads
         .iter()
         .fold(user, |user, address| user.may_consume(AddressPattern::exact(&queue(address))))
@@ -276,10 +281,10 @@ mod tests {
     fn a_connector_may_use_its_own_addresses_only() {
         let broker_access = BrokerAccess::new(Vec::new());
         let holder = Holder::Factory("A".parse().expect("valid"));
-        let credentials = [
-            BrokerCredential { holder: holder.clone(), secret_hash: [1; 32] },
-            BrokerCredential { holder: holder.clone(), secret_hash: [2; 32] },
-        ];
+        let organisation: OrganisationId = "a".parse().expect("valid");
+        let credentials = [[1; 32], [2; 32]].map(|secret_hash| {
+            (BrokerCredential { holder: holder.clone(), secret_hash }, Some(organisation.clone()))
+        });
         broker_access.users().replace(broker_access.users_of(&credentials));
         let user = broker_access.users().user("factory.A").expect("known");
         assert_eq!(user.secrets.len(), 2, "one in use, one being rotated in");
@@ -300,5 +305,8 @@ mod tests {
             assert_eq!(may(foreign), (false, false), "{foreign}");
         }
         assert!(broker_access.users().user("factory.B").is_none());
+        assert_eq!((user.organisation.as_deref(), user.is_owner), (Some("a"), false));
+        let platform = broker_access.users().user(PLATFORM_USER).expect("known");
+        assert!(platform.is_owner, "it has links for all");
     }
 }

@@ -11,6 +11,7 @@ mod dead_letter;
 mod decode;
 mod heartbeats;
 mod lease_arbiter;
+mod quota_arbiter;
 mod service;
 mod signature_arbiter;
 mod signatures;

@@ -2,9 +2,10 @@
 //!
 //! An epoch counts from zero. Numbers arrive in any order (after an outage the newest first, the
 //! backlog behind it) and may repeat; some never come, which the connector announces as a gap. So
-//! the set is stored as "all up to the highest, except the missing ranges".
-
-use std::collections::VecDeque;
+//! the set is stored as "all up to the highest, except the missing ranges". A sender that leaves a hole
+//! behind each number would make that long without end, so beyond a bound the oldest ranges become one
+//! coarse range with what lies between them: it counts as missing, though some of it is held. So no
+//! receipt ever claims an absent number, and what is sent again is found in the store.
 
 use asi_model::messages::WriterReceipt;
 
@@ -13,8 +14,14 @@ use asi_model::messages::WriterReceipt;
 pub struct SequenceSet {
     through: Option<u32>,
     /// First and last of each missing range; ordered, apart, and below `through`.
-    missing: VecDeque<(u32, u32)>,
+    missing: Vec<(u32, u32)>,
+    /// Highest number of the coarse range that there was; absent where all ranges are exact.
+    coarse_through: Option<u32>,
 }
+
+/// Most missing ranges of a set. A connector that lost its link a hundred times in an epoch leaves some
+/// hundred.
+pub const RANGES_MAX: usize = 1_000;
 
 /// Missing numbers that one receipt lists per writer at most; a receipt with more would exceed the
 /// largest message.
@@ -24,13 +31,30 @@ impl SequenceSet {
     /// Returns the empty set.
     #[must_use]
     pub const fn new() -> Self {
-        Self { through: None, missing: VecDeque::new() }
+        Self { through: None, missing: Vec::new(), coarse_through: None }
     }
 
-    /// Returns the set that [`through`](Self::through) and [`missing`](Self::missing) gave.
+    /// Returns the set that [`through`](Self::through), [`missing`](Self::missing) and
+    /// [`coarse_through`](Self::coarse_through) gave.
     #[must_use]
-    pub fn from_stored(through: Option<u32>, missing: Vec<(u32, u32)>) -> Self {
-        Self { through, missing: missing.into() }
+    pub const fn from_stored(
+        through: Option<u32>,
+        missing: Vec<(u32, u32)>,
+        coarse_through: Option<u32>,
+    ) -> Self {
+        Self { through, missing, coarse_through }
+    }
+
+    /// Returns the number up to which ranges were merged; absent where all of them are exact.
+    #[must_use]
+    pub const fn coarse_through(&self) -> Option<u32> {
+        self.coarse_through
+    }
+
+    /// Returns true where the number counts as missing and may be held all the same.
+    #[must_use]
+    pub fn is_uncertain(&self, number: u32) -> bool {
+        self.coarse_through.is_some_and(|coarse| number <= coarse) && !self.contains(number)
     }
 
     /// Returns the highest number; none when the set is empty.
@@ -44,18 +68,20 @@ impl SequenceSet {
     pub fn between(&self, first: u32, through: u32) -> Self {
         let missing = self.missing.iter().copied();
         let inside = missing.filter(|(from, _)| (first..through).contains(from));
-        Self { through: Some(through), missing: inside.collect() }
+        let coarse = self.coarse_through.filter(|coarse| *coarse >= first);
+        let coarse_through = coarse.map(|coarse| coarse.min(through));
+        Self { through: Some(through), missing: inside.collect(), coarse_through }
     }
 
     /// Returns the part of the set up to a number, without a word about what is missing.
     #[must_use]
     pub const fn complete(through: u32) -> Self {
-        Self { through: Some(through), missing: VecDeque::new() }
+        Self { through: Some(through), missing: Vec::new(), coarse_through: None }
     }
 
     /// Returns first and last of each missing range, ascending.
     #[must_use]
-    pub const fn missing(&self) -> &VecDeque<(u32, u32)> {
+    pub fn missing(&self) -> &[(u32, u32)] {
         &self.missing
     }
 
@@ -81,7 +107,8 @@ impl SequenceSet {
         self.add_range(number, number) > 0
     }
 
-    /// Adds all numbers from `first` to `last`; returns how many of them are new.
+    /// Adds all numbers from `first` to `last`; returns how many of them are new. Of uncertain numbers,
+    /// the caller knows better.
     pub fn add_range(&mut self, first: u32, last: u32) -> u64 {
         if first > last {
             return 0;
@@ -91,27 +118,38 @@ impl SequenceSet {
         if u64::from(last) >= next {
             let next = u32::try_from(next).unwrap_or(u32::MAX);
             if first > next {
-                self.missing.push_back((next, first - 1));
+                self.missing.push((next, first - 1));
             }
             new += u64::from(last - first.max(next)) + 1;
             self.through = Some(last);
         }
-        let mut remaining = VecDeque::with_capacity(self.missing.len());
-        for (from, to) in self.missing.drain(..) {
-            if to < first || from > last {
-                remaining.push_back((from, to));
-                continue;
+        // The ranges that these numbers touch stand beside each other.
+        let begin = self.missing.partition_point(|(_, to)| *to < first);
+        let end = self.missing.partition_point(|(from, _)| *from <= last);
+        if let [(from, mut to), ..] = self.missing[begin..end] {
+            for (from, last_of_range) in &self.missing[begin..end] {
+                new += u64::from(last.min(*last_of_range) - first.max(*from)) + 1;
+                to = *last_of_range;
             }
-            new += u64::from(to.min(last) - from.max(first)) + 1;
-            if from < first {
-                remaining.push_back((from, first - 1));
-            }
-            if to > last {
-                remaining.push_back((last + 1, to));
-            }
+            let before = (from < first).then(|| (from, first - 1));
+            let behind = (to > last).then(|| (last + 1, to));
+            self.missing.splice(begin..end, before.into_iter().chain(behind));
         }
-        self.missing = remaining;
+        self.merge_oldest();
         new
+    }
+
+    /// Merges old ranges with what lies between them, down to the bound. What is coarse grows upwards: so
+    /// a number that arrives below it stays in the set.
+    fn merge_oldest(&mut self) {
+        while self.missing.len() > RANGES_MAX {
+            let coarse = self.coarse_through.unwrap_or(0);
+            let begun = self.missing.partition_point(|(from, _)| *from <= coarse);
+            let lower = begun.saturating_sub(1).min(self.missing.len() - 2);
+            let (_, last) = self.missing.remove(lower + 1);
+            self.missing[lower].1 = last;
+            self.coarse_through = self.coarse_through.max(Some(last));
+        }
     }
 
     /// Returns the ranges from `first` to `last` that are not in the set, ascending.
@@ -194,7 +232,7 @@ mod tests {
     fn gaps_may_extend_beyond_the_highest_number() {
         let mut set = of(&[0, 1]);
         assert_eq!(set.add_range(5, 9), 5);
-        assert_eq!((set.through(), set.missing()), (Some(9), &VecDeque::from([(2, 4)])));
+        assert_eq!((set.through(), set.missing()), (Some(9), &[(2, 4)][..]));
     }
 
     #[test]
@@ -213,6 +251,31 @@ mod tests {
         assert_eq!(set.missing_count(), u64::from(u32::MAX));
         assert_eq!(set.add_range(0, u32::MAX), u64::from(u32::MAX));
         assert!(!set.add(u32::MAX) && !set.add(0));
+    }
+
+    #[test]
+    fn a_sender_that_leaves_holes_costs_a_bounded_number_of_ranges() {
+        let mut set = SequenceSet::new();
+        // Every other number: a hole behind each.
+        for number in 0..20_000 {
+            assert!(set.add(2 * number + 1));
+        }
+        assert_eq!(set.missing().len(), RANGES_MAX);
+        for number in 0..20_000 {
+            assert!(!set.contains(2 * number), "{number} is absent, and nothing claims it");
+        }
+        let coarse = set.coarse_through().expect("the oldest were merged");
+        assert!(set.contains(coarse + 1) && !set.contains(coarse));
+        assert_eq!((set.is_uncertain(1), set.is_uncertain(coarse + 2)), (true, false));
+        let receipt = set.receipt(1, 1).expect("not empty");
+        assert_eq!(receipt.missing_list.len(), LISTED_MAX);
+        assert_eq!(
+            set.add_range(0, coarse),
+            u64::from(coarse) + 1,
+            "a gap closes the coarse range"
+        );
+        assert_eq!(set.missing().len(), RANGES_MAX - 1);
+        assert!(!set.is_uncertain(1));
     }
 
     proptest! {
@@ -235,7 +298,7 @@ mod tests {
                     prop_assert_eq!(receipt.missing_list.contains(&number), !model.contains(&number));
                 }
             }
-            let stored = SequenceSet::from_stored(set.through(), set.missing().iter().copied().collect());
+            let stored = SequenceSet::from_stored(set.through(), set.missing().to_vec(), set.coarse_through());
             prop_assert_eq!(stored, set);
         }
     }

@@ -124,12 +124,13 @@ impl Platform {
         let scheme = if web_tls.is_some() { "https" } else { "http" };
         let public_url =
             config.web.public_url.clone().unwrap_or_else(|| format!("{scheme}://{web_address}"));
-        let session_config = SessionConfig::new(
+        let mut session_config = SessionConfig::new(
             "verbund_platform",
             "Verbund platform",
             public_url.starts_with("https://"),
             web_address.port(),
         );
+        session_config.shares = config.web.shares();
         let accounts = StoredAccounts::new(store.clone(), clock.clone());
         let sessions = Sessions::new(session_config, accounts, hashing, config.sealer());
         let application = Application::new(ApplicationParts {

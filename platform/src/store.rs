@@ -34,6 +34,7 @@ mod outgoing;
 mod ownership;
 mod parts;
 mod past_releases;
+mod quotas;
 mod recipient_sets;
 mod recipients;
 mod removals;
@@ -60,7 +61,10 @@ pub use comments::{CommentEntry, Comments, NewComment};
 pub use connection::{Store, StoreReader};
 pub use credentials::{BrokerCredential, Credentials, Holder};
 pub use database::Database;
-pub use dead_letters::{DeadLetterContent, DeadLetters, NewDeadLetter, StoredDeadLetter};
+pub use dead_letters::{
+    DEAD_LETTER_BYTES_PER_ADDRESS_MAX, DEAD_LETTERS_PER_ADDRESS_MAX, DeadLetterContent,
+    DeadLetters, NewDeadLetter, StoredDeadLetter,
+};
 pub use error::StoreError;
 pub use factories::{Factories, Factory, Heard};
 pub use fields::{
@@ -76,6 +80,7 @@ pub use outgoing::{NewOutgoing, OutgoingMessages};
 pub use ownership::Ownership;
 pub use parts::{NetworkPart, PartState, Parts, SeenPart};
 pub use past_releases::{PastReleases, ReleasedRange};
+pub use quotas::{Kept, Quotas};
 pub use recipient_sets::{RecipientSetId, RecipientSets};
 pub use recipients::{Recipient, Recipients};
 pub use removals::{Leaver, RemovalEffects, Removals};
@@ -89,4 +94,4 @@ pub use tools::{Tool, Tools};
 pub use users::{Role, User, Users};
 pub use visibility::{NetworkOwners, Sight, Visibility, part_of, viewers};
 pub use work::Work;
-pub use writers::{SeenWriter, StoredGap, WriterKey, WriterRow, Writers};
+pub use writers::{GAPS_PER_WRITER_MAX, SeenWriter, StoredGap, WriterKey, WriterRow, Writers};

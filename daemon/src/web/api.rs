@@ -24,7 +24,7 @@ use super::{
     headers::secured,
     health::{self, Readiness},
     problem::{Problem, unknown_method, unknown_route},
-    responses::{describe_responses, operations_of, share_problem_responses},
+    responses::{add_share_refusals, describe_responses, operations_of, share_problem_responses},
     roles::SESSION,
     session::{Accounts, Sessions, require_session},
 };
@@ -119,6 +119,8 @@ where
         "The name ends with the port, as in `daemon_8080`, and begins with `__Host-` over HTTPS.",
     )));
     description.components.get_or_insert_default().add_security_scheme(SESSION, scheme);
+    let mut operations = operations;
+    add_share_refusals(operations.guarded.get_openapi_mut());
     // Merged first: `nest` would replace a path that both parts have, as `/session`.
     let (_, mut all) = operations.guarded.merge(operations.open).split_for_parts();
     for operation in all.paths.paths.values_mut().flat_map(operations_of) {

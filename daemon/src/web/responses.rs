@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, btree_map::Entry};
 
 use axum::http::StatusCode;
 use utoipa::openapi::{
-    OpenApi, Ref, RefOr, Response, Schema,
+    ContentBuilder, OpenApi, Ref, RefOr, Response, ResponseBuilder, Schema,
     path::{Operation, PathItem},
 };
 
@@ -33,6 +33,22 @@ fn body_text(response: &Response, schemas: &BTreeMap<String, RefOr<Schema>>) -> 
     // Each kind of schema has its own member for the text; their JSON has one.
     let schema = serde_json::to_value(schemas.get(name)?).ok()?;
     schema["description"].as_str().map(str::to_owned)
+}
+
+/// Adds to operations behind a session the refusal of those whose share is used up, unless they
+/// describe that status themselves.
+pub fn add_share_refusals(description: &mut OpenApi) {
+    let schema = Ref::from_schema_name("Problem");
+    let content = ContentBuilder::new().schema(Some(schema)).build();
+    let refusal = ResponseBuilder::new()
+        .description("Too many requests, downloads or live streams at once.")
+        .content("application/problem+json", content)
+        .build();
+    for operation in description.paths.paths.values_mut().flat_map(operations_of) {
+        let status = StatusCode::TOO_MANY_REQUESTS.as_str().to_owned();
+        let responses = &mut operation.responses.responses;
+        responses.entry(status).or_insert_with(|| RefOr::T(refusal.clone()));
+    }
 }
 
 /// Replaces inline responses of client and server errors by references. The first response of a

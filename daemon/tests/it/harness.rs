@@ -16,6 +16,7 @@ use axum::{
     body::Body,
     extract::State,
     http::StatusCode,
+    middleware::from_fn,
     response::sse::{Event, Sse},
     routing::{delete, get, post, put},
 };
@@ -35,6 +36,7 @@ use daemon::{
             SecondFactorOffer, SecondFactorRemoval, SessionConfig, SessionId, SessionList,
             Sessions, SignIn, SignedIn, StoredSecondFactor, StoredSession,
         },
+        shares::{hold_download, hold_stream},
     },
 };
 use futures::{Stream, StreamExt as _, stream};
@@ -64,6 +66,11 @@ pub struct Memory {
 #[async_trait]
 impl Accounts for Memory {
     type Principal = String;
+
+    /// Returns the organisation of names such as `ann@acme`.
+    fn organisation(principal: &String) -> Option<&str> {
+        principal.split_once('@').map(|(_, organisation)| organisation)
+    }
 
     async fn password_hash(&self, user_name: &str) -> Result<Option<PasswordHash>, AccountsError> {
         Ok(self.users.lock().get(user_name).cloned())
@@ -242,6 +249,12 @@ async fn live() -> Sse<impl Stream<Item = Result<Event, Infallible>>> {
     Sse::new(stream::once(async { Ok(Event::default().data("here")) }).chain(stream::pending()))
 }
 
+/// Sends the beginning of a file, and never its end.
+async fn export() -> Body {
+    let begin = stream::once(async { Ok::<_, Infallible>("begin") });
+    Body::from_stream(begin.chain(stream::pending()))
+}
+
 /// An endless answer, counted while it is being sent.
 struct Flood(Arc<AtomicUsize>);
 
@@ -303,7 +316,8 @@ impl Harness {
         let readiness = Readiness::new();
         let operations = Operations {
             guarded: OpenApiRouter::new()
-                .route("/live", get(live))
+                .route("/live", get(live).layer(from_fn(hold_stream)))
+                .route("/export", get(export).layer(from_fn(hold_download)))
                 .route("/session", get(who).delete(sign_out))
                 .route("/session/password", put(change_password))
                 .route("/session/second-factor", post(begin_factor).put(confirm_factor))
@@ -329,6 +343,16 @@ impl Harness {
         tokio::spawn(server::serve(listener, None, router, limits, shutdown.clone()));
         let api = ApiClient::new(format!("http://{address}"), PATIENCE).expect("a client");
         Self { api, readiness, memory, keys, shutdown }
+    }
+
+    /// Signs a new person in, by a client of its own.
+    pub async fn person(&self, user_name: &str) -> ApiClient {
+        let hash = self.memory.users.lock()["ann"].clone();
+        self.memory.users.lock().insert(user_name.to_owned(), hash);
+        let mut client = ApiClient::new(self.api.origin(), PATIENCE).expect("a client");
+        let answer = client.sign_in(user_name, "correct horse").await.expect("an answer");
+        assert_eq!(answer.status, StatusCode::OK, "{}", answer.text);
+        client
     }
 
     /// Sends a request without a body.

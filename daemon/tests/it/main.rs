@@ -6,6 +6,7 @@ mod harness;
 mod notices;
 mod second_factor;
 mod session;
+mod shares;
 mod slow_clients;
 mod tls;
 

@@ -13,6 +13,7 @@ use daemon::{
         client_address::TrustedProxies,
         health::Readiness,
         session::{PasswordHashing, SessionConfig, Sessions},
+        shares::PersonShare,
     },
 };
 use mapping_engine::MappingEngineHandle;
@@ -80,6 +81,8 @@ pub struct ServerParts {
     /// Port of the pages, part of the cookie's name.
     pub port: u16,
     pub trusted_proxies: TrustedProxies,
+    /// Share of a person in requests, downloads and live streams.
+    pub share_per_person: PersonShare,
     /// Work of hashing, shared with the OPC UA server.
     pub hashing: PasswordHashing,
 }
@@ -108,7 +111,9 @@ impl Api {
         );
         let issuer = format!("Verbund {}", parts.instance.factory_id);
         let (is_secure, port) = (parts.server.is_secure, parts.server.port);
-        let config = SessionConfig::new(COOKIE, issuer, is_secure, port);
+        let mut config = SessionConfig::new(COOKIE, issuer, is_secure, port);
+        // The plant is one organisation: its people are kept apart, and nobody else is here.
+        config.shares.person = parts.server.share_per_person.clone();
         let sessions = Sessions::new(
             config,
             accounts.clone(),

@@ -104,6 +104,8 @@ impl Plant {
             ..ConnectorConfig::default()
         };
         config.web.listen = "127.0.0.1:0".parse().expect("an address");
+        // One person of a test does what several do in a plant.
+        config.web.share_per_person.downloads = 8.try_into().expect("not zero");
         config.twin.listen = "127.0.0.1:0".parse().expect("an address");
         (config.mapping.script.engine, config.mapping.script.worker_path) = script_worker();
         config.admin.password = Some(Confidential::from(PASSWORD.to_owned()));

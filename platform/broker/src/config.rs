@@ -114,6 +114,17 @@ pub struct BrokerLimits {
     pub queues_max: usize,
     /// Largest accepted message, headers included.
     pub message_bytes_max: u64,
+    /// Sessions of one user, over all its connections; the owner of the broker is not bounded.
+    pub sessions_per_user_max: usize,
+    /// Links of one user, over all its connections, likewise.
+    pub links_per_user_max: usize,
+    /// Sessions of all users of one organisation.
+    pub sessions_per_organisation_max: usize,
+    /// Links of all users of one organisation.
+    pub links_per_organisation_max: usize,
+    /// Bytes of the unsettled messages of one user's consumers. A consumer gets one message all the
+    /// same.
+    pub unsettled_bytes_per_user_max: u64,
     /// Unsettled messages of one consumer.
     pub unsettled_per_link_max: usize,
     /// Bytes of unsettled messages of one consumer; the last message may exceed it.
@@ -129,7 +140,10 @@ pub struct BrokerLimits {
     pub handshake_timeout: Duration,
     /// Time that sent bytes may stay unacknowledged before a peer counts as dead.
     pub stall_timeout: Duration,
-    /// Bound on dead letters; the oldest are removed first.
+    /// Bound on the dead letters of one queue, which is to say of one factory or tool; its oldest are
+    /// removed first.
+    pub dead_letters_per_queue_max: u32,
+    /// Bound on all dead letters; the oldest are removed first.
     pub dead_letters_max: u64,
 }
 
@@ -142,6 +156,12 @@ impl Default for BrokerLimits {
             connections_per_user_max: 16,
             sessions_max: 64,
             links_max: 2048,
+            // A connector has three links, a tool two; twice that while one replaces another.
+            sessions_per_user_max: 32,
+            links_per_user_max: 32,
+            sessions_per_organisation_max: 1024,
+            links_per_organisation_max: 1024,
+            unsettled_bytes_per_user_max: 64 * 1024 * 1024,
             queues_max: 100_000,
             // The limit of the link on both sides: a message must fit on its whole way.
             message_bytes_max: 2 * 1024 * 1024,
@@ -152,6 +172,7 @@ impl Default for BrokerLimits {
             cache_bytes_max: 64 * 1024 * 1024,
             handshake_timeout: Duration::from_secs(10),
             stall_timeout: Duration::from_secs(20),
+            dead_letters_per_queue_max: 1000,
             dead_letters_max: 100_000,
         }
     }

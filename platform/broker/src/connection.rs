@@ -20,7 +20,10 @@ use tracing::{debug, info, warn};
 
 use self::{
     sasl::SaslExchange,
-    session::{ATTACH_TIMEOUT, CLOSE_TIMEOUT, FRAMES_BUFFERED, Peer, serve_session},
+    session::{
+        ATTACH_TIMEOUT, CLOSE_TIMEOUT, FRAMES_PER_CONNECTION, FRAMES_PER_SESSION, Peer,
+        refuse_session, serve_session,
+    },
     transport::{Allowance, FRAME_BYTES_MAX, Measured},
 };
 use crate::{amqp_error::amqp_error, core::Core, waiting::Place};
@@ -73,7 +76,7 @@ async fn serve_opening(
         .container_id("verbund-broker")
         .max_frame_size(FRAME_BYTES_MAX)
         .channel_max(core.config.limits.sessions_max)
-        .buffer_size(FRAMES_BUFFERED)
+        .buffer_size(FRAMES_PER_CONNECTION)
         .sasl_acceptor(sasl.clone())
         .build();
     // No idle timeout of our own: peers that send heartbeats only at the full period would be cut.
@@ -131,6 +134,7 @@ async fn serve_signed_in(
         core,
         user_name: Arc::clone(&user_name),
         uncommitted: Arc::clone(&registration.uncommitted),
+        share: Arc::clone(&registration.share),
         cut: registration.cut.clone(),
         close_error: Arc::new(OnceLock::new()),
     };
@@ -170,12 +174,19 @@ async fn serve_sessions(
         let acceptor = SessionAcceptor::builder()
             .incoming_window(SESSION_WINDOW)
             .outgoing_window(SESSION_WINDOW)
-            .buffer_size(FRAMES_BUFFERED)
+            .buffer_size(FRAMES_PER_SESSION)
             .build();
         let accepted = acceptor.accept_incoming_session(incoming, connection);
         match timeout(ATTACH_TIMEOUT, accepted).await {
             Ok(Ok(session)) => {
-                sessions.spawn(serve_session(peer.clone(), session));
+                let served = peer.clone();
+                match peer.share.session() {
+                    Some(held) => sessions.spawn(async move {
+                        serve_session(served, session).await;
+                        drop(held);
+                    }),
+                    None => sessions.spawn(refuse_session(served, session)),
+                };
             }
             Ok(Err(error)) => debug!(user = %peer.user_name, %error, "a session could not begin"),
             Err(_) => return true,

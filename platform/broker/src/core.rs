@@ -5,7 +5,7 @@ use std::{
     net::SocketAddr,
     sync::{
         Arc,
-        atomic::{AtomicI64, AtomicU64, Ordering},
+        atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering},
     },
 };
 
@@ -25,6 +25,7 @@ use crate::{
     error::BrokerError,
     message::{AnyMessage, Features},
     queue::{Queue, QueueEntry},
+    shares::{ShareTable, UserShare},
     status::{ConnectionStatus, QueueStatus},
     store::{self, DeadLettering, StoreCommand, WriterHandle},
     waiting::WaitingRoom,
@@ -49,6 +50,9 @@ pub(crate) struct Core {
     next_message_id: AtomicI64,
     pub waiting: Arc<WaitingRoom>,
     connections: Mutex<HashMap<u64, RegisteredConnection>>,
+    shares: ShareTable,
+    /// True where dead letters came since the last search for those beyond their bound.
+    has_new_dead_letters: AtomicBool,
     next_connection: AtomicU64,
 }
 
@@ -66,6 +70,8 @@ pub(crate) struct Registration {
     /// One permit per byte of the user's messages that wait for their commit, shared by all
     /// connections of the user.
     pub uncommitted: Arc<Semaphore>,
+    /// Share of the user in sessions and links.
+    pub share: Arc<UserShare>,
     /// Cancelled to close the connection.
     pub cut: CancellationToken,
 }
@@ -97,6 +103,9 @@ impl Core {
             next_queue_id: AtomicI64::new(next_queue_id),
             next_message_id: AtomicI64::new(next_message_id),
             connections: Mutex::new(HashMap::new()),
+            shares: ShareTable::default(),
+            // At the start, too: the bound may have been another one before.
+            has_new_dead_letters: AtomicBool::new(true),
             next_connection: AtomicU64::new(0),
         }
     }
@@ -257,6 +266,7 @@ impl Core {
         let features = Features::of(message);
         let letter = DeadLettering { entry, origin: Arc::clone(queue), features, code, reason };
         self.write(StoreCommand::DeadLetter(Box::new(letter))).await;
+        self.has_new_dead_letters.store(true, Ordering::Relaxed);
     }
 
     /// Removes expired messages and the oldest dead letters beyond their bound.
@@ -268,7 +278,23 @@ impl Core {
                 self.write(StoreCommand::Remove(entry.id)).await;
             }
         }
-        for entry in self.dead_letters.withdraw_beyond(self.config.limits.dead_letters_max) {
+        self.forget_dead_letters().await;
+    }
+
+    /// Removes the oldest dead letters of each queue beyond its bound, and those beyond the bound of all.
+    async fn forget_dead_letters(&self) {
+        let mut beyond = Vec::new();
+        if self.has_new_dead_letters.swap(false, Ordering::Relaxed) {
+            let per_queue_max = self.config.limits.dead_letters_per_queue_max;
+            match store::dead_letters_beyond(&self.readers, per_queue_max).await {
+                Ok(ids) => {
+                    beyond.extend(ids.into_iter().filter_map(|id| self.dead_letters.withdraw(id)));
+                }
+                Err(problem) => warn!(error = %problem, "old dead letters could not be listed"),
+            }
+        }
+        beyond.extend(self.dead_letters.withdraw_beyond(self.config.limits.dead_letters_max));
+        for entry in beyond {
             self.write(StoreCommand::Remove(entry.id)).await;
         }
     }
@@ -307,7 +333,9 @@ impl Core {
             cut: cut.clone(),
         };
         connections.insert(id, registered);
-        Some(Registration { core: Arc::clone(self), id, uncommitted, cut })
+        let user = self.credentials.user(user_name).unwrap_or_default();
+        let share = self.shares.of(user_name, &user, limits);
+        Some(Registration { core: Arc::clone(self), id, uncommitted, share, cut })
     }
 
     pub(crate) fn connections(&self) -> Vec<ConnectionStatus> {

@@ -22,6 +22,11 @@ pub struct BrokerUser {
     /// Valid secrets; more than one while a secret is being rotated.
     pub secrets: Vec<SecretHash>,
     pub permissions: Permissions,
+    /// Organisation on whose share the user draws, too; none where that is not known.
+    pub organisation: Option<String>,
+    /// True for the broker's owner, which has links for all others: their number is bounded for each of
+    /// its connections alone.
+    pub is_owner: bool,
 }
 
 /// SHA-256 of a secret. Only for secrets of high entropy (at least 128 random bits); passwords that
@@ -68,7 +73,21 @@ impl BrokerUser {
     /// Returns a user with one secret and no permissions.
     #[must_use]
     pub fn with_secret(secret: &[u8]) -> Self {
-        Self { secrets: vec![SecretHash::of(secret)], permissions: Permissions::default() }
+        Self { secrets: vec![SecretHash::of(secret)], ..Self::default() }
+    }
+
+    /// Lets the user draw on the share of an organisation, too.
+    #[must_use]
+    pub fn of_organisation(mut self, organisation: impl Into<String>) -> Self {
+        self.organisation = Some(organisation.into());
+        self
+    }
+
+    /// Marks the user as the broker's owner.
+    #[must_use]
+    pub fn as_owner(mut self) -> Self {
+        self.is_owner = true;
+        self
     }
 
     /// Permits receiving from matching addresses.

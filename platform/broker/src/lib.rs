@@ -27,6 +27,7 @@ mod link;
 mod listener;
 mod message;
 mod queue;
+mod shares;
 mod status;
 mod store;
 mod waiting;

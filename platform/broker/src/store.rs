@@ -17,7 +17,7 @@ use sqlx::{
 };
 
 pub(crate) use command::{DeadLettering, NewMessage, StoreCommand, WriteFailed, WriterHandle};
-pub(crate) use dead_letters::{dead_letter_body, dead_letters};
+pub(crate) use dead_letters::{dead_letter_body, dead_letters, dead_letters_beyond};
 pub(crate) use reader::{bodies, load};
 pub(crate) use writer::StoreWriter;
 

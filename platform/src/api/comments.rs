@@ -2,13 +2,13 @@
 
 use asi_model::{DynamicDataRequestId, FactoryId, FieldName, OperationNetworkId};
 use axum::{Json, extract::State, http::StatusCode};
-use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem, session::SignedIn};
+use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem, session::SignedIn, shares::count_refusal};
 use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::{
     page::{Page, PageQuery},
-    problems::{ChangeProblems, ReadProblems, unknown_reference},
+    problems::{ChangeProblems, ReadProblems, quota_exceeded, unknown_reference},
 };
 use crate::{
     application::Application,
@@ -117,6 +117,10 @@ fn refused(error: CommentError, comment: &NewComment) -> Problem {
         }
         CommentError::NoRequest => {
             unknown_reference("/dynamicDataRequestId", "such request to that factory")
+        }
+        CommentError::TooMany => {
+            count_refusal("comments", &comment.author_id);
+            quota_exceeded(&error.to_string())
         }
         CommentError::Store(error) => Problem::internal(&error),
     }

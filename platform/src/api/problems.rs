@@ -158,6 +158,7 @@ impl From<ChangeError> for Problem {
                     "Another change was faster: the revision in effect is {revision}. Read it and try again."
                 ),
             ),
+            ChangeError::QuotaExceeded { .. } => quota_exceeded(&error.to_string()),
             ChangeError::Faulty(faults) => faulty(faults, ""),
             ChangeError::Store(error) => Self::internal(&error),
         }
@@ -193,6 +194,12 @@ pub fn unknown_reference(pointer: &str, what: &str) -> Problem {
             message,
         }],
     )
+}
+
+/// Returns the problem of a member that has as much as it may have; the reason names quota and limit.
+pub fn quota_exceeded(reason: &str) -> Problem {
+    let detail = format!("This exceeds a quota: {reason}.");
+    Problem::conflict("QUOTA_EXCEEDED", detail)
 }
 
 /// Returns the problem of an id that is already in use.

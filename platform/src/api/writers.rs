@@ -32,6 +32,9 @@ pub struct WriterView {
     missing: Vec<u32>,
     /// Number of missing sequence numbers, listed or not.
     missing_count: u64,
+    /// Number up to which some of the missing ones may be held, since there were too many holes to count
+    /// each; absent where all are missing.
+    coarse_through: Option<u32>,
     /// Numbers that the factory announced will never come.
     gaps: Vec<GapView>,
     /// Reports that arrived, repeats not counted.
@@ -52,12 +55,15 @@ pub struct GapView {
     last_sequence: u32,
     /// `COALESCED`, `EXPIRED`, `WITHDRAWN` or `REVOKED`.
     cause: GapCause,
+    /// True where several gaps were merged into one, since they were too many; some of the numbers may be
+    /// held.
+    is_coarse: bool,
 }
 
 impl From<StoredGap> for GapView {
     fn from(gap: StoredGap) -> Self {
-        let StoredGap { first_sequence, last_sequence, cause } = gap;
-        Self { first_sequence, last_sequence, cause }
+        let StoredGap { first_sequence, last_sequence, cause, is_coarse } = gap;
+        Self { first_sequence, last_sequence, cause, is_coarse }
     }
 }
 
@@ -86,6 +92,7 @@ pub async fn list(
         through_sequence: row.sequences.through(),
         missing: row.sequences.missing_numbers().take(MISSING_SHOWN_MAX).collect(),
         missing_count: row.sequences.missing_count(),
+        coarse_through: row.sequences.coarse_through(),
         gaps: gaps.into_iter().map(GapView::from).collect(),
         received: row.received,
         duplicates: is_whole.then_some(row.duplicates),

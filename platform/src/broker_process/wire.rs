@@ -37,6 +37,8 @@ pub(super) struct UserSetup {
     secrets: Vec<[u8; 32]>,
     consume: Vec<AddressPattern>,
     produce: Vec<AddressPattern>,
+    organisation: Option<String>,
+    is_owner: bool,
 }
 
 /// A request with the number of its answer.
@@ -143,6 +145,8 @@ pub(super) fn to_wire(users: &HashMap<String, BrokerUser>) -> Vec<UserSetup> {
             secrets: user.secrets.iter().map(|hash| *hash.as_bytes()).collect(),
             consume: user.permissions.consume.clone(),
             produce: user.permissions.produce.clone(),
+            organisation: user.organisation.clone(),
+            is_owner: user.is_owner,
         })
         .collect();
     all.sort_by(|a, b| a.name.cmp(&b.name));
@@ -155,7 +159,8 @@ pub(super) fn from_wire(users: Vec<UserSetup>) -> HashMap<String, BrokerUser> {
         .into_iter()
         .map(|setup| {
             let secrets = setup.secrets.into_iter().map(SecretHash::from_bytes).collect();
-            let mut user = BrokerUser { secrets, ..BrokerUser::default() };
+            let UserSetup { organisation, is_owner, .. } = setup;
+            let mut user = BrokerUser { secrets, organisation, is_owner, ..BrokerUser::default() };
             user.permissions.consume = setup.consume;
             user.permissions.produce = setup.produce;
             (setup.name, user)
@@ -171,12 +176,14 @@ mod tests {
     fn users_survive_the_wire_and_their_secrets_are_not_on_it() {
         let user = BrokerUser::with_secret(b"a-secret-of-much-entropy")
             .may_consume("factory.A.requests".parse().expect("a pattern"))
-            .may_produce("factory.A.ingress".parse().expect("a pattern"));
+            .may_produce("factory.A.ingress".parse().expect("a pattern"))
+            .of_organisation("a");
         let users = HashMap::from([("factory.A".to_owned(), user)]);
         let line = serde_json::to_string(&to_wire(&users)).expect("a line");
         assert!(!line.contains("a-secret") && !line.contains('\n'), "{line}");
         let read = from_wire(serde_json::from_str(&line).expect("users"));
         let (sent, read) = (&users["factory.A"], &read["factory.A"]);
         assert_eq!((&sent.secrets, &sent.permissions), (&read.secrets, &read.permissions));
+        assert_eq!((read.organisation.as_deref(), read.is_owner), (Some("a"), false));
     }
 }

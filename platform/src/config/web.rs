@@ -9,6 +9,7 @@ use daemon::web::{
     address_range::AddressRange,
     client_address::{ForwardedHeader, TrustedProxies},
     server::{ListenerLimits, TlsFiles},
+    shares::{FairShareConfig, OrganisationShare, PersonShare},
 };
 use serde::Deserialize;
 
@@ -32,6 +33,10 @@ pub struct WebConfig {
     pub trusted_proxies: Vec<AddressRange>,
     /// Header in which these proxies tell the address of their client.
     pub forwarded_header: ForwardedHeader,
+    /// Share of a person in requests, downloads and live streams.
+    pub share_per_person: PersonShare,
+    /// Share of all people of an organisation together.
+    pub share_per_organisation: OrganisationShare,
 }
 
 impl Default for WebConfig {
@@ -44,6 +49,8 @@ impl Default for WebConfig {
             allow_plaintext: false,
             trusted_proxies: Vec::new(),
             forwarded_header: ForwardedHeader::default(),
+            share_per_person: PersonShare::default(),
+            share_per_organisation: OrganisationShare::default(),
         }
     }
 }
@@ -53,6 +60,15 @@ impl WebConfig {
     #[must_use]
     pub fn proxies(&self) -> TrustedProxies {
         TrustedProxies { ranges: self.trusted_proxies.clone(), header: self.forwarded_header }
+    }
+
+    /// Returns the shares of people and organisations.
+    #[must_use]
+    pub fn shares(&self) -> FairShareConfig {
+        FairShareConfig {
+            person: self.share_per_person.clone(),
+            organisation: self.share_per_organisation.clone(),
+        }
     }
 
     /// Returns the bounds of their server.

@@ -18,6 +18,7 @@ use super::{
     decode::{Content, Incoming, describes_recipients},
     heartbeats::Heartbeats,
     lease_arbiter::LeaseArbiter,
+    quota_arbiter::QuotaArbiter,
     signature_arbiter::SignatureArbiter,
     unit::{Effects, IngestUnit},
 };
@@ -31,6 +32,7 @@ pub(super) struct Applier<'w> {
     unit: IngestUnit<'w>,
     signatures: SignatureArbiter,
     leases: LeaseArbiter<'w>,
+    quotas: QuotaArbiter,
     reports: ReportCollector,
     past_releases: PastReleaseCollector,
     resend_after: Duration,
@@ -49,6 +51,7 @@ impl<'w> Applier<'w> {
             unit: IngestUnit::new(work, now),
             signatures: SignatureArbiter::default(),
             leases: LeaseArbiter::new(heartbeats),
+            quotas: QuotaArbiter::default(),
             reports: ReportCollector::default(),
             past_releases: PastReleaseCollector::default(),
             resend_after,
@@ -67,6 +70,7 @@ impl<'w> Applier<'w> {
             // First: what is not the factory's own says nothing about its lease.
             if self.signatures.admit(&mut self.unit, address, message).await?
                 && self.leases.admit(&mut self.unit, address, message).await?
+                && self.quotas.admit(&mut self.unit, address, message).await?
             {
                 admitted.push(message);
             }

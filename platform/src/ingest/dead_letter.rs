@@ -9,6 +9,14 @@ use crate::store::NewDeadLetter;
 /// Code and reason of a dead letter.
 pub(super) type DeadLetterReason = (&'static str, String);
 
+/// Returns the factory or tool that writes to an address.
+pub(super) fn holder(address: &str) -> String {
+    let parsed: Option<LogicalAddress> = address.parse().ok();
+    let of_factory = parsed.as_ref().and_then(LogicalAddress::factory_id).map(ToString::to_string);
+    let of_tool = parsed.as_ref().and_then(LogicalAddress::tool_id).map(ToString::to_string);
+    of_factory.or(of_tool).unwrap_or_else(|| address.to_owned())
+}
+
 /// Makes the dead letter of a message.
 pub(super) fn dead_letter(
     address: &LogicalAddress,

@@ -7,6 +7,7 @@ use asi_model::{
     pubsub::{DataSetMetaData, MetaDataLookup, PubSubMessage, json::decode},
 };
 use async_trait::async_trait;
+use daemon::web::shares::count_refusal;
 use messaging::{Delivery, LogicalAddress, Settlement};
 use parking_lot::RwLock;
 use tokio::sync::{mpsc, oneshot};
@@ -243,6 +244,9 @@ impl Ingest {
         }
         metrics::counter!("verbund_reports_stored_total").increment(effects.reports);
         metrics::counter!("verbund_duplicates_discarded_total").increment(effects.duplicates);
+        for (share, who) in effects.refusals {
+            count_refusal(share, &who);
+        }
         for code in effects.dead_letters {
             metrics::counter!("verbund_dead_letters_total", "code" => code).increment(1);
         }

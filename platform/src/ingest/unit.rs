@@ -15,7 +15,7 @@ use asi_model::{
 use messaging::LogicalAddress;
 
 use super::{
-    dead_letter::dead_letter,
+    dead_letter::{dead_letter, holder},
     decode::{Incoming, IncomingReport},
 };
 use crate::{
@@ -25,6 +25,8 @@ use crate::{
     tools::ToolAcknowledgement,
 };
 
+/// Share of a factory or tool in the dead letters.
+const DEAD_LETTERS: &str = "dead_letters";
 /// Step of the times at which other members learn that a factory lives.
 const SIGN_STEP: Duration = Duration::from_secs(60);
 
@@ -49,6 +51,15 @@ pub(super) struct Effects {
     pub(super) forwarded: Vec<Reading>,
     /// Code of each dead letter.
     pub(super) dead_letters: Vec<&'static str>,
+    /// Shares that were used up, each with the factory or tool whose it was.
+    pub(super) refusals: Vec<(&'static str, String)>,
+}
+
+impl Effects {
+    /// Notes that a share of a factory or tool was used up.
+    pub(super) fn refused(&mut self, share: &'static str, who: impl Display) {
+        self.refusals.push((share, who.to_string()));
+    }
 }
 
 /// A transaction with the rows that several messages change; those are written once, at the end.
@@ -151,6 +162,24 @@ impl<'w> IngestUnit<'w> {
             self.writers.insert(key.clone(), row);
         }
         Ok(self.writers.entry(key.clone()).or_insert_with(|| WriterRow::new(key)))
+    }
+
+    /// Returns true for a data set writer of which a row is stored, or will be by this unit.
+    pub(super) async fn knows_writer(
+        &mut self,
+        factory: &FactoryId,
+        id: u16,
+        epoch: u32,
+    ) -> Result<bool, StoreError> {
+        let key = WriterKey { factory_id: factory.clone(), data_set_writer_id: id, epoch };
+        if self.writers.contains_key(&key) {
+            return Ok(true);
+        }
+        let stored = self.work.writers().lookup(&key).await?;
+        let is_known = stored.is_some();
+        // Read once: a message that needs the writer changes this row.
+        self.writers.extend(stored.map(|row| (key, row)));
+        Ok(is_known)
     }
 
     /// Returns network and request of the last report of a writer's epoch; `None` before its first.
@@ -267,6 +296,9 @@ impl<'w> IngestUnit<'w> {
             "A message is of no use and was set aside."
         );
         self.effects.dead_letters.push(letter.code);
-        self.work.dead_letters().add(letter).await
+        if self.work.dead_letters().add(letter).await? > 0 {
+            self.effects.refused(DEAD_LETTERS, holder(&letter.address));
+        }
+        Ok(())
     }
 }

@@ -1,8 +1,15 @@
 //! New revisions and withdrawals.
 
-use std::{collections::HashSet, time::Duration};
+use std::{
+    collections::{HashMap, HashSet},
+    time::Duration,
+};
 
-use asi_model::{CollaborationId, OperationId, OperationNetworkId, network::OperationNetwork};
+use asi_model::{
+    CollaborationId, DynamicDataRequestId, OperationId, OperationNetworkId, OrganisationId,
+    network::OperationNetwork,
+};
+use daemon::web::shares::count_refusal;
 
 use super::{
     author::Author,
@@ -12,6 +19,11 @@ use super::{
     outcome::{ChangeError, ChangeOutcome},
 };
 use crate::store::{Collaboration, NetworkOwners, NetworkRow, Scope, Visibility, Work};
+
+/// Most networks that an organisation draws; withdrawn ones stay and count.
+pub const NETWORKS_PER_ORGANISATION_MAX: usize = 1_000;
+/// Most requests of an organisation in one network; the ids of removed ones stay and count.
+pub const REQUESTS_PER_NETWORK_MAX: usize = 5_000;
 
 /// A document to put in place of what its author sees of a network.
 #[derive(Debug, Clone)]
@@ -81,7 +93,10 @@ async fn draw(
     let (revision, drawn_by) = match withdrawn {
         Some(row) if !author.owns(&row) => return Err(ChangeError::NotAllowed),
         Some(row) => (row.revision, row.drawn_by),
-        None => (0, author.organisation_id.clone()),
+        None => {
+            check_networks(work, author).await?;
+            (0, author.organisation_id.clone())
+        }
     };
     let row = NetworkRow {
         collaboration_id: collaboration.collaboration_id.clone(),
@@ -149,9 +164,44 @@ async fn check(
     author: &Author,
 ) -> Result<(), ChangeError> {
     let requesters = work.ownership().requesters(&document.operation_network_id).await?;
+    check_requests(document, &requesters, author)?;
     let context = Context { collaboration, owners, requesters: &requesters, author };
     let faults = faults(document, revision, &context);
     if faults.is_empty() { Ok(()) } else { Err(ChangeError::Faulty(faults)) }
+}
+
+/// Checks that the author's organisation may draw one more network.
+async fn check_networks(work: &mut Work, author: &Author) -> Result<(), ChangeError> {
+    let Some(organisation) = &author.organisation_id else { return Ok(()) };
+    let drawn = work.quotas().networks(organisation).await?;
+    let limit = NETWORKS_PER_ORGANISATION_MAX;
+    if usize::try_from(drawn).is_ok_and(|drawn| drawn < limit) {
+        return Ok(());
+    }
+    count_refusal("networks", organisation.as_str());
+    Err(ChangeError::QuotaExceeded { quota: "networks, withdrawn ones included", limit })
+}
+
+/// Checks that the author's organisation uses no more request ids in a network than it may, those of
+/// removed requests included: these stay its own.
+fn check_requests(
+    document: &OperationNetwork,
+    requesters: &HashMap<DynamicDataRequestId, OrganisationId>,
+    author: &Author,
+) -> Result<(), ChangeError> {
+    let Some(organisation) = &author.organisation_id else { return Ok(()) };
+    let used = requesters.values().filter(|requester| *requester == organisation).count();
+    let new = document.requests().filter(|(key, _, request)| {
+        request.requester_id == *organisation
+            && !requesters.contains_key(&key.dynamic_data_request_id)
+    });
+    let (new, limit) = (new.count(), REQUESTS_PER_NETWORK_MAX);
+    if new == 0 || used + new <= limit {
+        return Ok(());
+    }
+    count_refusal("requests_of_network", organisation.as_str());
+    let quota = "requests in this network, removed ones included";
+    Err(ChangeError::QuotaExceeded { quota, limit })
 }
 
 /// Notes the author's organisation as the one that drew the operations that are new.

@@ -9,6 +9,9 @@ use crate::{
     store::{NewComment, StoreError, Work},
 };
 
+/// Most comments of a person on one network.
+const COMMENTS_PER_PERSON_MAX: u64 = 2_000;
+
 /// Refusal of a comment.
 #[derive(Debug, thiserror::Error)]
 pub enum CommentError {
@@ -24,6 +27,11 @@ pub enum CommentError {
     /// The author sees no such request to the factory.
     #[error("the factory is not asked by such a request")]
     NoRequest,
+    /// The author wrote as many comments on the network as a person may.
+    #[error(
+        "you have written {COMMENTS_PER_PERSON_MAX} comments on this network, the most allowed"
+    )]
+    TooMany,
     #[error("the store failed")]
     Store(#[from] StoreError),
 }
@@ -55,6 +63,10 @@ pub async fn add_comment(
         if !is_asked {
             return Err(CommentError::NoRequest);
         }
+    }
+    let written = work.quotas().comments_of_person(id, &comment.author_id).await?;
+    if written.rows >= COMMENTS_PER_PERSON_MAX {
+        return Err(CommentError::TooMany);
     }
     work.comments().add(comment).await?;
     let event = comment_added(work, id, &comment.comment_id).await?;

@@ -48,6 +48,13 @@ pub enum ChangeError {
         /// The revision in effect.
         revision: u64,
     },
+    /// The author's organisation has as much as it may have.
+    #[error("your organisation has {limit} {quota}, the most allowed")]
+    QuotaExceeded {
+        /// The quota in words, for people.
+        quota: &'static str,
+        limit: usize,
+    },
     /// The network is wrong.
     #[error("the network has {} faults", .0.len())]
     Faulty(Vec<Fault>),

@@ -10,7 +10,7 @@ use sqlx::{
 
 use super::{error::StoreError, work::Work};
 
-const MIGRATIONS: [(i64, &str, &str); 18] = [
+const MIGRATIONS: [(i64, &str, &str); 19] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
@@ -28,6 +28,7 @@ const MIGRATIONS: [(i64, &str, &str); 18] = [
     (34, "second factors", include_str!("../../migrations/sqlite/0034_second_factors.sql")),
     (35, "signed messages", include_str!("../../migrations/sqlite/0035_signed_messages.sql")),
     (36, "opaque ids", include_str!("../../migrations/sqlite/0036_opaque_ids.sql")),
+    (37, "fair shares", include_str!("../../migrations/sqlite/0037_fair_shares.sql")),
     (
         38,
         "sealed second factors",

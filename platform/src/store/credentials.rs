@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use asi_model::{DateTime, FactoryId, ToolId};
+use asi_model::{DateTime, FactoryId, OrganisationId, ToolId};
 
 use super::{database::Connection, error::StoreError, row::Columns};
 
@@ -167,8 +167,15 @@ impl Credentials<'_> {
     ///
     /// # Errors
     /// [`StoreError`].
-    pub async fn list(&mut self) -> Result<Vec<BrokerCredential>, StoreError> {
-        let rows = sqlx::query("SELECT * FROM broker_credential ORDER BY credential_id")
+    pub async fn list(
+        &mut self,
+    ) -> Result<Vec<(BrokerCredential, Option<OrganisationId>)>, StoreError> {
+        let sql = "SELECT c.*, COALESCE(f.organisation_id, t.organisation_id) AS organisation_id
+                   FROM broker_credential c
+                   LEFT JOIN factory f ON c.holder_kind = 'FACTORY' AND f.factory_id = c.holder_id
+                   LEFT JOIN tool t ON c.holder_kind = 'TOOL' AND t.tool_id = c.holder_id
+                   ORDER BY c.credential_id";
+        let rows = sqlx::query(sql)
             .fetch_all(&mut *self.0)
             .await
             .map_err(StoreError::during("list credentials"))?;
@@ -185,7 +192,8 @@ impl Credentials<'_> {
                     column: "secret_hash",
                     reason: "it does not have 32 bytes".to_owned(),
                 })?;
-                Ok(BrokerCredential { holder, secret_hash })
+                let organisation = row.parsed_option("organisation_id")?;
+                Ok((BrokerCredential { holder, secret_hash }, organisation))
             })
             .collect()
     }

@@ -73,18 +73,21 @@ pub struct StoredDeadLetter {
 /// Repository of dead letters.
 pub struct DeadLetters<'w>(pub(super) &'w mut Connection);
 
-/// Most dead letters retained; the oldest are removed first.
-const DEAD_LETTERS_MAX: i64 = 10_000;
+/// Most dead letters retained of one address, which is to say of one factory or tool; the oldest are
+/// removed first, and never those of another address.
+pub const DEAD_LETTERS_PER_ADDRESS_MAX: u32 = 1_000;
+/// Most bytes of the bodies of these.
+pub const DEAD_LETTER_BYTES_PER_ADDRESS_MAX: u32 = 64 * 1024 * 1024;
 
 impl DeadLetters<'_> {
-    /// Stores one; beyond the bound the oldest go.
+    /// Stores one; beyond the bounds of its address the oldest of this address go. Returns their number.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
-    pub async fn add(&mut self, letter: &NewDeadLetter) -> Result<(), StoreError> {
+    pub async fn add(&mut self, letter: &NewDeadLetter) -> Result<u64, StoreError> {
         let sql = "INSERT INTO dead_letter (address, message_id, subject, code, reason, received_at, body,
-                       content_encoding, signature) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9) RETURNING dead_letter_id";
-        let row = sqlx::query(sql)
+                       content_encoding, signature, bytes) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10)";
+        sqlx::query(sql)
             .bind(&letter.address)
             .bind(letter.message_id.as_deref())
             .bind(&letter.subject)
@@ -94,16 +97,30 @@ impl DeadLetters<'_> {
             .bind(&letter.body)
             .bind(letter.content_encoding)
             .bind(letter.signature.as_deref())
-            .fetch_one(&mut *self.0)
+            .bind(i64::try_from(letter.body.len()).unwrap_or(i64::MAX))
+            .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("store a dead letter"))?;
-        let id: i64 = row.column("dead_letter_id")?;
-        sqlx::query("DELETE FROM dead_letter WHERE dead_letter_id <= $1")
-            .bind(id - DEAD_LETTERS_MAX)
+        self.forget_oldest(&letter.address).await
+    }
+
+    async fn forget_oldest(&mut self, address: &str) -> Result<u64, StoreError> {
+        // The index has all that the inner query reads: no body is touched.
+        let sql = "DELETE FROM dead_letter WHERE address = $1 AND dead_letter_id <= (
+                       SELECT MAX(dead_letter_id) FROM (
+                           SELECT dead_letter_id, ROW_NUMBER() OVER newest AS position,
+                               SUM(bytes) OVER newest AS total
+                           FROM dead_letter WHERE address = $1
+                           WINDOW newest AS (ORDER BY dead_letter_id DESC)) AS counted
+                       WHERE position > $2 OR (position > 1 AND total > $3))";
+        let forgotten = sqlx::query(sql)
+            .bind(address)
+            .bind(i64::from(DEAD_LETTERS_PER_ADDRESS_MAX))
+            .bind(i64::from(DEAD_LETTER_BYTES_PER_ADDRESS_MAX))
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("forget the oldest dead letters"))?;
-        Ok(())
+        Ok(forgotten.rows_affected())
     }
 
     /// Returns a page, newest first, of those with a smaller number than `before`.
@@ -116,7 +133,7 @@ impl DeadLetters<'_> {
         limit: u32,
     ) -> Result<Vec<StoredDeadLetter>, StoreError> {
         let sql = "SELECT dead_letter_id, address, message_id, subject, code, reason, received_at, replayed_at,
-                       LENGTH(body) AS bytes FROM dead_letter WHERE dead_letter_id < $1
+                       bytes FROM dead_letter WHERE dead_letter_id < $1
                    ORDER BY dead_letter_id DESC LIMIT $2";
         let rows = sqlx::query(sql)
             .bind(before.and_then(|id| i64::try_from(id).ok()).unwrap_or(i64::MAX))

@@ -94,6 +94,11 @@ pub struct NetworkSummary {
     pub parts_rejected: u64,
 }
 
+/// Most revisions of a network that are kept, the one in force included; a revision may have 4 MiB.
+const REVISIONS_PER_NETWORK_MAX: u32 = 100;
+/// Most bytes of these.
+const REVISION_BYTES_PER_NETWORK_MAX: u32 = 16 * 1024 * 1024;
+
 /// Repository of operation networks.
 pub struct Networks<'w>(pub(super) &'w mut Connection);
 
@@ -136,7 +141,35 @@ impl Networks<'_> {
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("store a revision"))?;
+        self.forget_oldest_revisions(&row.network.operation_network_id).await
+    }
+
+    /// Forgets the oldest revisions of a network beyond the bounds; the one in force stays.
+    async fn forget_oldest_revisions(&mut self, id: &OperationNetworkId) -> Result<(), StoreError> {
+        let sql = "DELETE FROM operation_network_revision WHERE operation_network_id = $1 AND revision <= (
+                       SELECT MAX(revision) FROM (
+                           SELECT revision, ROW_NUMBER() OVER newest AS position,
+                               SUM(octet_length(document)) OVER newest AS total
+                           FROM operation_network_revision WHERE operation_network_id = $1
+                           WINDOW newest AS (ORDER BY revision DESC)) AS counted
+                       WHERE position > $2 OR (position > 1 AND total > $3))";
+        sqlx::query(sql)
+            .bind(id.as_str())
+            .bind(i64::from(REVISIONS_PER_NETWORK_MAX))
+            .bind(i64::from(REVISION_BYTES_PER_NETWORK_MAX))
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("forget the oldest revisions"))?;
         Ok(())
+    }
+
+    /// Returns the numbers of the revisions of a network that are kept.
+    #[cfg(test)]
+    async fn stored_revisions(&mut self, id: &OperationNetworkId) -> Vec<i64> {
+        let sql = "SELECT revision FROM operation_network_revision WHERE operation_network_id = $1
+                   ORDER BY revision";
+        let rows = sqlx::query_scalar(sql).bind(id.as_str()).fetch_all(&mut *self.0).await;
+        rows.expect("read")
     }
 
     /// Notes a revision as the last one that changed what these organisations see of the network.
@@ -285,4 +318,60 @@ fn read(row: &DatabaseRow) -> Result<NetworkRow, StoreError> {
         withdrawn_at: row.time_option("withdrawn_at")?,
         drawn_by: row.parsed_option("drawn_by")?,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::store::{Collaboration, Store};
+
+    fn revision(name: &str, revision: u64, description: &str) -> NetworkRow {
+        let operation =
+            json!({ "operationId": "op", "operationType": "PRODUCTION", "owningFactoryId": "F" });
+        let document = json!({ "operationNetworkId": name, "name": description,
+            "operationList": [operation] });
+        NetworkRow {
+            collaboration_id: "c".parse().expect("valid"),
+            revision,
+            network: serde_json::from_value(document).expect("valid"),
+            updated_at: DateTime::from_ticks(1),
+            updated_by: "u".to_owned(),
+            author_organisation: None,
+            withdrawn_at: None,
+            drawn_by: None,
+        }
+    }
+
+    #[tokio::test]
+    async fn a_network_keeps_a_bounded_number_of_revisions_and_bytes() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let store = Store::open(&folder.path().join("store.sqlite")).await.expect("it opens");
+        let mut work = store.begin().await.expect("begun");
+        let collaboration = Collaboration {
+            collaboration_id: "c".parse().expect("valid"),
+            name: "c".to_owned(),
+            created_at: DateTime::from_ticks(0),
+            members: Vec::new(),
+            factories: Vec::new(),
+        };
+        work.collaborations().add(&collaboration).await.expect("stored");
+        let mut networks = work.networks();
+        networks.put(&revision("other", 1, "of others")).await.expect("stored");
+        let newest = u64::from(REVISIONS_PER_NETWORK_MAX) + 20;
+        for number in 1..=newest {
+            networks.put(&revision("net", number, "short")).await.expect("stored");
+        }
+        let id = |name: &str| name.parse().expect("valid");
+        let kept = networks.stored_revisions(&id("net")).await;
+        assert_eq!((kept.first(), kept.len()), (Some(&21), REVISIONS_PER_NETWORK_MAX as usize));
+        let half = "x".repeat(REVISION_BYTES_PER_NETWORK_MAX as usize / 2 - 1_000);
+        for number in 1..=3 {
+            networks.put(&revision("net", newest + number, &half)).await.expect("stored");
+        }
+        let kept = networks.stored_revisions(&id("net")).await;
+        assert_eq!(kept, [122, 123], "the newest ones that fit");
+        assert_eq!(networks.stored_revisions(&id("other")).await, [1], "others lose nothing");
+    }
 }

@@ -18,6 +18,7 @@ use super::{
     report_cursor::ReportCursor,
     row::{Columns, DatabaseRow, document},
     scope::Scope,
+    writers::WriterKey,
 };
 use crate::accesses::{Contents, Values, Withheld};
 
@@ -186,6 +187,25 @@ pub struct Reports<'w>(pub(super) &'w mut Connection);
 const ROWS_PER_STATEMENT: usize = 200;
 
 impl Reports<'_> {
+    /// Returns true if a report with this number is stored.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn is_held(&mut self, writer: &WriterKey, sequence: u32) -> Result<bool, StoreError> {
+        let sql =
+            "SELECT 1 FROM report WHERE factory_id = $1 AND data_set_writer_id = $2 AND epoch = $3
+                       AND sequence = $4";
+        let found = sqlx::query(sql)
+            .bind(writer.factory_id.as_str())
+            .bind(i64::from(writer.data_set_writer_id))
+            .bind(i64::from(writer.epoch))
+            .bind(i64::from(sequence))
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("look a report up"))?;
+        Ok(found.is_some())
+    }
+
     /// Stores reports whose sequence numbers are known to be new.
     ///
     /// # Errors

@@ -24,6 +24,7 @@ use super::{
     ownership::Ownership,
     parts::Parts,
     past_releases::PastReleases,
+    quotas::Quotas,
     recipient_sets::RecipientSets,
     recipients::Recipients,
     removals::Removals,
@@ -51,6 +52,11 @@ impl Work {
     /// [`StoreError::Statement`]; then the work has no effect.
     pub async fn commit(self) -> Result<(), StoreError> {
         self.0.commit().await.map_err(StoreError::during("commit"))
+    }
+
+    /// Returns the repository of what is kept, to hold it against quotas.
+    pub fn quotas(&mut self) -> Quotas<'_> {
+        Quotas(self.connection())
     }
 
     /// Returns the repository of access logs.

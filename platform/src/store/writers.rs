@@ -1,11 +1,9 @@
 //! Data set writers: which of their reports are held, and which are missing.
 
+mod gaps;
 mod seen;
 
-use asi_model::{
-    DateTime, FactoryId,
-    messages::{Gap, GapCause},
-};
+use asi_model::{DateTime, FactoryId, messages::GapCause};
 
 pub use seen::SeenWriter;
 
@@ -75,6 +73,15 @@ impl WriterRow {
         }
         is_new
     }
+
+    /// Takes the number of a report that is stored, though it counted as missing. Returns false, as for
+    /// any repeat.
+    pub fn repeat(&mut self, sequence: u32) -> bool {
+        self.needs_receipt = true;
+        self.sequences.add(sequence);
+        self.duplicates += 1;
+        false
+    }
 }
 
 /// Sequence numbers that a factory announced will never come.
@@ -83,7 +90,12 @@ pub struct StoredGap {
     pub first_sequence: u32,
     pub last_sequence: u32,
     pub cause: GapCause,
+    /// True where several gaps were merged into this one, so that some of its numbers may be held.
+    pub is_coarse: bool,
 }
+
+/// Most announced gaps of a writer within an epoch. Beyond, the older half becomes one coarse gap.
+pub const GAPS_PER_WRITER_MAX: u64 = 1_000;
 
 /// Repository of data set writers.
 pub struct Writers<'w>(pub(super) &'w mut Connection);
@@ -113,15 +125,15 @@ impl Writers<'_> {
     pub async fn put(&mut self, row: &WriterRow) -> Result<(), StoreError> {
         let sql = "INSERT INTO data_set_writer (factory_id, data_set_writer_id, epoch, through_sequence, missing,
                        received, duplicates, operation_network_id, dynamic_data_request_id, last_report_at,
-                       last_keep_alive_at, needs_receipt)
-                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12)
+                       last_keep_alive_at, needs_receipt, coarse_through)
+                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)
                    ON CONFLICT (factory_id, data_set_writer_id, epoch) DO UPDATE SET
                        through_sequence = excluded.through_sequence, missing = excluded.missing,
                        received = excluded.received, duplicates = excluded.duplicates,
                        operation_network_id = excluded.operation_network_id,
                        dynamic_data_request_id = excluded.dynamic_data_request_id,
                        last_report_at = excluded.last_report_at, last_keep_alive_at = excluded.last_keep_alive_at,
-                       needs_receipt = excluded.needs_receipt";
+                       needs_receipt = excluded.needs_receipt, coarse_through = excluded.coarse_through";
         sqlx::query(sql)
             .bind(row.key.factory_id.as_str())
             .bind(i64::from(row.key.data_set_writer_id))
@@ -135,6 +147,7 @@ impl Writers<'_> {
             .bind(row.last_report_at.map(DateTime::ticks))
             .bind(row.last_keep_alive_at.map(DateTime::ticks))
             .bind(i64::from(row.needs_receipt))
+            .bind(row.sequences.coarse_through().map(i64::from))
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("store a writer"))?;
@@ -173,25 +186,18 @@ impl Writers<'_> {
         Ok(())
     }
 
-    /// Stores an announced gap.
+    /// Counts the writers of a factory over all epochs.
     ///
     /// # Errors
-    /// [`StoreError::Statement`].
-    pub async fn add_gap(&mut self, gap: &Gap, now: DateTime) -> Result<(), StoreError> {
-        let sql = "INSERT INTO sequence_gap (factory_id, data_set_writer_id, epoch, first_sequence, last_sequence,
-                       cause, received_at) VALUES ($1, $2, $3, $4, $5, $6, $7)";
-        sqlx::query(sql)
-            .bind(gap.factory_id.as_str())
-            .bind(i64::from(gap.data_set_writer_id))
-            .bind(i64::from(gap.epoch))
-            .bind(i64::from(gap.first_sequence))
-            .bind(i64::from(gap.last_sequence))
-            .bind(document(&gap.cause))
-            .bind(now.ticks())
-            .execute(&mut *self.0)
-            .await
-            .map_err(StoreError::during("store a gap"))?;
-        Ok(())
+    /// [`StoreError`].
+    pub async fn count(&mut self, factory: &FactoryId) -> Result<u64, StoreError> {
+        let row =
+            sqlx::query("SELECT COUNT(*) AS number FROM data_set_writer WHERE factory_id = $1")
+                .bind(factory.as_str())
+                .fetch_one(&mut *self.0)
+                .await
+                .map_err(StoreError::during("count the writers of a factory"))?;
+        row.unsigned("number")
     }
 }
 
@@ -204,11 +210,14 @@ fn read_key(row: &DatabaseRow) -> Result<WriterKey, StoreError> {
 }
 
 fn read(row: &DatabaseRow) -> Result<WriterRow, StoreError> {
-    let through: Option<i64> = row.column("through_sequence")?;
-    let through = through.map(|_| row.unsigned("through_sequence")).transpose()?;
+    let number = |name| {
+        let stored: Option<i64> = row.column(name)?;
+        stored.map(|_| row.unsigned(name)).transpose()
+    };
+    let (through, coarse) = (number("through_sequence")?, number("coarse_through")?);
     Ok(WriterRow {
         key: read_key(row)?,
-        sequences: SequenceSet::from_stored(through, row.json("missing")?),
+        sequences: SequenceSet::from_stored(through, row.json("missing")?, coarse),
         received: row.unsigned("received")?,
         duplicates: row.unsigned("duplicates")?,
         operation_network_id: row.column("operation_network_id")?,

@@ -29,22 +29,29 @@ pub struct World {
     running: Option<(Lifecycle, PlatformHandle)>,
     /// True for a broker in the process of the test.
     in_process: bool,
+    /// Further sections of the configuration.
+    sections: &'static str,
 }
 
 impl World {
     pub async fn start() -> Self {
-        Self::start_with(true).await
+        Self::start_with(true, "").await
+    }
+
+    /// Starts with further sections of the configuration.
+    pub async fn start_configured(sections: &'static str) -> Self {
+        Self::start_with(true, sections).await
     }
 
     /// Starts with a broker in a process of its own, as the platform has it by default.
     pub async fn start_with_broker_process() -> Self {
-        Self::start_with(false).await
+        Self::start_with(false, "").await
     }
 
-    async fn start_with(in_process: bool) -> Self {
+    async fn start_with(in_process: bool, sections: &'static str) -> Self {
         drop(rustls::crypto::ring::default_provider().install_default());
         let folder = tempfile::tempdir().expect("a folder");
-        let mut world = Self { folder, running: None, in_process };
+        let mut world = Self { folder, running: None, in_process, sections };
         world.open().await;
         world
     }
@@ -62,9 +69,10 @@ impl World {
         let text = format!(
             "data_directory = {:?}\n[web]\nlisten = \"127.0.0.1:0\"\n[broker]\nlisten = \"127.0.0.1:0\"\n\
              in_process = {}\n[admin]\npassword = \"{PASSWORD}\"\n[receipts]\ninterval_ms = 20\n[parts]\nresend_after_ms = 300\n\
-             [leases]\nsilence_ms = 5000\n",
+             [leases]\nsilence_ms = 5000\n{}",
             self.folder.path().join("data"),
-            self.in_process
+            self.in_process,
+            self.sections
         );
         daemon::configuration::parse(None, &text, "NOTHING", []).expect("valid")
     }

@@ -11,6 +11,7 @@ mod chain;
 mod connector;
 mod enrolment;
 mod entitlement;
+mod fair_shares;
 mod foreign_requests;
 mod harness;
 mod isolation;

@@ -87,7 +87,8 @@ async fn recipients_see_the_gaps_of_their_requests() {
         let writers = buyer.get("/factories/FOR_MUC/writers").await.expect_ok();
         let writer = &writers["items"][0];
         let shown = (&writer["gaps"], &writer["missing"], &writer["dynamicDataRequestId"]);
-        let gaps = json!([{ "firstSequence": 1, "lastSequence": 3, "cause": "REVOKED" }]);
+        let gaps = json!([
+            { "firstSequence": 1, "lastSequence": 3, "cause": "REVOKED", "isCoarse": false } ]);
         let expected = (&gaps, &json!([4]), &json!("ReqResponse1"));
         if shown == expected { Ok(()) } else { Err(writers.to_string()) }
     })

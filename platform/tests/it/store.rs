@@ -178,8 +178,13 @@ async fn the_newest_two_credentials_of_each_holder_are_alive() {
             BrokerCredential { holder: Holder::Factory(id(holder)), secret_hash: [secret; 32] };
         credentials.add(&credential, at(0)).await.expect("stored");
     }
-    let alive: Vec<u8> =
-        credentials.list().await.expect("read").iter().map(|known| known.secret_hash[0]).collect();
+    let alive: Vec<u8> = credentials
+        .list()
+        .await
+        .expect("read")
+        .iter()
+        .map(|(known, _)| known.secret_hash[0])
+        .collect();
     assert_eq!(alive, [2, 9, 3]);
     assert_eq!(credentials.revoke(&Holder::Factory(id("F"))).await.expect("revoked"), 2);
     assert_eq!(credentials.list().await.expect("read").len(), 1);

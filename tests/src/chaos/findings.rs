@@ -100,8 +100,8 @@ fn holes<'k>(keys: impl Iterator<Item = &'k ReportKey>) -> Vec<String> {
     faults
 }
 
-/// Of the values that a script counts, most are in reports: what comes faster than reports may leave is left
-/// out, but nothing is lost between the machine and the first store. A script's count never goes back.
+/// Compares the values that a script counted with those in reports: what comes faster than reports may leave is
+/// left out, but nothing else is lost between the machine and the first store.
 fn forgotten_steps(left: &BTreeMap<ReportKey, stores::Left>) -> Vec<String> {
     let mut counts: BTreeMap<&str, BTreeSet<i64>> = BTreeMap::new();
     for report in left.values() {

@@ -13,6 +13,11 @@ pub trait Accounts: Send + Sync + 'static {
     /// Signed-in user: name, role, and all else that the daemon's handlers decide by.
     type Principal: Clone + Send + Sync + 'static;
 
+    /// Returns the organisation on whose share a user draws; `None` where there is but one, or none.
+    fn organisation(_: &Self::Principal) -> Option<&str> {
+        None
+    }
+
     /// The hash of a user's password; `None` where there is no such user.
     async fn password_hash(&self, user_name: &str) -> Result<Option<PasswordHash>, AccountsError>;
 

@@ -1,5 +1,7 @@
 //! Middleware before every route that needs a session.
 
+use std::time::Instant;
+
 use axum::{
     body::Body,
     extract::{Request, State},
@@ -15,10 +17,14 @@ use super::{
     accounts::Accounts,
     sessions::{CSRF_HEADER, Sessions, internal},
 };
-use crate::web::{headers::is_safe, problem::Problem};
+use crate::web::{
+    headers::is_safe,
+    problem::Problem,
+    shares::{Claim, Member},
+};
 
-/// Passes requests of signed-in users only, and changes only with the CSRF token. For
-/// `axum::middleware::from_fn_with_state(sessions, require_session::<A>)`.
+/// Passes requests of signed-in users only, within their shares, and changes only with the CSRF token.
+/// For `axum::middleware::from_fn_with_state(sessions, require_session::<A>)`.
 pub async fn require_session<A: Accounts>(
     State(sessions): State<Sessions<A>>,
     mut request: Request,
@@ -33,6 +39,13 @@ pub async fn require_session<A: Accounts>(
         Ok(None) => return Problem::unauthorized().into_response(),
         Err(error) => return internal(error).into_response(),
     };
+    let member = Member {
+        person: signed_in.user_name.clone(),
+        organisation: A::organisation(&signed_in.principal).map(str::to_owned),
+    };
+    if let Err(problem) = sessions.shares().take_request(&member, Instant::now()) {
+        return problem.into_response();
+    }
     if !is_safe(request.method()) {
         let sent = request.headers().get(CSRF_HEADER).map_or(&b""[..], |value| value.as_bytes());
         if !bool::from(sent.ct_eq(signed_in.csrf_token.as_bytes())) {
@@ -45,6 +58,7 @@ pub async fn require_session<A: Accounts>(
         }
     }
     request.extensions_mut().insert(signed_in);
+    request.extensions_mut().insert(Claim { shares: sessions.shares().clone(), member });
     let token = cookie.value().to_owned();
     let answer = next.run(request).await;
     if !is_live(&answer) {

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use super::throttle::ThrottleConfig;
+use crate::web::shares::FairShareConfig;
 
 /// Cookie, lifetime and bounds of sessions.
 #[derive(Debug, Clone)]
@@ -18,6 +19,8 @@ pub struct SessionConfig {
     pub idle_max: Duration,
     /// Limits of attempts to sign in.
     pub throttle: ThrottleConfig,
+    /// Shares of people and organisations in requests, downloads and live streams.
+    pub shares: FairShareConfig,
     /// Interval at which a live stream checks that its session has not ended.
     pub stream_check_interval: Duration,
 }
@@ -38,6 +41,7 @@ impl SessionConfig {
             lifetime: Duration::from_secs(12 * 3600),
             idle_max: Duration::from_secs(3600),
             throttle: ThrottleConfig::default(),
+            shares: FairShareConfig::default(),
             stream_check_interval: Duration::from_secs(5),
         }
     }

@@ -20,7 +20,11 @@ use super::{
     session_config::SessionConfig,
     sign_in_gate::{SignInGate, busy, count},
 };
-use crate::{Confidential, sealing::Sealer, web::problem::Problem};
+use crate::{
+    Confidential,
+    sealing::Sealer,
+    web::{problem::Problem, shares::FairShares},
+};
 
 /// Header that carries the CSRF token of a session with every change.
 pub const CSRF_HEADER: &str = "x-csrf-token";
@@ -42,6 +46,7 @@ struct Inner<A> {
     gate: SignInGate,
     hashing: PasswordHashing,
     sealer: Sealer,
+    shares: FairShares,
 }
 
 /// Outcome of looking at credentials.
@@ -100,7 +105,8 @@ impl<A: Accounts> Sessions<A> {
         sealer: Sealer,
     ) -> Self {
         let gate = SignInGate::new(config.throttle.clone());
-        Self { inner: Arc::new(Inner { config, accounts, gate, hashing, sealer }) }
+        let shares = FairShares::new(config.shares.clone());
+        Self { inner: Arc::new(Inner { config, accounts, gate, hashing, sealer, shares }) }
     }
 
     pub(super) fn sealer(&self) -> &Sealer {
@@ -113,6 +119,10 @@ impl<A: Accounts> Sessions<A> {
 
     pub(super) fn gate(&self) -> &SignInGate {
         &self.inner.gate
+    }
+
+    pub(super) fn shares(&self) -> &FairShares {
+        &self.inner.shares
     }
 
     /// Returns the accounts of the daemon.

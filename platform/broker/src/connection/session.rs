@@ -25,14 +25,23 @@ use crate::{
     core::Core,
     link::{self, Publisher},
     queue::Queue,
+    shares::{Held, UserShare},
 };
 
-/// Frames that may wait between the tasks of a connection, and for each of its links.
-pub(super) const FRAMES_BUFFERED: usize = 256;
+/// Frames that may wait for the tasks of a connection, of which a user has few.
+pub(super) const FRAMES_PER_CONNECTION: usize = 256;
+/// Frames that may wait for a session. A frame may have 64 KiB, so this times the sessions of a user is
+/// what one can make wait.
+pub(super) const FRAMES_PER_SESSION: usize = 64;
+/// Frames that may wait for a link, likewise: as many as the largest message has.
+const FRAMES_PER_LINK: usize = 32;
 /// Time for a peer to answer a close.
 pub(super) const CLOSE_TIMEOUT: Duration = Duration::from_secs(2);
 /// Time for a peer to finish a begin or an attach.
 pub(super) const ATTACH_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// Rights of one link: to be one of its connection, and one of its user and organisation.
+type LinkPermit = (OwnedSemaphorePermit, Held);
 
 /// Context shared by all links of one connection.
 #[derive(Clone)]
@@ -41,6 +50,8 @@ pub(super) struct Peer {
     pub(super) user_name: Arc<str>,
     /// One permit per byte of the user's messages that wait for their commit.
     pub(super) uncommitted: Arc<Semaphore>,
+    /// Share of the user in sessions and links, over all its connections.
+    pub(super) share: Arc<UserShare>,
     /// One permit per link of the connection.
     pub(super) links: Arc<Semaphore>,
     /// Cancelled to end the connection.
@@ -74,26 +85,41 @@ pub(super) async fn serve_session(peer: Peer, mut session: ListenerSessionHandle
     while links.join_next().await.is_some() {}
 }
 
+/// Ends a session for which user or organisation have no room.
+pub(super) async fn refuse_session(peer: Peer, mut session: ListenerSessionHandle) {
+    warn!(user = %peer.user_name, "a session is refused: the user or its organisation has too many");
+    let error = amqp_error(
+        AmqpError::ResourceLimitExceeded,
+        "this user or its organisation has too many sessions",
+    );
+    let _ = timeout(CLOSE_TIMEOUT, session.end_with_error(error)).await;
+}
+
 async fn serve_attach(
     peer: &Peer,
     attach: Attach,
     session: &mut ListenerSessionHandle,
     links: &mut JoinSet<()>,
 ) {
-    let authorised = match Arc::clone(&peer.links).try_acquire_owned() {
-        Ok(permit) => {
+    let permit = Arc::clone(&peer.links).try_acquire_owned();
+    let authorised = match (permit, peer.share.link()) {
+        (Ok(permit), Some(held)) => {
             let queue = link::authorise(&peer.core, &peer.user_name, &attach).await;
-            queue.map(|queue| (queue, permit))
+            queue.map(|queue| (queue, (permit, held)))
         }
-        Err(_) => {
+        (Err(_), _) => {
             Err(amqp_error(AmqpError::ResourceLimitExceeded, "this connection has too many links"))
         }
+        (_, None) => Err(amqp_error(
+            AmqpError::ResourceLimitExceeded,
+            "this user or its organisation has too many links",
+        )),
     };
     // A refused link is attached all the same: AMQP has no other answer to an attach than an attach
     // that is closed with the error at once.
     let acceptor = LinkAcceptor::builder()
         .max_message_size(peer.core.config.limits.message_bytes_max)
-        .buffer_size(FRAMES_BUFFERED)
+        .buffer_size(FRAMES_PER_LINK)
         .build();
     let attached = timeout(ATTACH_TIMEOUT, acceptor.accept_incoming_attach(attach, session)).await;
     let endpoint = match attached {
@@ -135,19 +161,16 @@ fn refusal_label(condition: &ErrorCondition) -> &'static str {
     }
 }
 
-async fn serve_link(
-    peer: Peer,
-    queue: Arc<Queue>,
-    endpoint: LinkEndpoint,
-    permit: OwnedSemaphorePermit,
-) {
-    let Peer { core, user_name, uncommitted, cut, .. } = peer;
+async fn serve_link(peer: Peer, queue: Arc<Queue>, endpoint: LinkEndpoint, permit: LinkPermit) {
+    let Peer { core, user_name, uncommitted, share, cut, .. } = peer;
     match endpoint {
         LinkEndpoint::Receiver(receiver) => {
             let publisher = Publisher { user_name, uncommitted };
             link::ingest(core, queue, publisher, receiver, cut).await;
         }
-        LinkEndpoint::Sender(sender) => link::dispatch(core, queue, sender, cut).await,
+        LinkEndpoint::Sender(sender) => {
+            link::dispatch(core, queue, share.unsettled(), sender, cut).await;
+        }
     }
     drop(permit);
 }

@@ -19,9 +19,11 @@ use tracing::{debug, error};
 use crate::{
     amqp_error::{amqp_error, condition_text},
     clock,
+    config::BrokerLimits,
     core::Core,
     message::{self, AnyMessage},
     queue::{Next, Queue, QueueEntry, Subscription},
+    shares::UnsettledShare,
 };
 
 /// Pause of a consumer without credit after it has requeued a message, so that others get it first.
@@ -39,24 +41,51 @@ struct Delivered {
 
 /// Deliveries that a consumer has not settled. Stored apart from the futures of their outcomes,
 /// because those may never resolve.
-#[derive(Default)]
 struct Unsettled {
     delivered: HashMap<i64, Delivered>,
     /// Stored bytes of the delivered messages.
     bytes: u64,
+    /// Stored bytes of all consumers of the user.
+    share: Arc<UnsettledShare>,
     outcomes: FuturesUnordered<BoxFuture<'static, (i64, Result<Outcome, SendError>)>>,
 }
 
 impl Unsettled {
+    fn new(share: Arc<UnsettledShare>) -> Self {
+        Self { delivered: HashMap::new(), bytes: 0, share, outcomes: FuturesUnordered::new() }
+    }
+
+    /// Returns true where one more message may be delivered. A consumer without any gets one, however
+    /// much others of its user have: it would wait for them otherwise.
+    fn has_room(&self, limits: &BrokerLimits) -> bool {
+        self.delivered.is_empty()
+            || (self.delivered.len() < limits.unsettled_per_link_max
+                && self.bytes < limits.unsettled_bytes_per_link_max
+                && self.share.has_room())
+    }
+
+    fn add(&mut self, delivered: Delivered) {
+        self.bytes += delivered.entry.bytes;
+        self.share.add(delivered.entry.bytes);
+        self.delivered.insert(delivered.entry.id, delivered);
+    }
+
     /// Waits for the next outcome; none when nothing is unsettled.
     async fn next(&mut self) -> Option<(Delivered, Result<Outcome, SendError>)> {
         loop {
             let (id, outcome) = self.outcomes.next().await?;
             if let Some(delivered) = self.delivered.remove(&id) {
                 self.bytes = self.bytes.saturating_sub(delivered.entry.bytes);
+                self.share.remove(delivered.entry.bytes);
                 return Some((delivered, outcome));
             }
         }
+    }
+}
+
+impl Drop for Unsettled {
+    fn drop(&mut self) {
+        self.share.remove(self.bytes);
     }
 }
 
@@ -72,11 +101,12 @@ enum Sent {
 pub(crate) async fn dispatch(
     core: Arc<Core>,
     queue: Arc<Queue>,
+    share: Arc<UnsettledShare>,
     mut sender: Sender,
     cut: CancellationToken,
 ) {
     let subscription = Subscription::new(Arc::clone(&queue));
-    let mut unsettled = Unsettled::default();
+    let mut unsettled = Unsettled::new(share);
     let consumer =
         Dispatcher { core: &core, queue: &queue, subscription: &subscription, cut: &cut };
     let is_deleted = consumer.serve(&mut sender, &mut unsettled).await;
@@ -102,10 +132,12 @@ impl Dispatcher<'_> {
     /// Delivers until the link ends; returns true when it ends because the queue was deleted.
     async fn serve(&self, sender: &mut Sender, unsettled: &mut Unsettled) -> bool {
         let limits = &self.core.config.limits;
+        let share = Arc::clone(&unsettled.share);
         let mut is_yielding = false;
         loop {
-            let has_room = unsettled.delivered.len() < limits.unsettled_per_link_max
-                && unsettled.bytes < limits.unsettled_bytes_per_link_max;
+            // Before the look: what others settle after it is not missed.
+            let fewer = share.fewer();
+            let has_room = unsettled.has_room(limits);
             if !has_room {
                 self.subscription.pause();
             }
@@ -115,6 +147,7 @@ impl Dispatcher<'_> {
                 biased;
                 () = self.cut.cancelled() => return false,
                 Some((delivered, outcome)) = unsettled.next() => self.settle(delivered, outcome).await,
+                () = fewer, if !has_room => {}
                 () = tokio::time::sleep(YIELD_PAUSE), if is_yielding => is_yielding = false,
                 next = self.subscription.next(), if has_room && !is_yielding => {
                     let Next::Lease(entry) = next else { return true };
@@ -214,8 +247,7 @@ impl Dispatcher<'_> {
             Ok(outcome) => {
                 metrics::counter!("broker_messages_delivered_total").increment(1);
                 let id = delivered.entry.id;
-                unsettled.bytes += delivered.entry.bytes;
-                unsettled.delivered.insert(id, delivered);
+                unsettled.add(delivered);
                 unsettled.outcomes.push(outcome.map(move |outcome| (id, outcome)).boxed());
                 Sent::Done
             }
@@ -284,7 +316,7 @@ async fn settle_rest(core: &Arc<Core>, queue: &Arc<Queue>, mut unsettled: Unsett
     while let Ok(Some((delivered, outcome))) = timeout_at(deadline, unsettled.next()).await {
         settle(core, queue, delivered, outcome).await;
     }
-    for delivered in unsettled.delivered.into_values() {
+    for delivered in std::mem::take(&mut unsettled.delivered).into_values() {
         queue.requeue(QueueEntry { is_redelivered: true, ..delivered.entry });
     }
 }

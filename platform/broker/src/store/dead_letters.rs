@@ -39,6 +39,21 @@ pub(crate) async fn dead_letters(
         .collect()
 }
 
+/// Returns the ids of the dead letters that are not among the newest ones of their queue.
+pub(crate) async fn dead_letters_beyond(
+    pool: &SqlitePool,
+    per_queue_max: u32,
+) -> Result<Vec<i64>, sqlx::Error> {
+    sqlx::query_scalar(
+        "SELECT message_id FROM (SELECT message_id, \
+             ROW_NUMBER() OVER (PARTITION BY origin ORDER BY message_id DESC) AS position \
+             FROM dead_letters) WHERE position > ?",
+    )
+    .bind(per_queue_max)
+    .fetch_all(pool)
+    .await
+}
+
 /// Reads the body of a dead letter; empty when it is neither bytes nor text.
 pub(crate) async fn dead_letter_body(
     pool: &SqlitePool,

@@ -7,6 +7,9 @@ use messaging::{LinkPhase, Settlement, spool::memory::AcceptedReports};
 
 use crate::support::{SECRET, TestBroker, TestLink, envelope, eventually, pattern, queue};
 
+/// Patience with a search that comes every few seconds.
+const WAIT: Duration = Duration::from_secs(20);
+
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn consumers_compete_and_leave_what_they_did_not_settle() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -67,6 +70,12 @@ async fn a_single_active_consumer_hands_over() {
     }
     eventually("the first gets all", || first.inbox.ids().len() == 50).await;
     assert!(second.inbox.ids().is_empty());
+    // What the first had not settled when it ended would come again.
+    eventually("the first has settled all", || {
+        let status = broker.handle.queue(&queue("factory.f1.ingress"));
+        status.is_some_and(|q| q.ready + q.unsettled == 0)
+    })
+    .await;
     first.stop().await;
     sender.send("factory.f1.ingress", envelope("next", "{}"));
     eventually("the second takes over", || second.inbox.ids() == ["next"]).await;
@@ -155,6 +164,94 @@ async fn a_user_has_a_bounded_number_of_connections() {
     eventually("the second is told", || second.reason().contains("too many connections")).await;
     second.stop().await;
     first.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_user_and_its_organisation_have_a_bounded_number_of_links_and_others_do_not_feel_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start_with(folder.path(), |config| {
+        config.limits.links_per_user_max = 2;
+        config.limits.links_per_organisation_max = 3;
+        config.auto_created = vec![pattern("tool.*.reports")];
+    })
+    .await;
+    for (name, organisation) in [("one", "a"), ("two", "a"), ("three", "b")] {
+        let user = BrokerUser::with_secret(SECRET.as_bytes());
+        let user = user.may_consume(pattern("tool.*.reports")).of_organisation(organisation);
+        broker.users.put(name, user);
+    }
+    let consumers = |tool: &str| {
+        broker.handle.queue(&queue(&format!("tool.{tool}.reports"))).map_or(0, |q| q.consumers)
+    };
+    let first = TestLink::start(&broker.url(), "one", &["tool.t1.reports"]);
+    let second = TestLink::start(&broker.url(), "one", &["tool.t2.reports"]);
+    eventually("two links of a user", || consumers("t1") + consumers("t2") == 2).await;
+    let third = TestLink::start(&broker.url(), "one", &["tool.t3.reports"]);
+    let condition = "amqp:resource-limit-exceeded";
+    eventually("the third is refused", || third.reason().contains(condition)).await;
+    third.stop().await;
+    let of_other = TestLink::start(&broker.url(), "two", &["tool.t4.reports"]);
+    eventually("the organisation's last link", || consumers("t4") == 1).await;
+    let beyond = TestLink::start(&broker.url(), "two", &["tool.t5.reports"]);
+    eventually("the organisation has no more", || beyond.reason().contains(condition)).await;
+    let other = TestLink::start(&broker.url(), "three", &["tool.t6.reports", "tool.t7.reports"]);
+    eventually("another organisation", || consumers("t6") + consumers("t7") == 2).await;
+    first.stop().await;
+    eventually("a place that became free is taken", || consumers("t5") == 1).await;
+    for link in [second, of_other, beyond, other] {
+        link.stop().await;
+    }
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_user_has_a_bounded_number_of_sessions_over_all_its_connections() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start_with(folder.path(), |config| {
+        config.limits.sessions_per_user_max = 1;
+    })
+    .await;
+    let first = TestLink::start(&broker.url(), "f1", &["factory.f1.requests"]);
+    first.up().await;
+    let second = TestLink::start(&broker.url(), "f1", &["factory.f1.requests"]);
+    eventually("the second is told", || second.reason().contains("too many sessions")).await;
+    broker.users.put("f2", BrokerUser::with_secret(SECRET.as_bytes()));
+    let other = TestLink::start(&broker.url(), "f2", &[]);
+    other.up().await;
+    first.stop().await;
+    second.up().await;
+    for link in [second, other] {
+        link.stop().await;
+    }
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn each_queue_has_dead_letters_of_its_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start_with(folder.path(), |config| {
+        config.limits.dead_letters_per_queue_max = 2;
+    })
+    .await;
+    let consumed = ["factory.f1.requests", "factory.f2.requests"];
+    let link = TestLink::start(&broker.url(), "platform", &consumed);
+    link.up().await;
+    for number in 0..10 {
+        let id = format!("m{number}");
+        link.inbox.answer(&id, Settlement::reject("unusable", "nobody can use it"));
+        let to = if number == 0 { consumed[1] } else { consumed[0] };
+        link.send(to, envelope(id, "{}"));
+    }
+    // The other queue's only one stays.
+    let kept = testkit::wait::eventually("the oldest of one queue go", WAIT, || async {
+        let letters = broker.handle.dead_letters(0, 100).await.expect("read");
+        let mut ids: Vec<_> = letters.into_iter().filter_map(|letter| letter.message_id).collect();
+        ids.sort();
+        if ids == ["m0", "m8", "m9"] { Ok(()) } else { Err(format!("{ids:?}")) }
+    });
+    kept.await.expect("few are kept");
+    link.stop().await;
     broker.stop().await;
 }
 

@@ -11,7 +11,7 @@ use messaging::LogicalAddress;
 
 use crate::{
     clock::new_opaque_id,
-    ingest::{decode::Incoming, unit::IngestUnit},
+    ingest::{decode::Incoming, quota_arbiter::GAPS, unit::IngestUnit},
     live::LiveEvent,
     networks,
     store::{DecisionEffect, NewComment, PartState, Scope, StoreError},
@@ -199,11 +199,16 @@ pub(super) fn decided_field(decision: &Decision) -> Option<FieldKey> {
 async fn gap(unit: &mut IngestUnit<'_>, gap: &Gap) -> Result<(), StoreError> {
     let writer = unit.writer(&gap.factory_id, gap.data_set_writer_id, gap.epoch).await?;
     let absent = writer.sequences.absent(gap.first_sequence, gap.last_sequence);
+    let coarse = writer.sequences.coarse_through();
     writer.sequences.add_range(gap.first_sequence, gap.last_sequence);
     writer.needs_receipt = true;
+    let mut is_within = writer.sequences.coarse_through() == coarse;
     for (first_sequence, last_sequence) in absent {
         let absent = Gap { first_sequence, last_sequence, ..gap.clone() };
-        unit.work.writers().add_gap(&absent, unit.now).await?;
+        is_within &= unit.work.writers().add_gap(&absent, unit.now).await?;
+    }
+    if !is_within {
+        unit.effects.refused(GAPS, &gap.factory_id);
     }
     Ok(())
 }

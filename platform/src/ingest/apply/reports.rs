@@ -23,6 +23,7 @@ use crate::{
     entitlement::entitled,
     ingest::{
         decode::{Incoming, IncomingReport},
+        quota_arbiter::GAPS,
         unit::IngestUnit,
     },
     live::{FieldUpdate, LiveEvent},
@@ -276,11 +277,22 @@ async fn take<'u>(
     factory: &FactoryId,
     report: &IncomingReport,
 ) -> Result<Option<&'u mut WriterRow>, StoreError> {
-    if !unit.writer(factory, report.data_set_writer_id, report.epoch).await?.take(report.sequence) {
+    let (id, epoch, sequence) = (report.data_set_writer_id, report.epoch, report.sequence);
+    let writer = unit.writer(factory, id, epoch).await?;
+    let (key, coarse) = (writer.key.clone(), writer.sequences.coarse_through());
+    // Where holes were too many to count each, the store says what is held.
+    let is_held = writer.sequences.is_uncertain(sequence)
+        && unit.work.reports().is_held(&key, sequence).await?;
+    let writer = unit.writer(factory, id, epoch).await?;
+    let is_new = if is_held { writer.repeat(sequence) } else { writer.take(sequence) };
+    if writer.sequences.coarse_through() != coarse {
+        unit.effects.refused(GAPS, factory);
+    }
+    if !is_new {
         unit.effects.duplicates += 1;
         return Ok(None);
     }
-    unit.writer(factory, report.data_set_writer_id, report.epoch).await.map(Some)
+    unit.writer(factory, id, epoch).await.map(Some)
 }
 
 /// Adds a report to its writer's sequence. Returns none for a repeat, else whether the report is

@@ -1,5 +1,7 @@
 //! Tests of one unit of ingest: decisions and values that arrive together.
 
+mod fair_shares;
+
 use std::sync::Arc;
 
 use access_log::{AccessKind, AccessLogKey, AgentKind};

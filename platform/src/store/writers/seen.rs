@@ -85,7 +85,7 @@ impl Writers<'_> {
         factory: &FactoryId,
     ) -> Result<Vec<(WriterRow, Option<SeenRange>)>, StoreError> {
         let sql = "SELECT w.factory_id, w.data_set_writer_id, w.epoch, w.through_sequence, w.missing, w.duplicates,
-                       w.last_keep_alive_at, w.needs_receipt, s.first_sequence AS released_first,
+                       w.last_keep_alive_at, w.needs_receipt, w.coarse_through, s.first_sequence AS released_first,
                        s.through_sequence AS released_through, s.received, s.last_report_at,
                        s.operation_network_id, s.dynamic_data_request_id,
                        EXISTS (SELECT 1 FROM request_recipient r
@@ -189,6 +189,7 @@ async fn gaps(
             first_sequence: row.unsigned("first_sequence")?,
             last_sequence: row.unsigned("last_sequence")?,
             cause: row.json("cause")?,
+            is_coarse: row.unsigned::<u8>("is_coarse")? != 0,
         });
     }
     Ok(gaps)

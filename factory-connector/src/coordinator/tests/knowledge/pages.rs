@@ -15,6 +15,7 @@ use daemon::{
         client_address::TrustedProxies,
         health::Readiness,
         session::{PasswordHash, PasswordHashing, PasswordPolicy},
+        shares::PersonShare,
     },
 };
 use mapping_engine::{MappingEngine, MappingEngineConfig};
@@ -181,6 +182,7 @@ impl Plant {
                 is_secure: false,
                 port: 8090,
                 trusted_proxies: TrustedProxies::default(),
+                share_per_person: PersonShare::default(),
                 hashing: PasswordHashing::default(),
             },
         };

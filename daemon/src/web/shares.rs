@@ -1,0 +1,22 @@
+//! Fair shares of pages and API: what one person or one organisation uses at once is bounded, so that
+//! the others do not feel it.
+//!
+//! Requests draw on a bucket of their person and on one of the organisation. Downloads, which include
+//! exports, audits and verifications, and live streams hold a place until their answer has ended. A
+//! refusal is a problem document (429) and a count in `verbund_share_refusals_total` that says whose.
+
+mod bucket;
+mod config;
+mod refusals;
+mod routes;
+mod share;
+mod usage;
+
+pub use self::{
+    config::{FairShareConfig, OrganisationShare, PersonShare},
+    refusals::count_refusal,
+    routes::{downloads, hold_download, hold_stream, streams},
+    share::Share,
+    usage::{FairShares, HeldShare, Member},
+};
+pub(crate) use routes::Claim;

@@ -1,0 +1,181 @@
+//! Usage of shares by people and their organisations.
+
+use std::{
+    collections::HashMap,
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use parking_lot::Mutex;
+
+use super::{
+    bucket::Bucket,
+    config::FairShareConfig,
+    refusals::count_refusal,
+    share::{Places, Share},
+};
+use crate::web::problem::Problem;
+
+/// Pause between two searches for usage that can be forgotten.
+const TIDY_INTERVAL: Duration = Duration::from_secs(1);
+
+/// Person that asks, and the organisation for which it does.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Member {
+    /// Name to sign in with.
+    pub person: String,
+    /// Absent where all people of the daemon are of one organisation, and for administrators without one.
+    pub organisation: Option<String>,
+}
+
+impl Member {
+    /// Returns the name under which refusals are counted.
+    #[must_use]
+    pub fn who(&self) -> &str {
+        self.organisation.as_deref().unwrap_or(&self.person)
+    }
+}
+
+/// Usage of all members. Clones share it.
+#[derive(Clone)]
+pub struct FairShares(Arc<SharedUsage>);
+
+struct SharedUsage {
+    config: FairShareConfig,
+    usage: Mutex<Usages>,
+}
+
+/// Usage of people and organisations that asked lately or hold a place. What is as good as unused is
+/// forgotten, so this is bounded by the accounts in use.
+#[derive(Default)]
+struct Usages {
+    persons: HashMap<String, Usage>,
+    organisations: HashMap<String, Usage>,
+    tidied_at: Option<Instant>,
+}
+
+#[derive(Default)]
+struct Usage {
+    requests: Bucket,
+    places: Places,
+}
+
+impl FairShares {
+    /// Returns shares of which nothing is used yet.
+    #[must_use]
+    pub fn new(config: FairShareConfig) -> Self {
+        Self(Arc::new(SharedUsage { config, usage: Mutex::default() }))
+    }
+
+    /// Takes a request off the shares of its person and organisation.
+    ///
+    /// # Errors
+    /// 429 `TOO_MANY_REQUESTS`; then nothing was taken off.
+    pub fn take_request(&self, member: &Member, now: Instant) -> Result<(), Problem> {
+        let config = &self.0.config;
+        let mut usages = self.0.usage.lock();
+        let (person, organisation) = usages.of(member, now);
+        let wait = person.requests.wait(config.requests_of_person(), now).max(
+            organisation.as_ref().map_or(Duration::ZERO, |used| {
+                used.requests.wait(config.requests_of_organisation(), now)
+            }),
+        );
+        if wait > Duration::ZERO {
+            drop(usages);
+            count_refusal("requests", member.who());
+            let detail = "You or your organisation send too many requests; wait a little.";
+            return Err(Problem::too_many(detail, wait));
+        }
+        person.requests.take(config.requests_of_person(), now);
+        if let Some(organisation) = organisation {
+            organisation.requests.take(config.requests_of_organisation(), now);
+        }
+        Ok(())
+    }
+
+    /// Takes a place for a download or a live stream, which is free again once the place is dropped.
+    ///
+    /// # Errors
+    /// 429 `TOO_MANY_DOWNLOADS` or `TOO_MANY_STREAMS` where person or organisation have no place left.
+    pub fn hold(&self, share: Share, member: &Member, now: Instant) -> Result<HeldShare, Problem> {
+        let (per_person, per_organisation) = self.0.config.places(share);
+        let mut usages = self.0.usage.lock();
+        let (person, organisation) = usages.of(member, now);
+        let is_full = person.places.taken(share) >= per_person
+            || organisation.as_ref().is_some_and(|of| of.places.taken(share) >= per_organisation);
+        if is_full {
+            drop(usages);
+            count_refusal(share.label(), member.who());
+            return Err(share.problem(per_person, per_organisation));
+        }
+        person.places.take(share);
+        if let Some(organisation) = organisation {
+            organisation.places.take(share);
+        }
+        Ok(HeldShare::new(self.clone(), share, member.clone()))
+    }
+
+    /// Gives a place back.
+    fn release(&self, share: Share, member: &Member) {
+        let mut usages = self.0.usage.lock();
+        if let Some(person) = usages.persons.get_mut(&member.person) {
+            person.places.release(share);
+        }
+        let organisation = member.organisation.as_ref();
+        if let Some(of) = organisation.and_then(|id| usages.organisations.get_mut(id)) {
+            of.places.release(share);
+        }
+    }
+}
+
+impl Usages {
+    /// Returns the usage of a member's person and organisation.
+    fn of(&mut self, member: &Member, now: Instant) -> (&mut Usage, Option<&mut Usage>) {
+        self.tidy(now);
+        let person = self.persons.entry(member.person.clone()).or_default();
+        let organisation = member.organisation.clone();
+        (person, organisation.map(|id| self.organisations.entry(id).or_default()))
+    }
+
+    /// Forgets those that hold nothing and whose buckets are full again.
+    fn tidy(&mut self, now: Instant) {
+        if self.tidied_at.is_some_and(|at| now.saturating_duration_since(at) < TIDY_INTERVAL) {
+            return;
+        }
+        self.tidied_at = Some(now);
+        let is_in_use = |used: &Usage| !used.places.are_free() || !used.requests.is_full(now);
+        self.persons.retain(|_, used| is_in_use(used));
+        self.organisations.retain(|_, used| is_in_use(used));
+    }
+}
+
+impl std::fmt::Debug for FairShares {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("FairShares").field("config", &self.0.config).finish_non_exhaustive()
+    }
+}
+
+/// Place of one answer; free again when this is dropped.
+#[derive(Debug)]
+pub struct HeldShare {
+    shares: FairShares,
+    share: Share,
+    member: Member,
+}
+
+impl HeldShare {
+    fn new(shares: FairShares, share: Share, member: Member) -> Self {
+        metrics::gauge!("verbund_shares_held", "share" => share.label()).increment(1.0);
+        Self { shares, share, member }
+    }
+}
+
+impl Drop for HeldShare {
+    fn drop(&mut self) {
+        metrics::gauge!("verbund_shares_held", "share" => self.share.label()).decrement(1.0);
+        self.shares.release(self.share, &self.member);
+    }
+}
+
+#[cfg(test)]
+mod tests;

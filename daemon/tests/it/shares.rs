@@ -1,0 +1,135 @@
+//! Shares of people and organisations: what one uses up, others do not feel.
+
+use std::{num::NonZeroU32, time::Duration};
+
+use reqwest::{Method, Response};
+use serde_json::Value;
+use testkit::{ApiClient, wait::eventually};
+
+use crate::harness::Harness;
+
+const SESSION: &str = "/api/v1/session";
+const EXPORT: &str = "/api/v1/export";
+const LIVE: &str = "/api/v1/live";
+
+fn number(value: u32) -> NonZeroU32 {
+    NonZeroU32::new(value).expect("not zero")
+}
+
+/// A daemon where a person has 5 requests and an organisation 8, one of each back in a second.
+async fn few_requests() -> Harness {
+    Harness::start_with(|config, _| {
+        let shares = &mut config.shares;
+        shares.person.requests_per_second = number(1);
+        shares.person.requests_at_once = number(5);
+        shares.organisation.requests_per_second = number(1);
+        shares.organisation.requests_at_once = number(8);
+    })
+    .await
+}
+
+/// A daemon where a person has two places for downloads and for streams each, an organisation three.
+async fn few_places() -> Harness {
+    Harness::start_with(|config, _| {
+        let shares = &mut config.shares;
+        shares.person.downloads = number(2);
+        shares.person.streams = number(2);
+        shares.organisation.downloads = number(3);
+        shares.organisation.streams = number(3);
+    })
+    .await
+}
+
+async fn get(client: &ApiClient, path: &str) -> Response {
+    client.request(Method::GET, path).send().await.expect("an answer")
+}
+
+async fn problem(response: Response) -> (String, Value) {
+    assert_eq!(response.status(), 429);
+    assert_eq!(response.headers()["content-type"], "application/problem+json");
+    let retry_after = response.headers()["retry-after"].to_str().expect("text").to_owned();
+    let document: Value = response.json().await.expect("JSON");
+    (retry_after, document["code"].clone())
+}
+
+#[tokio::test]
+async fn one_person_uses_its_requests_up_and_others_do_not_feel_it() {
+    let harness = few_requests().await;
+    let (ann, amy) = (harness.person("ann@a").await, harness.person("amy@a").await);
+    let bob = harness.person("bob@b").await;
+    let mut passed = 0;
+    let refused = loop {
+        let answer = get(&ann, SESSION).await;
+        if answer.status() != 200 {
+            break answer;
+        }
+        passed += 1;
+        assert!(passed < 100, "requests have no end");
+    };
+    assert!(passed >= 5, "{passed}");
+    assert_eq!(problem(refused).await, ("1".to_owned(), "TOO_MANY_REQUESTS".into()));
+    assert_eq!(get(&amy, SESSION).await.status(), 200, "a colleague");
+    for _ in 0..5 {
+        assert_eq!(get(&bob, SESSION).await.status(), 200, "another organisation");
+    }
+    let metrics = harness.get("/metrics").await.text().await.expect("a text");
+    let count = r#"verbund_share_refusals_total{share="requests",who="a"} "#;
+    assert!(metrics.contains(count), "{metrics}");
+}
+
+#[tokio::test]
+async fn an_organisation_uses_its_requests_up_and_others_do_not_feel_it() {
+    let harness = few_requests().await;
+    let (ann, amy) = (harness.person("ann@a").await, harness.person("amy@a").await);
+    let bob = harness.person("bob@b").await;
+    for client in [&ann, &amy] {
+        for _ in 0..5 {
+            get(client, SESSION).await;
+        }
+    }
+    let zoe = harness.person("zoe@a").await;
+    let mut answers = Vec::new();
+    for _ in 0..5 {
+        answers.push(get(&zoe, SESSION).await.status().as_u16());
+    }
+    assert!(answers.contains(&429), "a third person finds the organisation's used up: {answers:?}");
+    for _ in 0..5 {
+        assert_eq!(get(&bob, SESSION).await.status(), 200);
+    }
+}
+
+/// Opens answers that last until the person and then the organisation has no place; ends one and waits
+/// for its place.
+async fn places_are_bounded(path: &str, code: &str) {
+    let harness = few_places().await;
+    let (ann, amy) = (harness.person("ann@a").await, harness.person("amy@a").await);
+    let bob = harness.person("bob@b").await;
+    let first = get(&ann, path).await;
+    let second = get(&ann, path).await;
+    assert_eq!((first.status().as_u16(), second.status().as_u16()), (200, 200));
+    assert_eq!(problem(get(&ann, path).await).await, ("10".to_owned(), code.into()));
+    let third = get(&amy, path).await;
+    assert_eq!(third.status(), 200, "a colleague has the organisation's last place");
+    assert_eq!(problem(get(&amy, path).await).await.1, code);
+    let other = get(&bob, path).await;
+    assert_eq!(other.status(), 200, "another organisation");
+    assert_eq!(get(&bob, SESSION).await.status(), 200, "requests are another share");
+    drop(first);
+    let freed = eventually("the place is free", Duration::from_secs(20), async || {
+        let answer = get(&amy, path).await;
+        let status = answer.status();
+        if status == 200 { Ok(answer) } else { Err(status.to_string()) }
+    });
+    freed.await.expect("the end of the first gave its place back");
+    drop((second, third, other));
+}
+
+#[tokio::test]
+async fn downloads_hold_a_place_until_they_have_ended_and_others_do_not_feel_it() {
+    places_are_bounded(EXPORT, "TOO_MANY_DOWNLOADS").await;
+}
+
+#[tokio::test]
+async fn live_streams_hold_a_place_until_they_have_ended_and_others_do_not_feel_it() {
+    places_are_bounded(LIVE, "TOO_MANY_STREAMS").await;
+}
