@@ -22,6 +22,7 @@ mod mapping_import;
 mod mapping_status;
 mod networks;
 mod operator;
+mod passkeys;
 mod past;
 mod paths;
 mod policies;
@@ -190,6 +191,10 @@ fn account() -> OpenApiRouter<Api> {
         .routes(guarded!(account::begin_second_factor))
         .routes(guarded!(account::confirm_second_factor))
         .routes(guarded!(account::remove_second_factor))
+        .routes(guarded!(passkeys::list_passkeys))
+        .routes(guarded!(passkeys::begin_passkey))
+        .routes(guarded!(passkeys::add_passkey))
+        .routes(guarded!(passkeys::remove_passkey))
         .routes(guarded!(account::list_user_sessions))
         .routes(guarded!(account::end_user_session))
         .routes(guarded!(account::reset_second_factor))

@@ -226,6 +226,7 @@ async fn manage_users(command: UsersCommand, config: &ConnectorConfig) -> anyhow
             let user = User { user_name: user, role, password_hash: hash.as_str().to_owned() };
             session.users().put(&user, now()).await?;
             session.second_factors().remove(&user.user_name).await?;
+            session.passkeys().remove_all(&user.user_name).await?;
         }
         UsersCommand::Remove { user } => {
             anyhow::ensure!(session.users().remove(&user).await?, "there is no user {user}");

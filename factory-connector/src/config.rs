@@ -143,6 +143,13 @@ impl WebConfig {
             || self.public_url.as_ref().is_some_and(|url| url.starts_with("https://"))
     }
 
+    /// Returns the base URL for browsers: that of the listener where no other is set.
+    #[must_use]
+    pub fn public_url(&self, listener: SocketAddr) -> String {
+        let scheme = if self.tls.is_some() { "https" } else { "http" };
+        self.public_url.clone().unwrap_or_else(|| format!("{scheme}://{listener}"))
+    }
+
     /// Returns the bounds of their server.
     #[must_use]
     pub fn limits(&self) -> ListenerLimits {

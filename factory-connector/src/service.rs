@@ -118,6 +118,7 @@ pub async fn start(
                 shutdown: shutdown.clone(),
                 is_secure: config.web.is_secure(),
                 port: web_address.port(),
+                public_url: config.web.public_url(web_address),
                 trusted_proxies: config.web.proxies(),
                 share_per_person: config.web.share_per_person.clone(),
                 hashing,

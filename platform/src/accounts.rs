@@ -5,8 +5,8 @@ use std::time::SystemTime;
 use asi_model::{DateTime, OrganisationId};
 use async_trait::async_trait;
 use daemon::web::session::{
-    AccountChange, Accounts, AccountsError, PasswordHash, SessionId, StoredSecondFactor,
-    StoredSession,
+    AccountChange, Accounts, AccountsError, PasskeyUse, PasswordHash, SessionId, StoredPasskey,
+    StoredSecondFactor, StoredSession,
 };
 
 use crate::{
@@ -167,10 +167,8 @@ impl Accounts for StoredAccounts {
         &self,
         user_name: &str,
         factor: &StoredSecondFactor,
+        change: AccountChange<'_>,
     ) -> Result<(), AccountsError> {
-        let operation =
-            if factor.is_confirmed { "confirmSecondFactor" } else { "beginSecondFactor" };
-        let change = AccountChange { by: user_name, operation };
         in_transaction!(self, work => {
             work.second_factors().put(user_name, factor).await?;
             self.record(&mut work, change, user_name, "second-factor").await?;
@@ -183,7 +181,8 @@ impl Accounts for StoredAccounts {
         change: AccountChange<'_>,
     ) -> Result<bool, AccountsError> {
         in_transaction!(self, work => {
-            let is_removed = work.second_factors().remove(user_name).await?;
+            let had_passkeys = work.passkeys().remove_all(user_name).await?;
+            let is_removed = work.second_factors().remove(user_name).await? || had_passkeys;
             if is_removed {
                 self.record(&mut work, change, user_name, "second-factor").await?;
             }
@@ -202,6 +201,50 @@ impl Accounts for StoredAccounts {
     ) -> Result<bool, AccountsError> {
         in_transaction!(self, work => {
             work.second_factors().use_recovery_code(user_name, digest).await?
+        })
+    }
+
+    async fn passkeys(&self, user_name: &str) -> Result<Vec<StoredPasskey>, AccountsError> {
+        let passkeys = async { self.store.read().await?.passkeys().of(user_name).await };
+        passkeys.await.map_err(AccountsError::new)
+    }
+
+    async fn add_passkey(
+        &self,
+        user_name: &str,
+        passkey: &StoredPasskey,
+        recovery_digests: Option<&[String]>,
+        change: AccountChange<'_>,
+    ) -> Result<bool, AccountsError> {
+        in_transaction!(self, work => {
+            let is_new = work.passkeys().add(user_name, passkey).await?;
+            if is_new {
+                if let Some(digests) = recovery_digests {
+                    work.second_factors().put_recovery_digests(user_name, digests).await?;
+                }
+                self.record(&mut work, change, user_name, "passkeys").await?;
+            }
+            is_new
+        })
+    }
+
+    async fn use_passkey(&self, user_name: &str, used: &PasskeyUse) -> Result<bool, AccountsError> {
+        in_transaction!(self, work => work.passkeys().note_use(user_name, used).await?)
+    }
+
+    async fn delete_passkey(
+        &self,
+        user_name: &str,
+        passkey_id: &str,
+        change: AccountChange<'_>,
+    ) -> Result<bool, AccountsError> {
+        in_transaction!(self, work => {
+            let is_removed = work.passkeys().remove(user_name, passkey_id).await?;
+            if is_removed {
+                work.second_factors().remove_unused(user_name).await?;
+                self.record(&mut work, change, user_name, "passkeys").await?;
+            }
+            is_removed
         })
     }
 }

@@ -19,6 +19,7 @@ mod networks;
 mod organisations;
 mod own_factory;
 mod page;
+mod passkeys;
 mod problems;
 mod removals;
 mod reports;
@@ -99,6 +100,8 @@ fn guarded() -> OpenApiRouter<Application> {
             account::confirm_second_factor
         ))
         .routes(routes!(account::remove_second_factor))
+        .routes(routes!(passkeys::list, passkeys::begin, passkeys::add))
+        .routes(routes!(passkeys::remove))
         .routes(routes!(account::list_user_sessions))
         .routes(routes!(account::end_user_session))
         .routes(routes!(account::reset_second_factor))

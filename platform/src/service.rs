@@ -129,6 +129,7 @@ impl Platform {
             "Verbund platform",
             public_url.starts_with("https://"),
             web_address.port(),
+            &public_url,
         );
         session_config.shares = config.web.shares();
         let accounts = StoredAccounts::new(store.clone(), clock.clone());

@@ -34,6 +34,8 @@ const ELSEWHERE = {
   'async-opcua-server': 'vendor/async-opcua/LICENSE',
   'async-opcua-types': 'vendor/async-opcua/LICENSE',
   'fe2o3-amqp-types': 'vendor/fe2o3-amqp/LICENSE',
+  'precis-core': 'LICENSE-APACHE',
+  'precis-profiles': 'LICENSE-APACHE',
   rumqttc: 'LICENSE-APACHE',
   'sqlx-core': 'LICENSE-APACHE',
   'sqlx-sqlite': 'LICENSE-APACHE',

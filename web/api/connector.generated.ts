@@ -1607,6 +1607,54 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/session/passkeys": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Lists the own passkeys.
+         * @description Least role: VIEWER.
+         */
+        get: operations["listPasskeys"];
+        /**
+         * Adds a passkey that a browser made; the answer has recovery codes where it is the first second factor.
+         * @description Least role: VIEWER.
+         */
+        put: operations["addPasskey"];
+        /**
+         * Makes the options with which a browser makes a passkey.
+         * @description Least role: VIEWER.
+         */
+        post: operations["beginPasskey"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/session/passkeys/{passkeyId}/removal": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Removes one of the own passkeys.
+         * @description Least role: VIEWER.
+         */
+        post: operations["removePasskey"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/session/password": {
         parameters: {
             query?: never;
@@ -1959,7 +2007,7 @@ export interface paths {
         put?: never;
         post?: never;
         /**
-         * Removes the second factor of a person who has lost it.
+         * Removes the second factor of a person who has lost it, passkeys included.
          * @description Least role: ENGINEER.
          */
         delete: operations["resetSecondFactor"];
@@ -3997,6 +4045,13 @@ export interface components {
             /** @description Reason, which stands in the new log for the recipient to read. */
             reason: string;
         };
+        /** @description New passkey from a browser. */
+        NewPasskey: {
+            /** @description Credential that the browser made: `RegistrationResponseJSON` of WebAuthn Level 3. */
+            credential: Record<string, never>;
+            /** @description Name by which its owner knows it, at most 64 characters. */
+            name: string;
+        };
         /**
          * @description Node classes (OPC 10000-3 §5.2.3).
          * @enum {string}
@@ -4436,6 +4491,44 @@ export interface components {
             /** @description The organisation: a requester or a recipient. */
             partner: components["schemas"]["OrganisationId"];
         };
+        /** @description Password that a new passkey takes. */
+        PasskeyBegin: {
+            /** Format: password */
+            password: string;
+        };
+        /** @description Passkeys of a person, the oldest first. */
+        PasskeyList: {
+            items: components["schemas"]["PasskeySummary"][];
+            /** @description Reason why browsers make no passkeys for these pages, for people; absent where they do. */
+            unavailable?: string | null;
+        };
+        /** @description Options with which a browser makes a passkey. */
+        PasskeyOffer: {
+            /**
+             * @description Options of `navigator.credentials.create`: `PublicKeyCredentialCreationOptionsJSON` of WebAuthn Level 3.
+             *     Their challenge is good once, for two minutes.
+             */
+            options: Record<string, never>;
+        };
+        /** @description Password with which a passkey is removed. */
+        PasskeyRemoval: {
+            /** Format: password */
+            password: string;
+        };
+        /** @description A passkey, shown to its owner. */
+        PasskeySummary: {
+            /** Format: date-time */
+            createdAt: string;
+            /**
+             * Format: date-time
+             * @description Last sign-in with it.
+             */
+            lastUsedAt?: string | null;
+            /** @description Name that its owner gave. */
+            name: string;
+            /** @description Name by which the passkey is removed. */
+            passkeyId: string;
+        };
         /**
          * Format: password
          * @description A password: not printed, not serialised, wiped from memory.
@@ -4613,6 +4706,7 @@ export interface components {
              * @description Seconds after which trying again makes sense; also the header `Retry-After`.
              */
             retryAfterSeconds?: number | null;
+            secondFactor?: components["schemas"]["SecondFactorNeeded"] | null;
             /**
              * Format: int32
              * @description The HTTP status.
@@ -4711,7 +4805,10 @@ export interface components {
             recipient: components["schemas"]["OrganisationId"];
             set?: components["schemas"]["RecipientPolicy"] | null;
         };
-        /** @description Codes that sign in once each when the app is lost; shown this once. */
+        /**
+         * @description Codes that sign in once each when app or passkey is lost; shown this once. None where the person has
+         *     codes of before, which stay good.
+         */
         RecoveryCodes: {
             recoveryCodes: string[];
         };
@@ -5117,6 +5214,21 @@ export interface components {
         SecondFactorCode: {
             code: string;
         };
+        /**
+         * @description Kind of a second factor.
+         * @enum {string}
+         */
+        SecondFactorKind: "CODE" | "PASSKEY";
+        /** @description Second factors that a person has. */
+        SecondFactorNeeded: {
+            /** @description Kinds that are on; a recovery code is good in place of each. */
+            kinds: components["schemas"]["SecondFactorKind"][];
+            /**
+             * @description Options of `navigator.credentials.get` for the person's passkeys: `PublicKeyCredentialRequestOptionsJSON`
+             *     of WebAuthn Level 3. Their challenge is good once, for two minutes.
+             */
+            passkeyOptions?: Record<string, never> | null;
+        };
         /** @description New secret for an authenticator app, shown this once. */
         SecondFactorOffer: {
             /** @description SVG image of a QR code with the URI. */
@@ -5135,9 +5247,9 @@ export interface components {
         };
         /** @description State of a user's second factor. */
         SecondFactorState: {
-            /** @description True if signing in takes a code. */
+            /** @description True if codes of an authenticator app are on. Passkeys are listed by themselves. */
             isOn: boolean;
-            /** @description Recovery codes that are left. */
+            /** @description Recovery codes that are left, for codes of an app and passkeys alike. */
             recoveryCodesLeft: number;
         };
         /** @description Choice among a server's endpoints. */
@@ -5330,10 +5442,12 @@ export interface components {
             /** @description The value as plain JSON; 64-bit integers as text; null where there is none. */
             value: components["schemas"]["PlainValue"];
         };
-        /** @description User name, password and code. */
+        /** @description User name, password and second factor. */
         SignIn: {
             /** @description A code from the authenticator app or a recovery code, for people with a second factor. */
             code?: string | null;
+            /** @description Assertion of a passkey in place of a code: `AuthenticationResponseJSON` of WebAuthn Level 3. */
+            passkey?: Record<string, never> | null;
             /** Format: password */
             password: string;
             userName: string;
@@ -9076,6 +9190,149 @@ export interface operations {
             503: components["responses"]["ServiceUnavailable"];
         };
     };
+    listPasskeys: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Passkeys of a person, the oldest first. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PasskeyList"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    addPasskey: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewPasskey"];
+            };
+        };
+        responses: {
+            /**
+             * @description Codes that sign in once each when app or passkey is lost; shown this once. None where the person has
+             *     codes of before, which stay good.
+             */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecoveryCodes"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    beginPasskey: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PasskeyBegin"];
+            };
+        };
+        responses: {
+            /** @description Options with which a browser makes a passkey. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PasskeyOffer"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            /** @description Too many attempts were made. */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    removePasskey: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                passkeyId: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PasskeyRemoval"];
+            };
+        };
+        responses: {
+            /** @description Removed */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            /** @description Too many attempts were made. */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
     changePassword: {
         parameters: {
             query?: never;
@@ -9155,7 +9412,10 @@ export interface operations {
             };
         };
         responses: {
-            /** @description Codes that sign in once each when the app is lost; shown this once. */
+            /**
+             * @description Codes that sign in once each when app or passkey is lost; shown this once. None where the person has
+             *     codes of before, which stay good.
+             */
             200: {
                 headers: {
                     [name: string]: unknown;

@@ -584,6 +584,42 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/session/passkeys": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Lists the own passkeys. */
+        get: operations["listPasskeys"];
+        /** Adds a passkey that a browser made; the answer has recovery codes where it is the first second factor. */
+        put: operations["addPasskey"];
+        /** Makes the options with which a browser makes a passkey. */
+        post: operations["beginPasskey"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/session/passkeys/{passkeyId}/removal": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Removes one of the own passkeys. */
+        post: operations["removePasskey"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/session/password": {
         parameters: {
             query?: never;
@@ -786,7 +822,7 @@ export interface paths {
         get?: never;
         put?: never;
         post?: never;
-        /** Removes the second factor of a person who has lost it. */
+        /** Removes the second factor of a person who has lost it, passkeys included. */
         delete: operations["resetSecondFactor"];
         options?: never;
         head?: never;
@@ -1606,6 +1642,13 @@ export interface components {
             name: string;
             organisationId: components["schemas"]["OrganisationId"];
         };
+        /** @description New passkey from a browser. */
+        NewPasskey: {
+            /** @description Credential that the browser made: `RegistrationResponseJSON` of WebAuthn Level 3. */
+            credential: Record<string, never>;
+            /** @description Name by which its owner knows it, at most 64 characters. */
+            name: string;
+        };
         /** @description A tool to add. */
         NewTool: {
             name: string;
@@ -1876,6 +1919,44 @@ export interface components {
             /** @description Time of the grant, or of the first refused request. */
             since: components["schemas"]["DateTime"];
         };
+        /** @description Password that a new passkey takes. */
+        PasskeyBegin: {
+            /** Format: password */
+            password: string;
+        };
+        /** @description Passkeys of a person, the oldest first. */
+        PasskeyList: {
+            items: components["schemas"]["PasskeySummary"][];
+            /** @description Reason why browsers make no passkeys for these pages, for people; absent where they do. */
+            unavailable?: string | null;
+        };
+        /** @description Options with which a browser makes a passkey. */
+        PasskeyOffer: {
+            /**
+             * @description Options of `navigator.credentials.create`: `PublicKeyCredentialCreationOptionsJSON` of WebAuthn Level 3.
+             *     Their challenge is good once, for two minutes.
+             */
+            options: Record<string, never>;
+        };
+        /** @description Password with which a passkey is removed. */
+        PasskeyRemoval: {
+            /** Format: password */
+            password: string;
+        };
+        /** @description A passkey, shown to its owner. */
+        PasskeySummary: {
+            /** Format: date-time */
+            createdAt: string;
+            /**
+             * Format: date-time
+             * @description Last sign-in with it.
+             */
+            lastUsedAt?: string | null;
+            /** @description Name that its owner gave. */
+            name: string;
+            /** @description Name by which the passkey is removed. */
+            passkeyId: string;
+        };
         /** @description Present and new password. */
         PasswordChange: {
             /**
@@ -1915,6 +1996,7 @@ export interface components {
              * @description Seconds after which trying again makes sense; also the header `Retry-After`.
              */
             retryAfterSeconds?: number | null;
+            secondFactor?: components["schemas"]["SecondFactorNeeded"] | null;
             /**
              * Format: int32
              * @description The HTTP status.
@@ -1984,7 +2066,10 @@ export interface components {
              */
             values: number;
         };
-        /** @description Codes that sign in once each when the app is lost; shown this once. */
+        /**
+         * @description Codes that sign in once each when app or passkey is lost; shown this once. None where the person has
+         *     codes of before, which stay good.
+         */
         RecoveryCodes: {
             recoveryCodes: string[];
         };
@@ -2137,6 +2222,21 @@ export interface components {
         SecondFactorCode: {
             code: string;
         };
+        /**
+         * @description Kind of a second factor.
+         * @enum {string}
+         */
+        SecondFactorKind: "CODE" | "PASSKEY";
+        /** @description Second factors that a person has. */
+        SecondFactorNeeded: {
+            /** @description Kinds that are on; a recovery code is good in place of each. */
+            kinds: components["schemas"]["SecondFactorKind"][];
+            /**
+             * @description Options of `navigator.credentials.get` for the person's passkeys: `PublicKeyCredentialRequestOptionsJSON`
+             *     of WebAuthn Level 3. Their challenge is good once, for two minutes.
+             */
+            passkeyOptions?: Record<string, never> | null;
+        };
         /** @description New secret for an authenticator app, shown this once. */
         SecondFactorOffer: {
             /** @description SVG image of a QR code with the URI. */
@@ -2155,9 +2255,9 @@ export interface components {
         };
         /** @description State of a user's second factor. */
         SecondFactorState: {
-            /** @description True if signing in takes a code. */
+            /** @description True if codes of an authenticator app are on. Passkeys are listed by themselves. */
             isOn: boolean;
-            /** @description Recovery codes that are left. */
+            /** @description Recovery codes that are left, for codes of an app and passkeys alike. */
             recoveryCodesLeft: number;
         };
         /** @description Meaning of a field: one of the names, or an IRI. */
@@ -2192,10 +2292,12 @@ export interface components {
             /** @description Browser as it calls itself. */
             userAgent: string;
         };
-        /** @description User name, password and code. */
+        /** @description User name, password and second factor. */
         SignIn: {
             /** @description A code from the authenticator app or a recovery code, for people with a second factor. */
             code?: string | null;
+            /** @description Assertion of a passkey in place of a code: `AuthenticationResponseJSON` of WebAuthn Level 3. */
+            passkey?: Record<string, never> | null;
             /** Format: password */
             password: string;
             userName: string;
@@ -3599,6 +3701,145 @@ export interface operations {
             429: components["responses"]["TooManyRequests"];
         };
     };
+    listPasskeys: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Passkeys of a person, the oldest first. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PasskeyList"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            429: components["responses"]["TooManyRequests"];
+        };
+    };
+    addPasskey: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["NewPasskey"];
+            };
+        };
+        responses: {
+            /**
+             * @description Codes that sign in once each when app or passkey is lost; shown this once. None where the person has
+             *     codes of before, which stay good.
+             */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecoveryCodes"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+        };
+    };
+    beginPasskey: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PasskeyBegin"];
+            };
+        };
+        responses: {
+            /** @description Options with which a browser makes a passkey. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PasskeyOffer"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            /** @description Too many attempts were made. */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    removePasskey: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                passkeyId: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PasskeyRemoval"];
+            };
+        };
+        responses: {
+            /** @description Removed */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            /** @description Too many attempts were made. */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
     changePassword: {
         parameters: {
             query?: never;
@@ -3675,7 +3916,10 @@ export interface operations {
             };
         };
         responses: {
-            /** @description Codes that sign in once each when the app is lost; shown this once. */
+            /**
+             * @description Codes that sign in once each when app or passkey is lost; shown this once. None where the person has
+             *     codes of before, which stay good.
+             */
             200: {
                 headers: {
                     [name: string]: unknown;

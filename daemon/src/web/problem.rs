@@ -35,6 +35,32 @@ pub struct Problem {
     /// Seconds after which trying again makes sense; also the header `Retry-After`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub retry_after_seconds: Option<u64>,
+    /// Second factors of which a sign-in needs one, with the code `SECOND_FACTOR_NEEDED`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub second_factor: Option<Box<SecondFactorNeeded>>,
+}
+
+/// Second factors that a person has.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct SecondFactorNeeded {
+    /// Kinds that are on; a recovery code is good in place of each.
+    pub kinds: Vec<SecondFactorKind>,
+    /// Options of `navigator.credentials.get` for the person's passkeys: `PublicKeyCredentialRequestOptionsJSON`
+    /// of WebAuthn Level 3. Their challenge is good once, for two minutes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<Object>)]
+    pub passkey_options: Option<serde_json::Value>,
+}
+
+/// Kind of a second factor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum SecondFactorKind {
+    /// Code of an authenticator app.
+    Code,
+    /// Passkey, by WebAuthn.
+    Passkey,
 }
 
 /// One fault of a document, placed.
@@ -65,6 +91,7 @@ impl Problem {
             detail: detail.into(),
             faults: Vec::new(),
             retry_after_seconds: None,
+            second_factor: None,
         }
     }
 

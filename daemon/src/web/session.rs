@@ -9,21 +9,28 @@ mod credentials;
 mod guard;
 mod hashing;
 mod own_account;
+mod passkeys;
 mod password;
 mod second_factor;
 mod session_config;
 mod sessions;
+mod sign_in;
 mod sign_in_gate;
 mod throttle;
+mod webauthn;
 
 pub use accounts::{
-    AccountChange, Accounts, AccountsError, SessionId, StoredSecondFactor, StoredSession,
+    AccountChange, Accounts, AccountsError, DYNAMIC_STATE_BYTES, PASSKEYS_MAX, PasskeyUse,
+    SessionId, StoredPasskey, StoredSecondFactor, StoredSession, USER_HANDLE_BYTES,
     second_factor_purpose,
 };
-pub use credentials::{Caller, SignIn, UserName, UserNameError};
+pub use credentials::{Caller, PasskeyAssertion, SignIn, UserName, UserNameError};
 pub use guard::require_session;
 pub use hashing::{HashingError, PasswordHashing};
 pub use own_account::{PasswordChange, SessionList, SessionSummary};
+pub use passkeys::{
+    NewPasskey, PasskeyBegin, PasskeyList, PasskeyOffer, PasskeyRemoval, PasskeySummary,
+};
 pub use password::{PasswordError, PasswordHash, PasswordPolicy};
 pub use second_factor::{
     RecoveryCodes, SecondFactorBegin, SecondFactorCode, SecondFactorOffer, SecondFactorRemoval,
@@ -32,3 +39,4 @@ pub use second_factor::{
 pub use session_config::SessionConfig;
 pub use sessions::{CSRF_HEADER, Sessions, SignedIn, random_token};
 pub use throttle::{LoginThrottle, ThrottleConfig};
+pub use webauthn::{PasskeysUnavailable, RelyingParty};

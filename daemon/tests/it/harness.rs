@@ -1,16 +1,14 @@
 //! A small daemon: one user, one store in memory, the real web parts.
 
 use std::{
-    collections::HashMap,
     convert::Infallible,
     sync::{
         Arc,
         atomic::{AtomicUsize, Ordering},
     },
-    time::{Duration, SystemTime},
+    time::Duration,
 };
 
-use async_trait::async_trait;
 use axum::{
     Json,
     body::Body,
@@ -31,142 +29,32 @@ use daemon::{
         health::Readiness,
         server::{self, ListenerLimits},
         session::{
-            AccountChange, Accounts, AccountsError, Caller, PasswordChange, PasswordHash,
-            PasswordHashing, PasswordPolicy, RecoveryCodes, SecondFactorBegin, SecondFactorCode,
-            SecondFactorOffer, SecondFactorRemoval, SessionConfig, SessionId, SessionList,
-            Sessions, SignIn, SignedIn, StoredSecondFactor, StoredSession,
+            AccountChange, Caller, NewPasskey, PasskeyBegin, PasskeyList, PasskeyOffer,
+            PasskeyRemoval, PasswordChange, PasswordHash, PasswordHashing, PasswordPolicy,
+            RecoveryCodes, SecondFactorBegin, SecondFactorCode, SecondFactorOffer,
+            SecondFactorRemoval, SessionConfig, SessionList, Sessions, SignIn, SignedIn,
         },
         shares::{hold_download, hold_stream},
     },
 };
 use futures::{Stream, StreamExt as _, stream};
-use parking_lot::Mutex;
 use reqwest::{Method, Response};
 use testkit::ApiClient;
 use tokio_util::sync::CancellationToken;
 use utoipa_axum::router::OpenApiRouter;
 
+use crate::memory::Memory;
+
 /// Longest time that an answer may take, streams included.
 const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Address of the pages for browsers: passkeys need a domain.
+pub const PAGES: &str = "http://localhost:8080";
 
 /// A folder without an index.html: an app whose pages were not built.
 #[derive(rust_embed::RustEmbed)]
 #[folder = "tests/it/"]
 struct NoPages;
-
-#[derive(Clone, Default)]
-pub struct Memory {
-    pub users: Arc<Mutex<HashMap<String, PasswordHash>>>,
-    pub sessions: Arc<Mutex<HashMap<String, StoredSession>>>,
-    pub factors: Arc<Mutex<HashMap<String, StoredSecondFactor>>>,
-    /// Endless answers that are being sent.
-    pub floods: Arc<AtomicUsize>,
-}
-
-#[async_trait]
-impl Accounts for Memory {
-    type Principal = String;
-
-    /// Returns the organisation of names such as `ann@acme`.
-    fn organisation(principal: &String) -> Option<&str> {
-        principal.split_once('@').map(|(_, organisation)| organisation)
-    }
-
-    async fn password_hash(&self, user_name: &str) -> Result<Option<PasswordHash>, AccountsError> {
-        Ok(self.users.lock().get(user_name).cloned())
-    }
-
-    async fn principal(&self, user_name: &str) -> Result<Option<String>, AccountsError> {
-        Ok(self.users.lock().contains_key(user_name).then(|| user_name.to_owned()))
-    }
-
-    async fn put_session(&self, session: &StoredSession) -> Result<(), AccountsError> {
-        self.sessions.lock().insert(session.id.as_str().to_owned(), session.clone());
-        Ok(())
-    }
-
-    async fn session(&self, id: &SessionId) -> Result<Option<StoredSession>, AccountsError> {
-        Ok(self.sessions.lock().get(id.as_str()).cloned())
-    }
-
-    async fn delete_session(
-        &self,
-        id: &SessionId,
-        _: Option<AccountChange<'_>>,
-    ) -> Result<(), AccountsError> {
-        self.sessions.lock().remove(id.as_str());
-        Ok(())
-    }
-
-    async fn set_password(
-        &self,
-        user_name: &str,
-        password: &PasswordHash,
-        kept: &SessionId,
-    ) -> Result<(), AccountsError> {
-        self.users.lock().insert(user_name.to_owned(), password.clone());
-        self.sessions
-            .lock()
-            .retain(|_, session| session.user_name != user_name || session.id == *kept);
-        Ok(())
-    }
-
-    async fn sessions_of(&self, user_name: &str) -> Result<Vec<StoredSession>, AccountsError> {
-        let sessions = self.sessions.lock();
-        Ok(sessions.values().filter(|session| session.user_name == user_name).cloned().collect())
-    }
-
-    async fn touch_session(&self, id: &SessionId, at: SystemTime) -> Result<(), AccountsError> {
-        if let Some(session) = self.sessions.lock().get_mut(id.as_str()) {
-            session.last_used_at = at;
-        }
-        Ok(())
-    }
-
-    async fn second_factor(
-        &self,
-        user_name: &str,
-    ) -> Result<Option<StoredSecondFactor>, AccountsError> {
-        Ok(self.factors.lock().get(user_name).cloned())
-    }
-
-    async fn put_second_factor(
-        &self,
-        user_name: &str,
-        factor: &StoredSecondFactor,
-    ) -> Result<(), AccountsError> {
-        self.factors.lock().insert(user_name.to_owned(), factor.clone());
-        Ok(())
-    }
-
-    async fn delete_second_factor(
-        &self,
-        user_name: &str,
-        _: AccountChange<'_>,
-    ) -> Result<bool, AccountsError> {
-        Ok(self.factors.lock().remove(user_name).is_some())
-    }
-
-    async fn use_time_step(&self, user_name: &str, step: u64) -> Result<bool, AccountsError> {
-        let mut factors = self.factors.lock();
-        let Some(factor) = factors.get_mut(user_name) else { return Ok(false) };
-        let is_new = step > factor.last_step;
-        factor.last_step = factor.last_step.max(step);
-        Ok(is_new)
-    }
-
-    async fn use_recovery_code(
-        &self,
-        user_name: &str,
-        digest: &str,
-    ) -> Result<bool, AccountsError> {
-        let mut factors = self.factors.lock();
-        let Some(factor) = factors.get_mut(user_name) else { return Ok(false) };
-        let before = factor.recovery_digests.len();
-        factor.recovery_digests.retain(|one| one != digest);
-        Ok(factor.recovery_digests.len() < before)
-    }
-}
 
 async fn sign_in(
     State(sessions): State<Sessions<Memory>>,
@@ -244,6 +132,41 @@ async fn remove_factor(
     Ok(StatusCode::NO_CONTENT)
 }
 
+async fn list_passkeys(
+    State(sessions): State<Sessions<Memory>>,
+    who: SignedIn<String>,
+) -> Result<Json<PasskeyList>, Problem> {
+    Ok(Json(sessions.passkeys(&who.user_name).await?))
+}
+
+async fn begin_passkey(
+    State(sessions): State<Sessions<Memory>>,
+    who: SignedIn<String>,
+    caller: Caller,
+    ApiJson(body): ApiJson<PasskeyBegin>,
+) -> Result<Json<PasskeyOffer>, Problem> {
+    Ok(Json(sessions.begin_passkey(&caller, &who, body).await?))
+}
+
+async fn add_passkey(
+    State(sessions): State<Sessions<Memory>>,
+    who: SignedIn<String>,
+    ApiJson(body): ApiJson<NewPasskey>,
+) -> Result<Json<RecoveryCodes>, Problem> {
+    Ok(Json(sessions.add_passkey(&who, &body).await?))
+}
+
+async fn remove_passkey(
+    State(sessions): State<Sessions<Memory>>,
+    who: SignedIn<String>,
+    caller: Caller,
+    ApiPath(passkey_id): ApiPath<String>,
+    ApiJson(body): ApiJson<PasskeyRemoval>,
+) -> Result<StatusCode, Problem> {
+    sessions.remove_passkey(&caller, &who, &passkey_id, body).await?;
+    Ok(StatusCode::NO_CONTENT)
+}
+
 /// Says something once, and is never over.
 async fn live() -> Sse<impl Stream<Item = Result<Event, Infallible>>> {
     Sse::new(stream::once(async { Ok(Event::default().data("here")) }).chain(stream::pending()))
@@ -306,7 +229,7 @@ impl Harness {
         let hash = PasswordHash::of(&"correct horse".into(), PasswordPolicy::default())
             .expect("long enough");
         memory.users.lock().insert("ann".into(), hash);
-        let mut config = SessionConfig::new("verbund_test", "Verbund test", false, 8080);
+        let mut config = SessionConfig::new("verbund_test", "Verbund test", false, 8080, PAGES);
         config.stream_check_interval = Duration::from_millis(20);
         let mut trusted_proxies = TrustedProxies::default();
         change(&mut config, &mut trusted_proxies);
@@ -322,6 +245,8 @@ impl Harness {
                 .route("/session/password", put(change_password))
                 .route("/session/second-factor", post(begin_factor).put(confirm_factor))
                 .route("/session/second-factor/removal", post(remove_factor))
+                .route("/session/passkeys", get(list_passkeys).post(begin_passkey).put(add_passkey))
+                .route("/session/passkeys/{passkey_id}/removal", post(remove_passkey))
                 .route("/sessions", get(list_sessions))
                 .route("/sessions/{session_id}", delete(end_session)),
             open: OpenApiRouter::new().route("/session", post(sign_in)).route("/flood", get(flood)),

@@ -3,7 +3,9 @@
 mod corpus;
 mod guessing;
 mod harness;
+mod memory;
 mod notices;
+mod passkeys;
 mod second_factor;
 mod session;
 mod shares;

@@ -165,7 +165,7 @@ pub async fn remove_second_factor(
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Removes the second factor of a person who has lost it.
+/// Removes the second factor of a person who has lost it, passkeys included.
 #[utoipa::path(
     delete,
     path = "/users/{userName}/second-factor",

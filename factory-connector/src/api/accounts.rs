@@ -9,8 +9,8 @@ use std::{collections::HashMap, path::PathBuf, sync::Arc, time::SystemTime};
 use asi_model::DateTime;
 use async_trait::async_trait;
 use daemon::web::session::{
-    AccountChange, Accounts, AccountsError, PasswordHash, SessionId, StoredSecondFactor,
-    StoredSession,
+    AccountChange, Accounts, AccountsError, PasskeyUse, PasswordHash, SessionId, StoredPasskey,
+    StoredSecondFactor, StoredSession,
 };
 use parking_lot::Mutex;
 use tokio::sync::Notify;
@@ -196,6 +196,7 @@ impl Accounts for StoredAccounts {
         &self,
         user_name: &str,
         factor: &StoredSecondFactor,
+        _: AccountChange<'_>,
     ) -> Result<(), AccountsError> {
         let (name, factor) = (user_name.to_owned(), factor.clone());
         let write = self.writer.write(move |mut session| async move {
@@ -210,9 +211,10 @@ impl Accounts for StoredAccounts {
         _: AccountChange<'_>,
     ) -> Result<bool, AccountsError> {
         let name = user_name.to_owned();
-        let write = self
-            .writer
-            .write(move |mut session| async move { session.second_factors().remove(&name).await });
+        let write = self.writer.write(move |mut session| async move {
+            let had_passkeys = session.passkeys().remove_all(&name).await?;
+            Ok(session.second_factors().remove(&name).await? || had_passkeys)
+        });
         write.await.map_err(AccountsError::new)
     }
 
@@ -233,6 +235,47 @@ impl Accounts for StoredAccounts {
         let write = self.writer.write(move |mut session| async move {
             session.second_factors().use_recovery_code(&name, &digest).await
         });
+        write.await.map_err(AccountsError::new)
+    }
+
+    async fn passkeys(&self, user_name: &str) -> Result<Vec<StoredPasskey>, AccountsError> {
+        let passkeys = async { self.readers.session().await?.passkeys().of(user_name).await };
+        passkeys.await.map_err(AccountsError::new)
+    }
+
+    async fn add_passkey(
+        &self,
+        user_name: &str,
+        passkey: &StoredPasskey,
+        recovery_digests: Option<&[String]>,
+        _: AccountChange<'_>,
+    ) -> Result<bool, AccountsError> {
+        let (name, passkey) = (user_name.to_owned(), passkey.clone());
+        let digests = recovery_digests.map(<[String]>::to_vec);
+        let write = self.writer.write(move |mut session| async move {
+            session.passkeys().add(&name, &passkey, digests.as_deref()).await
+        });
+        write.await.map_err(AccountsError::new)
+    }
+
+    async fn use_passkey(&self, user_name: &str, used: &PasskeyUse) -> Result<bool, AccountsError> {
+        let (name, used) = (user_name.to_owned(), used.clone());
+        let write = self.writer.write(move |mut session| async move {
+            session.passkeys().note_use(&name, &used).await
+        });
+        write.await.map_err(AccountsError::new)
+    }
+
+    async fn delete_passkey(
+        &self,
+        user_name: &str,
+        passkey_id: &str,
+        _: AccountChange<'_>,
+    ) -> Result<bool, AccountsError> {
+        let (name, id) = (user_name.to_owned(), passkey_id.to_owned());
+        let write = self
+            .writer
+            .write(move |mut session| async move { session.passkeys().remove(&name, &id).await });
         write.await.map_err(AccountsError::new)
     }
 }

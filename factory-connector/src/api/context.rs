@@ -80,6 +80,8 @@ pub struct ServerParts {
     pub is_secure: bool,
     /// Port of the pages, part of the cookie's name.
     pub port: u16,
+    /// Base URL of the pages for browsers, to which passkeys are bound.
+    pub public_url: String,
     pub trusted_proxies: TrustedProxies,
     /// Share of a person in requests, downloads and live streams.
     pub share_per_person: PersonShare,
@@ -111,7 +113,8 @@ impl Api {
         );
         let issuer = format!("Verbund {}", parts.instance.factory_id);
         let (is_secure, port) = (parts.server.is_secure, parts.server.port);
-        let mut config = SessionConfig::new(COOKIE, issuer, is_secure, port);
+        let public_url = &parts.server.public_url;
+        let mut config = SessionConfig::new(COOKIE, issuer, is_secure, port, public_url);
         // The plant is one organisation: its people are kept apart, and nobody else is here.
         config.shares.person = parts.server.share_per_person.clone();
         let sessions = Sessions::new(

@@ -27,6 +27,7 @@ const MIGRATIONS: &[(i64, &str, &str)] = &[
     (55, "sealed passwords", include_str!("../../migrations/0055_sealed_passwords.sql")),
     (60, "second factors", include_str!("../../migrations/0060_second_factors.sql")),
     (61, "sealed second factors", include_str!("../../migrations/0061_sealed_second_factors.sql")),
+    (62, "passkeys", include_str!("../../migrations/0062_passkeys.sql")),
 ];
 
 /// Brings the tables up to date.

@@ -64,6 +64,16 @@ pub(super) trait Columns {
         number.map(|number| T::try_from(number).map_err(|_| out_of_range(name, number))).transpose()
     }
 
+    /// Reads so many bytes.
+    fn bytes<const N: usize>(&self, name: &'static str) -> Result<[u8; N], StoreError> {
+        let bytes: Vec<u8> = self.column(name)?;
+        let count = bytes.len();
+        bytes.try_into().map_err(|_| StoreError::Unreadable {
+            what: name,
+            reason: format!("{count} bytes are not {N}"),
+        })
+    }
+
     /// Reads 0 or 1.
     fn flag(&self, name: &'static str) -> Result<bool, StoreError> {
         Ok(self.column::<i64>(name)? != 0)

@@ -50,6 +50,35 @@ impl SecondFactors<'_> {
         Ok(())
     }
 
+    /// Stores recovery codes of a person in place of others; codes of an app stay as they are.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn put_recovery_digests(
+        &mut self,
+        user_name: &str,
+        digests: &[String],
+    ) -> Result<(), StoreError> {
+        let mut factor = self.lookup(user_name).await?.unwrap_or_default();
+        digests.clone_into(&mut factor.recovery_digests);
+        self.put(user_name, &factor).await
+    }
+
+    /// Removes recovery codes of a person who has neither codes of an app nor passkeys.
+    ///
+    /// # Errors
+    /// [`StoreError`] where the table cannot be written.
+    pub async fn remove_unused(&mut self, user_name: &str) -> Result<(), StoreError> {
+        let sql = "DELETE FROM second_factor WHERE user_name = ?1 AND is_confirmed = 0
+                   AND NOT EXISTS (SELECT 1 FROM passkey WHERE passkey.user_name = ?1)";
+        query(sql)
+            .bind(user_name.to_owned())
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::while_doing("remove recovery codes"))?;
+        Ok(())
+    }
+
     /// Removes the second factor of a person; false if there was none.
     ///
     /// # Errors

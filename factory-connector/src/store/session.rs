@@ -16,6 +16,7 @@ use super::{
     mapping_versions::StoredMappingVersions,
     networks::Networks,
     operator_entries::OperatorEntries,
+    passkeys::Passkeys,
     past_decisions::PastDecisions,
     past_reports::PastReports,
     policy_documents::PolicyDocuments,
@@ -176,6 +177,11 @@ impl StoreSession {
     /// Returns the repository of secrets, sealed or not.
     pub fn secret_rows(&mut self) -> SecretRows<'_> {
         SecretRows(self.connection())
+    }
+
+    /// Passkeys of people.
+    pub fn passkeys(&mut self) -> Passkeys<'_> {
+        Passkeys(self.connection())
     }
 
     /// Decisions whether recipients see the past.

@@ -2,9 +2,9 @@
 
 use reqwest::Method;
 use serde_json::{Value, json};
-use testkit::authenticator::code;
+use testkit::{SecurityKey, authenticator::code};
 
-use crate::plant::{Plant, SignedIn};
+use crate::plant::{PAGES, Plant, SignedIn};
 
 const PASSWORD: &str = "otto at machine 7";
 
@@ -51,4 +51,51 @@ async fn people_change_their_password_and_use_a_second_factor() {
     assert_eq!(plant.call(Method::DELETE, &path, None).await.0, 204);
     let left = plant.get("/users/otto/sessions").await["items"].as_array().map(Vec::len);
     assert_eq!(left.map(|left| left + 1), sessions["items"].as_array().map(Vec::len));
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn people_sign_in_by_a_passkey_until_it_is_removed() {
+    let plant = Plant::start(json!([{ "name": "progressStatus", "type": 9 }])).await;
+    plant.put("/users/otto", json!({ "role": "OPERATOR", "password": PASSWORD })).await;
+    let otto = plant.signed_in("otto", PASSWORD).await.expect("otto may come in");
+    let path = "/session/passkeys";
+    let add = async |name: &str| {
+        let mut key = SecurityKey::new(name, PAGES);
+        let (_, offer) = call(&otto, Method::POST, path, json!({ "password": PASSWORD })).await;
+        let body = json!({ "name": name, "credential": key.create(&offer["options"]) });
+        let (status, codes) = call(&otto, Method::PUT, path, body).await;
+        assert_eq!(status, 200, "{codes}");
+        (key, codes["recoveryCodes"][0].clone())
+    };
+    let attempt = async |members: Value| {
+        let mut body = json!({ "userName": "otto", "password": PASSWORD });
+        body.as_object_mut()
+            .expect("members")
+            .extend(members.as_object().expect("members").clone());
+        call(&plant.signed_out(), Method::POST, "/session", body).await
+    };
+    let by_key = async |key: &mut SecurityKey| {
+        let (_, needed) = attempt(json!({})).await;
+        let passkey = key.get(&needed["secondFactor"]["passkeyOptions"]);
+        attempt(json!({ "passkey": passkey })).await.0
+    };
+    let (mut blue, recovery) = add("blue").await;
+    let (mut red, none) = add("red").await;
+    assert_eq!(none, Value::Null, "recovery codes are there");
+    assert_eq!([by_key(&mut blue).await, by_key(&mut red).await], [200, 200]);
+    blue.counter = 0;
+    assert_eq!(by_key(&mut blue).await, 401, "a copy of the key");
+    assert_eq!(attempt(json!({ "code": recovery })).await.0, 200);
+
+    let list = otto.get(path).await["items"].clone();
+    assert!(list[0]["lastUsedAt"].is_string(), "{list}");
+    let removal = format!("{path}/{}/removal", list[0]["passkeyId"].as_str().expect("an id"));
+    let body = json!({ "password": PASSWORD });
+    assert_eq!(call(&otto, Method::POST, &removal, body.clone()).await.0, 204);
+    assert_eq!(call(&otto, Method::POST, &removal, body).await.0, 404);
+    blue.counter = 50;
+    assert_eq!(by_key(&mut blue).await, 401, "removed");
+    let reset = plant.call(Method::DELETE, "/users/otto/second-factor", None).await;
+    assert_eq!(reset.0, 204, "an engineer helps");
+    assert_eq!(attempt(json!({})).await.0, 200, "the password is enough");
 }

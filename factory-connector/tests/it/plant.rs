@@ -31,6 +31,8 @@ use tokio_util::sync::{CancellationToken, DropGuard};
 
 const FACTORY: &str = "FOR_MUC";
 pub const PASSWORD: &str = "a long password for tests";
+/// Address of the pages for browsers: passkeys need a domain.
+pub const PAGES: &str = "http://localhost:8090";
 /// Longest time that an answer, or a state that is waited for, may take.
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -104,6 +106,7 @@ impl Plant {
             ..ConnectorConfig::default()
         };
         config.web.listen = "127.0.0.1:0".parse().expect("an address");
+        config.web.public_url = Some(PAGES.to_owned());
         // One person of a test does what several do in a plant.
         config.web.share_per_person.downloads = 8.try_into().expect("not zero");
         config.twin.listen = "127.0.0.1:0".parse().expect("an address");

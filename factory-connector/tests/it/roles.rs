@@ -36,6 +36,10 @@ const ROLES: &[(&str, Least)] = &[
     ("beginSecondFactor", Viewer),
     ("confirmSecondFactor", Viewer),
     ("removeSecondFactor", Viewer),
+    ("listPasskeys", Viewer),
+    ("beginPasskey", Viewer),
+    ("addPasskey", Viewer),
+    ("removePasskey", Viewer),
     // State of the connector.
     ("showStatus", Viewer),
     ("streamEvents", Viewer),

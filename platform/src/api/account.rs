@@ -131,7 +131,7 @@ pub async fn remove_second_factor(
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Removes the second factor of a person who has lost it.
+/// Removes the second factor of a person who has lost it, passkeys included.
 #[utoipa::path(delete, operation_id = "resetSecondFactor", path = "/users/{userName}/second-factor",
     tag = "users", security(("session" = [])), params(("userName" = String, Path)),
     responses((status = 204, description = "Removed"), ChangeProblems))]

@@ -89,8 +89,8 @@ pub async fn print_token(config: &PlatformConfig, id: &str) -> anyhow::Result<()
     Ok(())
 }
 
-/// Adds or changes a user; the password is one line of standard input. A second factor is removed: this is
-/// the way back for an administrator who has lost it.
+/// Adds or changes a user; the password is one line of standard input. A second factor is removed, passkeys
+/// included: this is the way back for an administrator who has lost it.
 pub async fn set_user(
     config: &PlatformConfig,
     user_name: String,
@@ -110,6 +110,7 @@ pub async fn set_user(
     let mut work = store.begin(CommandLine, "putUser").await?;
     administrator::put(&mut work, &user, &hash, Clock::system().now()).await?;
     work.second_factors().remove(&user.user_name).await?;
+    work.passkeys().remove_all(&user.user_name).await?;
     Ok(work.commit(administrator::subject(&user), AuditOutcome::Done).await?)
 }
 

@@ -50,6 +50,13 @@ pub(super) trait Columns {
         T::try_from(number).map_err(|_| corrupt(name, &number))
     }
 
+    /// Reads a column with so many bytes.
+    fn bytes<const N: usize>(&self, name: &'static str) -> Result<[u8; N], StoreError> {
+        let bytes: Vec<u8> = self.column(name)?;
+        let count = bytes.len();
+        bytes.try_into().map_err(|_| corrupt(name, &format_args!("{count} bytes are not {N}")))
+    }
+
     /// Reads a column that contains a JSON document.
     fn json<T: DeserializeOwned>(&self, name: &'static str) -> Result<T, StoreError> {
         let text: String = self.column(name)?;

@@ -100,6 +100,35 @@ impl SecondFactors<'_> {
         Ok(done.rows_affected() > 0)
     }
 
+    /// Stores recovery codes of a user in place of others; codes of an app stay as they are.
+    ///
+    /// # Errors
+    /// [`StoreError`], as for an unknown user.
+    pub async fn put_recovery_digests(
+        &mut self,
+        user_name: &str,
+        digests: &[String],
+    ) -> Result<(), StoreError> {
+        let mut factor = self.lookup(user_name).await?.unwrap_or_default();
+        digests.clone_into(&mut factor.recovery_digests);
+        self.put(user_name, &factor).await
+    }
+
+    /// Removes recovery codes of a user who has neither codes of an app nor passkeys.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn remove_unused(&mut self, user_name: &str) -> Result<(), StoreError> {
+        let sql = "DELETE FROM second_factor WHERE user_name = $1 AND is_confirmed = 0
+                   AND NOT EXISTS (SELECT 1 FROM passkey WHERE passkey.user_name = $1)";
+        sqlx::query(sql)
+            .bind(user_name)
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("remove recovery codes"))?;
+        Ok(())
+    }
+
     /// Removes the second factor of a user; false if there was none.
     ///
     /// # Errors

@@ -23,6 +23,7 @@ use super::{
     outgoing::OutgoingMessages,
     ownership::Ownership,
     parts::Parts,
+    passkeys::Passkeys,
     past_releases::PastReleases,
     quotas::Quotas,
     recipient_sets::RecipientSets,
@@ -157,6 +158,11 @@ impl Work {
     /// Parts of networks, as sent to factories.
     pub fn parts(&mut self) -> Parts<'_> {
         Parts(self.connection())
+    }
+
+    /// Returns the repository of passkeys.
+    pub fn passkeys(&mut self) -> Passkeys<'_> {
+        Passkeys(self.connection())
     }
 
     /// Releases of reports to recipients that were added later.

@@ -5,18 +5,18 @@ use std::collections::BTreeSet;
 
 use platform::opaque_id::OpaqueId;
 use serde_json::{Value, json};
-use testkit::{Contract, authenticator::code};
+use testkit::{Contract, SecurityKey, authenticator::code};
 
 use crate::{
     audit,
-    harness::{Answer, Api, Live, PASSWORD, World, event_form, eventually},
+    harness::{Answer, Api, Live, PAGES, PASSWORD, World, event_form, eventually},
     leases::{ask, with_leases},
     story::{self, NETWORK},
     witness,
 };
 
 /// Members whose values differ from run to run, or depend on the machine.
-const VOLATILE: [&str; 21] = [
+const VOLATILE: [&str; 22] = [
     "agentId",
     "brokerUrl",
     "checkpoint",
@@ -25,6 +25,7 @@ const VOLATILE: [&str; 21] = [
     "detail",
     "lastEventId",
     "link",
+    "options",
     "password",
     "profile",
     "qrCode",
@@ -118,7 +119,7 @@ fn redacted(value: &Value) -> Value {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn every_operation_answers_as_in_its_snapshot() {
-    let world = World::start().await;
+    let world = World::start_for_browsers().await;
     let beginning = world.handle().application.live.newest_id();
     let (admin, buyer, munich, _hamburg) = story::accepted(&world).await;
     munich.send("revocation", &crate::revocations::receipt("FOR_MUC", &["acme-aero"]));
@@ -197,7 +198,19 @@ async fn account(answers: &mut Answers, world: &World, admin: &Api) {
     let body =
         json!({ "password": new_password, "code": confirmed.body["recoveryCodes"][0].clone() });
     answers.post(&here, "removeSecondFactor", "/session/second-factor/removal", body).await;
-    here.post(path, begin).await.expect_ok();
+    here.post(path, begin.clone()).await.expect_ok();
+
+    let path = "/session/passkeys";
+    let offer = here.post(path, begin.clone()).await;
+    answers.check("beginPasskey", &offer);
+    let credential = SecurityKey::new("blue", PAGES).create(&offer.body["options"]);
+    let added = here.put(path, json!({ "name": "Blue key", "credential": credential })).await;
+    answers.check("addPasskey", &added);
+    let list = here.get(path).await;
+    answers.check("listPasskeys", &list);
+    let id = list.body["items"][0]["passkeyId"].as_str().expect("an id").to_owned();
+    answers.post(&here, "removePasskey", &format!("{path}/{id}/removal"), begin.clone()).await;
+    here.post("/session/second-factor", begin).await.expect_ok();
     answers.delete(admin, "resetSecondFactor", "/users/ann/second-factor").await;
     let path = format!("/users/ann/sessions/{}", present(&here).await);
     answers.delete(admin, "endUserSession", &path).await;

@@ -31,27 +31,37 @@ pub struct World {
     in_process: bool,
     /// Further sections of the configuration.
     sections: &'static str,
+    /// Further keys of the section for the pages.
+    web_keys: &'static str,
 }
+
+/// Address of the pages for browsers in [`World::start_for_browsers`].
+pub const PAGES: &str = "http://localhost:8080";
 
 impl World {
     pub async fn start() -> Self {
-        Self::start_with(true, "").await
+        Self::start_with(true, "", "").await
     }
 
     /// Starts with further sections of the configuration.
     pub async fn start_configured(sections: &'static str) -> Self {
-        Self::start_with(true, sections).await
+        Self::start_with(true, "", sections).await
+    }
+
+    /// Starts with a domain in the address of the pages, which passkeys need.
+    pub async fn start_for_browsers() -> Self {
+        Self::start_with(true, "public_url = \"http://localhost:8080\"\n", "").await
     }
 
     /// Starts with a broker in a process of its own, as the platform has it by default.
     pub async fn start_with_broker_process() -> Self {
-        Self::start_with(false, "").await
+        Self::start_with(false, "", "").await
     }
 
-    async fn start_with(in_process: bool, sections: &'static str) -> Self {
+    async fn start_with(in_process: bool, web_keys: &'static str, sections: &'static str) -> Self {
         drop(rustls::crypto::ring::default_provider().install_default());
         let folder = tempfile::tempdir().expect("a folder");
-        let mut world = Self { folder, running: None, in_process, sections };
+        let mut world = Self { folder, running: None, in_process, web_keys, sections };
         world.open().await;
         world
     }
@@ -67,10 +77,11 @@ impl World {
 
     fn config(&self) -> PlatformConfig {
         let text = format!(
-            "data_directory = {:?}\n[web]\nlisten = \"127.0.0.1:0\"\n[broker]\nlisten = \"127.0.0.1:0\"\n\
+            "data_directory = {:?}\n[web]\nlisten = \"127.0.0.1:0\"\n{}[broker]\nlisten = \"127.0.0.1:0\"\n\
              in_process = {}\n[admin]\npassword = \"{PASSWORD}\"\n[receipts]\ninterval_ms = 20\n[parts]\nresend_after_ms = 300\n\
              [leases]\nsilence_ms = 5000\n{}",
             self.folder.path().join("data"),
+            self.web_keys,
             self.in_process,
             self.sections
         );

@@ -43,7 +43,7 @@ pub fn operations() -> Vec<(String, String)> {
     operations
 }
 
-/// Returns true for a path below which are the caller's own session, password and second factor.
+/// Returns true for a path below which are the caller's own session, password, second factor and passkeys.
 pub fn is_own(path: &str) -> bool {
     path == "/session" || path.starts_with("/session/")
 }
@@ -59,6 +59,7 @@ fn filled(method: &str, path: &str) -> (String, Option<Value>) {
         .replace("{collaborationId}", "order")
         .replace("{organisationId}", "stranger")
         .replace("{deadLetterId}", "ingest-1")
+        .replace("{passkeyId}", "0123456789abcdef")
         .replace("{userName}", "stranger-viewer")
         .replace("{sessionId}", "0123456789abcdef");
     assert!(!filled.contains('{'), "a case for the parameters of {path} is missing");

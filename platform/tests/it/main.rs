@@ -21,6 +21,7 @@ mod members;
 mod migration;
 mod opaque_ids;
 mod openapi;
+mod passkeys;
 mod past_releases;
 mod receipts;
 mod removals;

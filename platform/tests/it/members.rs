@@ -89,6 +89,7 @@ fn readings(operation: &str, owner: &Member) -> Vec<String> {
     match operation {
         "/session"
         | "/session/second-factor"
+        | "/session/passkeys"
         | "/sessions"
         | "/status"
         | "/organisations"

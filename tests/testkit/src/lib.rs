@@ -4,6 +4,7 @@
 //! - [`amqp`] and [`opcua`]: what peers send, byte by byte.
 //! - [`ApiClient`]: a client of a daemon's web API, as a browser is one.
 //! - [`authenticator`]: codes of a second factor.
+//! - [`SecurityKey`]: a passkey, with the browser in front of it.
 //! - [`Contract`]: an API's description, which answers are compared with.
 //! - [`EventStream`]: server-sent events, one by one.
 
@@ -13,8 +14,10 @@ pub mod authenticator;
 mod contract;
 mod event_stream;
 pub mod opcua;
+mod security_key;
 pub mod wait;
 
 pub use api_client::{Answer, ApiClient};
 pub use contract::Contract;
 pub use event_stream::{Event, EventStream};
+pub use security_key::SecurityKey;

@@ -62,9 +62,10 @@ pub trait Accounts: Send + Sync + 'static {
         &self,
         user_name: &str,
         factor: &StoredSecondFactor,
+        change: AccountChange<'_>,
     ) -> Result<(), AccountsError>;
 
-    /// Removes the second factor of a user; false if there was none.
+    /// Removes the second factor of a user with recovery codes and passkeys; false if there was none.
     async fn delete_second_factor(
         &self,
         user_name: &str,
@@ -77,7 +78,39 @@ pub trait Accounts: Send + Sync + 'static {
     /// Uses a recovery code up; false if there is none with this digest.
     async fn use_recovery_code(&self, user_name: &str, digest: &str)
     -> Result<bool, AccountsError>;
+
+    /// Returns the passkeys of a user, the oldest first.
+    async fn passkeys(&self, user_name: &str) -> Result<Vec<StoredPasskey>, AccountsError>;
+
+    /// Adds a passkey of a user, with recovery codes in place of others where there are new ones. False where
+    /// its credential is stored already, or the user has [`PASSKEYS_MAX`].
+    async fn add_passkey(
+        &self,
+        user_name: &str,
+        passkey: &StoredPasskey,
+        recovery_digests: Option<&[String]>,
+        change: AccountChange<'_>,
+    ) -> Result<bool, AccountsError>;
+
+    /// Notes that a passkey was used. False if it was removed or used meanwhile.
+    async fn use_passkey(&self, user_name: &str, used: &PasskeyUse) -> Result<bool, AccountsError>;
+
+    /// Removes a passkey of a user, with the recovery codes where it was all of the second factor; false
+    /// if there was none.
+    async fn delete_passkey(
+        &self,
+        user_name: &str,
+        passkey_id: &str,
+        change: AccountChange<'_>,
+    ) -> Result<bool, AccountsError>;
 }
+
+/// Passkeys of a user at most.
+pub const PASSKEYS_MAX: usize = 8;
+/// Length of the name by which authenticators know a user.
+pub const USER_HANDLE_BYTES: usize = 16;
+/// Length of the counter and flags of a passkey, as they are stored.
+pub const DYNAMIC_STATE_BYTES: usize = 7;
 
 /// Person and operation that change an account, for the daemon's record of changes.
 #[derive(Debug, Clone, Copy)]
@@ -124,18 +157,49 @@ impl fmt::Debug for StoredSession {
     }
 }
 
-/// Second factor as it is stored.
-#[derive(Debug, Clone)]
+/// Codes of a user's second factor as they are stored. Recovery codes are there for passkeys, too.
+#[derive(Debug, Clone, Default)]
 pub struct StoredSecondFactor {
     /// The secret in hexadecimal, sealed for [`second_factor_purpose`]; none where it was sealed with a key
     /// that is lost: then no code of the app is right.
     pub sealed_secret: Option<String>,
-    /// False until a code of the app has come back.
+    /// False until a code of the app has come back, and where passkeys alone are on.
     pub is_confirmed: bool,
     /// Newest time step whose code was used.
     pub last_step: u64,
     /// Digests of the recovery codes that are left.
     pub recovery_digests: Vec<String>,
+}
+
+/// Passkey as it is stored. Its key is a public one: nothing of it is secret.
+#[derive(Debug, Clone)]
+pub struct StoredPasskey {
+    /// Name of the passkey in the API.
+    pub passkey_id: String,
+    /// Name for its owner.
+    pub name: String,
+    /// Name of the credential at its authenticator, which no other passkey has.
+    pub credential_id: Vec<u8>,
+    /// Name by which the authenticator knows the user: random, the same for all passkeys of a user.
+    pub user_handle: [u8; USER_HANDLE_BYTES],
+    /// Ways to the authenticator, as bits of the library `webauthn_rp`.
+    pub transports: u8,
+    /// Public key and all else that stays, in the encoding of that library.
+    pub static_state: Vec<u8>,
+    /// Counter and flags, in the encoding of that library.
+    pub dynamic_state: [u8; DYNAMIC_STATE_BYTES],
+    pub created_at: SystemTime,
+    /// Last sign-in with it.
+    pub last_used_at: Option<SystemTime>,
+}
+
+/// Use of a passkey, with its counter before and after.
+#[derive(Debug, Clone)]
+pub struct PasskeyUse {
+    pub passkey_id: String,
+    pub former_state: [u8; DYNAMIC_STATE_BYTES],
+    pub dynamic_state: [u8; DYNAMIC_STATE_BYTES],
+    pub at: SystemTime,
 }
 
 /// Returns the purpose for which the secret of a user's second factor is sealed.

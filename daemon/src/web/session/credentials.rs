@@ -1,6 +1,6 @@
 //! Input of a sign-in: credentials from the body, and facts about the caller.
 
-use std::net::IpAddr;
+use std::{fmt, net::IpAddr};
 
 use axum::{
     extract::FromRequestParts,
@@ -51,7 +51,24 @@ impl<'de> Deserialize<'de> for UserName {
     }
 }
 
-/// User name, password and code.
+/// Assertion of a passkey as a browser sent it: `AuthenticationResponseJSON` of WebAuthn Level 3.
+#[derive(Clone, Deserialize)]
+#[serde(transparent)]
+pub struct PasskeyAssertion(serde_json::Value);
+
+impl PasskeyAssertion {
+    pub(super) fn json(&self) -> String {
+        self.0.to_string()
+    }
+}
+
+impl fmt::Debug for PasskeyAssertion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("<assertion of a passkey>")
+    }
+}
+
+/// User name, password and second factor.
 #[derive(Debug, Clone, Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct SignIn {
@@ -63,6 +80,10 @@ pub struct SignIn {
     #[serde(default)]
     #[schema(value_type = Option<String>)]
     pub code: Option<Confidential<String>>,
+    /// Assertion of a passkey in place of a code: `AuthenticationResponseJSON` of WebAuthn Level 3.
+    #[serde(default)]
+    #[schema(value_type = Option<Object>)]
+    pub passkey: Option<PasskeyAssertion>,
 }
 
 /// Origin of a sign-in: address, browser and cookies. An extractor for handlers.

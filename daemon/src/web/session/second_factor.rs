@@ -1,4 +1,5 @@
-//! Second factor of a user: codes by time from an authenticator app, and recovery codes.
+//! Second factor of a user: codes by time from an authenticator app, and recovery codes in place of each
+//! kind. [`super::passkeys`] has the other kind.
 //!
 //! A code is good once: of each user the newest time step that was used is stored. The secret is shown
 //! when it is made and never again.
@@ -10,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    accounts::{AccountChange, Accounts, StoredSecondFactor, second_factor_purpose},
+    accounts::{AccountChange, Accounts, StoredPasskey, StoredSecondFactor, second_factor_purpose},
     credentials::Caller,
     sessions::{Sessions, SignedIn, internal, now},
 };
@@ -29,9 +30,9 @@ const CODE_DIGITS: usize = 6;
 #[derive(Debug, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct SecondFactorState {
-    /// True if signing in takes a code.
+    /// True if codes of an authenticator app are on. Passkeys are listed by themselves.
     pub is_on: bool,
-    /// Recovery codes that are left.
+    /// Recovery codes that are left, for codes of an app and passkeys alike.
     pub recovery_codes_left: usize,
 }
 
@@ -63,7 +64,8 @@ pub struct SecondFactorCode {
     pub code: Confidential<String>,
 }
 
-/// Codes that sign in once each when the app is lost; shown this once.
+/// Codes that sign in once each when app or passkey is lost; shown this once. None where the person has
+/// codes of before, which stay good.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct RecoveryCodes {
@@ -81,17 +83,58 @@ pub struct SecondFactorRemoval {
     pub code: Confidential<String>,
 }
 
+/// Second factors of a user that are on.
+pub(super) struct ActiveFactors {
+    /// True if codes of an authenticator app are.
+    pub has_codes: bool,
+    pub passkeys: Vec<StoredPasskey>,
+    /// Digests of recovery codes, good in place of each.
+    recovery_digests: Vec<String>,
+}
+
+impl ActiveFactors {
+    pub(super) const fn is_any(&self) -> bool {
+        self.has_codes || !self.passkeys.is_empty()
+    }
+
+    /// Returns true where recovery codes are to be made: there is no other second factor, or all are used up.
+    pub(super) const fn lacks_recovery_codes(&self) -> bool {
+        !self.is_any() || self.recovery_digests.is_empty()
+    }
+}
+
+/// New recovery codes, and the digests by which they are stored.
+pub(super) struct NewRecoveryCodes {
+    pub codes: Vec<String>,
+    pub digests: Vec<String>,
+}
+
+/// Makes recovery codes.
+pub(super) fn new_recovery_codes() -> NewRecoveryCodes {
+    let codes = enrolment::new_recovery_codes();
+    let digests = codes.iter().map(|code| enrolment::recovery_digest(code)).collect();
+    NewRecoveryCodes { codes, digests }
+}
+
 impl<A: Accounts> Sessions<A> {
     /// Returns the state of a user's second factor.
     ///
     /// # Errors
     /// A [`Problem`] when the store fails.
     pub async fn second_factor_state(&self, user_name: &str) -> Result<SecondFactorState, Problem> {
-        let factor = self.accounts().second_factor(user_name).await.map_err(internal)?;
-        let confirmed = factor.filter(|factor| factor.is_confirmed);
-        Ok(SecondFactorState {
-            is_on: confirmed.is_some(),
-            recovery_codes_left: confirmed.map_or(0, |factor| factor.recovery_digests.len()),
+        let factors = self.second_factors(user_name).await?;
+        let recovery_codes_left = if factors.is_any() { factors.recovery_digests.len() } else { 0 };
+        Ok(SecondFactorState { is_on: factors.has_codes, recovery_codes_left })
+    }
+
+    /// Returns the second factors of a user that are on.
+    pub(super) async fn second_factors(&self, user_name: &str) -> Result<ActiveFactors, Problem> {
+        let codes = self.accounts().second_factor(user_name).await.map_err(internal)?;
+        let codes = codes.unwrap_or_default();
+        Ok(ActiveFactors {
+            has_codes: codes.is_confirmed,
+            passkeys: self.accounts().passkeys(user_name).await.map_err(internal)?,
+            recovery_digests: codes.recovery_digests,
         })
     }
 
@@ -107,7 +150,7 @@ impl<A: Accounts> Sessions<A> {
         body: SecondFactorBegin,
     ) -> Result<SecondFactorOffer, Problem> {
         self.check_password(caller, &user.user_name, body.password).await?;
-        self.keep_confirmed(&user.user_name).await?;
+        let factors = self.keep_confirmed(&user.user_name).await?;
         let secret = enrolment::new_secret();
         let purpose = second_factor_purpose(&user.user_name);
         let sealed = self.sealer().seal(&purpose, &hex::encode(&secret)).map_err(not_sealed)?;
@@ -115,9 +158,9 @@ impl<A: Accounts> Sessions<A> {
             sealed_secret: Some(sealed),
             is_confirmed: false,
             last_step: 0,
-            recovery_digests: Vec::new(),
+            recovery_digests: factors.recovery_digests,
         };
-        self.accounts().put_second_factor(&user.user_name, &factor).await.map_err(internal)?;
+        self.put_codes(&user.user_name, &factor, "beginSecondFactor").await?;
         let uri = enrolment::uri(&self.config().issuer, &user.user_name, &secret);
         let qr_code = enrolment::qr_code(&uri).unwrap_or_default();
         Ok(SecondFactorOffer { secret: totp::base32(&secret), uri, qr_code })
@@ -132,9 +175,10 @@ impl<A: Accounts> Sessions<A> {
         user: &SignedIn<A::Principal>,
         body: &SecondFactorCode,
     ) -> Result<RecoveryCodes, Problem> {
-        self.keep_confirmed(&user.user_name).await?;
+        let factors = self.keep_confirmed(&user.user_name).await?;
         let begun = self.accounts().second_factor(&user.user_name).await.map_err(internal)?;
-        let Some(begun) = begun else {
+        // Recovery codes of passkeys are there without a secret.
+        let Some(begun) = begun.filter(|begun| begun.sealed_secret.is_some()) else {
             return Err(Problem::conflict("NOT_BEGUN", "Make a secret first, then confirm it."));
         };
         let code = digits(body.code.expose());
@@ -146,22 +190,18 @@ impl<A: Accounts> Sessions<A> {
                 "The code is wrong. Is the phone's time right?",
             ));
         };
-        let recovery_codes = enrolment::new_recovery_codes();
-        let factor = StoredSecondFactor {
-            is_confirmed: true,
-            last_step,
-            recovery_digests: recovery_codes
-                .iter()
-                .map(|code| enrolment::recovery_digest(code))
-                .collect(),
-            ..begun
-        };
-        self.accounts().put_second_factor(&user.user_name, &factor).await.map_err(internal)?;
+        let mut factor = StoredSecondFactor { is_confirmed: true, last_step, ..begun };
+        let mut recovery_codes = Vec::new();
+        if factors.lacks_recovery_codes() {
+            let new = new_recovery_codes();
+            (recovery_codes, factor.recovery_digests) = (new.codes, new.digests);
+        }
+        self.put_codes(&user.user_name, &factor, "confirmSecondFactor").await?;
         tracing::info!(user.name = user.user_name, "A second factor was turned on.");
         Ok(RecoveryCodes { recovery_codes })
     }
 
-    /// Turns the second factor off, with password and code.
+    /// Turns codes of the app off, with password and code. Passkeys stay, and with them recovery codes.
     ///
     /// # Errors
     /// A [`Problem`]: 404 where none is on, 422 for a wrong password or code, and those of a sign-in.
@@ -171,7 +211,7 @@ impl<A: Accounts> Sessions<A> {
         user: &SignedIn<A::Principal>,
         body: SecondFactorRemoval,
     ) -> Result<(), Problem> {
-        if !self.second_factor_state(&user.user_name).await?.is_on {
+        if !self.second_factors(&user.user_name).await?.has_codes {
             return Err(Problem::not_found("second factor"));
         }
         let open = self.gate().enter(caller.address, &user.user_name).await?;
@@ -189,12 +229,19 @@ impl<A: Accounts> Sessions<A> {
                 return Err(problem);
             }
         }
+        // Read again: the code may have been a recovery code, which is used up now.
+        let factors = self.second_factors(&user.user_name).await?;
+        if !factors.passkeys.is_empty() {
+            let recovery_digests = factors.recovery_digests;
+            let codes = StoredSecondFactor { recovery_digests, ..StoredSecondFactor::default() };
+            return self.put_codes(&user.user_name, &codes, "removeSecondFactor").await;
+        }
         let change = AccountChange { by: &user.user_name, operation: "removeSecondFactor" };
         self.reset_second_factor(&user.user_name, change).await?;
         Ok(())
     }
 
-    /// Removes the second factor of a user who cannot; false where there is none.
+    /// Removes all of the second factor of a user who cannot, passkeys included; false where there is none.
     ///
     /// # Errors
     /// A [`Problem`] when the store fails.
@@ -222,11 +269,14 @@ impl<A: Accounts> Sessions<A> {
             return Ok(false);
         }
         let factor = self.accounts().second_factor(user_name).await.map_err(internal)?;
-        let Some(factor) = factor.filter(|factor| factor.is_confirmed) else { return Ok(false) };
+        let Some(factor) = factor else { return Ok(false) };
         let digits = digits(code);
         if digits.len() != CODE_DIGITS {
             let digest = enrolment::recovery_digest(code);
             return self.accounts().use_recovery_code(user_name, &digest).await.map_err(internal);
+        }
+        if !factor.is_confirmed {
+            return Ok(false);
         }
         let secret = self.opened(user_name, &factor)?;
         let Some(step) = totp::step_of(secret.expose(), &digits, now()) else { return Ok(false) };
@@ -248,12 +298,23 @@ impl<A: Accounts> Sessions<A> {
         bytes.map(Into::into).ok_or_else(|| not_sealed(SealingError::Unreadable))
     }
 
-    async fn keep_confirmed(&self, user_name: &str) -> Result<(), Problem> {
-        if self.second_factor_state(user_name).await?.is_on {
+    async fn keep_confirmed(&self, user_name: &str) -> Result<ActiveFactors, Problem> {
+        let factors = self.second_factors(user_name).await?;
+        if factors.has_codes {
             let detail = "A second factor is on. Turn it off first.";
             return Err(Problem::conflict("SECOND_FACTOR_ON", detail));
         }
-        Ok(())
+        Ok(factors)
+    }
+
+    async fn put_codes(
+        &self,
+        user_name: &str,
+        factor: &StoredSecondFactor,
+        operation: &'static str,
+    ) -> Result<(), Problem> {
+        let change = AccountChange { by: user_name, operation };
+        self.accounts().put_second_factor(user_name, factor, change).await.map_err(internal)
     }
 }
 

@@ -2,7 +2,10 @@
 
 use std::time::Duration;
 
-use super::throttle::ThrottleConfig;
+use super::{
+    throttle::ThrottleConfig,
+    webauthn::{PasskeysUnavailable, RelyingParty},
+};
 use crate::web::shares::FairShareConfig;
 
 /// Cookie, lifetime and bounds of sessions.
@@ -23,6 +26,10 @@ pub struct SessionConfig {
     pub shares: FairShareConfig,
     /// Interval at which a live stream checks that its session has not ended.
     pub stream_check_interval: Duration,
+    /// Domain and origin of the pages for passkeys, or the reason why there are none.
+    pub relying_party: Result<RelyingParty, PasskeysUnavailable>,
+    /// Time in which an authenticator has to answer.
+    pub challenge_lifetime: Duration,
 }
 
 impl SessionConfig {
@@ -30,9 +37,16 @@ impl SessionConfig {
     /// their session.
     ///
     /// Cookies know no ports, so the name of the cookie is the daemon's with its port. Over TLS it
-    /// begins with `__Host-`: browsers take such a cookie from this host over TLS alone.
+    /// begins with `__Host-`: browsers take such a cookie from this host over TLS alone. Passkeys are for
+    /// pages at `public_url`.
     #[must_use]
-    pub fn new(daemon: &str, issuer: impl Into<String>, is_secure: bool, port: u16) -> Self {
+    pub fn new(
+        daemon: &str,
+        issuer: impl Into<String>,
+        is_secure: bool,
+        port: u16,
+        public_url: &str,
+    ) -> Self {
         let prefix = if is_secure { "__Host-" } else { "" };
         Self {
             cookie_name: format!("{prefix}{daemon}_{port}"),
@@ -43,6 +57,8 @@ impl SessionConfig {
             throttle: ThrottleConfig::default(),
             shares: FairShareConfig::default(),
             stream_check_interval: Duration::from_secs(5),
+            relying_party: RelyingParty::of(public_url),
+            challenge_lifetime: Duration::from_secs(120),
         }
     }
 

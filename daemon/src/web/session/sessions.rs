@@ -1,24 +1,22 @@
-//! Sessions: signing in and out, and the user of a cookie.
+//! Sessions: the user of a cookie, and signing out.
 
 use std::{
     sync::Arc,
     time::{Duration, SystemTime},
 };
 
-use axum::{
-    extract::FromRequestParts,
-    http::{StatusCode, request::Parts},
-};
+use axum::{extract::FromRequestParts, http::request::Parts};
 use axum_extra::extract::cookie::{Cookie, SameSite};
 use base64::{Engine, engine::general_purpose::URL_SAFE_NO_PAD};
+use parking_lot::Mutex;
 use rand::RngCore;
 
 use super::{
     accounts::{AccountChange, Accounts, AccountsError, SessionId, StoredSession},
-    credentials::{Caller, SignIn},
     hashing::{HashingError, PasswordHashing},
     session_config::SessionConfig,
-    sign_in_gate::{SignInGate, busy, count},
+    sign_in_gate::{SignInGate, busy},
+    webauthn::{AssertionState, OpenChallenges, RegistrationState},
 };
 use crate::{
     Confidential,
@@ -32,9 +30,6 @@ pub const CSRF_HEADER: &str = "x-csrf-token";
 /// Precision of a session's last use; noting each request would be a write for each.
 const USE_PRECISION: Duration = Duration::from_secs(60);
 
-/// Sessions of a user at once; one more ends the one that was used longest ago.
-const SESSIONS_PER_USER_MAX: usize = 32;
-
 /// Sessions over the daemon's accounts: signs users in and out. Clones share everything.
 pub struct Sessions<A: Accounts> {
     inner: Arc<Inner<A>>,
@@ -47,14 +42,8 @@ struct Inner<A> {
     hashing: PasswordHashing,
     sealer: Sealer,
     shares: FairShares,
-}
-
-/// Outcome of looking at credentials.
-enum Decision<P> {
-    Right(P),
-    Wrong,
-    /// Name and password are right, and there is no code where one is needed.
-    CodeNeeded,
+    registrations: Mutex<OpenChallenges<RegistrationState>>,
+    assertions: Mutex<OpenChallenges<AssertionState>>,
 }
 
 /// Signed-in user of a request; an extractor for handlers.
@@ -106,7 +95,21 @@ impl<A: Accounts> Sessions<A> {
     ) -> Self {
         let gate = SignInGate::new(config.throttle.clone());
         let shares = FairShares::new(config.shares.clone());
-        Self { inner: Arc::new(Inner { config, accounts, gate, hashing, sealer, shares }) }
+        let registrations = Mutex::new(OpenChallenges::new(config.challenge_lifetime));
+        let assertions = Mutex::new(OpenChallenges::new(config.challenge_lifetime));
+        let inner =
+            Inner { config, accounts, gate, hashing, sealer, shares, registrations, assertions };
+        Self { inner: Arc::new(inner) }
+    }
+
+    /// Challenges of passkeys that are being made.
+    pub(super) fn registrations(&self) -> &Mutex<OpenChallenges<RegistrationState>> {
+        &self.inner.registrations
+    }
+
+    /// Challenges of sign-ins that wait for a passkey.
+    pub(super) fn assertions(&self) -> &Mutex<OpenChallenges<AssertionState>> {
+        &self.inner.assertions
     }
 
     pub(super) fn sealer(&self) -> &Sealer {
@@ -197,66 +200,6 @@ impl<A: Accounts> Sessions<A> {
 }
 
 impl<A: Accounts> Sessions<A> {
-    /// Checks credentials and opens a session; the cookie goes into the answer. The session that the
-    /// browser had before ends.
-    ///
-    /// # Errors
-    /// A [`Problem`]: 401 for a wrong name, password or code (without saying which) and for a code that
-    /// is missing, 429 after too many attempts, 503 when too many sign in at once.
-    pub async fn sign_in(
-        &self,
-        caller: &Caller,
-        sign_in: &SignIn,
-    ) -> Result<(Cookie<'static>, SignedIn<A::Principal>), Problem> {
-        let user_name = sign_in.user_name.as_str();
-        let open = self.gate().enter(caller.address, user_name).await?;
-        let principal = match self.decide(sign_in).await {
-            Ok(Decision::Right(principal)) => principal,
-            Ok(Decision::Wrong) => {
-                drop(open);
-                count("refused");
-                tracing::warn!(client = %caller.address, "An attempt to sign in was refused.");
-                return Err(wrong_credentials());
-            }
-            Ok(Decision::CodeNeeded) => {
-                // Given back, but failures are not forgotten: else this would be the way to try as
-                // many codes as one likes.
-                open.withdrawn();
-                count("code_needed");
-                return Err(code_needed());
-            }
-            Err(problem) => {
-                open.withdrawn();
-                return Err(problem);
-            }
-        };
-        open.succeeded();
-        count("accepted");
-        let (cookie, session) = self.open_session(caller, user_name).await?;
-        let signed_in = SignedIn {
-            session: session.id,
-            user_name: session.user_name,
-            principal,
-            csrf_token: session.csrf_token,
-        };
-        Ok((cookie, signed_in))
-    }
-
-    async fn decide(&self, sign_in: &SignIn) -> Result<Decision<A::Principal>, Problem> {
-        let user_name = sign_in.user_name.as_str();
-        if !self.is_password(user_name, sign_in.password.clone()).await? {
-            return Ok(Decision::Wrong);
-        }
-        if self.second_factor_state(user_name).await?.is_on {
-            let Some(code) = &sign_in.code else { return Ok(Decision::CodeNeeded) };
-            if !self.is_code(user_name, code).await? {
-                return Ok(Decision::Wrong);
-            }
-        }
-        let principal = self.accounts().principal(user_name).await.map_err(internal)?;
-        Ok(principal.map_or(Decision::Wrong, Decision::Right))
-    }
-
     /// Returns true if this is the password of a user that there is.
     pub(super) async fn is_password(
         &self,
@@ -265,49 +208,6 @@ impl<A: Accounts> Sessions<A> {
     ) -> Result<bool, Problem> {
         let hash = self.accounts().password_hash(user_name).await.map_err(internal)?;
         self.hashing().verify(hash, password).await.map_err(not_hashed)
-    }
-
-    async fn open_session(
-        &self,
-        caller: &Caller,
-        user_name: &str,
-    ) -> Result<(Cookie<'static>, StoredSession), Problem> {
-        if let Some(former) = caller.cookies.get(self.config().cookie_name()) {
-            let former = SessionId::of(former.value());
-            self.accounts()
-                .delete_session(&former, signs_out(user_name))
-                .await
-                .map_err(internal)?;
-        }
-        self.make_room(user_name).await?;
-        let token = random_token();
-        let now = now();
-        let session = StoredSession {
-            id: SessionId::of(&token),
-            user_name: user_name.to_owned(),
-            csrf_token: random_token(),
-            started_at: now,
-            last_used_at: now,
-            expires_at: now + self.config().lifetime,
-            address: caller.address.to_string(),
-            user_agent: caller.user_agent.clone(),
-        };
-        self.accounts().put_session(&session).await.map_err(internal)?;
-        Ok((self.cookie(token, self.config().lifetime), session))
-    }
-
-    /// Ends the sessions of a user that are used least, so that there is room for one more.
-    async fn make_room(&self, user_name: &str) -> Result<(), Problem> {
-        let mut sessions = self.live_sessions(user_name).await?;
-        sessions.sort_by_key(|session| session.last_used_at);
-        let surplus = (sessions.len() + 1).saturating_sub(SESSIONS_PER_USER_MAX);
-        for session in &sessions[..surplus] {
-            self.accounts()
-                .delete_session(&session.id, signs_out(user_name))
-                .await
-                .map_err(internal)?;
-        }
-        Ok(())
     }
 
     /// Ends a session; the cookie that removes the browser's goes into the answer.
@@ -350,20 +250,6 @@ pub fn random_token() -> String {
     URL_SAFE_NO_PAD.encode(bytes)
 }
 
-const fn signs_out(user_name: &str) -> Option<AccountChange<'_>> {
+pub(super) const fn signs_out(user_name: &str) -> Option<AccountChange<'_>> {
     Some(AccountChange { by: user_name, operation: "signOut" })
-}
-
-fn wrong_credentials() -> Problem {
-    let detail = "User name, password or code is wrong.";
-    Problem::new(StatusCode::UNAUTHORIZED, "WRONG_CREDENTIALS", detail)
-}
-
-/// Returns the problem of a sign-in that needs a code, too.
-fn code_needed() -> Problem {
-    Problem::new(
-        StatusCode::UNAUTHORIZED,
-        "SECOND_FACTOR_NEEDED",
-        "Signing in needs a code from the authenticator app, or a recovery code.",
-    )
 }

@@ -2,9 +2,10 @@
 
 use reqwest::Method;
 use serde_json::json;
+use testkit::SecurityKey;
 
 use super::Answers;
-use crate::plant::{PASSWORD, SignedIn};
+use crate::plant::{PAGES, PASSWORD, SignedIn};
 
 pub async fn sign_in(answers: &mut Answers<'_>) {
     let body = json!({ "userName": "engineer", "password": PASSWORD }).to_string();
@@ -34,6 +35,16 @@ pub async fn account(answers: &mut Answers<'_>) {
     answers.without(volatile).get("listUserSessions", "/users/engineer/sessions").await;
     let body = json!({ "presentPassword": PASSWORD, "newPassword": PASSWORD });
     answers.put("changePassword", "/session/password", body).await;
+
+    let (path, password) = ("/session/passkeys", json!({ "password": PASSWORD }));
+    let offer =
+        answers.without(&["challenge", "id"]).post("beginPasskey", path, password.clone()).await;
+    let credential = SecurityKey::new("blue", PAGES).create(&offer["options"]);
+    let body = json!({ "name": "Blue key", "credential": credential });
+    answers.without(&["recoveryCodes"]).put("addPasskey", path, body).await;
+    let list = answers.without(&["passkeyId"]).get("listPasskeys", path).await;
+    let id = list["items"][0]["passkeyId"].as_str().expect("an id").to_owned();
+    answers.post("removePasskey", &format!("{path}/{id}/removal"), password).await;
 
     let path = "/session/second-factor";
     answers.get("showSecondFactor", path).await;

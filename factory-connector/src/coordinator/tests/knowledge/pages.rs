@@ -181,6 +181,7 @@ impl Plant {
                 shutdown: CancellationToken::new(),
                 is_secure: false,
                 port: 8090,
+                public_url: String::new(),
                 trusted_proxies: TrustedProxies::default(),
                 share_per_person: PersonShare::default(),
                 hashing: PasswordHashing::default(),
