@@ -7,6 +7,7 @@ type Schema<Name extends keyof Connector['schemas'] & keyof Platform['schemas']>
 
 export type SessionSummary = Schema<'SessionSummary'>
 export type SecondFactorOffer = Schema<'SecondFactorOffer'>
+export type PasskeySummary = Schema<'PasskeySummary'>
 export type SecondFactorState = Schema<'SecondFactorState'>
 type PasswordChange = Schema<'PasswordChange'>
 type Removal = Schema<'SecondFactorRemoval'>
@@ -41,6 +42,24 @@ export const account = {
   },
   removeSecondFactor: (body: Removal): Promise<undefined> =>
     request('POST', '/session/second-factor/removal', { body }),
+  passkeys: (signal: AbortSignal): Promise<Schema<'PasskeyList'>> =>
+    request('GET', '/session/passkeys', { signal }),
+  /** Options with which the browser makes a passkey. */
+  beginPasskey: async (password: string): Promise<PublicKeyCredentialCreationOptionsJSON> => {
+    const offer = await request<Schema<'PasskeyOffer'>>('POST', '/session/passkeys', {
+      body: { password },
+    })
+    return offer.options as unknown as PublicKeyCredentialCreationOptionsJSON
+  },
+  /** Adds a passkey; returns recovery codes where it is the first second factor. */
+  addPasskey: async (name: string, credential: unknown): Promise<string[]> => {
+    const codes = await request<Schema<'RecoveryCodes'>>('PUT', '/session/passkeys', {
+      body: { name, credential },
+    })
+    return codes.recoveryCodes
+  },
+  removePasskey: (passkeyId: string, password: string): Promise<undefined> =>
+    request('POST', `/session/passkeys/${passkeyId}/removal`, { body: { password } }),
   resetSecondFactor: (userName: string): Promise<undefined> =>
     request('DELETE', `/users/${encodeURIComponent(userName)}/second-factor`),
 }

@@ -3,7 +3,7 @@ import userEvent from '@testing-library/user-event'
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { toasts } from '@/design/toasts.svelte'
 import { problem, serve, type Asked } from '../vitest.server'
-import type { SessionSummary } from './account-api'
+import type { PasskeySummary, SessionSummary } from './account-api'
 import AccountPanels from './AccountPanels.svelte'
 import { browserOf } from './browser'
 
@@ -18,12 +18,18 @@ const session = (sessionId: string, isPresent: boolean): SessionSummary => ({
 })
 let isOn: boolean
 let open: SessionSummary[]
+let passkeys: PasskeySummary[]
+let unavailable: string | undefined
 
 /** Daemon with sessions and a second factor. */
 function daemon(others: Parameters<typeof serve>[0] = {}): Asked[] {
   return serve({
     'GET /sessions': () => ({ items: open }),
-    'GET /session/second-factor': () => ({ isOn, recoveryCodesLeft: isOn ? 9 : 0 }),
+    'GET /session/second-factor': () => ({
+      isOn,
+      recoveryCodesLeft: isOn || passkeys.length > 0 ? 9 : 0,
+    }),
+    'GET /session/passkeys': () => ({ items: passkeys, unavailable }),
     ...others,
   })
 }
@@ -34,6 +40,8 @@ const dialog = (): ReturnType<typeof within> => within(screen.getByRole('dialog'
 beforeEach(() => {
   isOn = false
   open = [session('a', true), session('b', false)]
+  passkeys = []
+  unavailable = undefined
   toasts.list = []
 })
 afterEach(() => {
@@ -118,6 +126,55 @@ describe('one’s own account', () => {
     await userEvent.click(dialog().getByRole('button', { name: 'Turn off' }))
     expect(await screen.findByRole('button', { name: 'Set up a second factor' })).toBeTruthy()
     expect(changes(log)[0]?.body).toEqual({ password: 'correct horse', code: '123456' })
+  })
+
+  it('adds a passkey, shows the recovery codes once, and removes it with the password', async () => {
+    const credential = { id: 'AA' }
+    vi.stubGlobal(
+      'PublicKeyCredential',
+      Object.assign(() => undefined, { parseCreationOptionsFromJSON: (each: unknown) => each }),
+    )
+    const create = vi.fn(() => Promise.resolve({ toJSON: () => credential }))
+    vi.stubGlobal('navigator', { ...navigator, credentials: { create } })
+    const log = daemon({
+      'POST /session/passkeys': () => ({ options: { challenge: 'c' } }),
+      'PUT /session/passkeys': () => {
+        passkeys = [{ passkeyId: 'p1', name: 'Blue key', createdAt: '2026-01-01T08:00:00Z' }]
+        return { recoveryCodes: ['AAAA-BBBB-CCCC-DDDD'] }
+      },
+      'POST /session/passkeys/p1/removal': () => {
+        passkeys = []
+        return done()
+      },
+    })
+    render(AccountPanels)
+    await userEvent.click(await screen.findByRole('button', { name: 'Add a passkey' }))
+    await userEvent.type(dialog().getByLabelText('Name'), 'Blue key')
+    await userEvent.type(dialog().getByLabelText('Present password'), 'correct horse')
+    await userEvent.click(dialog().getByRole('button', { name: 'Next' }))
+    expect(await dialog().findByText('AAAA-BBBB-CCCC-DDDD')).toBeTruthy()
+    expect(create).toHaveBeenCalledWith({ publicKey: { challenge: 'c' } })
+    await userEvent.click(dialog().getByRole('button', { name: 'I have kept them' }))
+    expect(await screen.findByText(/takes a passkey. 9 recovery codes are left/)).toBeTruthy()
+
+    await userEvent.click(screen.getByRole('button', { name: 'Remove: Blue key' }))
+    await userEvent.type(dialog().getByLabelText('Present password'), 'correct horse')
+    await userEvent.click(dialog().getByRole('button', { name: 'Remove' }))
+    expect(await screen.findByText('There are no passkeys.')).toBeTruthy()
+    expect(changes(log).map(({ method, body }) => [method, body])).toEqual([
+      ['POST', { password: 'correct horse' }],
+      ['PUT', { name: 'Blue key', credential }],
+      ['POST', { password: 'correct horse' }],
+    ])
+  })
+
+  it('says why there can be no passkeys', async () => {
+    unavailable = 'Passkeys need a domain name.'
+    daemon()
+    render(AccountPanels)
+    expect(await screen.findByText('Passkeys need a domain name.')).toBeTruthy()
+    const button = screen.getByRole<HTMLButtonElement>('button', { name: 'Add a passkey' })
+    expect(button.disabled).toBe(true)
   })
 
   it('lists the sessions and ends another one, not this one', async () => {

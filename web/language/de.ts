@@ -14,6 +14,11 @@ export const de: Words = {
     busy: 'Zu viele melden sich gerade an. Versuchen Sie es gleich noch einmal.',
     codeNeeded: 'Geben Sie den Code Ihrer Authenticator-App ein.',
     codeRefused: 'Benutzername, Passwort oder Code stimmt nicht.',
+    passkeyNeeded: 'Benutzen Sie Ihren Passkey oder geben Sie einen Wiederherstellungscode ein.',
+    eitherNeeded: 'Benutzen Sie Ihren Passkey oder geben Sie den Code Ihrer Authenticator-App ein.',
+    usePasskey: 'Passkey benutzen',
+    passkeyRefused:
+      'Der Passkey wurde nicht angenommen. Versuchen Sie es noch einmal oder geben Sie einen Wiederherstellungscode ein.',
     expired: 'Ihre Sitzung ist beendet. Melden Sie sich erneut an.',
     noCookie:
       'Dieser Browser hat die Sitzung nicht behalten. Erlauben Sie Cookies für diese Adresse.',
@@ -39,6 +44,8 @@ export const de: Words = {
     factorOn: (left: number) =>
       `Ein zweiter Faktor ist eingerichtet. ${left === 1 ? 'Ein Wiederherstellungscode ist' : `${left} Wiederherstellungscodes sind`} übrig.`,
     factorOff: 'Zur Anmeldung genügt das Passwort.',
+    factorPasskeys: (left: number) =>
+      `Zur Anmeldung gehört ein Passkey. ${left === 1 ? 'Ein Wiederherstellungscode ist' : `${left} Wiederherstellungscodes sind`} übrig.`,
     factorText:
       'Zur Anmeldung gehört dann auch ein Code aus einer Authenticator-App auf Ihrem Telefon, etwa FreeOTP oder Google Authenticator.',
     turnOn: 'Zweiten Faktor einrichten',
@@ -52,10 +59,32 @@ export const de: Words = {
     secret: 'Schlüssel',
     code: 'Code',
     codeOrRecovery: 'Aus der App, oder ein Wiederherstellungscode.',
+    recoveryOnly: 'Einer Ihrer Wiederherstellungscodes.',
     recoveryCodes: 'Wiederherstellungscodes',
     recoveryText:
-      'Bewahren Sie diese Codes dort auf, wo Sie sie ohne Ihr Telefon finden. Jeder meldet Sie einmal an Stelle der App an. Sie werden nur jetzt gezeigt.',
+      'Bewahren Sie diese Codes dort auf, wo Sie sie ohne Ihr Telefon finden. Jeder meldet Sie einmal an Stelle von App oder Passkey an. Sie werden nur jetzt gezeigt.',
     keptCodes: 'Ich habe sie aufbewahrt',
+    passkeys: 'Passkeys',
+    passkeysHint:
+      'Zur Anmeldung gehört neben dem Passwort einer davon: ein Sicherheitsschlüssel, ein Telefon oder dieses Gerät mit PIN, Finger oder Gesicht.',
+    noPasskeys: 'Es gibt keine Passkeys.',
+    passkeyName: 'Name',
+    passkeyNameHint: 'Woran Sie ihn wiedererkennen: Blauer Schlüssel, Telefon.',
+    added: 'Hinzugefügt',
+    neverUsed: 'noch nicht',
+    addPasskey: 'Passkey hinzufügen',
+    passkeyText:
+      'Nach dem Passwort fragt Ihr Browser nach dem Sicherheitsschlüssel, dem Telefon oder dem Gerät, das den Passkey aufnimmt.',
+    passkeyAdded: 'Der Passkey wurde hinzugefügt.',
+    removePasskey: 'Entfernen',
+    removePasskeyText: (name: string) =>
+      `„${name}“ meldet Sie nicht mehr an. Entfernen Sie ihn auch vom Schlüssel oder Telefon.`,
+    passkeyRemoved: 'Der Passkey wurde entfernt.',
+    passkeyCancelled:
+      'Der Browser hat abgebrochen: Nichts wurde gewählt oder es dauerte zu lange. Versuchen Sie es noch einmal.',
+    passkeyTwice:
+      'Dieser Schlüssel, dieses Telefon oder Gerät hat für dieses Konto schon einen Passkey.',
+    noPasskeySupport: 'Dieser Browser kennt keine Passkeys, oder nicht unter dieser Adresse.',
     sessions: 'Sitzungen',
     sessionsHint: 'Eine Sitzung endet nach einer Stunde ohne Benutzung und nach zwölf Stunden.',
     browser: 'Browser',

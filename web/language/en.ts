@@ -12,6 +12,10 @@ export const en = {
     busy: 'Too many people are signing in. Try again in a moment.',
     codeNeeded: 'Enter the code of your authenticator app.',
     codeRefused: 'User name, password or code is not right.',
+    passkeyNeeded: 'Use your passkey, or enter a recovery code.',
+    eitherNeeded: 'Use your passkey, or enter the code of your authenticator app.',
+    usePasskey: 'Use a passkey',
+    passkeyRefused: 'The passkey was not accepted. Try again, or enter a recovery code.',
     expired: 'Your session has ended. Sign in again.',
     noCookie: 'This browser did not store the session. Allow cookies for this address.',
     role: {
@@ -36,6 +40,8 @@ export const en = {
     factorOn: (left: number) =>
       `A second factor is on. ${left === 1 ? '1 recovery code is' : `${left} recovery codes are`} left.`,
     factorOff: 'Signing in takes the password alone.',
+    factorPasskeys: (left: number) =>
+      `Signing in takes a passkey. ${left === 1 ? '1 recovery code is' : `${left} recovery codes are`} left.`,
     factorText:
       'Signing in will also take a code from an authenticator app on your phone, such as FreeOTP or Google Authenticator.',
     turnOn: 'Set up a second factor',
@@ -49,10 +55,30 @@ export const en = {
     secret: 'Secret',
     code: 'Code',
     codeOrRecovery: 'From the app, or a recovery code.',
+    recoveryOnly: 'One of your recovery codes.',
     recoveryCodes: 'Recovery codes',
     recoveryText:
-      'Keep these codes where you find them without your phone. Each signs you in once in place of the app. They are shown only now.',
+      'Keep these codes where you find them without your phone. Each signs you in once in place of app or passkey. They are shown only now.',
     keptCodes: 'I have kept them',
+    passkeys: 'Passkeys',
+    passkeysHint:
+      'Signing in takes one of them beside the password: a security key, a phone, or this device with PIN, finger or face.',
+    noPasskeys: 'There are no passkeys.',
+    passkeyName: 'Name',
+    passkeyNameHint: 'As you will know it again: Blue key, Phone.',
+    added: 'Added',
+    neverUsed: 'not yet',
+    addPasskey: 'Add a passkey',
+    passkeyText:
+      'After the password your browser asks for the security key, the phone or the device that will hold the passkey.',
+    passkeyAdded: 'The passkey was added.',
+    removePasskey: 'Remove',
+    removePasskeyText: (name: string) =>
+      `“${name}” signs you in no longer. Remove it from the key or phone, too.`,
+    passkeyRemoved: 'The passkey was removed.',
+    passkeyCancelled: 'The browser broke off: nothing was chosen, or it took too long. Try again.',
+    passkeyTwice: 'This key, phone or device has a passkey for this account already.',
+    noPasskeySupport: 'This browser has no passkeys, or not at this address.',
     sessions: 'Sessions',
     sessionsHint: 'A session ends after an hour without use, and after twelve hours.',
     browser: 'Browser',

@@ -62,6 +62,54 @@ describe('signing in', () => {
       { ...credentials, code: '123456' },
     ])
   })
+  it('signs in by a passkey, with a new challenge after one was refused', async () => {
+    const needed = (challenge: string): Response =>
+      new Response(
+        JSON.stringify({
+          title: 'Unauthorized',
+          code: 'SECOND_FACTOR_NEEDED',
+          detail: 'A passkey.',
+          status: 401,
+          secondFactor: { kinds: ['PASSKEY'], passkeyOptions: { challenge } },
+        }),
+        { status: 401 },
+      )
+    const answers = [
+      needed('first'),
+      new Response('{}', { status: 401 }),
+      needed('second'),
+      new Response(JSON.stringify({ userName: 'engineer', role: 'ENGINEER', csrfToken: 't' })),
+    ]
+    const bodies: unknown[] = []
+    vi.stubGlobal('fetch', (_: string, { body }: RequestInit) => {
+      bodies.push(JSON.parse(body as string))
+      return Promise.resolve(answers.shift())
+    })
+    vi.stubGlobal(
+      'PublicKeyCredential',
+      Object.assign(() => undefined, { parseRequestOptionsFromJSON: (each: unknown) => each }),
+    )
+    const get = ({ publicKey }: { publicKey: { challenge: string } }): Promise<unknown> =>
+      Promise.resolve({ toJSON: () => ({ signed: publicKey.challenge }) })
+    vi.stubGlobal('navigator', { ...navigator, credentials: { get } })
+    render(SignIn, { subtitle: 'Test', expired: false })
+    await fill()
+    const button = await screen.findByRole('button', { name: 'Use a passkey' })
+    expect(screen.getByRole('alert').textContent).toContain('recovery code')
+    await userEvent.click(button)
+    await vi.waitFor(() =>
+      expect(screen.getByRole('alert').textContent).toContain('The passkey was not accepted'),
+    )
+    await userEvent.click(button)
+    await vi.waitFor(() => expect(bodies).toHaveLength(4))
+    const credentials = { userName: 'engineer', password: 'wrong' }
+    expect(bodies).toEqual([
+      credentials,
+      { ...credentials, passkey: { signed: 'first' } },
+      credentials,
+      { ...credentials, passkey: { signed: 'second' } },
+    ])
+  })
   it('enters', async () => {
     vi.stubGlobal('fetch', () =>
       Promise.resolve(

@@ -55,11 +55,15 @@ class CurrentSession {
     }
   }
 
-  /** Signs in; people with a second factor need a code, too. */
-  async signIn(userName: string, password: string, code?: string): Promise<void> {
+  /** Signs in; people with a second factor need a code or the assertion of a passkey, too. */
+  async signIn(
+    userName: string,
+    password: string,
+    factor: { code?: string; passkey?: unknown } = {},
+  ): Promise<void> {
     this.#enter(
       await request<SignedIn>('POST', '/session', {
-        body: code === undefined ? { userName, password } : { userName, password, code },
+        body: { userName, password, ...factor },
         signingIn: true,
       }),
     )

@@ -68,7 +68,7 @@ export const settings: typeof English = {
         'Mit einem Broker auf einem anderen Rechner ohne TLS sprechen, auch mit dem bei der Aufnahme genannten.',
       'web.listen': 'Wo Seiten und API erreichbar sind.',
       'web.public_url':
-        'Adresse für Browser, wo ein Proxy TLS spricht. Mit https gilt das Cookie der Sitzung nur über TLS.',
+        'Adresse für Browser, etwa wo ein Proxy TLS spricht. Mit https gilt das Cookie der Sitzung nur über TLS. Passkeys brauchen hier einen Domainnamen und HTTPS.',
       'web.trusted_proxies':
         'Proxys vor den Seiten. Nur ihnen wird geglaubt, welche Adresse ihr Gegenüber hat.',
       'web.forwarded_header': 'Kopfzeile, in der die Proxys diese Adresse nennen.',

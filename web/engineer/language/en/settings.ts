@@ -67,7 +67,7 @@ export const settings = {
         'Speak with a broker on another machine without TLS, the one told at enrolment included.',
       'web.listen': 'Where pages and API listen.',
       'web.public_url':
-        'Address for browsers where a proxy speaks TLS. With https the session’s cookie is for TLS only.',
+        'Address for browsers, as where a proxy speaks TLS. With https the session’s cookie is for TLS only. Passkeys need a domain name here, and HTTPS.',
       'web.trusted_proxies':
         'Proxies in front of the pages. They alone are believed about the address of their client.',
       'web.forwarded_header': 'Header in which the proxies tell that address.',
