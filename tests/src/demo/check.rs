@@ -46,6 +46,7 @@ async fn everything(world: &mut World, steps: &mut Steps) -> anyhow::Result<()> 
         .await?;
     steps.run("a browser shows the buyer's page", browser::partners_page(world)).await?;
     steps.run("an operator works on without a network", browser::operators_page(world)).await?;
+    steps.run("a passkey signs in on a page", browser::passkey(world)).await?;
     let cast = crash::every_program_in_turn(world, cast, steps).await?;
     steps.run("no report was lost and none counted twice", crash::nothing_lost(&cast)).await?;
     steps.run("everything stops when asked", async { world.stop().map(|()| "") }).await

@@ -86,6 +86,8 @@ fn connector(places: &Places, factory_id: &str) -> anyhow::Result<String> {
 
 [web]
 listen = "127.0.0.1:{web}"
+# Passkeys need a domain.
+public_url = "http://localhost:{web}"
 
 [twin]
 listen = "127.0.0.1:{twin}"

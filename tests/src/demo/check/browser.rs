@@ -25,6 +25,11 @@ pub(super) async fn operators_page(world: &World) -> anyhow::Result<String> {
     run(world, "test", &["--project=operator"]).await
 }
 
+/// A person adds a passkey of the browser, and signs in by it.
+pub(super) async fn passkey(world: &World) -> anyhow::Result<String> {
+    run(world, "test", &["--project=passkey"]).await
+}
+
 /// Runs a script of `tests/browser` against this world.
 ///
 /// # Errors
