@@ -124,14 +124,7 @@ impl Platform {
         let scheme = if web_tls.is_some() { "https" } else { "http" };
         let public_url =
             config.web.public_url.clone().unwrap_or_else(|| format!("{scheme}://{web_address}"));
-        let mut session_config = SessionConfig::new(
-            "verbund_platform",
-            "Verbund platform",
-            public_url.starts_with("https://"),
-            web_address.port(),
-            &public_url,
-        );
-        session_config.shares = config.web.shares();
+        let session_config = session_config(&config, &public_url, web_address.port());
         let accounts = StoredAccounts::new(store.clone(), clock.clone());
         let sessions = Sessions::new(session_config, accounts, hashing, config.sealer());
         let application = Application::new(ApplicationParts {
@@ -250,6 +243,14 @@ async fn open_store(config: &PlatformConfig) -> Result<Store, StartError> {
         tracing::info!(secrets.count = sealed, "Secrets in the database were sealed.");
     }
     Ok(store)
+}
+
+fn session_config(config: &PlatformConfig, public_url: &str, port: u16) -> SessionConfig {
+    let is_secure = public_url.starts_with("https://");
+    let (daemon, issuer) = ("verbund_platform", "Verbund platform");
+    let mut sessions = SessionConfig::new(daemon, issuer, is_secure, port, public_url);
+    sessions.shares = config.web.shares();
+    sessions
 }
 
 /// Opens the recorder of accesses, with the key in the data directory.

@@ -2223,7 +2223,7 @@ export interface components {
             code: string;
         };
         /**
-         * @description Kind of a second factor.
+         * @description Proof that a person gives beside the password.
          * @enum {string}
          */
         SecondFactorKind: "CODE" | "PASSKEY";

@@ -53,7 +53,7 @@ pub struct SecondFactorNeeded {
     pub passkey_options: Option<serde_json::Value>,
 }
 
-/// Kind of a second factor.
+/// Proof that a person gives beside the password.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum SecondFactorKind {

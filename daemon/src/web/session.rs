@@ -29,7 +29,8 @@ pub use guard::require_session;
 pub use hashing::{HashingError, PasswordHashing};
 pub use own_account::{PasswordChange, SessionList, SessionSummary};
 pub use passkeys::{
-    NewPasskey, PasskeyBegin, PasskeyList, PasskeyOffer, PasskeyRemoval, PasskeySummary,
+    NewPasskey, OwnPasskeys, PasskeyBegin, PasskeyList, PasskeyOffer, PasskeyRemoval,
+    PasskeySummary,
 };
 pub use password::{PasswordError, PasswordHash, PasswordPolicy};
 pub use second_factor::{
@@ -38,5 +39,6 @@ pub use second_factor::{
 };
 pub use session_config::SessionConfig;
 pub use sessions::{CSRF_HEADER, Sessions, SignedIn, random_token};
+pub use sign_in::sign_in;
 pub use throttle::{LoginThrottle, ThrottleConfig};
 pub use webauthn::{PasskeysUnavailable, RelyingParty};

@@ -29,9 +29,9 @@ use daemon::{
         health::Readiness,
         server::{self, ListenerLimits},
         session::{
-            AccountChange, Caller, NewPasskey, PasskeyBegin, PasskeyList, PasskeyOffer,
-            PasskeyRemoval, PasswordChange, PasswordHash, PasswordHashing, PasswordPolicy,
-            RecoveryCodes, SecondFactorBegin, SecondFactorCode, SecondFactorOffer,
+            self, AccountChange, Caller, NewPasskey, OwnPasskeys, PasskeyBegin, PasskeyList,
+            PasskeyOffer, PasskeyRemoval, PasswordChange, PasswordHash, PasswordHashing,
+            PasswordPolicy, RecoveryCodes, SecondFactorBegin, SecondFactorCode, SecondFactorOffer,
             SecondFactorRemoval, SessionConfig, SessionList, Sessions, SignIn, SignedIn,
         },
         shares::{hold_download, hold_stream},
@@ -61,7 +61,7 @@ async fn sign_in(
     caller: Caller,
     ApiJson(body): ApiJson<SignIn>,
 ) -> Result<(CookieJar, Json<serde_json::Value>), Problem> {
-    let (cookie, signed_in) = sessions.sign_in(&caller, &body).await?;
+    let (cookie, signed_in) = session::sign_in(&sessions, &caller, &body).await?;
     Ok((caller.cookies.add(cookie), view(&signed_in)))
 }
 
@@ -136,7 +136,7 @@ async fn list_passkeys(
     State(sessions): State<Sessions<Memory>>,
     who: SignedIn<String>,
 ) -> Result<Json<PasskeyList>, Problem> {
-    Ok(Json(sessions.passkeys(&who.user_name).await?))
+    Ok(Json(OwnPasskeys::of(&sessions, &who.user_name).list().await?))
 }
 
 async fn begin_passkey(
@@ -145,7 +145,7 @@ async fn begin_passkey(
     caller: Caller,
     ApiJson(body): ApiJson<PasskeyBegin>,
 ) -> Result<Json<PasskeyOffer>, Problem> {
-    Ok(Json(sessions.begin_passkey(&caller, &who, body).await?))
+    Ok(Json(OwnPasskeys::of(&sessions, &who.user_name).begin(&caller, body).await?))
 }
 
 async fn add_passkey(
@@ -153,7 +153,7 @@ async fn add_passkey(
     who: SignedIn<String>,
     ApiJson(body): ApiJson<NewPasskey>,
 ) -> Result<Json<RecoveryCodes>, Problem> {
-    Ok(Json(sessions.add_passkey(&who, &body).await?))
+    Ok(Json(OwnPasskeys::of(&sessions, &who.user_name).add(&body).await?))
 }
 
 async fn remove_passkey(
@@ -163,7 +163,8 @@ async fn remove_passkey(
     ApiPath(passkey_id): ApiPath<String>,
     ApiJson(body): ApiJson<PasskeyRemoval>,
 ) -> Result<StatusCode, Problem> {
-    sessions.remove_passkey(&caller, &who, &passkey_id, body).await?;
+    let passkeys = OwnPasskeys::of(&sessions, &who.user_name);
+    passkeys.remove(&caller, &passkey_id, body).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 

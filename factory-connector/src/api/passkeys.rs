@@ -4,7 +4,8 @@ use axum::{Json, extract::State, http::StatusCode};
 use daemon::web::{
     ApiJson, ApiPath, Problem,
     session::{
-        Caller, NewPasskey, PasskeyBegin, PasskeyList, PasskeyOffer, PasskeyRemoval, RecoveryCodes,
+        Caller, NewPasskey, OwnPasskeys, PasskeyBegin, PasskeyList, PasskeyOffer, PasskeyRemoval,
+        RecoveryCodes,
     },
 };
 
@@ -25,7 +26,7 @@ pub async fn list_passkeys(
     user: Viewer,
     State(api): State<Api>,
 ) -> Result<Json<PasskeyList>, Problem> {
-    Ok(Json(api.sessions.passkeys(&user.user_name).await?))
+    Ok(Json(OwnPasskeys::of(&api.sessions, &user.user_name).list().await?))
 }
 
 /// Makes the options with which a browser makes a passkey.
@@ -42,7 +43,7 @@ pub async fn begin_passkey(
     caller: Caller,
     ApiJson(body): ApiJson<PasskeyBegin>,
 ) -> Result<Json<PasskeyOffer>, Problem> {
-    Ok(Json(api.sessions.begin_passkey(&caller, &user, body).await?))
+    Ok(Json(OwnPasskeys::of(&api.sessions, &user.user_name).begin(&caller, body).await?))
 }
 
 /// Adds a passkey that a browser made; the answer has recovery codes where it is the first second factor.
@@ -58,7 +59,7 @@ pub async fn add_passkey(
     State(api): State<Api>,
     ApiJson(body): ApiJson<NewPasskey>,
 ) -> Result<Json<RecoveryCodes>, Problem> {
-    Ok(Json(api.sessions.add_passkey(&user, &body).await?))
+    Ok(Json(OwnPasskeys::of(&api.sessions, &user.user_name).add(&body).await?))
 }
 
 /// Removes one of the own passkeys.
@@ -77,6 +78,7 @@ pub async fn remove_passkey(
     ApiPath(passkey_id): ApiPath<String>,
     ApiJson(body): ApiJson<PasskeyRemoval>,
 ) -> Result<StatusCode, Problem> {
-    api.sessions.remove_passkey(&caller, &user, &passkey_id, body).await?;
+    let passkeys = OwnPasskeys::of(&api.sessions, &user.user_name);
+    passkeys.remove(&caller, &passkey_id, body).await?;
     Ok(StatusCode::NO_CONTENT)
 }

@@ -4,7 +4,7 @@ use axum::{Json, extract::State, http::StatusCode};
 use axum_extra::extract::CookieJar;
 use daemon::web::{
     ApiJson, Problem,
-    session::{Caller, SignIn, SignedIn},
+    session::{self, Caller, SignIn, SignedIn},
 };
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -50,7 +50,7 @@ pub async fn sign_in(
     caller: Caller,
     ApiJson(body): ApiJson<SignIn>,
 ) -> Result<(CookieJar, Json<Session>), Problem> {
-    let (cookie, user) = api.sessions.sign_in(&caller, &body).await?;
+    let (cookie, user) = session::sign_in(&api.sessions, &caller, &body).await?;
     Ok((caller.cookies.add(cookie), Json(user.into())))
 }
 

@@ -4,8 +4,8 @@ use axum::{Json, extract::State, http::StatusCode};
 use daemon::web::{
     ApiJson, ApiPath, Problem,
     session::{
-        Caller, NewPasskey, PasskeyBegin, PasskeyList, PasskeyOffer, PasskeyRemoval, RecoveryCodes,
-        SignedIn,
+        Caller, NewPasskey, OwnPasskeys, PasskeyBegin, PasskeyList, PasskeyOffer, PasskeyRemoval,
+        RecoveryCodes, SignedIn,
     },
 };
 
@@ -19,7 +19,7 @@ pub async fn list(
     State(app): State<Application>,
     who: SignedIn<Principal>,
 ) -> Result<Json<PasskeyList>, Problem> {
-    Ok(Json(app.sessions.passkeys(&who.user_name).await?))
+    Ok(Json(OwnPasskeys::of(&app.sessions, &who.user_name).list().await?))
 }
 
 /// Makes the options with which a browser makes a passkey.
@@ -32,7 +32,7 @@ pub async fn begin(
     caller: Caller,
     ApiJson(body): ApiJson<PasskeyBegin>,
 ) -> Result<Json<PasskeyOffer>, Problem> {
-    Ok(Json(app.sessions.begin_passkey(&caller, &who, body).await?))
+    Ok(Json(OwnPasskeys::of(&app.sessions, &who.user_name).begin(&caller, body).await?))
 }
 
 /// Adds a passkey that a browser made; the answer has recovery codes where it is the first second factor.
@@ -44,7 +44,7 @@ pub async fn add(
     who: SignedIn<Principal>,
     ApiJson(body): ApiJson<NewPasskey>,
 ) -> Result<Json<RecoveryCodes>, Problem> {
-    Ok(Json(app.sessions.add_passkey(&who, &body).await?))
+    Ok(Json(OwnPasskeys::of(&app.sessions, &who.user_name).add(&body).await?))
 }
 
 /// Removes one of the own passkeys.
@@ -59,6 +59,7 @@ pub async fn remove(
     ApiPath(passkey_id): ApiPath<String>,
     ApiJson(body): ApiJson<PasskeyRemoval>,
 ) -> Result<StatusCode, Problem> {
-    app.sessions.remove_passkey(&caller, &who, &passkey_id, body).await?;
+    let passkeys = OwnPasskeys::of(&app.sessions, &who.user_name);
+    passkeys.remove(&caller, &passkey_id, body).await?;
     Ok(StatusCode::NO_CONTENT)
 }

@@ -5,7 +5,7 @@ use axum::{Json, extract::State, http::StatusCode};
 use axum_extra::extract::CookieJar;
 use daemon::web::{
     ApiJson, Problem,
-    session::{Caller, SignIn, SignedIn},
+    session::{self, Caller, SignIn, SignedIn},
 };
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -44,7 +44,7 @@ pub async fn sign_in(
     caller: Caller,
     ApiJson(body): ApiJson<SignIn>,
 ) -> Result<(CookieJar, Json<Session>), Problem> {
-    let (cookie, who) = app.sessions.sign_in(&caller, &body).await?;
+    let (cookie, who) = session::sign_in(&app.sessions, &caller, &body).await?;
     Ok((caller.cookies.add(cookie), Json(who.into())))
 }
 

@@ -16,7 +16,7 @@ use crate::{
 };
 
 /// Members whose values differ from run to run, or depend on the machine.
-const VOLATILE: [&str; 22] = [
+const VOLATILE: [&str; 23] = [
     "agentId",
     "brokerUrl",
     "checkpoint",
@@ -26,6 +26,7 @@ const VOLATILE: [&str; 22] = [
     "lastEventId",
     "link",
     "options",
+    "passkeyId",
     "password",
     "profile",
     "qrCode",

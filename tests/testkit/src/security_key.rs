@@ -34,7 +34,7 @@ impl SecurityKey {
     /// Makes a key for pages of this origin; a name has the same key each time.
     ///
     /// # Panics
-    /// Where the hash of the name is no key, which no name of a test is.
+    /// A hash of the name that is no key; no test has one.
     #[must_use]
     pub fn new(name: &str, origin: &str) -> Self {
         Self {

@@ -14,7 +14,7 @@ use super::{
     },
     credentials::{Caller, PasskeyAssertion},
     second_factor::{RecoveryCodes, new_recovery_codes, wrong},
-    sessions::{Sessions, SignedIn, internal, now, random_token},
+    sessions::{Sessions, internal, now, random_token},
     webauthn::{
         Assertion, Attestation, Naming, Registrant, RelyingParty, WebauthnError, begin_assertion,
         begin_registration,
@@ -100,16 +100,34 @@ impl From<StoredPasskey> for PasskeySummary {
     }
 }
 
-impl<A: Accounts> Sessions<A> {
-    /// Lists the passkeys of a user.
+/// Passkeys of one user.
+pub struct OwnPasskeys<'s, A: Accounts> {
+    sessions: &'s Sessions<A>,
+    user_name: &'s str,
+}
+
+impl<'s, A: Accounts> OwnPasskeys<'s, A> {
+    /// Returns those of a user who signs in or is signed in.
+    #[must_use]
+    pub const fn of(sessions: &'s Sessions<A>, user_name: &'s str) -> Self {
+        Self { sessions, user_name }
+    }
+
+    /// Lists them.
     ///
     /// # Errors
     /// A [`Problem`] when the store fails.
-    pub async fn passkeys(&self, user_name: &str) -> Result<PasskeyList, Problem> {
-        let passkeys = self.accounts().passkeys(user_name).await.map_err(internal)?;
+    pub async fn list(&self) -> Result<PasskeyList, Problem> {
+        let passkeys = self.stored().await?;
         Ok(PasskeyList {
             items: passkeys.into_iter().map(Into::into).collect(),
-            unavailable: self.config().relying_party.as_ref().err().map(|why| format!("{why}.")),
+            unavailable: self
+                .sessions
+                .config()
+                .relying_party
+                .as_ref()
+                .err()
+                .map(|why| format!("{why}.")),
         })
     }
 
@@ -118,30 +136,29 @@ impl<A: Accounts> Sessions<A> {
     /// # Errors
     /// A [`Problem`]: 409 where passkeys are unavailable or the user has as many as there may be, 422 for a
     /// wrong password, and those of a sign-in.
-    pub async fn begin_passkey(
+    pub async fn begin(
         &self,
         caller: &Caller,
-        user: &SignedIn<A::Principal>,
         body: PasskeyBegin,
     ) -> Result<PasskeyOffer, Problem> {
         let party = self.relying_party()?;
-        self.check_password(caller, &user.user_name, body.password).await?;
-        let passkeys = self.accounts().passkeys(&user.user_name).await.map_err(internal)?;
+        self.sessions.check_password(caller, self.user_name, body.password).await?;
+        let (passkeys, config) = (self.stored().await?, self.sessions.config());
         if passkeys.len() >= PASSKEYS_MAX {
             let detail = format!("There are {PASSKEYS_MAX} passkeys. Remove one first.");
             return Err(Problem::conflict("TOO_MANY_PASSKEYS", detail));
         }
         let registrant = Registrant {
-            user_name: &user.user_name,
-            issuer: &self.config().issuer,
+            user_name: self.user_name,
+            issuer: &config.issuer,
             user_handle: passkeys.first().map_or_else(new_user_handle, |first| first.user_handle),
             passkeys: &passkeys,
         };
         let (challenge, state, options) =
-            begin_registration(party, &registrant, self.config().challenge_lifetime)
+            begin_registration(party, &registrant, config.challenge_lifetime)
                 .map_err(|error| Problem::internal(&error))?;
-        let mut open = self.registrations().lock();
-        open.put(&user.user_name, challenge, state, Instant::now());
+        let mut open = self.sessions.registrations().lock();
+        open.put(self.user_name, challenge, state, Instant::now());
         Ok(PasskeyOffer { options })
     }
 
@@ -150,11 +167,7 @@ impl<A: Accounts> Sessions<A> {
     /// # Errors
     /// A [`Problem`]: 409 where passkeys are unavailable or this one is known, 422 for a name or a credential
     /// that is refused, as one for another challenge.
-    pub async fn add_passkey(
-        &self,
-        user: &SignedIn<A::Principal>,
-        body: &NewPasskey,
-    ) -> Result<RecoveryCodes, Problem> {
+    pub async fn add(&self, body: &NewPasskey) -> Result<RecoveryCodes, Problem> {
         let party = self.relying_party()?;
         let name = body.name.trim();
         let chars = name.chars().count();
@@ -163,73 +176,71 @@ impl<A: Accounts> Sessions<A> {
             return Err(wrong("/name", "NAME_REFUSED", &message));
         }
         let (challenge, attestation) = Attestation::parse(&body.credential).map_err(refused)?;
-        let state = self.registrations().lock().take(&user.user_name, challenge, Instant::now());
+        let mut open = self.sessions.registrations().lock();
+        let state = open.take(self.user_name, challenge, Instant::now());
+        drop(open);
         let state = state.ok_or_else(|| refused(WebauthnError::NoChallenge))?;
         let naming =
             Naming { passkey_id: random_token(), name: name.to_owned(), created_at: now() };
         let passkey = attestation.verify(party, state, naming).map_err(refused)?;
 
-        let factors = self.second_factors(&user.user_name).await?;
+        let factors = self.sessions.second_factors(self.user_name).await?;
         let new_codes = factors.lacks_recovery_codes().then(new_recovery_codes);
         let digests = new_codes.as_ref().map(|codes| codes.digests.as_slice());
-        let change = AccountChange { by: &user.user_name, operation: "addPasskey" };
-        let added = self.accounts().add_passkey(&user.user_name, &passkey, digests, change);
+        let change = AccountChange { by: self.user_name, operation: "addPasskey" };
+        let accounts = self.sessions.accounts();
+        let added = accounts.add_passkey(self.user_name, &passkey, digests, change);
         if !added.await.map_err(internal)? {
             let detail = "This passkey is there already, or there are too many.";
             return Err(Problem::conflict("PASSKEY_KNOWN", detail));
         }
-        tracing::info!(user.name = user.user_name, "A passkey was added.");
+        tracing::info!(user.name = self.user_name, "A passkey was added.");
         let recovery_codes = new_codes.map(|codes| codes.codes).unwrap_or_default();
         Ok(RecoveryCodes { recovery_codes })
     }
 
-    /// Removes a passkey of a user.
+    /// Removes one.
     ///
     /// # Errors
     /// A [`Problem`]: 404 where the user has no such passkey, 422 for a wrong password, and those of a sign-in.
-    pub async fn remove_passkey(
+    pub async fn remove(
         &self,
         caller: &Caller,
-        user: &SignedIn<A::Principal>,
         passkey_id: &str,
         body: PasskeyRemoval,
     ) -> Result<(), Problem> {
-        self.check_password(caller, &user.user_name, body.password).await?;
-        let change = AccountChange { by: &user.user_name, operation: "removePasskey" };
-        let removed = self.accounts().delete_passkey(&user.user_name, passkey_id, change);
+        self.sessions.check_password(caller, self.user_name, body.password).await?;
+        let change = AccountChange { by: self.user_name, operation: "removePasskey" };
+        let accounts = self.sessions.accounts();
+        let removed = accounts.delete_passkey(self.user_name, passkey_id, change);
         if !removed.await.map_err(internal)? {
             return Err(Problem::not_found("such passkey"));
         }
-        tracing::info!(user.name = user.user_name, "A passkey was removed.");
+        tracing::info!(user.name = self.user_name, "A passkey was removed.");
         Ok(())
     }
 
     /// Makes the options with which a browser signs in by one of these passkeys; `None` where browsers
     /// cannot use them here.
-    pub(super) fn passkey_options(
-        &self,
-        user_name: &str,
-        passkeys: &[StoredPasskey],
-    ) -> Result<Option<Value>, Problem> {
+    pub(super) fn options(&self, passkeys: &[StoredPasskey]) -> Result<Option<Value>, Problem> {
         let Ok(party) = self.relying_party() else { return Ok(None) };
-        let begun = begin_assertion(party, passkeys, self.config().challenge_lifetime);
+        let begun = begin_assertion(party, passkeys, self.sessions.config().challenge_lifetime);
         let (challenge, state, options) = begun.map_err(|error| Problem::internal(&error))?;
-        self.assertions().lock().put(user_name, challenge, state, Instant::now());
+        let mut open = self.sessions.assertions().lock();
+        open.put(self.user_name, challenge, state, Instant::now());
         Ok(Some(options))
     }
 
-    /// Returns true if an assertion is by a passkey of the user for a challenge that is open, and uses the
-    /// challenge up.
-    pub(super) async fn is_passkey(
-        &self,
-        user_name: &str,
-        sent: &PasskeyAssertion,
-    ) -> Result<bool, Problem> {
+    /// Returns true if an assertion is by one of them for a challenge that is open, and uses the challenge
+    /// up.
+    pub(super) async fn is_right(&self, sent: &PasskeyAssertion) -> Result<bool, Problem> {
         let Ok(party) = self.relying_party() else { return Ok(false) };
         let Ok((challenge, assertion)) = Assertion::parse(&sent.json()) else { return Ok(false) };
-        let state = self.assertions().lock().take(user_name, challenge, Instant::now());
+        let mut open = self.sessions.assertions().lock();
+        let state = open.take(self.user_name, challenge, Instant::now());
+        drop(open);
         let Some(state) = state else { return Ok(false) };
-        let passkeys = self.accounts().passkeys(user_name).await.map_err(internal)?;
+        let passkeys = self.stored().await?;
         let id = assertion.credential_id();
         let Some(passkey) = passkeys.iter().find(|passkey| passkey.credential_id == id) else {
             return Ok(false);
@@ -237,7 +248,7 @@ impl<A: Accounts> Sessions<A> {
         let dynamic_state = match assertion.verify(party, state, passkey) {
             Ok(state) => state,
             Err(error) => {
-                report(&error, user_name, passkey);
+                report(&error, self.user_name, passkey);
                 return Ok(false);
             }
         };
@@ -248,11 +259,15 @@ impl<A: Accounts> Sessions<A> {
             at: now(),
         };
         // The store decides: of two uses at once with the same counter one is refused.
-        self.accounts().use_passkey(user_name, &used).await.map_err(internal)
+        self.sessions.accounts().use_passkey(self.user_name, &used).await.map_err(internal)
     }
 
-    fn relying_party(&self) -> Result<&RelyingParty, Problem> {
-        self.config().relying_party.as_ref().map_err(|why| {
+    async fn stored(&self) -> Result<Vec<StoredPasskey>, Problem> {
+        self.sessions.accounts().passkeys(self.user_name).await.map_err(internal)
+    }
+
+    fn relying_party(&self) -> Result<&'s RelyingParty, Problem> {
+        self.sessions.config().relying_party.as_ref().map_err(|why| {
             Problem::conflict("PASSKEYS_UNAVAILABLE", format!("Passkeys are unavailable: {why}."))
         })
     }

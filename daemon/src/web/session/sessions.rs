@@ -1,4 +1,4 @@
-//! Sessions: the user of a cookie, and signing out.
+//! Sessions: opened, the user of a cookie, and signing out.
 
 use std::{
     sync::Arc,
@@ -13,6 +13,7 @@ use rand::RngCore;
 
 use super::{
     accounts::{AccountChange, Accounts, AccountsError, SessionId, StoredSession},
+    credentials::Caller,
     hashing::{HashingError, PasswordHashing},
     session_config::SessionConfig,
     sign_in_gate::{SignInGate, busy},
@@ -29,6 +30,9 @@ pub const CSRF_HEADER: &str = "x-csrf-token";
 
 /// Precision of a session's last use; noting each request would be a write for each.
 const USE_PRECISION: Duration = Duration::from_secs(60);
+
+/// Sessions of a user at once; one more ends the one that was used longest ago.
+const SESSIONS_PER_USER_MAX: usize = 32;
 
 /// Sessions over the daemon's accounts: signs users in and out. Clones share everything.
 pub struct Sessions<A: Accounts> {
@@ -210,6 +214,50 @@ impl<A: Accounts> Sessions<A> {
         self.hashing().verify(hash, password).await.map_err(not_hashed)
     }
 
+    /// Opens a session; the one that the browser had before ends.
+    pub(super) async fn open_session(
+        &self,
+        caller: &Caller,
+        user_name: &str,
+    ) -> Result<(Cookie<'static>, StoredSession), Problem> {
+        if let Some(former) = caller.cookies.get(self.config().cookie_name()) {
+            let former = SessionId::of(former.value());
+            self.accounts()
+                .delete_session(&former, signs_out(user_name))
+                .await
+                .map_err(internal)?;
+        }
+        self.make_room(user_name).await?;
+        let token = random_token();
+        let now = now();
+        let session = StoredSession {
+            id: SessionId::of(&token),
+            user_name: user_name.to_owned(),
+            csrf_token: random_token(),
+            started_at: now,
+            last_used_at: now,
+            expires_at: now + self.config().lifetime,
+            address: caller.address.to_string(),
+            user_agent: caller.user_agent.clone(),
+        };
+        self.accounts().put_session(&session).await.map_err(internal)?;
+        Ok((self.cookie(token, self.config().lifetime), session))
+    }
+
+    /// Ends the sessions of a user that are used least, so that there is room for one more.
+    async fn make_room(&self, user_name: &str) -> Result<(), Problem> {
+        let mut sessions = self.live_sessions(user_name).await?;
+        sessions.sort_by_key(|session| session.last_used_at);
+        let surplus = (sessions.len() + 1).saturating_sub(SESSIONS_PER_USER_MAX);
+        for session in &sessions[..surplus] {
+            self.accounts()
+                .delete_session(&session.id, signs_out(user_name))
+                .await
+                .map_err(internal)?;
+        }
+        Ok(())
+    }
+
     /// Ends a session; the cookie that removes the browser's goes into the answer.
     ///
     /// # Errors
@@ -250,6 +298,6 @@ pub fn random_token() -> String {
     URL_SAFE_NO_PAD.encode(bytes)
 }
 
-pub(super) const fn signs_out(user_name: &str) -> Option<AccountChange<'_>> {
+const fn signs_out(user_name: &str) -> Option<AccountChange<'_>> {
     Some(AccountChange { by: user_name, operation: "signOut" })
 }

@@ -13,7 +13,7 @@ const CHALLENGES_MAX: usize = 1024;
 /// Challenges that wait for the answer of an authenticator, in memory alone.
 pub(in super::super) struct OpenChallenges<S> {
     lifetime: Duration,
-    /// Oldest first.
+    /// Queue by the time of the begin, so that those that expire are in front.
     open: VecDeque<OpenChallenge<S>>,
 }
 
