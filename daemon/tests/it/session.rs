@@ -2,11 +2,12 @@
 
 use std::time::{Duration, SystemTime};
 
+use daemon::web::session::SessionConfig;
 use reqwest::Method;
 use serde_json::{Value, json};
 use testkit::ApiClient;
 
-use crate::harness::Harness;
+use crate::harness::{Harness, PAGES};
 
 const SESSION: &str = "/api/v1/session";
 
@@ -53,6 +54,20 @@ async fn the_cookie_is_guarded_and_the_store_does_not_know_it() {
     assert!(cookie.starts_with("verbund_test_8080="), "{cookie}");
     let token = cookie.split(['=', ';']).nth(1).expect("a value");
     assert!(harness.memory.sessions.lock().keys().all(|id| id != token));
+}
+
+#[tokio::test]
+async fn the_cookie_of_pages_over_tls_is_for_this_host_and_tls_alone() {
+    let over_tls = SessionConfig::new("verbund_test", "Verbund test", true, 8080, PAGES);
+    let harness = Harness::start_with(|config, _| *config = over_tls).await;
+    let body = json!({ "userName": "ann", "password": "correct horse" });
+    let request = harness.api.request(Method::POST, SESSION).json(&body);
+    let response = request.send().await.expect("an answer");
+    let cookie = response.headers()["set-cookie"].to_str().expect("text").to_owned();
+    // What browsers demand of such a name (RFC 6265bis, 4.1.3.2).
+    assert!(cookie.starts_with("__Host-verbund_test_8080="), "{cookie}");
+    assert!(cookie.contains("; Secure") && cookie.contains("; Path=/"), "{cookie}");
+    assert!(!cookie.contains("Domain"), "{cookie}");
 }
 
 #[tokio::test]

@@ -1,6 +1,6 @@
 //! Walls around a worker, as the real one reports them.
 
-use mapping_engine::WorkerPurpose;
+use mapping_engine::{LandlockState, WorkerPurpose};
 
 use super::bench::{Bench, Worker};
 
@@ -17,6 +17,13 @@ pub async fn its_walls_are_reported(worker: &Worker) {
     assert!(walls.has_limits && status.engine.is_some(), "{status:?}");
     // By default nothing runs without: that it ran shows the filter.
     assert_eq!(walls.is_filtered, cfg!(target_os = "linux"), "{walls:?}");
+    let modules = std::fs::read_to_string("/sys/kernel/security/lsm").unwrap_or_default();
+    let has_landlock = modules.split(',').any(|module| module.trim() == "landlock");
+    if has_landlock {
+        assert_ne!(walls.landlock, LandlockState::None, "the kernel has it: {walls:?}");
+    } else {
+        eprintln!("This kernel shows no Landlock: the worker has {:?}.", walls.landlock);
+    }
     let user_id = rustix::process::geteuid();
     assert_eq!(walls.has_own_user, user_id.is_root(), "as root it is another: {walls:?}");
     assert_eq!(walls.user_id == user_id.as_raw(), !user_id.is_root());
