@@ -176,9 +176,8 @@ impl<'s, A: Accounts> OwnPasskeys<'s, A> {
             return Err(wrong("/name", "NAME_REFUSED", &message));
         }
         let (challenge, attestation) = Attestation::parse(&body.credential).map_err(refused)?;
-        let mut open = self.sessions.registrations().lock();
-        let state = open.take(self.user_name, challenge, Instant::now());
-        drop(open);
+        let open = self.sessions.registrations();
+        let state = open.lock().take(self.user_name, challenge, Instant::now());
         let state = state.ok_or_else(|| refused(WebauthnError::NoChallenge))?;
         let naming =
             Naming { passkey_id: random_token(), name: name.to_owned(), created_at: now() };
@@ -236,9 +235,8 @@ impl<'s, A: Accounts> OwnPasskeys<'s, A> {
     pub(super) async fn is_right(&self, sent: &PasskeyAssertion) -> Result<bool, Problem> {
         let Ok(party) = self.relying_party() else { return Ok(false) };
         let Ok((challenge, assertion)) = Assertion::parse(&sent.json()) else { return Ok(false) };
-        let mut open = self.sessions.assertions().lock();
-        let state = open.take(self.user_name, challenge, Instant::now());
-        drop(open);
+        let open = self.sessions.assertions();
+        let state = open.lock().take(self.user_name, challenge, Instant::now());
         let Some(state) = state else { return Ok(false) };
         let passkeys = self.stored().await?;
         let id = assertion.credential_id();
