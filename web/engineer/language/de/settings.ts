@@ -38,6 +38,7 @@ export const settings: typeof English = {
       sealing: 'Versiegelung der Passwörter',
       web: 'Seiten und API',
       'web.tls': 'TLS der Seiten',
+      'web.share_per_person': 'Anteil jeder Person an den Seiten',
       twin: 'Zwilling',
       'twin.security': 'Sicherheit des Zwillings',
       'twin.limits': 'Grenzen des Zwillings',
@@ -72,6 +73,14 @@ export const settings: typeof English = {
       'web.trusted_proxies':
         'Proxys vor den Seiten. Nur ihnen wird geglaubt, welche Adresse ihr Gegenüber hat.',
       'web.forwarded_header': 'Kopfzeile, in der die Proxys diese Adresse nennen.',
+      'web.share_per_person.requests_per_second':
+        'Anfragen einer Person je Sekunde auf Dauer. Was darüber hinausgeht, wird eine Weile abgelehnt.',
+      'web.share_per_person.requests_at_once':
+        'Anfragen einer Person auf einmal, nach einer Pause.',
+      'web.share_per_person.downloads':
+        'Exporte, Prüfungen und Verifikationen einer Person zur gleichen Zeit.',
+      'web.share_per_person.streams':
+        'Live-Ströme einer Person zur gleichen Zeit; jede offene Seite hat einen.',
       'web.tls.certificate':
         'Zertifikat als PEM. Ohne Zertifikat und Schlüssel unverschlüsselt, nur für diesen Rechner oder hinter einem Proxy mit TLS.',
       'web.tls.key': 'Schlüssel als PEM.',

@@ -36,6 +36,7 @@ export const settings = {
       sealing: 'Sealing of passwords',
       web: 'Pages and API',
       'web.tls': 'TLS of the pages',
+      'web.share_per_person': 'Each person’s share of the pages',
       twin: 'Twin',
       'twin.security': 'Security of the twin',
       'twin.limits': 'Limits of the twin',
@@ -71,6 +72,13 @@ export const settings = {
       'web.trusted_proxies':
         'Proxies in front of the pages. They alone are believed about the address of their client.',
       'web.forwarded_header': 'Header in which the proxies tell that address.',
+      'web.share_per_person.requests_per_second':
+        'Requests of one person per second, for long. Beyond it they are refused for a while.',
+      'web.share_per_person.requests_at_once': 'Requests of one person at once, after a pause.',
+      'web.share_per_person.downloads':
+        'Exports, audits and verifications of one person at the same time.',
+      'web.share_per_person.streams':
+        'Live streams of one person at the same time; each open page has one.',
       'web.tls.certificate':
         'Certificate as PEM. Without certificate and key plain HTTP, for this machine only or behind a proxy that speaks TLS.',
       'web.tls.key': 'Key as PEM.',
