@@ -28,7 +28,8 @@ pub struct Problem {
     #[schema(value_type = String)]
     pub code: Box<str>,
     /// Problem and remedy, for people.
-    pub detail: String,
+    #[schema(value_type = String)]
+    pub detail: Box<str>,
     /// Each single fault, where a document has several.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub faults: Vec<ProblemFault>,
@@ -88,7 +89,7 @@ impl Problem {
             title: status.canonical_reason().unwrap_or("Error").into(),
             status: status.as_u16(),
             code: code.into(),
-            detail: detail.into(),
+            detail: detail.into().into(),
             faults: Vec::new(),
             retry_after_seconds: None,
             second_factor: None,
