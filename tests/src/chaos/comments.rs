@@ -21,6 +21,11 @@ use crate::{
 /// Time between two comments of one author: often enough that many are being received whenever something
 /// is killed.
 const PAUSE: Duration = Duration::from_millis(40);
+/// Number of comments of an author after which the pause is longer: a person and a factory have a quota.
+const MANY: usize = 900;
+const LONG_PAUSE: Duration = Duration::from_secs(2);
+/// Most comments of an author; below the quota of a person on a network.
+const COMMENTS_MAX: usize = 1900;
 
 /// Authors who comment until they are stopped.
 pub(super) struct CommentTraffic {
@@ -70,6 +75,9 @@ impl Author {
         let mut accepted = Vec::new();
         let mut is_signed_in = false;
         for number in 0_u64.. {
+            if accepted.len() >= COMMENTS_MAX {
+                break;
+            }
             // A program that starts again has forgotten its sessions.
             is_signed_in = is_signed_in || self.api.sign_in(self.user, PASSWORD).await.is_ok();
             if is_signed_in {
@@ -81,7 +89,8 @@ impl Author {
                     accepted.push(Comment { factory, is_from_factory, text });
                 }
             }
-            if stop.run_until_cancelled(tokio::time::sleep(PAUSE)).await.is_none() {
+            let pause = if accepted.len() < MANY { PAUSE } else { LONG_PAUSE };
+            if stop.run_until_cancelled(tokio::time::sleep(pause)).await.is_none() {
                 break;
             }
         }
