@@ -1,28 +1,9 @@
-//! The inputs of the fuzz target, replayed in every run, and the same cut off and changed.
+//! The inputs of the fuzz target, replayed in every run.
 
 #[path = "../../fuzz/inputs/client.rs"]
 mod client;
 
-use std::path::Path;
-
 #[test]
 fn the_corpus_of_http_requests_replays() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus/http");
-    let inputs = std::fs::read_dir(folder).expect("a corpus");
-    let inputs: Vec<_> = inputs
-        .map(|input| std::fs::read(input.expect("an entry").path()).expect("an input"))
-        .collect();
-    assert!(inputs.len() >= 10, "{} inputs", inputs.len());
-    for input in inputs {
-        for end in (0..input.len()).step_by(17).chain([input.len()]) {
-            client::client(&input[..end]);
-        }
-        for at in (0..input.len()).step_by(17) {
-            for value in [0x00, 0x20, 0x22, 0x7f, 0x80, 0xff] {
-                let mut changed = input.clone();
-                changed[at] = value;
-                client::client(&changed);
-            }
-        }
-    }
+    testkit::corpus::replay(env!("CARGO_MANIFEST_DIR"), "http", 17, client::client);
 }

@@ -106,12 +106,16 @@ fn forgotten_steps(left: &BTreeMap<ReportKey, stores::Left>) -> Vec<String> {
     let mut counts: BTreeMap<&str, BTreeSet<i64>> = BTreeMap::new();
     for report in left.values() {
         let steps = report.content.fields.get("steps").map(|field| &field.value);
-        let steps = steps.and_then(|value| value.as_str()?.parse().ok().or(value.as_i64()));
+        // A number of 64 bits is a text in JSON.
+        let steps = steps.and_then(|value| value.as_str()?.parse().ok());
         if let Some(steps) = steps {
             counts.entry(&report.content.request).or_default().insert(steps);
         }
     }
     let mut faults = Vec::new();
+    if counts.is_empty() {
+        faults.push("no report has a counted value".to_owned());
+    }
     for (request, counts) in counts {
         let (first, last) = (counts.first().copied(), counts.last().copied());
         let span = last.zip(first).map_or(0, |(last, first)| last - first + 1);

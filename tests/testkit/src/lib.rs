@@ -5,6 +5,7 @@
 //! - [`ApiClient`]: a client of a daemon's web API, as a browser is one.
 //! - [`authenticator`]: codes of a second factor.
 //! - [`SecurityKey`]: a passkey, with the browser in front of it.
+//! - [`corpus`]: inputs of fuzz targets, replayed.
 //! - [`Contract`]: an API's description, which answers are compared with.
 //! - [`EventStream`]: server-sent events, one by one.
 
@@ -12,6 +13,7 @@ pub mod amqp;
 mod api_client;
 pub mod authenticator;
 mod contract;
+pub mod corpus;
 mod event_stream;
 pub mod opcua;
 mod security_key;
