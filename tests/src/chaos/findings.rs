@@ -100,8 +100,8 @@ fn holes<'k>(keys: impl Iterator<Item = &'k ReportKey>) -> Vec<String> {
     faults
 }
 
-/// Compares the values that a script counted with those in reports: what comes faster than reports may leave is
-/// left out, but nothing else is lost between the machine and the first store.
+/// Compares the values that a script counted with those in reports. Values that came in one notification, as after
+/// a stall, are in one report; but for these each is in a report of its own.
 fn forgotten_steps(left: &BTreeMap<ReportKey, stores::Left>) -> Vec<String> {
     let mut counts: BTreeMap<&str, BTreeSet<i64>> = BTreeMap::new();
     for report in left.values() {

@@ -14,6 +14,9 @@ use crate::{
 /// Further requests to each factory.
 const REQUESTS: usize = 3;
 
+/// Time between values that are counted, in milliseconds: several publishing intervals.
+const COUNTED_INTERVAL_MS: u64 = 250;
+
 /// Asks both factories for values that change with every cycle of the machines, and maps them.
 pub(super) async fn put_on(cast: &Cast) -> anyhow::Result<String> {
     for (factory, connector, operation) in
@@ -54,8 +57,8 @@ async fn ask(platform: &Api, factory: &str, operation: &str, number: usize) -> a
     platform.post::<Value>(&path, &body).await.map(drop)
 }
 
-/// Maps three fields: a measured value, a number that a script increments with each change, and a
-/// text.
+/// Maps three fields: a measured value, a number that a script increments with each change that it gets, and
+/// a text.
 async fn decide(
     connector: &Api,
     factory: &str,
@@ -64,17 +67,20 @@ async fn decide(
 ) -> anyhow::Result<()> {
     let (machine, key) =
         if factory == MUNICH { ("MillingCell1", "Spindle.Power") } else { ("Press1", "Ram.Force") };
-    let count =
-        "(value, ctx) => { ctx.state.n = (ctx.state.n ?? 0) + 1; return BigInt(ctx.state.n); }";
-    let mapped = |steps: Value| {
+    let count = "(value, ctx) => { ctx.state = (ctx.state ?? 0) + 1; return BigInt(ctx.state); }";
+    let mapped = |steps: Value, monitor: Value| {
         json!({ "mappingState": "MAPPED", "valueSource": "MAPPING", "disclosure": {}, "mapping": {
             "inputs": [ { "name": "input", "sourceId": machine, "nodeId": story::node(machine, key),
-                          "valueType": "Double" } ], "steps": steps } })
+                          "valueType": "Double", "monitor": monitor } ], "steps": steps } })
     };
+    let script = |source: &str| json!([{ "function": "script", "source": source }]);
+    // Values that come in one notification make one report, which has the last of them. What is counted comes apart:
+    // each value has to be in a report.
+    let apart = json!({ "samplingIntervalMs": COUNTED_INTERVAL_MS, "queueSize": 1 });
     let decisions = [
-        ("measured", mapped(json!([]))),
-        ("steps", mapped(json!([{ "function": "script", "source": count }]))),
-        ("scripted", mapped(json!([{ "function": "script", "source": "value => `at ${value}`" }]))),
+        ("measured", mapped(json!([]), json!({}))),
+        ("steps", mapped(script(count), apart)),
+        ("scripted", mapped(script("value => `at ${value}`"), json!({}))),
     ];
     for (field, decision) in decisions {
         let path = story::field_path(operation, &request_id(factory, number), field);
