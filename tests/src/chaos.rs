@@ -12,7 +12,6 @@ mod copied;
 mod disk;
 mod findings;
 mod line;
-mod load;
 mod plan;
 mod rolled_back;
 mod stage;
@@ -36,7 +35,7 @@ use crate::{
     demo::Cast,
     frame_order::{HAMBURG, MUNICH},
     harness::{Api, Daemon, DaemonCommand, Deadline, Steps, binary, eventually, say},
-    scenario::story,
+    scenario::{load, story},
     world::BrokerKind,
 };
 

@@ -4,6 +4,7 @@
 
 mod amqp;
 mod attacks;
+mod downloads;
 mod files;
 mod http;
 mod members;
@@ -64,6 +65,10 @@ async fn play_attacks(scene: &mut Scene, only: Option<&str>) -> anyhow::Result<(
     }
     if is_wanted("siege") {
         siege::run(scene).await?;
+    }
+    // Last: the values that fill the ledger go on.
+    if is_wanted(downloads::NAME) {
+        downloads::run(scene).await?;
     }
     Ok(())
 }

@@ -2,4 +2,5 @@
 //! buyer wants to know how it goes. The demo plays it, the tests check it, the benchmarks load it.
 
 mod decisions;
+pub(crate) mod load;
 pub mod story;

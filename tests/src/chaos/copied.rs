@@ -5,10 +5,11 @@ use std::time::{Duration, Instant};
 use anyhow::Context as _;
 use serde_json::Value;
 
-use super::{CommentTraffic, Fault, Stage, drain, flows, judge, load};
+use super::{CommentTraffic, Fault, Stage, drain, flows, judge};
 use crate::{
     frame_order::MUNICH,
     harness::{Api, Daemon, Steps, eventually, say},
+    scenario::load,
     world::{BrokerKind, World},
 };
 

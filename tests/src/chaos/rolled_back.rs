@@ -6,10 +6,11 @@ use std::{path::PathBuf, process::Command, time::Duration};
 use anyhow::Context as _;
 use serde_json::{Value, json};
 
-use super::{Fault, Stage, flows, load};
+use super::{Fault, Stage, flows};
 use crate::{
     frame_order::MUNICH,
     harness::{Api, Daemon, Steps, eventually, say},
+    scenario::load,
     world::BrokerKind,
 };
 

@@ -92,11 +92,7 @@ fn of_files(scene: &Scene) -> Vec<Attack> {
 
 fn of_the_web(scene: &Scene) -> Vec<Attack> {
     let places = &scene.world.places;
-    let mut all = vec![attack(
-        Target::Connector,
-        "downloads that nobody reads",
-        http::unread_downloads(scene.cast.munich.clone()),
-    )];
+    let mut all = Vec::new();
     let (networks, policies) = ("/api/v1/operation-networks/n", "/api/v1/policies/p");
     for (of, port, api, document) in [
         (Target::Platform, places.platform_web, &scene.cast.platform, networks),

@@ -11,7 +11,7 @@ use tokio::{
     time::timeout,
 };
 
-use crate::{frame_order::BUYER, harness::Api};
+use crate::harness::Api;
 
 /// Beginning of a request whose head has no end.
 pub(super) const HALF: &[u8] = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\nX-Slow: ";
@@ -128,18 +128,6 @@ pub(super) async fn nested_documents(api: Api, path: &str) -> anyhow::Result<Str
     let is_refused = statuses.iter().all(StatusCode::is_client_error);
     anyhow::ensure!(is_refused, "answered {statuses:?}");
     Ok(format!("{statuses:?}"))
-}
-
-/// Begins downloads of a ledger and does not read them.
-pub(super) async fn unread_downloads(api: Api) -> anyhow::Result<String> {
-    let path = format!("/api/v1/ledger/export?recipient={BUYER}&format=jsonl");
-    let mut unread = Vec::new();
-    for _ in 0..12 {
-        unread.push(api.events(&path).await);
-    }
-    let begun = unread.iter().filter(|answer| answer.is_ok()).count();
-    let _: serde_json::Value = api.get("/api/v1/ledger?limit=10").await?;
-    Ok(format!("{begun} begun, {} refused", unread.len() - begun))
 }
 
 /// Sends a body that is larger than any that is taken.

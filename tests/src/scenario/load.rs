@@ -18,7 +18,7 @@ const REQUESTS: usize = 3;
 const COUNTED_INTERVAL_MS: u64 = 250;
 
 /// Asks both factories for values that change with every cycle of the machines, and maps them.
-pub(super) async fn put_on(cast: &Cast) -> anyhow::Result<String> {
+pub(crate) async fn put_on(cast: &Cast) -> anyhow::Result<String> {
     for (factory, connector, operation) in
         [(MUNICH, &cast.munich, "MakeFrame1"), (HAMBURG, &cast.hamburg, "InspectFrame1")]
     {
@@ -40,7 +40,7 @@ pub(super) async fn put_on(cast: &Cast) -> anyhow::Result<String> {
 }
 
 /// Returns the ids of the requests that keep a factory's writers busy.
-pub(super) fn requests(factory: &str) -> Vec<String> {
+pub(crate) fn requests(factory: &str) -> Vec<String> {
     (0..REQUESTS).map(|number| request_id(factory, number)).collect()
 }
 
