@@ -1,6 +1,7 @@
 //! Configuration of the platform. `platform.example.toml` shows every key with its default; a test
 //! compares the two.
 
+mod broker_passwords;
 mod plaintext;
 mod web;
 
@@ -12,6 +13,7 @@ use std::{
 
 use asi_model::OrganisationId;
 use broker::AddressPattern;
+pub use broker_passwords::BrokerPasswordError;
 use daemon::{
     Confidential,
     sealing::{Sealer, SealingConfig},
@@ -142,11 +144,17 @@ pub struct ExternalBrokerConfig {
     pub profile: BrokerProfile,
     /// The platform's user there.
     pub user_name: String,
-    pub password: Confidential<String>,
+    /// File with a line `user_name password` for each account there, the platform's included, readable for the
+    /// platform's user alone. It is read anew for each use.
+    #[serde(default)]
+    pub password_file: Option<PathBuf>,
+    /// The platform's password, where the file has none.
+    #[serde(default)]
+    pub password: Option<Confidential<String>>,
     /// PEM file with the authorities that may vouch for it; the system's where absent.
     #[serde(default)]
     pub root_certificates: Option<PathBuf>,
-    /// The accounts of connectors and tools there; enrolment hands them out.
+    /// The accounts of connectors and tools there that the file does not have; enrolment hands them out.
     #[serde(default)]
     pub accounts: Vec<ExternalAccountConfig>,
 }
@@ -269,14 +277,8 @@ impl PlatformConfig {
             }
         }
         faults.extend(self.address_faults());
-        for account in self.broker.external.iter().flat_map(|external| &external.accounts) {
-            if account.password.expose().len() < 16 {
-                let name = &account.user_name;
-                faults.push(format!(
-                    "broker.external.accounts: the password of {name} needs at least 16 characters"
-                ));
-            }
-        }
+        let external = self.broker.external.as_ref();
+        faults.extend(external.map(ExternalBrokerConfig::password_faults).unwrap_or_default());
         for user in &self.broker.users {
             if user.password.expose().len() < 16 {
                 faults.push(format!(
@@ -308,16 +310,6 @@ impl PlatformConfig {
                 profile.name()
             )
         })
-    }
-
-    /// Returns the password that the administration of another broker gave a holder of credentials.
-    #[must_use]
-    pub fn external_password(&self, user_name: &str) -> Option<&Confidential<String>> {
-        let accounts = &self.broker.external.as_ref()?.accounts;
-        accounts
-            .iter()
-            .find(|account| account.user_name == user_name)
-            .map(|account| &account.password)
     }
 
     /// Time between receipts.

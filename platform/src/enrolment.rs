@@ -9,7 +9,7 @@ use message_signature::PublicKey;
 use sha2::{Digest, Sha256};
 
 use crate::{
-    config::{PlatformConfig, WebConfig},
+    config::{BrokerPasswordError, PlatformConfig, WebConfig},
     store::{BrokerCredential, Holder, StoreError, Work},
 };
 
@@ -92,9 +92,9 @@ pub enum EnrolmentError {
     /// The token is unknown, used or too old.
     #[error("the token is unknown, used or too old")]
     TokenRefused,
-    /// Another broker is in use and its administration has made no account.
-    #[error("broker.external.accounts has no account {user_name}")]
-    NoAccount { user_name: String },
+    /// Another broker is in use and there is no account, or its password cannot be read.
+    #[error("there is no account at the broker")]
+    NoAccount(#[from] BrokerPasswordError),
     #[error("the store failed")]
     Store(#[from] StoreError),
 }
@@ -119,7 +119,8 @@ pub async fn enrol(
         .use_token(&hash(secret), now)
         .await?
         .ok_or(EnrolmentError::TokenRefused)?;
-    let credential = credential(work, config, Holder::Factory(factory.clone()), now).await?;
+    let holder = Holder::Factory(factory.clone());
+    let credential = credential(work, config, holder, now).await?;
     work.factories().enrolled(&factory, now).await?;
     match signing_key {
         Some(key) => work.signing_keys().pin(&factory, key, now).await?,
@@ -147,11 +148,10 @@ async fn credential(
     holder: Holder,
     now: DateTime,
 ) -> Result<NewCredential, EnrolmentError> {
-    if config.broker.external.is_some() {
-        let user_name = holder.user_name();
-        let password =
-            config.external_password(&user_name).ok_or(EnrolmentError::NoAccount { user_name })?;
-        return Ok(NewCredential { holder, secret: password.clone() });
+    work.revoked_access().admit(&holder).await?;
+    if let Some(external) = &config.broker.external {
+        let secret = external.password_of(&holder.user_name())?;
+        return Ok(NewCredential { holder, secret });
     }
     Ok(add_credential(work, holder, now).await?)
 }

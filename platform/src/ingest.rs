@@ -6,11 +6,13 @@
 //! pages. A message that cannot be used becomes a dead letter in the same transaction; one that
 //! cannot be stored is released and delivered again.
 
+mod access_arbiter;
 mod apply;
 mod dead_letter;
 mod decode;
 mod heartbeats;
 mod lease_arbiter;
+mod pace;
 mod quota_arbiter;
 mod service;
 mod signature_arbiter;

@@ -21,15 +21,33 @@ pub struct Retention {
     audit_retention: Duration,
 }
 
-/// Pause between portions, which bounds how much of the writer retention takes.
+/// Pause between portions, in which others get the writer.
+const PAUSE: Duration = Duration::from_millis(20);
+/// Time between two rounds.
 const INTERVAL: Duration = Duration::from_secs(60);
 /// Entries of a factory's access log that are kept at most; some hundred bytes each.
 const ACCESSES_RETAINED_MAX: u64 = 2_000_000;
-/// Entries of who changed what that are kept at most; some hundred bytes each.
-const AUDIT_ENTRIES_RETAINED_MAX: u64 = 2_000_000;
+/// Entries of who changed what that are kept of one organisation's people and programs at most; some hundred bytes
+/// each.
+const AUDIT_ENTRIES_RETAINED_MAX: u64 = 1_000_000;
 const DAY: Duration = Duration::from_secs(86_400);
 /// Rows forgotten in one transaction, so that nobody waits long for the writer.
 const ROWS_PER_WORK_MAX: u32 = 2_000;
+
+/// Numbers of rows that were forgotten at once.
+struct Portion {
+    messages: u64,
+    accesses: u64,
+    entries: u64,
+}
+
+impl Portion {
+    /// Returns true where there may be more.
+    fn is_full(&self) -> bool {
+        let Self { messages, accesses, entries } = *self;
+        [messages, accesses, entries].into_iter().any(|rows| rows >= u64::from(ROWS_PER_WORK_MAX))
+    }
+}
 
 impl Retention {
     /// Keeps messages and accesses as long as configured.
@@ -49,33 +67,47 @@ impl Retention {
     pub async fn run(self, shutdown: CancellationToken) -> Result<(), StoreError> {
         let mut rounds = tokio::time::interval(INTERVAL);
         while shutdown.run_until_cancelled(rounds.tick()).await.is_some() {
-            if let Err(error) = self.round().await {
+            if let Some(Err(error)) = shutdown.run_until_cancelled(self.round()).await {
                 tracing::warn!(%error, "Old messages, accesses and entries of the audit could not be forgotten.");
             }
         }
         Ok(())
     }
 
-    /// Forgets one portion of each; how many messages.
+    /// Forgets all that is too old or too much, portion by portion; how many messages.
     ///
     /// # Errors
     /// [`StoreError`].
     pub async fn round(&self) -> Result<u64, StoreError> {
+        let mut count = 0;
+        loop {
+            let portion = self.portion().await?;
+            count += portion.messages;
+            if !portion.is_full() {
+                return Ok(count);
+            }
+            tokio::time::sleep(PAUSE).await;
+        }
+    }
+
+    /// Forgets one portion of each.
+    async fn portion(&self) -> Result<Portion, StoreError> {
         let mut work = self.store.begin().await?;
-        let count =
-            work.inbox().forget(self.before(self.inbox_retention), ROWS_PER_WORK_MAX).await?;
+        let before = self.before(self.inbox_retention);
+        let messages = work.inbox().forget(before, ROWS_PER_WORK_MAX).await?;
         work.commit().await?;
         let mut work = self.store.begin().await?;
         // Whole days: each removal is stated in the log, and one a day is enough.
         let since = self.before(self.access_retention).floor_to(DAY);
         let kept = AccessesKept { since, count: ACCESSES_RETAINED_MAX };
-        work.accesses().forget(kept, ROWS_PER_WORK_MAX, self.clock.now()).await?;
+        let accesses = work.accesses().forget(kept, ROWS_PER_WORK_MAX, self.clock.now()).await?;
         work.commit().await?;
         let mut work = self.store.begin().await?;
         let before = self.before(self.audit_retention);
-        work.audit().forget(before, AUDIT_ENTRIES_RETAINED_MAX, ROWS_PER_WORK_MAX).await?;
+        let entries =
+            work.audit().forget(before, AUDIT_ENTRIES_RETAINED_MAX, ROWS_PER_WORK_MAX).await?;
         work.commit().await?;
-        Ok(count)
+        Ok(Portion { messages, accesses, entries })
     }
 
     /// Returns the time before which nothing is kept.

@@ -1,5 +1,6 @@
 //! The platform as a component: opened from its configuration, run until shutdown.
 
+mod broker_login;
 mod brokers;
 mod error;
 
@@ -43,6 +44,7 @@ use crate::{
     witness::WitnessKey,
 };
 
+use broker_login::BrokerLogin;
 use brokers::OpenedBroker;
 pub use brokers::start_broker_alone;
 pub use error::StartError;
@@ -180,6 +182,12 @@ impl Platform {
             link.run(link_shutdown).await;
             Ok::<(), Infallible>(())
         });
+        if let (Some(external), Some(link)) =
+            (application.config.broker.external.clone(), broker_access.link())
+        {
+            let login = BrokerLogin::new(external, link);
+            lifecycle.spawn("broker login", Importance::Optional, login.run(lifecycle.shutdown()));
+        }
         if let Some(link) = broker_access.link() {
             let watching = watch_link(link.state(), application.clone());
             let watching = lifecycle.shutdown().run_until_cancelled_owned(watching);

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod chaos;
+mod credentials;
 mod data_directories;
 mod demo;
 mod former_store;

@@ -2,12 +2,14 @@
 
 mod api;
 mod daemon;
+mod files;
 mod foreign;
 mod steps;
 mod wait;
 
 pub use api::{Api, ApiError};
 pub use daemon::{Daemon, DaemonCommand, binary};
+pub use files::{make_private, write_private};
 pub use foreign::{python, repository};
 pub use steps::{Steps, say};
 pub use wait::{Deadline, eventually, until};

@@ -2201,6 +2201,12 @@ export interface components {
         };
         /** @description Result of a revocation. */
         Revoked: {
+            /**
+             * @description Account at a broker of another make, which only its administrator can remove. Nothing of it counts and nothing
+             *     is sent to it, but what waits there it can still read. Absent where the platform's own broker has cut it off.
+             */
+            brokerAccount?: string | null;
+            /** @description Connections that were cut. */
             connections: number;
             /**
              * Format: int64

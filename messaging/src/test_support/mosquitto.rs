@@ -67,13 +67,7 @@ impl Mosquitto {
         fs::write(path("passwords"), "").expect("written");
         let accounts = plan.factories.iter().map(|(_, account)| account).chain([&plan.platform]);
         for account in accounts {
-            let made = Command::new("mosquitto_passwd")
-                .args(["-b", &path("passwords"), &account.user_name, &account.password])
-                .stderr(Stdio::null())
-                .status();
-            let made = made
-                .expect("mosquitto_passwd runs; tools/prerequisites.sh test installs mosquitto");
-            assert!(made.success(), "mosquitto_passwd failed");
+            change_passwords(&["-b", &path("passwords"), &account.user_name, &account.password]);
         }
         let configuration = format!(
             "user root\nlistener {port} 127.0.0.1\nlistener {websocket_port} 127.0.0.1\nprotocol websockets\n\
@@ -118,14 +112,40 @@ impl Mosquitto {
         }
     }
 
+    /// Sets an account's password, and ends connections with another one.
+    ///
+    /// # Panics
+    /// Panics when the broker cannot be asked to read it.
+    pub fn set_password(&self, user_name: &str, password: &str) {
+        change_passwords(&["-b", &self.passwords(), user_name, password]);
+        self.signal("-HUP");
+    }
+
+    /// Removes an account, and ends its connections.
+    ///
+    /// # Panics
+    /// Panics when there is none, or the broker cannot be asked to forget it.
+    pub fn remove_account(&self, user_name: &str) {
+        change_passwords(&["-D", &self.passwords(), user_name]);
+        self.signal("-HUP");
+    }
+
+    fn passwords(&self) -> String {
+        self.folder.path().join("passwords").display().to_string()
+    }
+
+    fn signal(&self, signal: &str) {
+        let pid = self.child.id().to_string();
+        let asked = Command::new("kill").args([signal, &pid]).status().expect("kill runs");
+        assert!(asked.success());
+    }
+
     /// Stops it in order, so that its store is written, and starts it again.
     ///
     /// # Panics
     /// Panics when it does not stop or start again.
     pub async fn restart(&mut self) {
-        let pid = self.child.id().to_string();
-        let asked = Command::new("kill").args(["-TERM", &pid]).status().expect("kill runs");
-        assert!(asked.success());
+        self.signal("-TERM");
         self.child.wait().expect("reaped");
         self.child = spawn(self.folder.path());
         self.ready().await;
@@ -137,6 +157,14 @@ impl Drop for Mosquitto {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
+}
+
+/// Changes the file of passwords.
+fn change_passwords(arguments: &[&str]) {
+    let changed = Command::new("mosquitto_passwd").args(arguments).stderr(Stdio::null()).status();
+    let changed =
+        changed.expect("mosquitto_passwd runs; tools/prerequisites.sh test installs mosquitto");
+    assert!(changed.success(), "mosquitto_passwd failed");
 }
 
 fn spawn(folder: &Path) -> Child {

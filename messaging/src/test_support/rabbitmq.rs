@@ -69,6 +69,36 @@ impl RabbitMq {
         format!("amqp://127.0.0.1:{}", self.ports.amqp)
     }
 
+    /// Takes accounts, rights and queues of definitions into the running broker. What they do not name stays.
+    ///
+    /// # Panics
+    /// Panics when the broker refuses them.
+    pub fn import(&self, definitions: &Value) {
+        let path = self.folder.path().join("definitions.json");
+        // A restart loads them again.
+        fs::write(&path, definitions.to_string()).expect("written");
+        self.control(&["import_definitions", &path.display().to_string()]);
+    }
+
+    /// Removes an account, and cuts its connections.
+    ///
+    /// # Panics
+    /// Panics when there is none.
+    pub fn remove_account(&self, user_name: &str) {
+        self.control(&["delete_user", user_name]);
+        self.control(&["close_all_user_connections", user_name, "removed"]);
+    }
+
+    fn control(&self, arguments: &[&str]) {
+        let mut command = Command::new(server().with_file_name("rabbitmqctl"));
+        let output = environment(&mut command, self.folder.path(), &self.ports)
+            .args(arguments)
+            .output()
+            .expect("rabbitmqctl runs");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "rabbitmqctl {arguments:?}: {said}");
+    }
+
     /// Kills it without warning and starts it again on the same store.
     ///
     /// # Panics
@@ -138,7 +168,18 @@ fn spawn(folder: &Path, ports: &Ports) -> Child {
     fs::write(path("rabbitmq.conf"), configuration).expect("written");
     fs::write(path("enabled_plugins"), "[rabbitmq_amqp1_0].").expect("written");
     let out = fs::File::create(path("out")).expect("a log");
-    Command::new(server())
+    environment(&mut Command::new(server()), folder, ports)
+        .stdin(Stdio::null())
+        .stdout(out.try_clone().expect("a log"))
+        .stderr(out)
+        .spawn()
+        .expect("RabbitMQ starts")
+}
+
+/// Sets folders and ports of one broker for its server and its control.
+fn environment<'c>(command: &'c mut Command, folder: &Path, ports: &Ports) -> &'c mut Command {
+    let path = |name: &str| folder.join(name);
+    command
         .env("HOME", folder)
         .env("ERL_EPMD_PORT", ports.epmd.to_string())
         .env("ERL_EPMD_ADDRESS", "127.0.0.1")
@@ -159,9 +200,4 @@ fn spawn(folder: &Path, ports: &Ports) -> Child {
             "RABBITMQ_SERVER_ADDITIONAL_ERL_ARGS",
             "+S 1:1 +sbwt none -kernel inet_dist_use_interface {127,0,0,1}",
         )
-        .stdin(Stdio::null())
-        .stdout(out.try_clone().expect("a log"))
-        .stderr(out)
-        .spawn()
-        .expect("RabbitMQ starts")
 }

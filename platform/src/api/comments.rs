@@ -1,6 +1,6 @@
 //! Comments on networks.
 
-use asi_model::{DynamicDataRequestId, FactoryId, FieldName, OperationNetworkId};
+use asi_model::{DynamicDataRequestId, FactoryId, FieldName, OperationNetworkId, OrganisationId};
 use axum::{Json, extract::State, http::StatusCode};
 use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem, session::SignedIn, shares::count_refusal};
 use serde::Deserialize;
@@ -85,7 +85,7 @@ pub async fn add(
     let author = Author::user(&who.principal, now);
     let mut work = app.store.begin(&who.principal, "addComment").await?;
     let added = add_comment(&mut work, &comment, &author).await;
-    let event = added.map_err(|error| refused(error, &comment))?;
+    let event = added.map_err(|error| refused(error, &comment, &who.principal))?;
     let NewComment { operation_network_id: network, comment_id, .. } = &comment;
     let path = format!("operation-networks/{network}/comments/{comment_id}");
     work.commit(AuditSubject::shared(path), AuditOutcome::Done).await?;
@@ -104,7 +104,7 @@ pub async fn add(
     Ok((StatusCode::CREATED, Json(entry)))
 }
 
-fn refused(error: CommentError, comment: &NewComment) -> Problem {
+fn refused(error: CommentError, comment: &NewComment, author: &Principal) -> Problem {
     match error {
         CommentError::NoNetwork => {
             Problem::not_found(format_args!("operation network {}", comment.operation_network_id))
@@ -119,7 +119,9 @@ fn refused(error: CommentError, comment: &NewComment) -> Problem {
             unknown_reference("/dynamicDataRequestId", "such request to that factory")
         }
         CommentError::TooMany => {
-            count_refusal("comments", &comment.author_id);
+            let organisation = author.user.organisation_id.as_ref();
+            let who = organisation.map_or(comment.author_id.as_str(), OrganisationId::as_str);
+            count_refusal("comments", who);
             quota_exceeded(&error.to_string())
         }
         CommentError::Store(error) => Problem::internal(&error),

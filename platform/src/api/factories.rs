@@ -48,7 +48,12 @@ pub struct TokenView {
 pub struct Revoked {
     /// Credentials taken away.
     credentials: u64,
+    /// Connections that were cut.
     connections: usize,
+    /// Account at a broker of another make, which only its administrator can remove. Nothing of it counts and nothing
+    /// is sent to it, but what waits there it can still read. Absent where the platform's own broker has cut it off.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    broker_account: Option<String>,
 }
 
 /// Lists the factories of the viewer's organisation and of its collaborations; administrators see
@@ -140,9 +145,14 @@ pub async fn revoke_holder(
     holder: Holder,
     subject: AuditSubject,
 ) -> Result<Revoked, Problem> {
-    let credentials = work.credentials().revoke(&holder).await?;
-    work.commit(subject, AuditOutcome::of(credentials > 0)).await?;
+    let credentials = work.credentials().revoke(&holder, app.clock.now()).await?;
+    let broker_account = app.config.broker.external.is_some().then(|| holder.user_name());
+    let is_changed = credentials > 0 || broker_account.is_some();
+    work.commit(subject, AuditOutcome::of(is_changed)).await?;
     let connections = app.broker_access.revoked(&app.store.reader(), &holder).await?;
     tracing::info!(holder = %holder, credentials, connections, "Credentials were revoked.");
-    Ok(Revoked { credentials, connections })
+    if let Some(account) = &broker_account {
+        tracing::warn!(account, "The account is still alive at the broker: remove it there.");
+    }
+    Ok(Revoked { credentials, connections, broker_account })
 }

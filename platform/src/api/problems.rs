@@ -6,7 +6,8 @@ use utoipa::IntoResponses;
 
 use crate::{
     accesses::NotRecorded, administrator::AdministratorError, broker_access::BrokerAccessError,
-    enrolment::EnrolmentError, networks::ChangeError, store::StoreError,
+    config::BrokerPasswordError, enrolment::EnrolmentError, networks::ChangeError,
+    store::StoreError,
 };
 
 /// Problems of operations that read.
@@ -101,13 +102,16 @@ impl From<EnrolmentError> for Problem {
                 "TOKEN_REFUSED",
                 "The token is unknown, used or too old; ask an administrator of the platform for a new one.",
             ),
-            EnrolmentError::NoAccount { user_name } => Self::conflict(
-                "NO_ACCOUNT",
-                format!(
-                    "The broker is administered elsewhere and has no account {user_name} that the platform knows of; \
-                     add it to broker.external.accounts."
-                ),
-            ),
+            EnrolmentError::NoAccount(BrokerPasswordError::Missing { user_name }) => {
+                Self::conflict(
+                    "NO_ACCOUNT",
+                    format!(
+                        "The broker is administered elsewhere and has no account {user_name} that the platform knows of; \
+                         add it to the file broker.external.password_file."
+                    ),
+                )
+            }
+            EnrolmentError::NoAccount(error) => Self::internal(&error),
             EnrolmentError::Store(error) => Self::internal(&error),
         }
     }

@@ -50,15 +50,13 @@ async fn plan(config: &PlatformConfig) -> anyhow::Result<BrokerPlan> {
     let mut work = store.read().await?;
     let account = |holder: Holder| {
         let user_name = holder.user_name();
-        let password = config.external_password(&user_name).with_context(|| {
-            format!("broker.external.accounts has no account {user_name}; add it there first")
-        })?;
+        let password = external.password_of(&user_name).context("add the account there first")?;
         anyhow::Ok(Account { user_name, password: Zeroizing::new(password.expose().clone()) })
     };
     let mut plan = BrokerPlan {
         platform: Account {
             user_name: external.user_name.clone(),
-            password: Zeroizing::new(external.password.expose().clone()),
+            password: Zeroizing::new(external.password_of(&external.user_name)?.expose().clone()),
         },
         factories: Vec::new(),
         tools: Vec::new(),

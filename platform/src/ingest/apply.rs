@@ -15,6 +15,7 @@ use messaging::LogicalAddress;
 
 use self::{past_releases::PastReleaseCollector, reports::ReportCollector};
 use super::{
+    access_arbiter::AccessArbiter,
     decode::{Content, Incoming, describes_recipients},
     heartbeats::Heartbeats,
     lease_arbiter::LeaseArbiter,
@@ -30,6 +31,7 @@ use crate::{
 /// Applies batches of messages to one unit of ingest.
 pub(super) struct Applier<'w> {
     unit: IngestUnit<'w>,
+    access: AccessArbiter,
     signatures: SignatureArbiter,
     leases: LeaseArbiter<'w>,
     quotas: QuotaArbiter,
@@ -49,6 +51,7 @@ impl<'w> Applier<'w> {
     ) -> Self {
         Self {
             unit: IngestUnit::new(work, now),
+            access: AccessArbiter::default(),
             signatures: SignatureArbiter::default(),
             leases: LeaseArbiter::new(heartbeats),
             quotas: QuotaArbiter::default(),
@@ -68,7 +71,8 @@ impl<'w> Applier<'w> {
         let mut admitted = Vec::with_capacity(batch.len());
         for message in batch {
             // First: what is not the factory's own says nothing about its lease.
-            if self.signatures.admit(&mut self.unit, address, message).await?
+            if self.access.admit(&mut self.unit, address, message).await?
+                && self.signatures.admit(&mut self.unit, address, message).await?
                 && self.leases.admit(&mut self.unit, address, message).await?
                 && self.quotas.admit(&mut self.unit, address, message).await?
             {

@@ -18,6 +18,7 @@ use super::{
     dead_letter::dead_letter,
     decode::{Content, Incoming, decode as understand},
     heartbeats::Heartbeats,
+    pace::Pace,
     signs_of_life::SignsOfLife,
     unit::Effects,
 };
@@ -75,6 +76,7 @@ pub struct IngestHandle {
     store: StoreReader,
     meta_data: Arc<RwLock<Arc<MetaDataTable>>>,
     batches: mpsc::Sender<Batch>,
+    pace: Arc<Pace>,
 }
 
 struct Batch {
@@ -113,6 +115,7 @@ impl Ingest {
             store: store.reader(),
             meta_data: Arc::clone(&meta_data),
             batches: sender,
+            pace: Arc::default(),
         };
         let IngestConfig { resend_after, silence, witness } = config;
         let (signs, heartbeats) = (SignsOfLife::default(), Heartbeats::new(silence));
@@ -260,6 +263,7 @@ impl messaging::Inbox for IngestHandle {
         address: &LogicalAddress,
         deliveries: Vec<Delivery>,
     ) -> Vec<Settlement> {
+        self.pace.keep(address, deliveries.len()).await;
         let Some(messages) = self.understand(address, deliveries).await else { return Vec::new() };
         let stored = self.write(address, messages).await;
         stored

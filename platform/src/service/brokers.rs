@@ -107,7 +107,8 @@ fn open_external(
     };
     let roots = external.root_certificates.as_ref().map(read).transpose()?;
     let first = external.urls.first().ok_or(LinkError::NoBroker)?;
-    let login = Login::new(&external.user_name, external.password.expose());
+    let login =
+        Login::new(&external.user_name, external.password_of(&external.user_name)?.expose());
     let mut link = LinkConfig::new(first.clone(), login, container);
     link.brokers.clone_from(&external.urls);
     link.profile = external.profile.clone();

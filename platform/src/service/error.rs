@@ -13,8 +13,8 @@ use messaging::LinkError;
 use crate::{
     access_log_key::AccessLogKeyError, administrator::AdministratorError,
     broker_access::BrokerAccessError, broker_process::BrokerProcessError,
-    certificates::CertificateError, enrolment::CertificateUnreadable, store::StoreError,
-    witness::WitnessError,
+    certificates::CertificateError, config::BrokerPasswordError, enrolment::CertificateUnreadable,
+    store::StoreError, witness::WitnessError,
 };
 
 /// Failure to start the platform.
@@ -26,6 +26,9 @@ pub enum StartError {
     /// The root certificates of an external broker cannot be read.
     #[error("cannot read broker.external.root_certificates {}", path.display())]
     RootCertificates { path: PathBuf, source: std::io::Error },
+    /// The platform's password at an external broker cannot be read.
+    #[error("the password at the broker cannot be read")]
+    BrokerPassword(#[from] BrokerPasswordError),
     /// The database cannot be used.
     #[error("the database cannot be used")]
     Store(#[from] StoreError),

@@ -238,8 +238,8 @@ impl AuditEntries<'_> {
         rows.iter().map(|row| read(row, scope)).collect()
     }
 
-    /// Forgets the oldest entries: those of before a time, and those beyond the newest `retained`; not
-    /// more than `rows`.
+    /// Forgets the oldest entries of each organisation: those of before a time, and those beyond its newest
+    /// `retained`; not more than `rows` in all. What one organisation does pushes out nothing of another.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
@@ -249,18 +249,53 @@ impl AuditEntries<'_> {
         retained: u64,
         rows: u32,
     ) -> Result<u64, StoreError> {
+        let mut forgotten = 0;
+        for organisation in self.organisations().await? {
+            let left = u64::from(rows).saturating_sub(forgotten);
+            forgotten += self.forget_of(organisation.as_deref(), before, retained, left).await?;
+        }
+        Ok(forgotten)
+    }
+
+    /// Returns the organisations whose people and programs have entries; `None` among them for those without one.
+    async fn organisations(&mut self) -> Result<Vec<Option<String>>, StoreError> {
+        // From one to the next in the index, however many entries there are of each.
+        let sql = "WITH RECURSIVE known(id) AS (
+                       SELECT MIN(organisation_id) FROM audit_entry
+                       UNION ALL
+                       SELECT (SELECT MIN(organisation_id) FROM audit_entry WHERE organisation_id > known.id)
+                       FROM known WHERE known.id IS NOT NULL)
+                   SELECT id FROM known WHERE id IS NOT NULL UNION ALL SELECT NULL";
+        sqlx::query_scalar(sql)
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list whose entries of the audit there are"))
+    }
+
+    async fn forget_of(
+        &mut self,
+        organisation: Option<&str>,
+        before: DateTime,
+        retained: u64,
+        rows: u64,
+    ) -> Result<u64, StoreError> {
         // In the order of the numbers: one that is older than its predecessor waits for it.
-        let sql = "DELETE FROM audit_entry WHERE audit_entry_id < COALESCE(
-                       (SELECT e.audit_entry_id FROM audit_entry e
-                        WHERE e.recorded_at >= $1
-                          AND e.audit_entry_id > (SELECT MAX(audit_entry_id) FROM audit_entry) - $2
-                        ORDER BY e.audit_entry_id LIMIT 1),
-                       (SELECT MAX(audit_entry_id) + 1 FROM audit_entry))
-                   AND audit_entry_id < (SELECT MIN(audit_entry_id) FROM audit_entry) + $3";
+        let sql = "DELETE FROM audit_entry WHERE audit_entry_id IN (
+                       SELECT e.audit_entry_id FROM audit_entry e
+                       WHERE e.organisation_id IS $1 AND e.audit_entry_id < MAX(
+                           COALESCE((SELECT y.audit_entry_id FROM audit_entry y
+                                     WHERE y.organisation_id IS $1 AND y.recorded_at >= $2
+                                     ORDER BY y.audit_entry_id LIMIT 1),
+                                    (SELECT MAX(l.audit_entry_id) + 1 FROM audit_entry l)),
+                           COALESCE((SELECT n.audit_entry_id + 1 FROM audit_entry n
+                                     WHERE n.organisation_id IS $1
+                                     ORDER BY n.audit_entry_id DESC LIMIT 1 OFFSET $3), 0))
+                       ORDER BY e.audit_entry_id LIMIT $4)";
         let result = sqlx::query(sql)
+            .bind(organisation)
             .bind(before.ticks())
             .bind(signed(retained))
-            .bind(i64::from(rows))
+            .bind(signed(rows))
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("forget old entries of the audit"))?;

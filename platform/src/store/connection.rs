@@ -10,7 +10,7 @@ use sqlx::{
 
 use super::{error::StoreError, work::Work};
 
-const MIGRATIONS: [(i64, &str, &str); 20] = [
+const MIGRATIONS: [(i64, &str, &str); 21] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
@@ -35,6 +35,7 @@ const MIGRATIONS: [(i64, &str, &str); 20] = [
         include_str!("../../migrations/sqlite/0038_sealed_second_factors.sql"),
     ),
     (39, "passkeys", include_str!("../../migrations/sqlite/0039_passkeys.sql")),
+    (40, "revoked access", include_str!("../../migrations/sqlite/0040_revoked_access.sql")),
 ];
 
 /// Reads of pages at once; more would only share the same disk.

@@ -4,7 +4,9 @@ use std::fmt;
 
 use asi_model::{DateTime, FactoryId, OrganisationId, ToolId};
 
-use super::{database::Connection, error::StoreError, row::Columns};
+use messaging::LogicalAddress;
+
+use super::{database::Connection, error::StoreError, revoked_access::RevokedAccess, row::Columns};
 
 /// Holder of a broker credential.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -21,6 +23,13 @@ impl Holder {
             Self::Factory(id) => format!("factory.{id}"),
             Self::Tool(id) => format!("tool.{id}"),
         }
+    }
+
+    /// Returns the holder that reads or writes an address; none for dead letters.
+    #[must_use]
+    pub fn of(address: &LogicalAddress) -> Option<Self> {
+        let factory = address.factory_id().cloned().map(Self::Factory);
+        factory.or_else(|| address.tool_id().cloned().map(Self::Tool))
     }
 
     const fn kind(&self) -> &'static str {
@@ -141,11 +150,13 @@ impl Credentials<'_> {
         Ok(())
     }
 
-    /// Takes all credentials and unused tokens of a holder away; how many credentials there were.
+    /// Takes all credentials and unused tokens of a holder away; how many credentials there were. Until it enrols
+    /// again it has no access, whatever a broker of another make says.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
-    pub async fn revoke(&mut self, holder: &Holder) -> Result<u64, StoreError> {
+    pub async fn revoke(&mut self, holder: &Holder, now: DateTime) -> Result<u64, StoreError> {
+        RevokedAccess(&mut *self.0).revoke(holder, now).await?;
         if let Holder::Factory(factory) = holder {
             sqlx::query("DELETE FROM enrolment_token WHERE factory_id = $1 AND used_at IS NULL")
                 .bind(factory.as_str())

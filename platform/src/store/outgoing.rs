@@ -11,6 +11,7 @@ use messaging::{
 use super::{
     database::Connection,
     error::StoreError,
+    revoked_access::RevokedAccess,
     row::{Columns, DatabaseRow},
 };
 
@@ -54,7 +55,7 @@ impl OutgoingMessages<'_> {
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("store an outgoing message"))?;
-        Ok(())
+        RevokedAccess(&mut *self.0).hold_new(&message.address, message.message_id.as_str()).await
     }
 
     /// Removes the messages that wait for an address; returns their number.

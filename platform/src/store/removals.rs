@@ -171,7 +171,7 @@ impl Removals<'_> {
     /// [`StoreError::Statement`].
     pub async fn leave(&mut self, leaver: &Leaver, now: DateTime) -> Result<(), StoreError> {
         if let Some(holder) = leaver.holder() {
-            Credentials(&mut *self.0).revoke(&holder).await?;
+            Credentials(&mut *self.0).revoke(&holder, now).await?;
         }
         match leaver {
             // The sessions go with the account.

@@ -31,6 +31,7 @@ use super::{
     removals::Removals,
     reports::Reports,
     revocations::Revocations,
+    revoked_access::RevokedAccess,
     second_factors::SecondFactors,
     signing_keys::SigningKeys,
     tools::Tools,
@@ -193,6 +194,11 @@ impl Work {
     /// Returns the repository of second factors.
     pub fn second_factors(&mut self) -> SecondFactors<'_> {
         SecondFactors(self.connection())
+    }
+
+    /// Returns the repository of revoked access.
+    pub fn revoked_access(&mut self) -> RevokedAccess<'_> {
+        RevokedAccess(self.connection())
     }
 
     /// Returns the repository of the keys that sign for factories.

@@ -5,7 +5,10 @@ use std::collections::BTreeSet;
 use platform::{
     audit::{CommandLine, RecordingStore},
     clock::Clock,
-    store::{AuditEntry, AuditOutcome, AuditSubject, Organisation, Scope, Store},
+    store::{
+        AuditAgent, AuditAgentKind, AuditEntry, AuditOutcome, AuditSubject, Organisation, Scope,
+        Store,
+    },
 };
 use reqwest::Method;
 use serde_json::{Value, json};
@@ -288,4 +291,27 @@ async fn entries_are_never_changed_and_only_the_oldest_removed() {
     let later = now.after(std::time::Duration::from_secs(60));
     let mut work = store.begin().await.expect("begun");
     assert_eq!(work.audit().forget(later, 100, 100).await.expect("all are old"), 3);
+}
+
+#[tokio::test]
+async fn what_one_organisation_does_pushes_out_no_entry_of_another() {
+    let (_folder, store) = store().await;
+    let recording = RecordingStore::new(store.clone(), Clock::system());
+    for number in 1..=7 {
+        let organisation = if number == 1 { "quiet" } else { "busy" };
+        let agent = AuditAgent {
+            kind: AuditAgentKind::User,
+            name: "p".to_owned(),
+            organisation_id: Some(organisation.parse().expect("an id")),
+        };
+        let work = recording.begin(agent, "addOrganisation").await.expect("begun");
+        let subject = AuditSubject::shared(format!("{organisation}/{number}"));
+        work.commit(subject, AuditOutcome::Done).await.expect("committed");
+    }
+    let mut work = store.begin().await.expect("begun");
+    let beyond = work.audit().forget(asi_model::DateTime::from_ticks(0), 3, 100).await;
+    assert_eq!(beyond.expect("the oldest of the busy one"), 3);
+    work.commit().await.expect("committed");
+    let subjects: Vec<String> = all(&store).await.into_iter().map(|entry| entry.subject).collect();
+    assert_eq!(subjects, ["quiet/1", "busy/5", "busy/6", "busy/7"]);
 }

@@ -186,7 +186,13 @@ async fn the_newest_two_credentials_of_each_holder_are_alive() {
         .map(|(known, _)| known.secret_hash[0])
         .collect();
     assert_eq!(alive, [2, 9, 3]);
-    assert_eq!(credentials.revoke(&Holder::Factory(id("F"))).await.expect("revoked"), 2);
+    assert_eq!(
+        credentials
+            .revoke(&Holder::Factory(id("F")), DateTime::from_ticks(1))
+            .await
+            .expect("revoked"),
+        2
+    );
     assert_eq!(credentials.list().await.expect("read").len(), 1);
 }
 

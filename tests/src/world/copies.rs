@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 
 use super::{ENGINEER, PASSWORD, World, daemon, ready};
-use crate::harness::{Api, Daemon};
+use crate::harness::{Api, Daemon, write_private};
 
 impl World {
     /// Copies a connector's data directory beside it. The connector must not run.
@@ -34,7 +34,7 @@ impl World {
             .replace(&format!("127.0.0.1:{}", known.connector_web), &format!("127.0.0.1:{web}"))
             .replace(&format!("127.0.0.1:{}", known.twin), &format!("127.0.0.1:{twin}"));
         let config = folder.join(format!("connector-{factory_id}-copy.toml"));
-        std::fs::write(&config, text).with_context(|| format!("writing {}", config.display()))?;
+        write_private(&config, &text).with_context(|| format!("writing {}", config.display()))?;
         let config = config.display().to_string();
         let name = format!("connector-{factory_id}-copy");
         let running = daemon(&name, "factory-connector", &["run", "--config", &config], folder)?;

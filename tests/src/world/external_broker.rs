@@ -3,15 +3,25 @@
 use std::{
     fmt::Write as _,
     net::{Ipv4Addr, SocketAddr},
+    path::Path,
 };
 
+use anyhow::Context as _;
 use messaging::{
     BrokerProfile,
     definitions::{Account, BrokerPlan, QueueLimits, rabbitmq_definitions},
     test_support::{Mosquitto, RabbitMq, Saving},
 };
 
-use crate::frame_order::{HAMBURG, MUNICH};
+use zeroize::Zeroizing;
+
+use crate::{
+    frame_order::{HAMBURG, MUNICH},
+    harness::write_private,
+};
+
+/// File with the passwords of all accounts.
+const PASSWORD_FILE: &str = "broker-passwords";
 
 /// Broker between factories and cloud.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -92,9 +102,63 @@ impl ExternalBroker {
         }
     }
 
+    /// Makes a new password for an account, the platform's or a factory's.
+    ///
+    /// # Panics
+    /// Panics when the broker does not take it, or there is no such account.
+    pub fn rotate(&mut self, user_name: &str) {
+        let password = random_password();
+        for account in self
+            .plan
+            .factories
+            .iter_mut()
+            .map(|(_, account)| account)
+            .chain([&mut self.plan.platform])
+        {
+            if account.user_name == user_name {
+                account.password.clone_from(&password);
+            }
+        }
+        match &self.process {
+            Process::RabbitMq(broker) => {
+                broker.import(&rabbitmq_definitions(&self.plan, "/", rand::random));
+            }
+            Process::Mosquitto(broker) => broker.set_password(user_name, &password),
+        }
+    }
+
+    /// Removes an account. [`Self::rotate`] makes it again.
+    pub fn remove_account(&self, user_name: &str) {
+        match &self.process {
+            Process::RabbitMq(broker) => {
+                // A restart would load it again.
+                let mut plan = self.plan.clone();
+                plan.factories.retain(|(_, account)| account.user_name != user_name);
+                broker.import(&rabbitmq_definitions(&plan, "/", rand::random));
+                broker.remove_account(user_name);
+            }
+            Process::Mosquitto(broker) => broker.remove_account(user_name),
+        }
+    }
+
+    /// Writes the file from which the platform takes the passwords of all accounts.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn write_passwords(&self, folder: &Path) -> anyhow::Result<()> {
+        let factories = self.plan.factories.iter().map(|(_, account)| account);
+        let accounts = factories.chain([&self.plan.platform]);
+        let lines: String = accounts
+            .map(|account| format!("{} {}\n", account.user_name, account.password.as_str()))
+            .collect();
+        let aside = folder.join("broker-passwords.new");
+        write_private(&aside, &lines)?;
+        std::fs::rename(&aside, folder.join(PASSWORD_FILE)).context("replacing the passwords")
+    }
+
     /// Returns the platform's configuration for it. Connectors are sent to the port of a proxy where there is one.
     #[must_use]
-    pub fn configuration(&self, detour: Option<u16>) -> String {
+    pub fn configuration(&self, folder: &Path, detour: Option<u16>) -> String {
         let url = self.url();
         let (scheme, _) = url.split_once("://").unwrap_or(("amqp", ""));
         let (scheme, profile) = match self.process {
@@ -105,30 +169,23 @@ impl ExternalBroker {
         if let Some(port) = detour {
             let _ = writeln!(text, "public_url = \"{scheme}://127.0.0.1:{port}\"");
         }
-        let Account { user_name, password } = &self.plan.platform;
         let _ = writeln!(
             text,
-            "\n[broker.external]\nurls = [\"{url}\"]\nprofile = \"{}\"\nuser_name = \"{user_name}\"\npassword = \
-             \"{}\"",
+            "\n[broker.external]\nurls = [\"{url}\"]\nprofile = \"{}\"\nuser_name = \"{}\"\npassword_file = {:?}",
             profile.name(),
-            password.as_str()
+            self.plan.platform.user_name,
+            folder.join(PASSWORD_FILE)
         );
-        for (_, Account { user_name, password }) in &self.plan.factories {
-            let password = password.as_str();
-            let _ = writeln!(
-                text,
-                "\n[[broker.external.accounts]]\nuser_name = \"{user_name}\"\npassword = \"{password}\""
-            );
-        }
         text
     }
 }
 
+fn random_password() -> Zeroizing<String> {
+    format!("{:032x}", rand::random::<u128>()).into()
+}
+
 fn plan() -> BrokerPlan {
-    let account = |user_name: String| Account {
-        password: format!("{:032x}", rand::random::<u128>()).into(),
-        user_name,
-    };
+    let account = |user_name: String| Account { password: random_password(), user_name };
     let factory = |id: &str| {
         (id.parse().expect("factories of the order have ids"), account(format!("factory.{id}")))
     };

@@ -8,10 +8,16 @@ use super::{
     ExternalBroker, Places,
     accounts::{ADMIN, ENGINEER, OBSERVER, OBSERVER_PASSWORD, PASSWORD},
 };
-use crate::frame_order::{BUYER, HAMBURG, MUNICH};
+use crate::{
+    frame_order::{BUYER, HAMBURG, MUNICH},
+    harness::{make_private, write_private},
+};
 
 /// Writes what is not there yet.
 pub(super) fn write_all(places: &Places, external: Option<&ExternalBroker>) -> anyhow::Result<()> {
+    if let Some(external) = external {
+        external.write_passwords(&places.folder)?;
+    }
     write_once(&places.folder.join("platform.toml"), &platform(places, external))?;
     for factory_id in [MUNICH, HAMBURG] {
         write_once(
@@ -28,9 +34,10 @@ pub(super) fn write_all(places: &Places, external: Option<&ExternalBroker>) -> a
 
 fn write_once(file: &Path, text: &str) -> anyhow::Result<()> {
     if file.exists() {
-        return Ok(());
+        // A former version wrote it for everybody.
+        return make_private(file).with_context(|| format!("protecting {}", file.display()));
     }
-    std::fs::write(file, text).with_context(|| format!("writing {}", file.display()))
+    write_private(file, text).with_context(|| format!("writing {}", file.display()))
 }
 
 /// The embedded broker, with a user of other programs.
@@ -58,8 +65,10 @@ produce = ["factory.*.requests", "factory.*.leases", "tool.*.requests"]
 
 fn platform(places: &Places, external: Option<&ExternalBroker>) -> String {
     let Places { platform_web, broker_detour, folder, .. } = places;
-    let broker = external
-        .map_or_else(|| own_broker(places), |external| external.configuration(*broker_detour));
+    let broker = external.map_or_else(
+        || own_broker(places),
+        |external| external.configuration(folder, *broker_detour),
+    );
     format!(
         r#"data_directory = "{folder}/platform"
 

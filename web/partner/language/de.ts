@@ -140,6 +140,8 @@ export const de: Texts = {
     revokeText:
       'Die Anbindung wird sofort getrennt und muss neu aufgenommen werden. Was sie nicht gesendet hat, bleibt in ihrem Ausgangspuffer.',
     revoked: 'Die Zugangsdaten sind widerrufen.',
+    revokedElsewhere: (account: string) =>
+      `Nichts von ${account} zählt mehr, und nichts wird dorthin gesendet. Der Broker lässt es noch ein: Lassen Sie das Konto dort von seiner Verwaltung entfernen.`,
     writers: 'Datensatzschreiber',
     writersHint:
       'Jeder Bericht ist nummeriert. Die Tabelle zeigt, welche angekommen, verloren oder wiederholt sind.',

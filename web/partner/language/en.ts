@@ -138,6 +138,8 @@ export const en = {
     revokeText:
       'The connector is disconnected at once and must be enrolled again. What it has not sent stays in its spool.',
     revoked: 'The credentials are revoked.',
+    revokedElsewhere: (account: string) =>
+      `Nothing from ${account} counts any more, and nothing is sent to it. The broker still lets it in: have its administrator remove that account.`,
     writers: 'Data set writers',
     writersHint:
       'Every report is numbered. This table shows which arrived, are missing or were repeated.',

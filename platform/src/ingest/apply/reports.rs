@@ -322,6 +322,10 @@ async fn forward(
     reports: &[&IncomingReport],
 ) -> Result<(), StoreError> {
     let address = LogicalAddress::ToolReports(tool.clone());
+    // What is released while it has no access it never gets.
+    if unit.work.revoked_access().of(&address).await?.is_some() {
+        return Ok(());
+    }
     if unit.work.outgoing().waiting(&address).await? >= TOOL_BACKLOG_MAX {
         metrics::counter!("verbund_tool_reports_dropped_total").increment(1);
         return Ok(());

@@ -1,0 +1,82 @@
+//! Pace of senders: who sends faster than its share waits, and the one writer of the database is there for others.
+
+use std::{
+    collections::HashMap,
+    time::{Duration, Instant},
+};
+
+use daemon::web::shares::count_refusal;
+use messaging::LogicalAddress;
+use parking_lot::Mutex;
+
+use super::dead_letter::holder;
+
+/// Share of a factory or tool in messages for each time.
+const MESSAGES: &str = "messages";
+
+/// Messages of one sender for each time.
+#[derive(Debug, Clone, Copy)]
+struct Rate {
+    per_second: u32,
+    /// Messages at once, after a pause.
+    at_once: u32,
+}
+
+/// A factory's: a message carries up to 64 KiB of reports.
+const OF_FACTORY: Rate = Rate { per_second: 2_000, at_once: 20_000 };
+/// A tool's: each of its messages may change a network.
+const OF_TOOL: Rate = Rate { per_second: 20, at_once: 200 };
+
+/// Pace of all senders, by address.
+#[derive(Debug, Default)]
+pub(super) struct Pace {
+    /// Times at which the share of an address is whole again.
+    whole_at: Mutex<HashMap<LogicalAddress, Instant>>,
+}
+
+impl Pace {
+    /// Waits until so many messages of an address are within its share. The broker keeps the others meanwhile.
+    pub(super) async fn keep(&self, address: &LogicalAddress, messages: usize) {
+        let wait = self.take(address, messages, Instant::now());
+        if !wait.is_zero() {
+            count_refusal(MESSAGES, &holder(&address.to_string()));
+            tokio::time::sleep(wait).await;
+        }
+    }
+
+    /// Takes messages off the share of an address, and returns the time until they are within it.
+    fn take(&self, address: &LogicalAddress, messages: usize, now: Instant) -> Duration {
+        let rate = if address.tool_id().is_some() { OF_TOOL } else { OF_FACTORY };
+        let second = Duration::from_secs(1);
+        let messages = u32::try_from(messages).unwrap_or(u32::MAX);
+        let mut all = self.whole_at.lock();
+        let whole_at = all.get(address).copied().unwrap_or(now).max(now);
+        let whole_at = whole_at + second * messages / rate.per_second;
+        all.insert(address.clone(), whole_at);
+        (whole_at - now).saturating_sub(second * rate.at_once / rate.per_second)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_sends_faster_than_its_share_waits_and_nobody_else() {
+        let pace = Pace::default();
+        let [tool, other, factory] = ["tool.T.requests", "tool.U.requests", "factory.F.ingress"]
+            .map(|text| text.parse::<LogicalAddress>().expect("an address"));
+        let now = Instant::now();
+        let mut waited = Duration::ZERO;
+        for _ in 0..30 {
+            waited = pace.take(&tool, 10, now);
+        }
+        assert_eq!(waited, Duration::from_secs(5), "100 of 300 are beyond what may come at once");
+        assert_eq!(pace.take(&other, 10, now), Duration::ZERO);
+        assert_eq!(pace.take(&factory, 10_000, now), Duration::ZERO);
+        // A bucket that is full again after a pause.
+        let later = now + Duration::from_secs(60);
+        assert_eq!(pace.take(&tool, 200, later), Duration::ZERO);
+        assert_eq!(pace.take(&tool, 20, later), Duration::from_secs(1));
+    }
+}
