@@ -7,7 +7,7 @@
 // database comes from its repository, or from a clone of it that ADVISORY_DB names; npm's advisories
 // from the registry that npm is set up for.
 import { execFileSync, spawnSync } from 'node:child_process'
-import { mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
+import { existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs'
 import { compare, faultsOf } from './exceptions.js'
 import { ROOT } from './programs.js'
 
@@ -81,6 +81,46 @@ export function findingsOfNpm(text, where) {
   return [...new Map(all.map((finding) => [`${finding.id} ${finding.text}`, finding])).values()]
 }
 
+/**
+ * Returns the published crates of which the repository has patched copies. cargo-deny passes them over: they come
+ * from no registry.
+ *
+ * @returns {{ name: string, version: string, where: string }[]}
+ */
+export function vendoredCrates() {
+  const files = execFileSync('git', ['ls-files', 'vendor'], { cwd: ROOT, encoding: 'utf8' })
+  const manifests = files.split('\n').filter((file) => file.endsWith('/Cargo.toml'))
+  return manifests.map((file) => {
+    const text = readFileSync(`${ROOT}/${file}`, 'utf8')
+    const own = text.slice(text.indexOf('[package]'))
+    const of = (/** @type {string} */ key) => new RegExp(`^${key} = "(.*)"`, 'm').exec(own)?.[1]
+    return {
+      name: of('name') ?? '',
+      version: of('version') ?? '',
+      where: file.replace('/Cargo.toml', ''),
+    }
+  })
+}
+
+/**
+ * Looks for advisories of patched copies. Each one counts, whatever versions it names: whether a patch stands
+ * against it has to be looked at, and is the reason of an exception.
+ *
+ * @param {string} database folder with `crates/NAME/RUSTSEC-*.md`
+ * @param {{ name: string, version: string, where: string }[]} crates
+ * @returns {Finding[]}
+ */
+export function findingsOfVendored(database, crates) {
+  return crates.flatMap(({ name, version, where }) => {
+    const folder = `${database}/crates/${name}`
+    const files = existsSync(folder) ? readdirSync(folder) : []
+    const ids = files.map((file) => /^(RUSTSEC-\d+-\d+)\.md$/.exec(file)?.[1])
+    return ids.flatMap((id) =>
+      id ? [{ registry: 'cargo', id, where, text: `an advisory of ${name}, copied at ${version}` }] : [],
+    )
+  })
+}
+
 /** Makes git fetch the database from another place. */
 const fetchedFrom = (/** @type {string} */ place) => ({
   ...process.env,
@@ -136,6 +176,13 @@ function emptyDatabase() {
   return place
 }
 
+/** Returns the clone that cargo-deny made below a folder; the folder itself where there is none. */
+function databaseIn(/** @type {string} */ folder) {
+  const found = existsSync(folder) ? readdirSync(folder) : []
+  const clone = found.find((name) => existsSync(`${folder}/${name}/crates`))
+  return clone ? `${folder}/${clone}` : folder
+}
+
 /** @returns {Answer} */
 function askRustSec() {
   const clone = process.env['ADVISORY_DB']
@@ -157,6 +204,9 @@ function askRustSec() {
         `${manifest}: RustSec's database cannot be fetched; withdrawn versions were looked for`,
       )
   }
+  answer.findings.push(...findingsOfVendored(databaseIn(`${PLACE}/${folder}`), vendoredCrates()))
+  if (answer.unchecked.length)
+    answer.unchecked.push('vendor: advisories of patched copies, for want of the same database')
   return answer
 }
 

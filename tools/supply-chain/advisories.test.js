@@ -4,7 +4,7 @@ import { execFileSync, spawnSync } from 'node:child_process'
 import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { test } from 'node:test'
-import { findingsOfDeny, findingsOfNpm } from './advisories.js'
+import { findingsOfDeny, findingsOfNpm, findingsOfVendored, vendoredCrates } from './advisories.js'
 import { compare, faultsOf } from './exceptions.js'
 
 const TODAY = '2026-11-25'
@@ -110,4 +110,31 @@ test('a database that cannot be had is said, and no success', () => {
   assert.match(said.stderr, /NOT CHECKED for advisories: Cargo.toml/)
   assert.ok(said.status === 3 || /^ADVISORY/m.test(said.stderr), said.stderr)
   assert.notEqual(said.status, 0)
+})
+
+test('patched copies of published crates are looked up, too', () => {
+  const crates = vendoredCrates()
+  const names = crates.map(({ name }) => name).sort()
+  assert.deepEqual(names, [
+    'async-opcua-core',
+    'async-opcua-crypto',
+    'async-opcua-nodes',
+    'async-opcua-server',
+    'async-opcua-types',
+    'fe2o3-amqp',
+    'serde_amqp',
+  ])
+  assert.ok(crates.every(({ version }) => /^\d+\.\d+\.\d+$/.test(version)))
+  const database = mkdtempSync(`${tmpdir()}/advisories-`)
+  try {
+    assert.deepEqual(findingsOfVendored(database, crates), [])
+    mkdirSync(`${database}/crates/serde_amqp`, { recursive: true })
+    writeFileSync(`${database}/crates/serde_amqp/RUSTSEC-2026-0001.md`, 'x')
+    const [finding, ...more] = findingsOfVendored(database, crates)
+    assert.deepEqual(more, [])
+    assert.equal(finding?.id, 'RUSTSEC-2026-0001')
+    assert.equal(finding?.where, 'vendor/serde_amqp')
+  } finally {
+    rmSync(database, { recursive: true })
+  }
 })
