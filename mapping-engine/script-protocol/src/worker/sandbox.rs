@@ -84,6 +84,37 @@ mod rules {
             Ok(RulesetStatus::NotEnforced) | Err(_) => Landlock::None,
         }
     }
+
+    #[cfg(test)]
+    mod tests {
+        use std::{
+            fs::File,
+            io,
+            net::{TcpListener, TcpStream},
+        };
+
+        use super::*;
+
+        fn is_denied<T>(result: io::Result<T>) -> bool {
+            result.is_err_and(|error| error.kind() == io::ErrorKind::PermissionDenied)
+        }
+
+        #[test]
+        fn what_is_reported_of_landlock_is_what_the_kernel_denies() {
+            let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+            let address = listener.local_addr().expect("bound");
+            // Rules hold for the thread that asks for them.
+            let confined = std::thread::spawn(move || {
+                let reported = enforce();
+                let file = is_denied(File::open("/proc/version"));
+                (reported, file, is_denied(TcpStream::connect(address)))
+            });
+            let (reported, file, connection) = confined.join().expect("it ends");
+            assert_eq!(file, reported != Landlock::None, "{reported:?}");
+            assert!(connection || reported != Landlock::Full, "{reported:?}");
+            assert!(File::open("/proc/version").is_ok(), "others are as free as before");
+        }
+    }
 }
 
 #[cfg(target_os = "linux")]
