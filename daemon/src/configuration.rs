@@ -13,13 +13,16 @@ mod shown;
 pub use fault::{ConfigurationError, ConfigurationFault, Origin};
 pub use shown::{Setting, shown};
 
-use std::path::Path;
+use std::{os::unix::fs::MetadataExt as _, path::Path};
 
 use document::Document;
 use serde::de::DeserializeOwned;
 
 /// Names of variables that carry the prefix but address the command line, not the file.
 const RESERVED_NAMES: [&str; 2] = ["CONFIG", "LOG"];
+
+/// Names of keys with secrets, whatever section they stand in.
+const SECRETS: [&str; 3] = ["password", "secret", "token"];
 
 /// Most faults listed at once. A file of another kind yields one a line.
 const FAULTS_MAX: usize = 50;
@@ -33,7 +36,30 @@ pub fn load<T: DeserializeOwned>(
     path: Option<&Path>,
     env_prefix: &str,
 ) -> Result<T, ConfigurationError> {
-    parse(path, &read(path)?, env_prefix, std::env::vars())
+    let text = read(path)?;
+    let config = parse(path, &text, env_prefix, std::env::vars())?;
+    path.map_or(Ok(()), |path| check_readers(path, &text, env_prefix))?;
+    Ok(config)
+}
+
+/// Refuses a file with secrets that every user of the machine may read.
+fn check_readers(path: &Path, text: &str, env_prefix: &str) -> Result<(), ConfigurationError> {
+    let metadata = std::fs::metadata(path)
+        .map_err(|source| ConfigurationError::ReadFile { path: path.to_owned(), source })?;
+    let secrets = Document::parse(Some(path), text, env_prefix)?.secrets();
+    if metadata.mode() & 0o007 == 0 || secrets.is_empty() {
+        return Ok(());
+    }
+    let fault = |(key, origin)| ConfigurationFault {
+        origin,
+        key,
+        message: "every user of this machine may read this secret".to_owned(),
+        remedy: format!(
+            "run `chmod 600 {}` as the user that runs this program, or give it as a variable of the environment",
+            path.display()
+        ),
+    };
+    Err(ConfigurationError::Invalid { faults: secrets.into_iter().map(fault).collect() })
 }
 
 /// The text of a configuration file; nothing where there is none.
@@ -199,5 +225,25 @@ mod tests {
         let error = check("factory_id = \"A\"\n", &[("VERBUND_WEB__SESSIONS_MAX", "canary")])
             .expect_err("no number");
         assert!(!error.contains("canary"), "{error}");
+    }
+
+    #[test]
+    fn a_file_with_secrets_is_for_its_user_alone() {
+        use std::os::unix::fs::PermissionsExt as _;
+
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("example.toml");
+        let load = |text: &str, mode: u32| {
+            std::fs::write(&path, text).expect("written");
+            std::fs::set_permissions(&path, std::fs::Permissions::from_mode(mode)).expect("ours");
+            load::<Example>(Some(&path), "VERBUND_NOTHING").map_err(|error| error.to_string())
+        };
+        let without = "factory_id = 'F'\n";
+        assert!(load(without, 0o644).is_ok(), "there is nothing to hide");
+        let with = "factory_id = 'F'\npassword = 'canary'\n";
+        let refused = load(with, 0o644).expect_err("everybody may read it");
+        assert!(refused.contains("example.toml:2: password: "), "{refused}");
+        assert!(refused.contains("chmod 600") && !refused.contains("canary"), "{refused}");
+        assert!(load(with, 0o640).is_ok(), "the group is who installs it");
     }
 }

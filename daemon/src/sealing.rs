@@ -54,6 +54,14 @@ impl KeyPlace {
             Self::Credential(path) | Self::Configured(path) | Self::BesideStore(path) => path,
         }
     }
+
+    /// Returns the bits of mode with which the key's file is refused.
+    const fn barred(&self) -> u32 {
+        match self {
+            Self::Credential(_) => key_file::NOT_FOR_ALL,
+            Self::Configured(_) | Self::BesideStore(_) => key_file::NOT_FOR_OTHERS,
+        }
+    }
 }
 
 /// Failure to seal or open a password.
@@ -124,7 +132,7 @@ impl Sealer {
     /// # Errors
     /// [`SealingError`].
     pub fn seal(&self, purpose: &str, password: &str) -> Result<String, SealingError> {
-        let keys = KeyFile::read_or_create(self.place.path())?;
+        let keys = KeyFile::read_or_create(self.place.path(), self.place.barred())?;
         seal_with(keys.current(), purpose, password)
     }
 
@@ -134,7 +142,7 @@ impl Sealer {
     /// [`SealingError`].
     pub fn open(&self, purpose: &str, sealed: &str) -> Result<Confidential<String>, SealingError> {
         let (key_id, body) = parts(sealed)?;
-        let keys = KeyFile::read(self.place.path())?;
+        let keys = KeyFile::read(self.place.path(), self.place.barred())?;
         let key = keys.with_id(key_id).ok_or_else(|| SealingError::UnknownKey {
             key_id: key_id.to_owned(),
             path: self.place.path().to_owned(),
@@ -148,7 +156,7 @@ impl Sealer {
     /// [`SealingError`] where the key's file cannot be read, or the text is none of ours.
     pub fn is_current(&self, sealed: &str) -> Result<bool, SealingError> {
         let (key_id, _) = parts(sealed)?;
-        Ok(KeyFile::read(self.place.path())?.current().id() == key_id)
+        Ok(KeyFile::read(self.place.path(), self.place.barred())?.current().id() == key_id)
     }
 
     /// Makes a new current key; the one before still opens what is sealed with it, older ones are

@@ -58,9 +58,6 @@ enum Command {
         /// File with the token that the platform's administrator gave you; standard input without it.
         #[arg(long)]
         token_file: Option<PathBuf>,
-        /// The token itself. Deprecated: every user of this machine sees the arguments of programs.
-        #[arg(hide = true, conflicts_with = "token_file")]
-        token: Option<String>,
         /// The platform's address, where it differs from the one in the token.
         #[arg(long)]
         platform: Option<String>,
@@ -145,8 +142,8 @@ fn run_command(command: Command, config: ConnectorConfig) -> anyhow::Result<()> 
     runtime.block_on(async {
         match command {
             Command::Run => serve(config).await,
-            Command::Enrol { token_file, token, platform } => {
-                let token = enrolment_token(token_file.as_deref(), token)?;
+            Command::Enrol { token_file, platform } => {
+                let token = enrolment_token(token_file.as_deref())?;
                 let factory = enrolment::enrol(&config, platform.as_deref(), &token).await?;
                 print(&format!("This connector is now that of the factory {factory}."))
             }
@@ -174,20 +171,16 @@ async fn serve(config: ConnectorConfig) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Returns the token of a file, of standard input, or of the arguments.
-fn enrolment_token(
-    file: Option<&Path>,
-    argument: Option<String>,
-) -> anyhow::Result<Confidential<String>> {
-    if let Some(token) = argument {
-        print_note(
-            "a token among the arguments is seen by every user of this machine; give it by --token-file or on standard input",
-        )?;
-        return Ok(token.into());
-    }
+/// Returns the token of a file, or of standard input. Never of the arguments, which every user of the machine sees.
+fn enrolment_token(file: Option<&Path>) -> anyhow::Result<Confidential<String>> {
     let text = match file {
-        Some(path) => std::fs::read_to_string(path)
-            .with_context(|| format!("reading the token of {}", path.display()))?,
+        Some(path) => {
+            let mut text = String::new();
+            let file = std::fs::File::open(path);
+            file.and_then(|file| file.take(INPUT_BYTES_MAX).read_to_string(&mut text))
+                .with_context(|| format!("reading the token of {}", path.display()))?;
+            text
+        }
         None => {
             // A line: a person pastes it at a terminal.
             if std::io::stdin().is_terminal() {
@@ -243,4 +236,25 @@ fn load(path: Option<&Path>) -> anyhow::Result<ConnectorConfig> {
         return Ok(config);
     }
     anyhow::bail!("the configuration has {} fault(s):\n  {}", faults.len(), faults.join("\n  "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_token_is_taken_from_a_file_or_standard_input_alone() {
+        let among_arguments =
+            Arguments::try_parse_from(["factory-connector", "enrol", "https.secret"]);
+        assert!(among_arguments.is_err(), "everybody on the machine would see it");
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("token");
+        std::fs::write(&file, "a.token\n").expect("written");
+        assert_eq!(enrolment_token(Some(&file)).expect("read").expose(), "a.token");
+        std::fs::write(&file, "x".repeat(1 << 20)).expect("written");
+        let read = enrolment_token(Some(&file)).expect("read").expose().len();
+        assert!(read as u64 <= INPUT_BYTES_MAX, "{read} bytes");
+        std::fs::write(&file, " \n").expect("written");
+        assert!(enrolment_token(Some(&file)).is_err(), "nothing is no token");
+    }
 }

@@ -6,6 +6,7 @@ use std::{str::FromStr as _, time::Duration};
 
 use anyhow::Context as _;
 use asi_model::FactoryId;
+use axum::http::Uri;
 use daemon::{Confidential, data_directory};
 use message_signature::PublicKey;
 use messaging::{BrokerProfile, BrokerUrl};
@@ -23,6 +24,9 @@ use crate::{
 
 /// Time limit of the exchange: a person waits for it at a terminal.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(30);
+
+/// Longest answer of a platform, certificate included.
+const ANSWER_BYTES_MAX: usize = 64 * 1024;
 
 /// The platform's answer: address of the broker, and the credential there.
 #[derive(Deserialize)]
@@ -50,6 +54,13 @@ pub async fn enrol(
     let parts = TokenParts::of(token.expose())?;
     let platform = platform.map_or_else(|| parts.address(), |address| Ok(address.to_owned()))?;
     config.check_platform(&platform).map_err(anyhow::Error::msg)?;
+    // Without TLS there is no certificate to compare with the pin.
+    let has_tls = platform.parse::<Uri>().is_ok_and(|uri| uri.scheme_str() == Some("https"));
+    anyhow::ensure!(
+        parts.pin.is_none() || has_tls,
+        "the token is for the platform with one certificate, and {platform} shows none; write https://, or ask for a token \
+         that was made at that address"
+    );
     // Before the token is spent: a folder that is refused afterwards would have cost it.
     data_directory::create(&config.data_directory, config.allow_shared_data_directory)?;
     // Over the connection that the token pins, so that no broker can name another key.
@@ -108,11 +119,26 @@ async fn ask(
         );
     }
     if !status.is_success() {
-        let problem: serde_json::Value = answer.json().await.unwrap_or_default();
+        let problem = read(answer).await.unwrap_or_default();
+        let problem: serde_json::Value = serde_json::from_slice(&problem).unwrap_or_default();
         let detail = problem["detail"].as_str().unwrap_or("it gave no reason");
         anyhow::bail!("the platform refused to enrol this connector ({status}): {detail}");
     }
-    answer.json().await.context("reading the platform's answer")
+    let body = read(answer).await?;
+    serde_json::from_slice(&body).context("reading the platform's answer")
+}
+
+/// Reads an answer, whatever length it claims or has.
+async fn read(mut answer: reqwest::Response) -> anyhow::Result<Vec<u8>> {
+    let mut body = Vec::new();
+    while let Some(part) = answer.chunk().await.context("reading the platform's answer")? {
+        anyhow::ensure!(
+            body.len() + part.len() <= ANSWER_BYTES_MAX,
+            "the platform's answer is longer than {ANSWER_BYTES_MAX} bytes; is it a platform?"
+        );
+        body.extend_from_slice(&part);
+    }
+    Ok(body)
 }
 
 #[cfg(test)]

@@ -57,6 +57,15 @@ impl Document {
         })
     }
 
+    /// Returns the keys of the file with secrets, each with its place.
+    pub(super) fn secrets(&self) -> Vec<(String, Origin)> {
+        let is_secret =
+            |keys: &[String]| keys.last().is_some_and(|key| super::SECRETS.contains(&key.as_str()));
+        let secrets = self.lines.iter().filter(|(keys, _)| is_secret(keys));
+        let place = |line: usize| Origin::File { path: self.path.clone(), line };
+        secrets.map(|(keys, line)| (keys.join("."), place(*line))).collect()
+    }
+
     pub(super) const fn value(&self) -> &Value {
         &self.value
     }

@@ -7,10 +7,8 @@ use serde::Serialize;
 use toml::{Table, Value};
 use utoipa::ToSchema;
 
-use super::{ConfigurationError, document::Document, read, variables_over};
+use super::{ConfigurationError, SECRETS, document::Document, read, variables_over};
 
-/// Names of keys whose values nobody reads, whatever section they stand in.
-const HIDDEN: [&str; 3] = ["password", "secret", "token"];
 /// Introduces a setting of the example that is absent by default.
 const ABSENT: &str = "#: ";
 
@@ -62,7 +60,7 @@ fn shown_of(
     for (keys, value) in said {
         let Some((key, sections)) = keys.split_last() else { continue };
         let section = sections.join(".");
-        let is_hidden = HIDDEN.iter().any(|hidden| key.to_ascii_lowercase().contains(hidden));
+        let is_hidden = SECRETS.iter().any(|hidden| key.to_ascii_lowercase().contains(hidden));
         let index = settings.iter().position(|known| known.section == section && known.key == *key);
         let index = index.unwrap_or_else(|| {
             settings.push(Setting { section, key: key.clone(), ..Setting::none() });

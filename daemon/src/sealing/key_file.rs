@@ -19,6 +19,11 @@ const KEY_BYTES: usize = 32;
 const KEYS_MAX: usize = 8;
 const FILE_BYTES_MAX: u64 = 4096;
 
+/// Bits of mode of a key's file that give others a way to it.
+pub(super) const NOT_FOR_OTHERS: u32 = 0o077;
+/// The same of a service manager's credential: 0400 or, in a container, a group's.
+pub(super) const NOT_FOR_ALL: u32 = 0o007;
+
 /// Failure to read, make or replace the keys.
 #[derive(Debug, thiserror::Error)]
 pub enum KeyFileError {
@@ -91,15 +96,14 @@ impl KeyFile {
         self.0.iter().find(|key| key.id == id)
     }
 
-    /// Reads the keys of a file.
-    pub(super) fn read(path: &Path) -> Result<Self, KeyFileError> {
+    /// Reads the keys of a file. One with any of the `barred` bits of mode is refused.
+    pub(super) fn read(path: &Path, barred: u32) -> Result<Self, KeyFileError> {
         let access = |source: io::Error| match source.kind() {
             io::ErrorKind::NotFound => KeyFileError::Missing { path: path.to_owned() },
             _ => KeyFileError::Access { path: path.to_owned(), source },
         };
         let file = OpenOptions::new().read(true).open(path).map_err(access)?;
-        // A service manager's credential is 0400 or, in a container, a group's.
-        if file.metadata().map_err(access)?.mode() & 0o007 != 0 {
+        if file.metadata().map_err(access)?.mode() & barred != 0 {
             return Err(KeyFileError::Shared { path: path.to_owned() });
         }
         let mut text = Zeroizing::new(String::new());
@@ -112,8 +116,8 @@ impl KeyFile {
     }
 
     /// Reads the keys, or makes the first one.
-    pub(super) fn read_or_create(path: &Path) -> Result<Self, KeyFileError> {
-        match Self::read(path) {
+    pub(super) fn read_or_create(path: &Path, barred: u32) -> Result<Self, KeyFileError> {
+        match Self::read(path, barred) {
             Err(KeyFileError::Missing { .. }) => {}
             result => return result,
         }
@@ -124,13 +128,13 @@ impl KeyFile {
         std::fs::remove_file(&written).map_err(access)?;
         match linked {
             Err(error) if error.kind() != io::ErrorKind::AlreadyExists => Err(access(error)),
-            _ => sync_folder(path).map_err(access).and_then(|()| Self::read(path)),
+            _ => sync_folder(path).map_err(access).and_then(|()| Self::read(path, barred)),
         }
     }
 
     /// Puts a new key before the current one, which stays as the former one.
     pub(super) fn renew(path: &Path) -> Result<(), KeyFileError> {
-        let Self(keys) = Self::read_or_create(path)?;
+        let Self(keys) = Self::read_or_create(path, NOT_FOR_OTHERS)?;
         let renewed: Vec<Key> =
             [Key::random()?].into_iter().chain(keys.into_iter().take(1)).collect();
         let access = |source| KeyFileError::Access { path: path.to_owned(), source };
@@ -175,9 +179,9 @@ mod tests {
     fn a_key_is_made_once_for_its_owner_alone() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("key");
-        assert!(matches!(KeyFile::read(&path), Err(KeyFileError::Missing { .. })));
-        let made = KeyFile::read_or_create(&path).expect("made");
-        let again = KeyFile::read_or_create(&path).expect("read");
+        assert!(matches!(KeyFile::read(&path, NOT_FOR_OTHERS), Err(KeyFileError::Missing { .. })));
+        let made = KeyFile::read_or_create(&path, NOT_FOR_OTHERS).expect("made");
+        let again = KeyFile::read_or_create(&path, NOT_FOR_OTHERS).expect("read");
         assert_eq!(made.current().id(), again.current().id());
         let mode = std::fs::metadata(&path).expect("there").mode() & 0o777;
         assert_eq!(mode, 0o600);
@@ -188,7 +192,10 @@ mod tests {
     fn two_that_make_the_key_at_once_have_the_same() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("key");
-        let made = || KeyFile::read_or_create(&path).map(|keys| keys.current().id().to_owned());
+        let made = || {
+            KeyFile::read_or_create(&path, NOT_FOR_OTHERS)
+                .map(|keys| keys.current().id().to_owned())
+        };
         let ids: Vec<String> = std::thread::scope(|scope| {
             let threads: Vec<_> = (0..8).map(|_| scope.spawn(made)).collect();
             threads.into_iter().map(|thread| thread.join().expect("ends").expect("a key")).collect()
@@ -200,13 +207,29 @@ mod tests {
     fn a_file_that_is_open_to_all_or_holds_no_key_is_refused() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("key");
-        KeyFile::read_or_create(&path).expect("made");
-        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o644)).expect("ours");
-        assert!(matches!(KeyFile::read(&path), Err(KeyFileError::Shared { .. })));
+        KeyFile::read_or_create(&path, NOT_FOR_OTHERS).expect("made");
+        for (mode, barred) in [
+            (0o604, NOT_FOR_OTHERS),
+            (0o640, NOT_FOR_OTHERS),
+            (0o620, NOT_FOR_OTHERS),
+            (0o444, NOT_FOR_ALL),
+        ] {
+            std::fs::set_permissions(&path, std::fs::Permissions::from_mode(mode)).expect("ours");
+            let read = KeyFile::read(&path, barred);
+            assert!(matches!(read, Err(KeyFileError::Shared { .. })), "{mode:o}");
+        }
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o440)).expect("ours");
+        assert!(
+            KeyFile::read(&path, NOT_FOR_ALL).is_ok(),
+            "a container's group has its credential"
+        );
         std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o600)).expect("ours");
         for text in ["", "\n", "rubbish", "AAAA", &"x".repeat(10_000)] {
             std::fs::write(&path, text).expect("written");
-            assert!(matches!(KeyFile::read(&path), Err(KeyFileError::Form { .. })), "{text}");
+            assert!(
+                matches!(KeyFile::read(&path, NOT_FOR_OTHERS), Err(KeyFileError::Form { .. })),
+                "{text}"
+            );
         }
     }
 }

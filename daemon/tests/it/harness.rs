@@ -145,7 +145,7 @@ async fn begin_passkey(
     caller: Caller,
     ApiJson(body): ApiJson<PasskeyBegin>,
 ) -> Result<Json<PasskeyOffer>, Problem> {
-    Ok(Json(OwnPasskeys::of(&sessions, &who.user_name).begin(&caller, body).await?))
+    Ok(Json(OwnPasskeys::of(&sessions, &who.user_name).begin(&caller, &who.session, body).await?))
 }
 
 async fn add_passkey(
@@ -164,7 +164,7 @@ async fn remove_passkey(
     ApiJson(body): ApiJson<PasskeyRemoval>,
 ) -> Result<StatusCode, Problem> {
     let passkeys = OwnPasskeys::of(&sessions, &who.user_name);
-    passkeys.remove(&caller, &passkey_id, body).await?;
+    passkeys.remove(&caller, &who.session, &passkey_id, body).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 

@@ -358,3 +358,32 @@ async fn passkeys_are_unavailable_without_a_domain() {
     assert_eq!(needed["secondFactor"], json!({ "kinds": ["PASSKEY"] }));
     assert_eq!(pages.sign_in(json!({ "code": recovery[0] })).await.status, 200);
 }
+
+#[tokio::test]
+async fn factors_are_changed_within_minutes_of_a_sign_in_that_showed_one() {
+    let pages = Pages::open().await;
+    let age = || {
+        for session in pages.harness.memory.sessions.lock().values_mut() {
+            session.started_at -= Duration::from_secs(601);
+        }
+    };
+    // Without a factor there is none that a sign-in could have shown.
+    age();
+    let (mut key, _) = added(&pages.ann, "blue").await;
+    let passkey = listed(&pages.ann).await.remove(0);
+    age();
+    let password = json!({ "password": PASSWORD });
+    for path in [PASSKEYS, FACTOR] {
+        let refused = call(&pages.ann, Method::POST, path, password.clone()).await;
+        assert_eq!(problem(&refused), (403, json!("SIGN_IN_AGAIN")), "{path}");
+    }
+    assert_eq!(remove(&pages.ann, &passkey, PASSWORD).await, 403);
+    assert_eq!(listed(&pages.ann).await.len(), 1);
+
+    let mut again = client(&pages.harness);
+    let assertion = key.get(&pages.options().await);
+    let body = json!({ "userName": "ann", "password": PASSWORD, "passkey": assertion });
+    let answer = again.sign_in_with(&body).await.expect("an answer");
+    assert_eq!(answer.status, 200, "{}", answer.text);
+    assert_eq!(remove(&again, &passkey, PASSWORD).await, 204);
+}

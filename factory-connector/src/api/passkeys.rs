@@ -43,7 +43,9 @@ pub async fn begin_passkey(
     caller: Caller,
     ApiJson(body): ApiJson<PasskeyBegin>,
 ) -> Result<Json<PasskeyOffer>, Problem> {
-    Ok(Json(OwnPasskeys::of(&api.sessions, &user.user_name).begin(&caller, body).await?))
+    Ok(Json(
+        OwnPasskeys::of(&api.sessions, &user.user_name).begin(&caller, &user.session, body).await?,
+    ))
 }
 
 /// Adds a passkey that a browser made; the answer has recovery codes where it is the first second factor.
@@ -79,6 +81,6 @@ pub async fn remove_passkey(
     ApiJson(body): ApiJson<PasskeyRemoval>,
 ) -> Result<StatusCode, Problem> {
     let passkeys = OwnPasskeys::of(&api.sessions, &user.user_name);
-    passkeys.remove(&caller, &passkey_id, body).await?;
+    passkeys.remove(&caller, &user.session, &passkey_id, body).await?;
     Ok(StatusCode::NO_CONTENT)
 }

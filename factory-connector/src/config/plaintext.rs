@@ -17,18 +17,21 @@ impl ConnectorConfig {
             Some(url) => plain_broker("broker.url", url),
             None => plain_broker("the enrolment's broker", named),
         };
-        self.open_pages().into_iter().chain(broker).collect()
+        self.plain_pages().into_iter().map(|(way, _)| way).chain(broker).collect()
     }
 
     /// Returns the faults of addresses without TLS that no section allows.
     pub(super) fn plaintext_faults(&self) -> Vec<String> {
-        let pages = self.open_pages().filter(|_| !self.web.allow_plaintext);
-        let remedy = "give certificate and key in [web.tls], or listen on 127.0.0.1 behind a proxy that speaks TLS";
+        let pages = self.plain_pages().into_iter().filter(|_| !self.web.allow_plaintext);
+        let public_url = self.web.public_url.as_deref();
+        let is_invalid = public_url.is_some_and(|url| http_way(url) == HttpWay::Invalid);
+        let invalid = is_invalid
+            .then(|| "web.public_url: write an address as https://plant.example".to_owned());
         let broker = self.broker.url.as_ref().and_then(|url| plain_broker("broker.url", url));
         let broker = broker.filter(|_| !self.broker.allow_plaintext);
         pages
-            .map(|way| way.fault("web", remedy))
-            .into_iter()
+            .map(|(way, remedy)| way.fault("web", remedy))
+            .chain(invalid)
             .chain(broker.map(|way| way.fault("broker", BROKER_REMEDY)))
             .collect()
     }
@@ -62,9 +65,16 @@ impl ConnectorConfig {
         }
     }
 
-    fn open_pages(&self) -> Option<PlaintextWay> {
+    /// Returns the ways to the pages without TLS, each with its remedy.
+    fn plain_pages(&self) -> Vec<(PlaintextWay, &'static str)> {
         let is_open = self.web.tls.is_none() && !self.web.listen.ip().is_loopback();
-        is_open.then(|| PlaintextWay::new("web.listen", self.web.listen))
+        let open = is_open.then(|| {
+            let remedy = "give certificate and key in [web.tls], or listen on 127.0.0.1 behind a proxy that speaks TLS";
+            (PlaintextWay::new("web.listen", self.web.listen), remedy)
+        });
+        let url = self.web.public_url.as_ref().filter(|url| http_way(url) == HttpWay::Plaintext);
+        let named = url.map(|url| (PlaintextWay::new("web.public_url", url), "write https://"));
+        open.into_iter().chain(named).collect()
     }
 }
 
@@ -88,6 +98,7 @@ mod tests {
     fn plaintext_to_other_machines_is_refused_unless_its_section_allows_it() {
         for (text, key) in [
             ("[web]\nlisten = \"0.0.0.0:8090\"\n", "web.listen"),
+            ("[web]\npublic_url = \"http://plant.example\"\n", "web.public_url"),
             ("[broker]\nurl = \"amqp://broker.example\"\n", "broker.url"),
             ("[broker]\nurl = \"mqtt+ws://broker.example\"\n", "broker.url"),
         ] {

@@ -17,6 +17,7 @@ use rcgen::{CertificateParams, KeyPair};
 use rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use serde_json::{Value, json};
 use tempfile::TempDir;
+use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
 use tokio_util::sync::{CancellationToken, DropGuard};
 
 use super::*;
@@ -171,6 +172,41 @@ async fn a_token_goes_to_the_platform_that_made_it_alone() {
         enrol(&config, Some(&address), &platform.token(pin)).await.expect_err("an impostor");
     assert!(refused.to_string().contains("new token"), "{refused}");
     assert_eq!(impostor.count(), 0, "it never saw the token");
+    let plain = Platform::start("amqps://broker.example", false, None).await;
+    let address = format!("http://{}", plain.address);
+    let refused = enrol(&config, Some(&address), &platform.token(pin)).await.expect_err("no TLS");
+    assert!(refused.to_string().contains("shows none"), "{refused}");
+    assert_eq!(plain.count(), 0, "what shows no certificate never saw it either");
     enrol(&config, None, &platform.token(pin)).await.expect("the right one");
     assert_eq!(platform.count(), 1);
+}
+
+#[tokio::test]
+async fn an_answer_without_end_is_left() {
+    rustls::crypto::ring::default_provider().install_default().ok();
+    for status in ["201 Created", "403 Forbidden"] {
+        let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.expect("a port");
+        let address = listener.local_addr().expect("bound");
+        let sending = tokio::spawn(async move {
+            let (mut stream, _) = listener.accept().await.expect("a connector");
+            let mut request = [0; 4096];
+            stream.read(&mut request).await.expect("a request");
+            let head = format!("HTTP/1.1 {status}\r\nTransfer-Encoding: chunked\r\n\r\n");
+            stream.write_all(head.as_bytes()).await.expect("sent");
+            let part = [b"1000\r\n".as_slice(), &[b' '; 0x1000], b"\r\n"].concat();
+            let mut sent = 0_usize;
+            while stream.write_all(&part).await.is_ok() {
+                sent += part.len();
+            }
+            sent
+        });
+        let (_folder, config) = config();
+        let token = Confidential::from("secret".to_owned());
+        let refused = enrol(&config, Some(&format!("http://{address}")), &token).await;
+        let refused = refused.expect_err("it has no end").to_string();
+        let is_left = refused.contains("longer than") || refused.contains("no reason");
+        assert!(is_left, "{refused}");
+        let sent = sending.await.expect("it ends");
+        assert!(sent < 16 << 20, "{sent} bytes were taken");
+    }
 }

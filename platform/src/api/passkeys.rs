@@ -32,7 +32,9 @@ pub async fn begin(
     caller: Caller,
     ApiJson(body): ApiJson<PasskeyBegin>,
 ) -> Result<Json<PasskeyOffer>, Problem> {
-    Ok(Json(OwnPasskeys::of(&app.sessions, &who.user_name).begin(&caller, body).await?))
+    Ok(Json(
+        OwnPasskeys::of(&app.sessions, &who.user_name).begin(&caller, &who.session, body).await?,
+    ))
 }
 
 /// Adds a passkey that a browser made; the answer has recovery codes where it is the first second factor.
@@ -60,6 +62,6 @@ pub async fn remove(
     ApiJson(body): ApiJson<PasskeyRemoval>,
 ) -> Result<StatusCode, Problem> {
     let passkeys = OwnPasskeys::of(&app.sessions, &who.user_name);
-    passkeys.remove(&caller, &passkey_id, body).await?;
+    passkeys.remove(&caller, &who.session, &passkey_id, body).await?;
     Ok(StatusCode::NO_CONTENT)
 }

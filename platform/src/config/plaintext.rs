@@ -8,6 +8,10 @@ use super::PlatformConfig;
 /// Remedy for an address of a broker.
 const BROKER_REMEDY: &str = "write amqps://, amqp+wss://, mqtts:// or mqtt+wss://";
 
+/// Remedy for an address of the pages that is open to other machines.
+const LISTENER_REMEDY: &str = "set web.tls; or listen on 127.0.0.1 behind a proxy that speaks TLS; or, where that one \
+                               runs elsewhere, name it in web.trusted_proxies and write web.public_url with https://";
+
 /// A way with the section whose key allows it, and the remedy that needs no key.
 struct Use {
     way: PlaintextWay,
@@ -38,6 +42,14 @@ impl PlatformConfig {
         faults
     }
 
+    /// Returns true where a proxy that is named speaks TLS. An address with `https` alone proves none: whatever it
+    /// says, passwords reach an open listener as they were sent.
+    fn is_behind_tls(&self) -> bool {
+        let is_https =
+            self.web.public_url.as_deref().is_some_and(|url| url.starts_with("https://"));
+        is_https && !self.web.trusted_proxies.is_empty()
+    }
+
     fn plaintext_uses(&self) -> Vec<Use> {
         let web = |key, address: &dyn ToString, remedy| Use {
             way: PlaintextWay::new(key, address.to_string()),
@@ -46,19 +58,13 @@ impl PlatformConfig {
             remedy,
         };
         let mut uses = Vec::new();
+        let public_url = self.web.public_url.as_deref();
+        let is_plain_url = |url: &&str| http_way(url) == HttpWay::Plaintext;
         let is_open = self.web.tls.is_none() && !self.web.listen.ip().is_loopback();
-        match self.web.public_url.as_deref() {
-            // A proxy in front speaks TLS.
-            Some(url) if http_way(url) == HttpWay::Plaintext => {
-                uses.push(web("web.public_url", &url, "write https://"));
-            }
-            Some(_) => {}
-            None if is_open => uses.push(web(
-                "web.listen",
-                &self.web.listen,
-                "set web.tls, or web.public_url when a proxy speaks TLS",
-            )),
-            None => {}
+        if let Some(url) = public_url.filter(is_plain_url) {
+            uses.push(web("web.public_url", &url, "write https://"));
+        } else if is_open && !self.is_behind_tls() {
+            uses.push(web("web.listen", &self.web.listen, LISTENER_REMEDY));
         }
         let public_url = self.broker.public_url.iter().filter(|url| is_plaintext(url));
         uses.extend(public_url.map(|url| Use {
@@ -109,6 +115,16 @@ mod tests {
             ),
             ("[web]\npublic_url = \"http://verbund.example\"\n".to_owned(), "web.public_url"),
             ("[web]\nlisten = \"0.0.0.0:80\"\n".to_owned(), "web.listen"),
+            // An address that looks safe closes no listener.
+            (
+                "[web]\nlisten = \"0.0.0.0:80\"\npublic_url = \"http://localhost\"\n".to_owned(),
+                "web.listen",
+            ),
+            (
+                "[web]\nlisten = \"0.0.0.0:80\"\npublic_url = \"https://verbund.example\"\n"
+                    .to_owned(),
+                "web.listen",
+            ),
             ("[broker]\npublic_url = \"amqp://broker.example\"\n".to_owned(), "broker.public_url"),
             (external("\"amqp://broker.example\"", ""), "broker.external.urls"),
             (
@@ -143,7 +159,10 @@ mod tests {
     #[test]
     fn tls_and_this_machine_need_no_word() {
         for text in [
-            "[web]\nlisten = \"0.0.0.0:80\"\npublic_url = \"https://verbund.example\"\n".to_owned(),
+            "[web]\nlisten = \"0.0.0.0:80\"\npublic_url = \"https://verbund.example\"\n\
+             trusted_proxies = [\"10.0.0.7\"]\n"
+                .to_owned(),
+            "[web]\npublic_url = \"https://verbund.example\"\n".to_owned(),
             "[web]\npublic_url = \"http://127.0.0.1:8080\"\n".to_owned(),
             "[broker]\npublic_url = \"amqps://broker.example\"\n".to_owned(),
             external("\"amqp://127.0.0.1\", \"amqps://broker.example\"", ""),

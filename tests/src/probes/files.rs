@@ -4,7 +4,7 @@ use std::{os::unix::fs::PermissionsExt as _, path::PathBuf, process::Command};
 
 use anyhow::Context as _;
 
-use crate::harness::binary;
+use crate::harness::{binary, write_private};
 
 /// Fails where another user of the machine could read or change a file of a daemon.
 pub(super) async fn of_the_user_alone(folder: PathBuf) -> anyhow::Result<String> {
@@ -41,7 +41,7 @@ pub(super) async fn plaintext_addresses(folder: PathBuf) -> anyhow::Result<Strin
     let mut refusals = Vec::new();
     for (name, text) in changes {
         let file = folder.join(format!("plaintext-{name}.toml"));
-        std::fs::write(&file, text)?;
+        write_private(&file, &text)?;
         let checked = Command::new(binary("platform")?)
             .args(["config", "check", "--config", &file.display().to_string()])
             .output()?;

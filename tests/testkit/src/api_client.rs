@@ -55,8 +55,15 @@ impl ApiClient {
     /// # Errors
     /// When the daemon does not answer.
     pub async fn sign_in(&mut self, user_name: &str, password: &str) -> Result<Answer> {
-        let body = json!({ "userName": user_name, "password": password });
-        let answer = self.call(Method::POST, "/api/v1/session", Some(&body)).await?;
+        self.sign_in_with(&json!({ "userName": user_name, "password": password })).await
+    }
+
+    /// Signs in with a document, as with a second factor. The session is kept if the answer is a success.
+    ///
+    /// # Errors
+    /// When the daemon does not answer.
+    pub async fn sign_in_with(&mut self, body: &Value) -> Result<Answer> {
+        let answer = self.call(Method::POST, "/api/v1/session", Some(body)).await?;
         if answer.status.is_success() {
             self.csrf_token = answer.json()["csrfToken"].as_str().map(str::to_owned);
         }

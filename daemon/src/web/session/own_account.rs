@@ -1,7 +1,8 @@
 //! One's own account: the password, and the sessions.
 
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
+use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use time::OffsetDateTime;
 use utoipa::ToSchema;
@@ -15,6 +16,9 @@ use super::{
     sessions::{Sessions, SignedIn, internal, not_hashed},
 };
 use crate::{Confidential, web::problem::Problem};
+
+/// Time from a sign-in in which second factors may be changed.
+const RECENT: Duration = Duration::from_secs(600);
 
 /// Present and new password.
 #[derive(Deserialize, ToSchema)]
@@ -127,6 +131,26 @@ impl<A: Accounts> Sessions<A> {
         accounts.set_password(name, &hash, &user.session).await.map_err(internal)?;
         tracing::info!(user.name = name, "A person changed the own password.");
         Ok(())
+    }
+
+    /// Checks that a person with a second factor signed in a short time ago, and so showed it: who has found an open
+    /// page and knows the password adds and removes no factor.
+    pub(super) async fn check_recent(
+        &self,
+        user_name: &str,
+        session: &SessionId,
+    ) -> Result<(), Problem> {
+        if !self.second_factors(user_name).await?.is_any() {
+            return Ok(());
+        }
+        let stored = self.accounts().session(session).await.map_err(internal)?;
+        let age =
+            stored.and_then(|stored| SystemTime::now().duration_since(stored.started_at).ok());
+        if age.is_some_and(|age| age <= RECENT) {
+            return Ok(());
+        }
+        let detail = "Second factors are changed within ten minutes of a sign-in. Sign in again, then change them.";
+        Err(Problem::new(StatusCode::FORBIDDEN, "SIGN_IN_AGAIN", detail))
     }
 
     /// Checks the password of a person who is signed in; attempts count as those to sign in.

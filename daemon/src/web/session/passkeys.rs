@@ -10,7 +10,8 @@ use utoipa::ToSchema;
 
 use super::{
     accounts::{
-        AccountChange, Accounts, PASSKEYS_MAX, PasskeyUse, StoredPasskey, USER_HANDLE_BYTES,
+        AccountChange, Accounts, PASSKEYS_MAX, PasskeyUse, SessionId, StoredPasskey,
+        USER_HANDLE_BYTES,
     },
     credentials::{Caller, PasskeyAssertion},
     second_factor::{RecoveryCodes, new_recovery_codes, wrong},
@@ -134,14 +135,16 @@ impl<'s, A: Accounts> OwnPasskeys<'s, A> {
     /// Makes the options with which a browser makes a passkey.
     ///
     /// # Errors
-    /// A [`Problem`]: 409 where passkeys are unavailable or the user has as many as there may be, 422 for a
-    /// wrong password, and those of a sign-in.
+    /// A [`Problem`]: 403 where the sign-in of a user with a second factor is not recent, 409 where passkeys are
+    /// unavailable or the user has as many as there may be, 422 for a wrong password, and those of a sign-in.
     pub async fn begin(
         &self,
         caller: &Caller,
+        session: &SessionId,
         body: PasskeyBegin,
     ) -> Result<PasskeyOffer, Problem> {
         let party = self.relying_party()?;
+        self.sessions.check_recent(self.user_name, session).await?;
         self.sessions.check_password(caller, self.user_name, body.password).await?;
         let (passkeys, config) = (self.stored().await?, self.sessions.config());
         if passkeys.len() >= PASSKEYS_MAX {
@@ -201,13 +204,16 @@ impl<'s, A: Accounts> OwnPasskeys<'s, A> {
     /// Removes one.
     ///
     /// # Errors
-    /// A [`Problem`]: 404 where the user has no such passkey, 422 for a wrong password, and those of a sign-in.
+    /// A [`Problem`]: 403 where the sign-in is not recent, 404 where the user has no such passkey, 422 for a wrong
+    /// password, and those of a sign-in.
     pub async fn remove(
         &self,
         caller: &Caller,
+        session: &SessionId,
         passkey_id: &str,
         body: PasskeyRemoval,
     ) -> Result<(), Problem> {
+        self.sessions.check_recent(self.user_name, session).await?;
         self.sessions.check_password(caller, self.user_name, body.password).await?;
         let change = AccountChange { by: self.user_name, operation: "removePasskey" };
         let accounts = self.sessions.accounts();

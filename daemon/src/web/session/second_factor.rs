@@ -141,14 +141,15 @@ impl<A: Accounts> Sessions<A> {
     /// Makes a secret, which counts once it is confirmed.
     ///
     /// # Errors
-    /// A [`Problem`]: 409 where a second factor is on, 422 for a wrong password, 503 without a key to seal
-    /// with, and those of a sign-in.
+    /// A [`Problem`]: 403 where the sign-in of a user with passkeys is not recent, 409 where a second factor is on,
+    /// 422 for a wrong password, 503 without a key to seal with, and those of a sign-in.
     pub async fn begin_second_factor(
         &self,
         caller: &Caller,
         user: &SignedIn<A::Principal>,
         body: SecondFactorBegin,
     ) -> Result<SecondFactorOffer, Problem> {
+        self.check_recent(&user.user_name, &user.session).await?;
         self.check_password(caller, &user.user_name, body.password).await?;
         let factors = self.keep_confirmed(&user.user_name).await?;
         let secret = enrolment::new_secret();

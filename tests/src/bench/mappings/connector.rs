@@ -2,7 +2,6 @@
 //! bank, each mapped.
 
 use std::{
-    fs,
     sync::atomic::{AtomicU64, Ordering},
     time::Duration,
 };
@@ -35,7 +34,7 @@ use tempfile::TempDir;
 use super::bank::{Bank, node};
 use crate::{
     bench::usage::Usage,
-    harness::{Api, Daemon, DaemonCommand, binary, eventually},
+    harness::{Api, Daemon, DaemonCommand, binary, eventually, write_private},
 };
 
 const FACTORY: &str = "BENCH";
@@ -82,7 +81,7 @@ impl Connector {
             "data_directory = {data:?}\n\n[web]\nlisten = \"127.0.0.1:{web}\"\n\n[twin]\nlisten = \"127.0.0.1:{twin}\"\n\n\
              [reports]\npublishing_interval_ms = 1000\n\n[admin]\nuser_name = \"engineer\"\npassword = \"{PASSWORD}\"\n"
         );
-        fs::write(&config, text)?;
+        write_private(&config, &text)?;
         let mut daemon = Daemon::start(DaemonCommand {
             name: "connector".to_owned(),
             program: binary("factory-connector")?,
