@@ -242,26 +242,33 @@ async fn drain(stage: &mut Stage) -> anyhow::Result<String> {
     for factory in [MUNICH, HAMBURG] {
         let connector = stage.world.connector_api(factory).await?;
         story::link_is_up(&connector).await?;
-        nothing_waits(&connector).await?;
+        nothing_waits(stage, factory, &connector).await?;
     }
     let platform = stage.world.platform_api().await?;
     let unanswered = control::parts_are_answered(&platform, RECOVERY).await?;
     unanswered.map_or(Ok(()), |fault| Err(breach(&[fault])))?;
     for factory in [MUNICH, HAMBURG] {
         // An answer to a part may have brought decisions with it.
-        nothing_waits(&stage.world.connector_api(factory).await?).await?;
+        let connector = stage.world.connector_api(factory).await?;
+        nothing_waits(stage, factory, &connector).await?;
     }
     Ok(String::new())
 }
 
 /// Waits until the spool stays empty: clients notice lost machines one after the other, and each
 /// then reports it.
-async fn nothing_waits(connector: &Api) -> anyhow::Result<()> {
+async fn nothing_waits(stage: &Stage, factory: &str, connector: &Api) -> anyhow::Result<()> {
+    let folder = &stage.world.places.folder;
     let deadline = Deadline::after(RECOVERY);
     let mut quiet_since = Instant::now();
     while quiet_since.elapsed() < QUIET {
         let backlog: Value = connector.get("/api/v1/spool").await?;
-        if backlog["waiting"] != 0 || backlog["sent"] != 0 {
+        // What was taken back on its way is not sent again, so that a broker may have lost it for good.
+        let open = match stage.set_back.is_empty() {
+            true => 0,
+            false => stores::revoked_on_the_way(folder, factory).await?,
+        };
+        if backlog["waiting"] != 0 || backlog["sent"].as_i64() > Some(open) {
             if deadline.has_passed() {
                 let fault = format!("not everything was receipted within {RECOVERY:?}: {backlog}");
                 return Err(breach(&[fault]));
@@ -292,14 +299,14 @@ async fn judge(stage: &Stage, said: &[Comment], taken: Option<Taken>) -> anyhow:
     if letters > 0 {
         findings.faults.push(format!("{letters} messages could not be used"));
     }
-    let Findings { left, arrived, given_up, replayed, faults } = findings;
+    let Findings { left, arrived, given_up, unknown, replayed, faults } = findings;
     if !faults.is_empty() {
         return Err(breach(&faults));
     }
     anyhow::ensure!(left > 0 && !said.is_empty(), "nothing left at all");
     let controls = taken.map_or(Ok(String::new()), Taken::said)?;
     Ok(format!(
-        "{left} reports left, {arrived} arrived ({replayed} of them replayed), {given_up} were given up, {repeats} repeats discarded, \
+        "{left} reports left, {arrived} arrived ({replayed} of them replayed), {given_up} were given up, {unknown} revoked on their way and lost with a broker's store, {repeats} repeats discarded, \
          {} set back by a lost broker store; {} comments taken, {} of them on their way to a broker that lost its store{controls}",
         stage.set_back.len(),
         said.len(),

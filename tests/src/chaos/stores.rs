@@ -38,6 +38,8 @@ pub(super) struct Comment {
 pub(super) struct Left {
     /// WAITING, SENT, PARKED or DONE.
     pub state: String,
+    /// The consent ended after it was sent, so that it is not sent again.
+    pub is_revoked: bool,
     /// Number of partners it was for.
     pub recipients: usize,
     pub content: Content,
@@ -87,6 +89,13 @@ pub(super) async fn unreceipted_reports(
             sequence: row.get("sequence"),
         })
         .collect())
+}
+
+/// Returns the number of reports that were sent, have no receipt, and are not sent again since their consent ended.
+pub(super) async fn revoked_on_the_way(folder: &Path, factory: &str) -> anyhow::Result<i64> {
+    let mut store = open(&connector_store(folder, factory)).await?;
+    let sql = "SELECT count(*) AS count FROM report WHERE state = 'SENT' AND is_revoked = 1";
+    Ok(sqlx::query(sql).fetch_one(&mut store).await?.get("count"))
 }
 
 /// Removes the broker's store.
@@ -172,7 +181,7 @@ pub(super) async fn left(
 ) -> anyhow::Result<BTreeMap<ReportKey, Left>> {
     let mut store = open(&connector_store(folder, factory)).await?;
     let rows = sqlx::query(
-        "SELECT writer_id, epoch, sequence, state, recipients, body FROM report ORDER BY id",
+        "SELECT writer_id, epoch, sequence, state, is_revoked, recipients, body FROM report ORDER BY id",
     )
     .fetch_all(&mut store)
     .await?;
@@ -189,6 +198,7 @@ pub(super) async fn left(
                 .with_context(|| format!("the body of {key:?}"))?;
             let left = Left {
                 state: row.get("state"),
+                is_revoked: row.get::<i64, _>("is_revoked") != 0,
                 recipients: recipients.as_array().map_or(0, Vec::len),
                 content: Content::of_message(&body)
                     .with_context(|| format!("the body of {key:?}"))?,
