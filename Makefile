@@ -131,7 +131,7 @@ probes: prerequisites-test web ## attacks that once worked, against release buil
 fuzz: ## random input for every edge, shared by its targets: HOURS=1, or SECONDS=60 for each; TARGETS="..."
 	tools/fuzz.sh $(or $(SECONDS),$(if $(HOURS),$(HOURS)h,60)) $(TARGETS)
 
-test-slow: ## what takes too long for each change: histories, foreign peers, fuzzing, scale, every page, chaos, mutants of gate, ledger and platform
+test-slow: ## what takes too long for each change: histories, foreign peers, fuzzing, scale, every page, chaos, mutants of delivery, gate, ledger and platform
 	$(MAKE) knowledge
 	$(MAKE) asi-foreign
 	$(MAKE) foreign-kills
@@ -140,6 +140,7 @@ test-slow: ## what takes too long for each change: histories, foreign peers, fuz
 	$(MAKE) probes
 	$(MAKE) screenshots
 	$(MAKE) chaos MINUTES=$(or $(MINUTES),30)
+	$(MAKE) mutants MINUTES=$(or $(MUTANT_MINUTES),2)
 	$(MAKE) mutants-gate
 	$(MAKE) mutants-ledger
 	$(MAKE) mutants-platform

@@ -7,8 +7,8 @@ use verbund_tests::{
     world::BrokerKind,
 };
 
-/// The first rounds of this seed hold kills of every program, an old broker store, a slow and a
-/// stalled line.
+/// The first round of each seed has a clock that is set and a full disk; a run that could have had them and had not
+/// fails, and one whose machine cannot cause them says so.
 const SEED: u64 = 1;
 
 #[tokio::test(flavor = "multi_thread")]

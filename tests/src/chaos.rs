@@ -2,14 +2,18 @@
 //! values flow: programs killed, lines cut and stalled, stores lost, clocks set, disks full. In the
 //! end the stores of both sides are compared: every report that left is held once, in its order
 //! within each lane, with the fields, values, statuses and times it left with, and the ledger knows of it;
-//! every comment that one side took is on both sides once, and both have the same decisions. After each round
-//! every writer has to send again.
+//! every comment that one side took is on both sides once, and both have the same decisions, revocations and revisions.
+//! What was given up is announced, and nothing else is; what the machines counted is in reports. After each round every
+//! writer has to send again.
 
 mod clock;
 mod comments;
 mod content;
+mod control;
 mod copied;
+mod counted;
 mod disk;
+mod disturbances;
 mod findings;
 mod line;
 mod plan;
@@ -23,8 +27,9 @@ use std::{
 };
 
 use comments::CommentTraffic;
+use control::{ControlTraffic, Taken};
 pub use copied::copied;
-use findings::Findings;
+use findings::{Findings, breach};
 pub use plan::{Fault, Plan, Strike};
 pub use rolled_back::rolled_back;
 use serde_json::Value;
@@ -57,8 +62,6 @@ pub struct Length {
 const RECOVERY: Duration = Duration::from_secs(120);
 /// Time without anything waiting that counts as the end.
 const QUIET: Duration = Duration::from_secs(5);
-/// Faults shown at most.
-const SHOWN_MAX: usize = 20;
 
 /// Plays the rounds of a seed and judges.
 ///
@@ -75,6 +78,9 @@ pub async fn run(seed: u64, length: Length, broker: BrokerKind, keep: bool) -> a
         "{}; or leave these faults out with --may-lack-faults",
         lacking.join("; ")
     );
+    if !lacking.is_empty() {
+        say(&format!("  Left out on this machine: {}", lacking.join("; ")));
+    }
     let outcome = play(&mut stage, &cast, &mut steps, seed, length).await;
     if outcome.is_err() {
         for daemon in stage.world.daemons() {
@@ -110,10 +116,11 @@ async fn play(
     seed: u64,
     length: Length,
 ) -> anyhow::Result<()> {
-    steps.run("every writer is kept busy", load::put_on(cast)).await?;
+    steps.run("every writer is kept busy", load::put_on(cast, &stage.world.places)).await?;
     // The clocks are only followed after a start.
     stage.strike(Fault::KillAll).await?;
     let comments = CommentTraffic::begin(&stage.world.places)?;
+    let controls = ControlTraffic::begin(&stage.world.places)?;
     let mut plan = Plan::new(seed);
     let start = Instant::now();
     let mut number = 0;
@@ -127,12 +134,15 @@ async fn play(
         }
         round(stage, steps, number, &strikes).await?;
     }
-    let said = comments.end().await?;
+    let (said, taken) = (comments.end().await?, controls.end().await?);
     steps.run("the machines stop, and what waits arrives", drain(stage)).await?;
     steps.run("everything stops when asked", async { stage.world.stop().map(|()| "") }).await?;
     let took = start.elapsed();
     steps
-        .run("every report is held once, in order, and in the ledger", judge(stage, &said))
+        .run(
+            "every report is held once, in order, and in the ledger",
+            judge(stage, &said, Some(taken)),
+        )
         .await?;
     let counts: Vec<_> =
         stage.counts.iter().map(|(kind, count)| format!("{kind} {count}")).collect();
@@ -149,6 +159,8 @@ async fn play(
         stage.kills,
         length.at_least_kills
     );
+    let missed = stage.missed();
+    anyhow::ensure!(missed.is_empty(), "the run had no {}", missed.join(" and no "));
     Ok(())
 }
 
@@ -198,10 +210,10 @@ async fn flows(stage: &mut Stage) -> anyhow::Result<()> {
             if silent.is_empty() {
                 break;
             }
-            anyhow::ensure!(
-                Instant::now() < deadline,
-                "no reports of {factory} to {silent:?} for {RECOVERY:?}"
-            );
+            if Instant::now() > deadline {
+                let fault = format!("no reports of {factory} to {silent:?} for {RECOVERY:?}");
+                return Err(breach(&[fault]));
+            }
             stage.supervise()?;
             tokio::time::sleep(Duration::from_millis(50)).await;
         }
@@ -230,23 +242,37 @@ async fn drain(stage: &mut Stage) -> anyhow::Result<String> {
     for factory in [MUNICH, HAMBURG] {
         let connector = stage.world.connector_api(factory).await?;
         story::link_is_up(&connector).await?;
-        nothing_waits(&connector).await?;
+        nothing_waits(stage, factory, &connector).await?;
+    }
+    let platform = stage.world.platform_api().await?;
+    let unanswered = control::parts_are_answered(&platform, RECOVERY).await?;
+    unanswered.map_or(Ok(()), |fault| Err(breach(&[fault])))?;
+    for factory in [MUNICH, HAMBURG] {
+        // An answer to a part may have brought decisions with it.
+        let connector = stage.world.connector_api(factory).await?;
+        nothing_waits(stage, factory, &connector).await?;
     }
     Ok(String::new())
 }
 
 /// Waits until the spool stays empty: clients notice lost machines one after the other, and each
 /// then reports it.
-async fn nothing_waits(connector: &Api) -> anyhow::Result<()> {
+async fn nothing_waits(stage: &Stage, factory: &str, connector: &Api) -> anyhow::Result<()> {
+    let folder = &stage.world.places.folder;
     let deadline = Deadline::after(RECOVERY);
     let mut quiet_since = Instant::now();
     while quiet_since.elapsed() < QUIET {
         let backlog: Value = connector.get("/api/v1/spool").await?;
-        if backlog["waiting"] != 0 || backlog["sent"] != 0 {
-            anyhow::ensure!(
-                !deadline.has_passed(),
-                "not everything was receipted within {RECOVERY:?}: {backlog}"
-            );
+        // What was taken back on its way is not sent again, so that a broker may have lost it for good.
+        let open = match stage.set_back.is_empty() {
+            true => 0,
+            false => stores::revoked_on_the_way(folder, factory).await?,
+        };
+        if backlog["waiting"] != 0 || backlog["sent"].as_i64() > Some(open) {
+            if deadline.has_passed() {
+                let fault = format!("not everything was receipted within {RECOVERY:?}: {backlog}");
+                return Err(breach(&[fault]));
+            }
             quiet_since = Instant::now();
         }
         tokio::time::sleep(Duration::from_millis(100)).await;
@@ -254,11 +280,16 @@ async fn nothing_waits(connector: &Api) -> anyhow::Result<()> {
     Ok(())
 }
 
-async fn judge(stage: &Stage, said: &[Comment]) -> anyhow::Result<String> {
+/// Compares the stores. What the machines counted, and what was decided under faults, is judged where `taken` says that
+/// it was put under faults.
+async fn judge(stage: &Stage, said: &[Comment], taken: Option<Taken>) -> anyhow::Result<String> {
     let folder = &stage.world.places.folder;
     let mut findings = Findings::default();
     for factory in [MUNICH, HAMBURG] {
-        findings::of_factory(folder, factory, &stage.set_back, &mut findings).await?;
+        findings::of_factory(stage, factory, &mut findings).await?;
+        if taken.is_some() {
+            findings.of_machines(stage, factory).await?;
+        }
         if let Err(error) = ledger_holds(stage, factory).await {
             findings.faults.push(format!("{error:#}"));
         }
@@ -268,13 +299,15 @@ async fn judge(stage: &Stage, said: &[Comment]) -> anyhow::Result<String> {
     if letters > 0 {
         findings.faults.push(format!("{letters} messages could not be used"));
     }
-    let Findings { left, arrived, replayed, faults } = findings;
-    let shown: Vec<_> = faults.iter().take(SHOWN_MAX).cloned().collect();
-    anyhow::ensure!(faults.is_empty(), "{} faults:\n  {}", faults.len(), shown.join("\n  "));
+    let Findings { left, arrived, given_up, unknown, replayed, faults } = findings;
+    if !faults.is_empty() {
+        return Err(breach(&faults));
+    }
     anyhow::ensure!(left > 0 && !said.is_empty(), "nothing left at all");
+    let controls = taken.map_or(Ok(String::new()), Taken::said)?;
     Ok(format!(
-        "{left} reports left, {arrived} arrived ({replayed} of them replayed), {repeats} repeats discarded, \
-         {} set back by a lost broker store; {} comments taken, {} of them on their way to a broker that lost its store",
+        "{left} reports left, {arrived} arrived ({replayed} of them replayed), {given_up} were given up, {unknown} revoked on their way and lost with a broker's store, {repeats} repeats discarded, \
+         {} set back by a lost broker store; {} comments taken, {} of them on their way to a broker that lost its store{controls}",
         stage.set_back.len(),
         said.len(),
         stage.lost_comments.len()

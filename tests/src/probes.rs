@@ -32,6 +32,7 @@ pub async fn run(only: Option<&str>, keep: bool) -> anyhow::Result<()> {
     let folder = tempfile::Builder::new().prefix("verbund-probes-").tempdir()?;
     let mut places = Places::anywhere(folder.path().to_owned())?;
     places.broker_websocket = Some(free_ports::reserve::<1>()?[0]);
+    places.counters = Some(free_ports::reserve()?);
     let mut world = World::start(places)?;
     let cast = play(&mut world, &mut Steps::default()).await?;
     let maker = members::planner(&cast.platform, MAKER).await?;

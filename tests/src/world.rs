@@ -3,6 +3,7 @@
 
 mod accounts;
 mod copies;
+pub(crate) mod counters;
 mod external_broker;
 mod files;
 mod places;

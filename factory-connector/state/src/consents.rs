@@ -41,6 +41,7 @@ pub(crate) fn record(
     if basis.names_documents() {
         basis.salt = Some(hex::encode(state.ids.next_salt()));
     }
+    let decided_at = decision.decided_at.unwrap_or(now);
     let policy = field.gate().policy();
     changes.writes.fields.consents.push(ConsentRow {
         field: key.to_string(),
@@ -64,7 +65,7 @@ pub(crate) fn record(
     };
     changes.put_field(field);
     changes.count_decision(field);
-    send_decision(state, changes, key, now, now);
+    send_decision(state, changes, key, decided_at, now);
     let recipients = state.networks.recipients(&key.request);
     state.ledger.append(&mut changes.writes.ledger, recipients, now, None, &event);
     if let Some(mut field) = state.fields.get_mut(key) {

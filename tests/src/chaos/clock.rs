@@ -12,6 +12,7 @@ use crate::harness::Daemon;
 #[derive(Debug)]
 pub struct Clock {
     file: PathBuf,
+    offset: ClockOffset,
 }
 
 impl Clock {
@@ -22,8 +23,9 @@ impl Clock {
     /// When the file cannot be written.
     pub fn of(daemon: &mut Daemon, folder: &Path) -> anyhow::Result<Option<Self>> {
         let Some(library) = library() else { return Ok(None) };
-        let clock = Self { file: folder.join(format!("{}.clock", daemon.name())) };
-        clock.set(ClockOffset(0))?;
+        let file = folder.join(format!("{}.clock", daemon.name()));
+        let clock = Self { file, offset: ClockOffset(0) };
+        clock.write(clock.offset)?;
         daemon.set_environment("LD_PRELOAD", &library.display().to_string());
         daemon.set_environment("FAKETIME_TIMESTAMP_FILE", &clock.file.display().to_string());
         daemon.set_environment("FAKETIME_CACHE_DURATION", "1");
@@ -33,11 +35,26 @@ impl Clock {
         Ok(Some(clock))
     }
 
-    /// Lets it jump; the program sees it within a second.
+    /// Lets it jump; the program sees it within a second. Returns false where it has this offset already.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn set(&self, offset: ClockOffset) -> anyhow::Result<()> {
+    pub fn set(&mut self, offset: ClockOffset) -> anyhow::Result<bool> {
+        self.write(offset)?;
+        Ok(std::mem::replace(&mut self.offset, offset) != offset)
+    }
+
+    /// True for a program that was started with the library.
+    pub fn is_followed_by(daemon: &Daemon) -> bool {
+        // A program that has just been started is still the one that starts it.
+        let has_library = |file: &str| {
+            let text = std::fs::read(format!("/proc/{}/{file}", daemon.pid())).unwrap_or_default();
+            String::from_utf8_lossy(&text).contains("libfaketime")
+        };
+        has_library("maps") || has_library("environ")
+    }
+
+    fn write(&self, offset: ClockOffset) -> anyhow::Result<()> {
         // Replaced in one go: a file read half written would be another time.
         let next = self.file.with_extension("next");
         std::fs::write(&next, format!("{:+}\n", offset.0))

@@ -28,7 +28,7 @@ pub async fn copied(broker: BrokerKind) -> anyhow::Result<()> {
     let (mut stage, cast) = Stage::set(folder.path().to_owned(), broker, &mut steps).await?;
     let mut copy = None;
     let outcome = async {
-        steps.run("every writer is kept busy", load::put_on(&cast)).await?;
+        steps.run("every writer is kept busy", load::put_on(&cast, &stage.world.places)).await?;
         // Shortened intervals are configured, and read at a start.
         stage.strike(Fault::KillAll).await?;
         flows(&mut stage).await?;
@@ -122,7 +122,9 @@ async fn beside(
     let said = comments.end().await?;
     steps.run("the machines stop, and what waits arrives", drain(stage)).await?;
     steps.run("everything stops when asked", async { stage.world.stop().map(|()| "") }).await?;
-    steps.run("every report is held once, in order, and in the ledger", judge(stage, &said)).await
+    steps
+        .run("every report is held once, in order, and in the ledger", judge(stage, &said, None))
+        .await
 }
 
 /// Waits until a connector says that its lease stands so.

@@ -1,14 +1,17 @@
 //! Checks of the stores of both sides after everything has stopped.
 
-use std::{
-    collections::{BTreeMap, BTreeSet},
-    path::Path,
-};
+use std::collections::{BTreeMap, BTreeSet};
 
-use super::stores::{self, ReportKey};
+use super::{
+    control, counted,
+    stage::Stage,
+    stores::{self, ReportKey},
+};
 
 /// Part of the counted values, of a hundred, that are in reports at least.
 const STEPS_LEFT_MIN: i64 = 90;
+/// Faults shown at most.
+const SHOWN_MAX: usize = 20;
 
 /// Result of the checks.
 #[derive(Debug, Default)]
@@ -17,23 +20,43 @@ pub(super) struct Findings {
     pub left: usize,
     /// Number of these that the platform stored.
     pub arrived: usize,
+    /// Number of reports that were given up, and announced so.
+    pub given_up: usize,
+    /// Number of reports that a broker lost with its store, and whose consent had ended: they are not sent again.
+    pub unknown: usize,
     /// Number of reports that came with the backlog after an outage.
     pub replayed: usize,
     /// Breaches of what is promised.
     pub faults: Vec<String>,
 }
 
+impl Findings {
+    /// Adds what machines counted and no report has.
+    pub async fn of_machines(&mut self, stage: &Stage, factory: &str) -> anyhow::Result<()> {
+        let left = stores::left(&stage.world.places.folder, factory).await?;
+        self.faults.extend(counted::faults(factory, &left, stage.disturbed.of(factory)));
+        Ok(())
+    }
+}
+
+/// Returns breaches of what is promised as the error of a run. `tests/mutants/run.sh` looks for its first words.
+pub(super) fn breach(faults: &[String]) -> anyhow::Error {
+    let shown: Vec<_> = faults.iter().take(SHOWN_MAX).cloned().collect();
+    anyhow::anyhow!("{} faults:\n  {}", faults.len(), shown.join("\n  "))
+}
+
 /// Compares what left one factory with what arrived, and adds to the findings.
 pub(super) async fn of_factory(
-    folder: &Path,
+    stage: &Stage,
     factory: &str,
-    set_back: &BTreeSet<ReportKey>,
     findings: &mut Findings,
 ) -> anyhow::Result<()> {
+    let folder = &stage.world.places.folder;
     let left = stores::left(folder, factory).await?;
     let arrived = stores::arrived(folder, factory).await?;
-    let gaps = stores::gaps(folder, factory).await?;
-    let faults = &mut findings.faults;
+    let announced: BTreeSet<_> = stores::gaps(folder, factory).await?.into_iter().collect();
+    let given_up = stores::given_up(folder, factory).await?;
+    let (mut faults, mut unknown) = (Vec::new(), 0);
 
     let held: BTreeMap<_, _> = arrived.iter().map(|(key, report)| (key, report)).collect();
     if held.len() != arrived.len() {
@@ -41,6 +64,9 @@ pub(super) async fn of_factory(
     }
     for (key, report) in &left {
         match held.get(key) {
+            None if announced.contains(key) => {}
+            // Neither side knows more of it: nobody may send it again.
+            None if report.is_revoked && stage.set_back.contains(key) => unknown += 1,
             None => faults.push(format!("{} is lost: {key:?}", report.state)),
             Some(_) if report.state == "PARKED" => {
                 faults.push(format!("rejected and yet held: {key:?}"))
@@ -56,26 +82,23 @@ pub(super) async fn of_factory(
             .filter(|key| !left.contains_key(**key))
             .map(|key| format!("never left: {key:?}")),
     );
-    // The spools are far from their limits: whatever is announced as given up was lost by a person.
-    faults.extend(gaps.iter().map(|key| format!("given up: {key:?}")));
+    let wrong = announced.difference(&given_up);
+    faults.extend(wrong.map(|key| format!("announced as given up, and was not: {key:?}")));
+    let held_gaps = announced.iter().filter(|key| held.contains_key(key));
+    faults.extend(held_gaps.map(|key| format!("announced as given up, and is held: {key:?}")));
     faults.extend(holes(left.keys()));
     faults.extend(forgotten_steps(&left));
-    let [here, there] = stores::decisions(folder, factory).await?;
-    faults.extend(here.iter().filter(|(field, decided)| there.get(*field) != Some(decided)).map(
-        |(field, decided)| {
-            format!(
-                "{factory}: {field:?} is decided {decided:?}, the platform has {:?}",
-                there.get(field)
-            )
-        },
-    ));
-    faults.extend(disorder(&arrived, set_back));
+    faults.extend(control::faults(folder, factory, &stage.lost_controls).await?);
+    faults.extend(disorder(&arrived, &stage.set_back));
     let recipients: usize = left.values().map(|report| report.recipients).sum();
     let entries = stores::ledger_entries(folder, factory).await?;
     if entries != recipients {
         faults.push(format!("{factory}: {entries} ledger entries for {recipients} disclosures"));
     }
 
+    findings.faults.extend(faults);
+    findings.unknown += unknown;
+    findings.given_up += announced.len();
     findings.left += left.len();
     findings.arrived += arrived.len();
     findings.replayed += arrived.iter().filter(|(_, report)| report.is_replay).count();

@@ -25,6 +25,8 @@ pub enum Fault {
     Cut,
     /// Silence between factories and broker for a while; the connections stay open.
     Stall(Duration),
+    /// Silence for so long that a small spool has no room for what waits.
+    Outage(Duration),
     /// For a while everything sent is swallowed, then the connections are reset: the peer was gone
     /// all along.
     HalfOpen(Duration),
@@ -50,6 +52,11 @@ pub enum Fault {
     /// The platform stands still for a while.
     PausePlatform(Duration),
 }
+
+/// Length of an outage: a connector looks every ten seconds whether its spool is too large.
+const OUTAGE: Duration = Duration::from_secs(14);
+/// Seconds that clocks are off.
+const OFFSETS: [i32; 6] = [-5_400, -300, -2, 2, 300, 10_800];
 
 /// Seconds that a clock is off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,6 +100,7 @@ impl Fault {
             Self::KillAll => "kill everything",
             Self::Cut => "cut",
             Self::Stall(_) => "stall",
+            Self::Outage(_) => "outage",
             Self::HalfOpen(_) => "half-open",
             Self::Slow(_) => "slow line",
             Self::LoseBrokerStore => "broker store lost",
@@ -116,6 +124,7 @@ impl fmt::Display for Fault {
                 write!(f, "{kind} {factory}")
             }
             Self::Stall(span)
+            | Self::Outage(span)
             | Self::HalfOpen(span)
             | Self::Slow(span)
             | Self::PausePlatform(span) => {
@@ -140,47 +149,87 @@ pub struct Strike {
 }
 
 /// An endless source of rounds.
-pub struct Plan(ChaCha8Rng);
+pub struct Plan {
+    random: ChaCha8Rng,
+    /// Faults that the next round has whatever is drawn.
+    always: Vec<Fault>,
+}
 
 impl Plan {
     /// Makes the plan of a seed.
     #[must_use]
     pub fn new(seed: u64) -> Self {
-        Self(ChaCha8Rng::seed_from_u64(seed))
+        let random = ChaCha8Rng::seed_from_u64(seed);
+        let mut plan = Self { random, always: Vec::new() };
+        plan.always = plan.rare_faults();
+        plan
+    }
+
+    /// Returns faults that are drawn so seldom that a short run would have none of them: a clock that is set, a
+    /// full disk, and an outage that a spool is too small for.
+    fn rare_faults(&mut self) -> Vec<Fault> {
+        let offset = ClockOffset(*OFFSETS.choose(&mut self.random).unwrap_or(&OFFSETS[0]));
+        let factory = self.factory();
+        let clock = match self.random.random_range(0..3) {
+            0 => Fault::PlatformClock(offset),
+            _ => Fault::ConnectorClock(factory, offset),
+        };
+        let whose = *[MUNICH, HAMBURG, PLATFORM].choose(&mut self.random).unwrap_or(&MUNICH);
+        vec![clock, Fault::Outage(OUTAGE), Fault::FullDisk(whose, self.span(3_000))]
     }
 
     /// Returns the faults of the next round; after each round everything must work again.
     pub fn round(&mut self) -> Vec<Strike> {
-        let count = self.0.random_range(6..=14);
-        (0..count)
-            .map(|_| Strike { pause: Duration::from_millis(self.pause_ms()), fault: self.fault() })
-            .collect()
+        let count = self.random.random_range(6..=14);
+        let mut strikes = Vec::new();
+        for _ in 0..count {
+            let fault = self.fault();
+            strikes.push(self.strike(fault));
+        }
+        for fault in std::mem::take(&mut self.always) {
+            let place = self.random.random_range(0..=strikes.len());
+            let strike = self.strike(fault);
+            strikes.insert(place, strike);
+        }
+        strikes
+    }
+
+    fn strike(&mut self, fault: Fault) -> Strike {
+        Strike { pause: Duration::from_millis(self.pause_ms()), fault }
+    }
+
+    fn factory(&mut self) -> &'static str {
+        [MUNICH, HAMBURG].choose(&mut self.random).unwrap_or(&MUNICH)
     }
 
     /// Mostly short, so that programs die while they start, connect, and catch up.
     fn pause_ms(&mut self) -> u64 {
-        match self.0.random_range(0..10) {
-            0..4 => self.0.random_range(0..250),
-            4..8 => self.0.random_range(250..1_200),
-            _ => self.0.random_range(1_200..4_000),
+        match self.random.random_range(0..10) {
+            0..4 => self.random.random_range(0..250),
+            4..8 => self.random.random_range(250..1_200),
+            _ => self.random.random_range(1_200..4_000),
         }
     }
 
     fn span(&mut self, most_ms: u64) -> Duration {
-        Duration::from_millis(self.0.random_range(50..most_ms))
+        Duration::from_millis(self.random.random_range(50..most_ms))
     }
 
     fn fault(&mut self) -> Fault {
-        let factory = *[MUNICH, HAMBURG].choose(&mut self.0).unwrap_or(&MUNICH);
-        let offset =
-            ClockOffset(*[-5_400, -300, -2, 0, 2, 300, 10_800].choose(&mut self.0).unwrap_or(&0));
-        match self.0.random_range(0..100) {
+        let factory = self.factory();
+        // Now and then it is right again.
+        let offset = match self.random.random_range(0..=OFFSETS.len()) {
+            0 => ClockOffset(0),
+            place => ClockOffset(OFFSETS[place - 1]),
+        };
+        match self.random.random_range(0..100) {
             0..34 => Fault::KillConnector(factory),
             34..60 => Fault::KillPlatform,
             60..63 => Fault::KillMachines(factory),
             63..66 => Fault::KillAll,
             66..72 => Fault::Cut,
-            72..75 => Fault::Stall(self.span(3_000)),
+            72..74 => Fault::Stall(self.span(3_000)),
+            74 => Fault::Outage(OUTAGE),
             75..78 => Fault::HalfOpen(self.span(3_000)),
             78..81 => Fault::Slow(self.span(3_000)),
             81..83 => Fault::LoseBrokerStore,
@@ -206,9 +255,17 @@ mod tests {
         let rounds: Vec<_> = (0..40).map(|_| one.round()).collect();
         assert_eq!(rounds, (0..40).map(|_| same.round()).collect::<Vec<_>>());
         assert_ne!(rounds, (0..40).map(|_| other.round()).collect::<Vec<_>>());
+        let first = rounds[0].iter().map(|strike| strike.fault);
+        let is_rare = |fault: &Fault| {
+            matches!(
+                fault,
+                Fault::FullDisk(..) | Fault::ConnectorClock(..) | Fault::PlatformClock(_)
+            )
+        };
+        assert!(first.filter(is_rare).count() >= 2, "the first round has a clock and a disk");
         let mut kinds: Vec<_> = rounds.iter().flatten().map(|strike| strike.fault.kind()).collect();
         kinds.sort_unstable();
         kinds.dedup();
-        assert_eq!(kinds.len(), 16, "every kind of fault comes up: {kinds:?}");
+        assert_eq!(kinds.len(), 17, "every kind of fault comes up: {kinds:?}");
     }
 }

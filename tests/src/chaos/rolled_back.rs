@@ -29,7 +29,7 @@ pub async fn rolled_back() -> anyhow::Result<()> {
     let (mut stage, cast) =
         Stage::set(folder.path().to_owned(), BrokerKind::Embedded, &mut steps).await?;
     let outcome = async {
-        steps.run("every writer is kept busy", load::put_on(&cast)).await?;
+        steps.run("every writer is kept busy", load::put_on(&cast, &stage.world.places)).await?;
         stage.strike(Fault::KillAll).await?;
         flows(&mut stage).await?;
         replaced(&mut stage, &mut steps).await

@@ -12,7 +12,9 @@ use anyhow::Context as _;
 use super::{
     clock::Clock,
     comments,
+    control::LostControls,
     disk::Disk,
+    disturbances::{self, Disturbances},
     line::{Condition, Line},
     plan::{ClockOffset, Fault, PLATFORM},
     stores,
@@ -24,6 +26,9 @@ use crate::{
     world::{BrokerKind, ExternalBroker, Places, World},
 };
 
+/// Size of a spool, in bytes, that has no room for the values of an outage.
+const SMALL_SPOOL: &str = "32768";
+
 /// Everything that runs, and what stands between it.
 pub(super) struct Stage {
     pub world: World,
@@ -34,6 +39,10 @@ pub(super) struct Stage {
     /// Reports that the broker may have had when it lost its store: they arrive later, out of their
     /// order.
     pub set_back: BTreeSet<stores::ReportKey>,
+    /// Decisions and receipts that the broker may have had when it lost its store.
+    pub lost_controls: LostControls,
+    /// Times in which connectors may miss values.
+    pub disturbed: Disturbances,
     /// Comments that the broker may have had when it lost its store.
     pub lost_comments: BTreeSet<stores::Comment>,
     /// Number of faults by kind.
@@ -54,6 +63,7 @@ impl Stage {
         let mut places = Places::anywhere(folder)?;
         let [detour] = free_ports::reserve()?;
         places.broker_detour = Some(detour);
+        places.counters = Some(free_ports::reserve()?);
         let mut disks = BTreeMap::new();
         for (whose, folder) in [
             (MUNICH, format!("connector-{MUNICH}")),
@@ -77,6 +87,8 @@ impl Stage {
             disks,
             clocks: BTreeMap::new(),
             set_back: BTreeSet::new(),
+            lost_controls: LostControls::default(),
+            disturbed: Disturbances::default(),
             lost_comments: BTreeSet::new(),
             counts: BTreeMap::new(),
             kills: 0,
@@ -93,10 +105,15 @@ impl Stage {
         if let Some(clock) = Clock::of(&mut self.world.platform, &folder)? {
             self.clocks.insert(PLATFORM, clock);
         }
+        // A part that a broker lost is sent again while the run goes on.
+        self.world.platform.set_environment("VERBUND_PARTS__RESEND_AFTER_MS", "5000");
         for factory in &mut self.world.factories {
             let Some(connector) = &mut factory.connector else { continue };
             // A run is too short to wait a minute for each report that a broker lost.
             connector.set_environment("VERBUND_SPOOL__RESEND_AFTER_S", "5");
+            if factory.id == HAMBURG {
+                connector.set_environment("VERBUND_SPOOL__BYTES_MAX", SMALL_SPOOL);
+            }
             if let Some(clock) = Clock::of(connector, &folder)? {
                 self.clocks.insert(factory.id, clock);
             }
@@ -116,8 +133,36 @@ impl Stage {
         lacking
     }
 
+    /// Returns the kinds of faults that every run has to have, that this machine can cause, and that did not strike.
+    pub fn missed(&self) -> Vec<&'static str> {
+        let has_any =
+            |kinds: &[&str]| kinds.iter().any(|kind| self.counts.get(kind).is_some_and(|n| *n > 0));
+        let wanted = [
+            (
+                "jump of a clock",
+                !self.clocks.is_empty(),
+                &["connector clock", "platform clock"][..],
+            ),
+            ("outage", true, &["outage"]),
+            ("full disk", !self.disks.is_empty(), &["full disk"][..]),
+        ];
+        let missed = wanted.into_iter().filter(|(_, can_be, kinds)| *can_be && !has_any(kinds));
+        missed.map(|(name, ..)| name).collect()
+    }
+
     /// Lets it happen; when this returns, everything has been started again and the line is clear.
     pub async fn strike(&mut self, fault: Fault) -> anyhow::Result<()> {
+        let from = disturbances::now();
+        if self.cause(fault).await? {
+            self.disturbed.struck(fault, from);
+            *self.counts.entry(fault.kind()).or_default() += 1;
+            self.kills += fault.kills();
+        }
+        Ok(())
+    }
+
+    /// Returns false where there is nothing to strike.
+    async fn cause(&mut self, fault: Fault) -> anyhow::Result<bool> {
         match fault {
             Fault::KillConnector(factory) => self.connector(factory)?.restart()?,
             Fault::KillPlatform => self.world.platform.restart()?,
@@ -131,7 +176,9 @@ impl Stage {
                 }
             }
             Fault::Cut => self.line.cut(),
-            Fault::Stall(span) => self.through(Condition::Stalled, span).await,
+            Fault::Stall(span) | Fault::Outage(span) => {
+                self.through(Condition::Stalled, span).await
+            }
             Fault::Slow(span) => self.through(Condition::Thin, span).await,
             Fault::HalfOpen(span) => {
                 self.through(Condition::Swallowing, span).await;
@@ -141,24 +188,23 @@ impl Stage {
                 self.broker_store(fault).await?
             }
             Fault::RestartBroker => {
-                if let Some(broker) = &mut self.world.external {
-                    broker.restart().await;
-                }
+                let Some(broker) = &mut self.world.external else { return Ok(false) };
+                broker.restart().await;
             }
-            Fault::ConnectorClock(who, offset) => self.jump(who, offset)?,
-            Fault::PlatformClock(offset) => self.jump(PLATFORM, offset)?,
+            Fault::ConnectorClock(who, offset) => return self.jump(who, offset),
+            Fault::PlatformClock(offset) => return self.jump(PLATFORM, offset),
             Fault::FullDisk(whose, span) => {
-                let Some(disk) = self.disks.get(whose) else { return Ok(()) };
+                let Some(disk) = self.disks.get(whose) else { return Ok(false) };
                 disk.fill()?;
                 tokio::time::sleep(span).await;
                 disk.free()?;
             }
-            Fault::PauseConnector(factory, span) => pause(self.connector(factory)?, span).await?,
-            Fault::PausePlatform(span) => pause(&mut self.world.platform, span).await?,
+            Fault::PauseConnector(factory, span) => {
+                return pause(self.connector(factory)?, span).await;
+            }
+            Fault::PausePlatform(span) => return pause(&mut self.world.platform, span).await,
         }
-        *self.counts.entry(fault.kind()).or_default() += 1;
-        self.kills += fault.kills();
-        Ok(())
+        Ok(true)
     }
 
     async fn through(&self, condition: Condition, span: Duration) {
@@ -167,8 +213,11 @@ impl Stage {
         self.line.set(Condition::Clear);
     }
 
-    fn jump(&self, who: &str, offset: ClockOffset) -> anyhow::Result<()> {
-        self.clocks.get(who).map_or(Ok(()), |clock| clock.set(offset))
+    fn jump(&mut self, who: &'static str, offset: ClockOffset) -> anyhow::Result<bool> {
+        let Some(clock) = self.clocks.get_mut(who) else { return Ok(false) };
+        let is_other = clock.set(offset)?;
+        let program = if who == PLATFORM { &self.world.platform } else { self.connector(who)? };
+        Ok(is_other && Clock::is_followed_by(program))
     }
 
     async fn broker_store(&mut self, fault: Fault) -> anyhow::Result<()> {
@@ -180,6 +229,7 @@ impl Stage {
                 for factory in [MUNICH, HAMBURG] {
                     self.set_back.extend(stores::unreceipted_reports(&folder, factory).await?);
                 }
+                self.lost_controls.add(&folder).await?;
                 self.lost_comments.extend(comments::on_the_way(&folder).await?);
                 if fault == Fault::OldBrokerStore {
                     stores::exchange_broker_store(&folder)?;
@@ -207,18 +257,24 @@ impl Stage {
                 ));
                 daemon.restart()?;
                 self.ended += 1;
+                for factory in [MUNICH, HAMBURG] {
+                    if daemon.name().ends_with(factory) {
+                        self.disturbed.ended(factory);
+                    }
+                }
             }
         }
         Ok(())
     }
 }
 
-async fn pause(daemon: &mut Daemon, span: Duration) -> anyhow::Result<()> {
+async fn pause(daemon: &mut Daemon, span: Duration) -> anyhow::Result<bool> {
     // One that has ended cannot be paused; it is started again after the round.
     if daemon.ended()?.is_some() {
-        return Ok(());
+        return Ok(false);
     }
     daemon.set_paused(true)?;
     tokio::time::sleep(span).await;
-    daemon.set_paused(false)
+    daemon.set_paused(false)?;
+    Ok(true)
 }

@@ -1,7 +1,9 @@
 //! Stores of the programs, read and spoilt from outside.
 
+pub(super) mod control;
+
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
 };
 
@@ -36,6 +38,8 @@ pub(super) struct Comment {
 pub(super) struct Left {
     /// WAITING, SENT, PARKED or DONE.
     pub state: String,
+    /// The consent ended after it was sent, so that it is not sent again.
+    pub is_revoked: bool,
     /// Number of partners it was for.
     pub recipients: usize,
     pub content: Content,
@@ -85,6 +89,13 @@ pub(super) async fn unreceipted_reports(
             sequence: row.get("sequence"),
         })
         .collect())
+}
+
+/// Returns the number of reports that were sent, have no receipt, and are not sent again since their consent ended.
+pub(super) async fn revoked_on_the_way(folder: &Path, factory: &str) -> anyhow::Result<i64> {
+    let mut store = open(&connector_store(folder, factory)).await?;
+    let sql = "SELECT count(*) AS count FROM report WHERE state = 'SENT' AND is_revoked = 1";
+    Ok(sqlx::query(sql).fetch_one(&mut store).await?.get("count"))
 }
 
 /// Removes the broker's store.
@@ -170,7 +181,7 @@ pub(super) async fn left(
 ) -> anyhow::Result<BTreeMap<ReportKey, Left>> {
     let mut store = open(&connector_store(folder, factory)).await?;
     let rows = sqlx::query(
-        "SELECT writer_id, epoch, sequence, state, recipients, body FROM report ORDER BY id",
+        "SELECT writer_id, epoch, sequence, state, is_revoked, recipients, body FROM report ORDER BY id",
     )
     .fetch_all(&mut store)
     .await?;
@@ -187,6 +198,7 @@ pub(super) async fn left(
                 .with_context(|| format!("the body of {key:?}"))?;
             let left = Left {
                 state: row.get("state"),
+                is_revoked: row.get::<i64, _>("is_revoked") != 0,
                 recipients: recipients.as_array().map_or(0, Vec::len),
                 content: Content::of_message(&body)
                     .with_context(|| format!("the body of {key:?}"))?,
@@ -204,6 +216,32 @@ pub(super) async fn ledger_entries(folder: &Path, factory: &str) -> anyhow::Resu
             .fetch_one(&mut store)
             .await?;
     Ok(usize::try_from(row.get::<i64, _>("entries"))?)
+}
+
+/// Returns the reports that a connector gave up, as its ledger says.
+pub(super) async fn given_up(folder: &Path, factory: &str) -> anyhow::Result<BTreeSet<ReportKey>> {
+    let mut store = open(&connector_store(folder, factory)).await?;
+    let rows = sqlx::query(
+        "SELECT content FROM ledger_entry \
+         WHERE json_extract(content, '$.event') IN ('COALESCED', 'EXPIRED', 'PURGED')",
+    )
+    .fetch_all(&mut store)
+    .await?;
+    let mut keys = BTreeSet::new();
+    for row in rows {
+        let entry: Value = serde_json::from_str(row.get("content"))?;
+        let number =
+            |name: &str| entry[name].as_i64().with_context(|| format!("{name} of {entry}"));
+        let (writer, epoch) = (number("dataSetWriterId")?, number("epoch")?);
+        let sequences = number("firstSequence")?..=number("lastSequence")?;
+        keys.extend(sequences.map(|sequence| ReportKey {
+            factory: factory.to_owned(),
+            writer,
+            epoch,
+            sequence,
+        }));
+    }
+    Ok(keys)
 }
 
 /// Returns every gap that a factory has announced: the keys of the reports it gave up.
@@ -300,23 +338,3 @@ pub(super) async fn repeats_and_dead_letters(folder: &Path) -> anyhow::Result<(u
         u64::try_from(letters.get::<i64, _>("count"))?,
     ))
 }
-
-/// Returns the decision about each field of a factory, as its connector and as the platform has it: state and
-/// reason, by request and field.
-pub(super) async fn decisions(folder: &Path, factory: &str) -> anyhow::Result<[Decisions; 2]> {
-    let decided = |row: &SqliteRow| {
-        let key = (row.get("dynamic_data_request_id"), row.get("field_name"));
-        (key, (row.get("mapping_state"), row.get("reason")))
-    };
-    let columns = "dynamic_data_request_id, field_name, mapping_state, reason";
-    let mut store = open(&connector_store(folder, factory)).await?;
-    let sql = format!("SELECT {columns} FROM field");
-    let here = sqlx::query(sqlx::AssertSqlSafe(sql)).fetch_all(&mut store).await?;
-    let mut store = open(&platform_store(folder)).await?;
-    let sql = format!("SELECT {columns} FROM request_field WHERE factory_id = ?");
-    let there = sqlx::query(sqlx::AssertSqlSafe(sql)).bind(factory).fetch_all(&mut store).await?;
-    Ok([here, there].map(|rows| rows.iter().map(decided).collect()))
-}
-
-/// State and reason of each field, by request and name.
-pub(super) type Decisions = BTreeMap<(String, String), (String, Option<String>)>;

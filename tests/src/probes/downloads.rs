@@ -23,7 +23,7 @@ const TRIES: usize = 3;
 const LEDGER_MIN: usize = 8 << 20;
 /// Time until the ledger is that long.
 const PATIENCE: Duration = Duration::from_secs(300);
-/// Time in which an engineer who comes anew has to be served beside.
+/// Time in which an engineer who comes again has to be served beside.
 const SERVED_MAX: Duration = Duration::from_secs(5);
 
 fn export() -> String {
@@ -33,7 +33,7 @@ fn export() -> String {
 /// Lets a ledger grow, and plays the attack.
 pub(super) async fn run(scene: &mut Scene) -> anyhow::Result<()> {
     let connector = scene.cast.munich.clone();
-    load::put_on(&scene.cast).await?;
+    load::put_on(&scene.cast, &scene.world.places).await?;
     let bytes = eventually("the ledger is long", PATIENCE, || async {
         tokio::time::sleep(Duration::from_secs(5)).await;
         let bytes = connector.text(&export()).await.map_err(|e| format!("{e:#}"))?.len();

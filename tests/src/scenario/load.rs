@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use anyhow::Context as _;
 use serde_json::{Value, json};
 
 use crate::{
@@ -9,21 +10,33 @@ use crate::{
     frame_order::{BUYER, HAMBURG, MUNICH, NETWORK},
     harness::{Api, eventually},
     scenario::story,
+    world::{Places, counters::COUNTERS},
 };
 
-/// Further requests to each factory.
-const REQUESTS: usize = 3;
+/// Further requests to each factory: one for each counter.
+const REQUESTS: usize = crate::world::counters::COUNT;
 
 /// Time between values that are counted, in milliseconds: several publishing intervals.
 const COUNTED_INTERVAL_MS: u64 = 250;
 
+/// Field with the count of a machine.
+pub(crate) const COUNTED: &str = "counted";
+
 /// Asks both factories for values that change with every cycle of the machines, and maps them.
-pub(crate) async fn put_on(cast: &Cast) -> anyhow::Result<String> {
-    for (factory, connector, operation) in
-        [(MUNICH, &cast.munich, "MakeFrame1"), (HAMBURG, &cast.hamburg, "InspectFrame1")]
+pub(crate) async fn put_on(cast: &Cast, places: &Places) -> anyhow::Result<String> {
+    let [in_munich, in_hamburg] = places.counters.context("a world with counters")?;
+    for (factory, connector, port) in
+        [(MUNICH, &cast.munich, in_munich), (HAMBURG, &cast.hamburg, in_hamburg)]
     {
+        let source = json!({ "sourceId": COUNTERS, "name": COUNTERS, "endpointUrl": format!("opc.tcp://127.0.0.1:{port}"),
+                             "security": { "choice": "none" } });
+        connector.post::<Value>("/api/v1/sources", &source).await?;
+        let refused: Vec<_> = (0..REFUSED_FIELDS).map(|n| (format!("refused{n}"), 12)).collect();
+        ask(&cast.platform, factory, &refused_request(factory), &refused).await?;
+        let fields = [(TOGGLED, 11), ("steps", 9), ("scripted", 12), (COUNTED, 8)];
+        let fields = fields.map(|(name, built_in_type)| (name.to_owned(), built_in_type));
         for number in 0..REQUESTS {
-            ask(&cast.platform, factory, operation, number).await?;
+            ask(&cast.platform, factory, &request_id(factory, number), &fields).await?;
         }
         let last = request_id(factory, REQUESTS - 1);
         eventually("the requests are in the inbox", Duration::from_secs(30), || async {
@@ -33,7 +46,7 @@ pub(crate) async fn put_on(cast: &Cast) -> anyhow::Result<String> {
         })
         .await?;
         for number in 0..REQUESTS {
-            decide(connector, factory, operation, number).await?;
+            decide(connector, factory, number).await?;
         }
     }
     Ok(format!("{REQUESTS} requests to each factory"))
@@ -44,46 +57,92 @@ pub(crate) fn requests(factory: &str) -> Vec<String> {
     (0..REQUESTS).map(|number| request_id(factory, number)).collect()
 }
 
+fn operation(factory: &str) -> &'static str {
+    if factory == MUNICH { "MakeFrame1" } else { "InspectFrame1" }
+}
+
 fn request_id(factory: &str, number: usize) -> String {
     format!("ReqChaos-{factory}-{number}")
 }
 
-async fn ask(platform: &Api, factory: &str, operation: &str, number: usize) -> anyhow::Result<()> {
-    let field = |name: &str, built_in_type: u8| json!({ "name": name, "type": built_in_type });
-    let body = json!({ "dynamicDataRequestId": request_id(factory, number), "requesterId": BUYER, "recipientList": [BUYER],
-        "purpose": "Chaos", "reportDataFormat": { "reportName": "Chaos", "reportFieldList": [
-            field("measured", 11), field("steps", 9), field("scripted", 12) ] } });
+/// Asks a factory for fields of these names and built-in types.
+async fn ask(
+    platform: &Api,
+    factory: &str,
+    request: &str,
+    fields: &[(String, u8)],
+) -> anyhow::Result<()> {
+    let field =
+        |(name, built_in_type): &(String, u8)| json!({ "name": name, "type": built_in_type });
+    let fields: Vec<Value> = fields.iter().map(field).collect();
+    let body = json!({ "dynamicDataRequestId": request, "requesterId": BUYER, "recipientList": [BUYER],
+        "purpose": "Chaos", "reportDataFormat": { "reportName": "Chaos", "reportFieldList": fields } });
+    let operation = operation(factory);
     let path = format!("/api/v1/operation-networks/{NETWORK}/operations/{operation}/requests");
     platform.post::<Value>(&path, &body).await.map(drop)
 }
 
-/// Maps three fields: a measured value, a number that a script increments with each change that it gets, and
-/// a text.
-async fn decide(
-    connector: &Api,
-    factory: &str,
-    operation: &str,
-    number: usize,
-) -> anyhow::Result<()> {
-    let (machine, key) =
-        if factory == MUNICH { ("MillingCell1", "Spindle.Power") } else { ("Press1", "Ram.Force") };
+/// Fields of a further request to each factory, all of which are refused sooner or later.
+const REFUSED_FIELDS: u64 = 200;
+
+fn refused_request(factory: &str) -> String {
+    format!("ReqRefused-{factory}")
+}
+
+/// Returns path and body of a decision that refuses one of many fields.
+pub(crate) fn refuse(factory: &str, number: u64) -> (String, Value) {
+    let field = format!("refused{}", number % REFUSED_FIELDS);
+    let path = story::field_path(operation(factory), &refused_request(factory), &field);
+    let decision = json!({ "mappingState": "REFUSED", "reason": format!("Refusal {number}") });
+    (format!("{path}/decision"), decision)
+}
+
+/// Returns the key of a field whose decision changes while others stay as they are.
+pub(crate) fn toggled_field(factory: &str) -> Value {
+    json!({ "operationNetworkId": NETWORK, "operationId": operation(factory),
+            "dynamicDataRequestId": request_id(factory, 0), "fieldName": TOGGLED })
+}
+
+/// Returns path and body of the decision that maps this field with a disclosure policy.
+pub(crate) fn toggle(factory: &str, disclosure: Value) -> (String, Value) {
+    let path = story::field_path(operation(factory), &request_id(factory, 0), TOGGLED);
+    let mut decision = mapped(power(factory), "Double", json!([]), json!({}));
+    decision["disclosure"] = disclosure;
+    (format!("{path}/decision"), decision)
+}
+
+const TOGGLED: &str = "measured";
+
+/// Returns machine and key of a variable that changes all the time.
+fn power(factory: &str) -> (&'static str, &'static str) {
+    if factory == MUNICH { ("MillingCell1", "Spindle.Power") } else { ("Press1", "Ram.Force") }
+}
+
+fn mapped((machine, key): (&str, &str), value_type: &str, steps: Value, monitor: Value) -> Value {
+    json!({ "mappingState": "MAPPED", "valueSource": "MAPPING", "disclosure": {}, "mapping": {
+        "inputs": [ { "name": "input", "sourceId": machine, "nodeId": story::node(machine, key),
+                      "valueType": value_type, "monitor": monitor } ], "steps": steps } })
+}
+
+/// Maps four fields: a measured value, a number that a script increments with each change that it gets, a text, and
+/// what a machine counts.
+async fn decide(connector: &Api, factory: &str, number: usize) -> anyhow::Result<()> {
+    let power = power(factory);
     let count = "(value, ctx) => { ctx.state = (ctx.state ?? 0) + 1; return BigInt(ctx.state); }";
-    let mapped = |steps: Value, monitor: Value| {
-        json!({ "mappingState": "MAPPED", "valueSource": "MAPPING", "disclosure": {}, "mapping": {
-            "inputs": [ { "name": "input", "sourceId": machine, "nodeId": story::node(machine, key),
-                          "valueType": "Double", "monitor": monitor } ], "steps": steps } })
-    };
     let script = |source: &str| json!([{ "function": "script", "source": source }]);
     // Values that come in one notification make one report, which has the last of them. What is counted comes apart:
     // each value has to be in a report.
     let apart = json!({ "samplingIntervalMs": COUNTED_INTERVAL_MS, "queueSize": 1 });
+    let counter = format!("Counter{number}");
+    let often = json!({ "samplingIntervalMs": 50, "queueSize": 10 });
     let decisions = [
-        ("measured", mapped(json!([]), json!({}))),
-        ("steps", mapped(script(count), apart)),
-        ("scripted", mapped(script("value => `at ${value}`"), json!({}))),
+        (TOGGLED, mapped(power, "Double", json!([]), json!({}))),
+        ("steps", mapped(power, "Double", script(count), apart)),
+        ("scripted", mapped(power, "Double", script("value => `at ${value}`"), json!({}))),
+        (COUNTED, mapped((COUNTERS, &counter), "Int64", json!([]), often)),
     ];
     for (field, decision) in decisions {
-        let path = story::field_path(operation, &request_id(factory, number), field);
+        let path = story::field_path(operation(factory), &request_id(factory, number), field);
         connector.put::<Value>(&format!("{path}/decision"), &decision).await?;
     }
     Ok(())

@@ -7,6 +7,7 @@ use anyhow::Context as _;
 use super::{
     ExternalBroker, Places,
     accounts::{ADMIN, ENGINEER, OBSERVER, OBSERVER_PASSWORD, PASSWORD},
+    counters,
 };
 use crate::{
     frame_order::{BUYER, HAMBURG, MUNICH},
@@ -118,8 +119,8 @@ password = "{PASSWORD}"
 fn machines(places: &Places, factory_id: &str) -> anyhow::Result<String> {
     let factory = places.factory(factory_id)?;
     let [first, second, third] = factory.machines;
-    let (seed, machines) = if factory_id == MUNICH {
-        let machines = [
+    let (seed, mut machines) = if factory_id == MUNICH {
+        let machines = vec![
             format!(
                 "name = \"MillingCell1\"\nkind = \"milling-cell\"\nport = {first}\ncycle_seconds = 5.0"
             ),
@@ -132,7 +133,7 @@ fn machines(places: &Places, factory_id: &str) -> anyhow::Result<String> {
         ];
         (4711, machines)
     } else {
-        let machines = [
+        let machines = vec![
             format!("name = \"Press1\"\nkind = \"press\"\nport = {first}\ncycle_seconds = 9.0"),
             format!("name = \"Conveyor2\"\nkind = \"conveyor\"\nport = {second}"),
             format!(
@@ -141,6 +142,10 @@ fn machines(places: &Places, factory_id: &str) -> anyhow::Result<String> {
         ];
         (4712, machines)
     };
+    if let Some([munich, hamburg]) = places.counters {
+        let port = if factory_id == MUNICH { munich } else { hamburg };
+        machines.push(counters::configuration(port));
+    }
     let epoch = time::OffsetDateTime::now_utc()
         .replace_nanosecond(0)?
         .format(&time::format_description::well_known::Rfc3339)?;

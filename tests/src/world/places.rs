@@ -25,6 +25,9 @@ pub struct Places {
     /// Its broker in WebSockets, with TLS, where a world has that.
     #[serde(default)]
     pub broker_websocket: Option<u16>,
+    /// Counters of Munich and of Hamburg, which change at a steady rate, where a world has them.
+    #[serde(default)]
+    pub counters: Option<[u16; 2]>,
     pub munich: FactoryPlaces,
     pub hamburg: FactoryPlaces,
 }
@@ -101,6 +104,7 @@ impl Places {
             broker_plain: ports[2],
             broker_detour: None,
             broker_websocket: None,
+            counters: None,
             munich: factory(&ports[3..9]),
             hamburg: factory(&ports[9..15]),
         }

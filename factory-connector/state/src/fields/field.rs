@@ -60,7 +60,7 @@ pub struct FieldDecision {
     pub reason: Option<String>,
     /// Name of the user, or of the standing rules.
     pub decided_by: Option<String>,
-    /// Time of the decision.
+    /// Time of the decision, by a clock that never goes back.
     pub decided_at: Option<DateTime>,
     /// The mapping in force, or the one to suggest again.
     pub mapping: Option<Arc<Mapping>>,
@@ -98,7 +98,13 @@ impl FieldDecision {
         self.basis = DecisionBasis::default();
         self.reason = Some(reason.to_owned());
         self.decided_by = None;
-        self.decided_at = Some(now);
+        self.follow(now);
+    }
+
+    /// Numbers and dates the decision that was just taken. None is dated before the one that it follows, also by a
+    /// clock that was set back: the platform goes by the latest date.
+    pub(crate) fn follow(&mut self, now: DateTime) {
+        self.decided_at = self.decided_at.max(Some(now));
         self.version += 1;
     }
 }

@@ -183,9 +183,8 @@ fn take(
         decision.reason.clone_from(&reason);
         decision.basis = basis;
         decision.decided_by = Some(decided_by.clone());
-        decision.decided_at = Some(now);
-        // Also for one that repeats the last: ledger and partner name each decision by its number.
-        decision.version += 1;
+        // Also one that repeats the last: ledger and partner name each decision by its number.
+        decision.follow(now);
         (decision.is_mapped(), decision.is_open_for(ValueSource::Mapping))
     });
     if was_mapped && !is_mapped {

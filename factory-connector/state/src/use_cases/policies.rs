@@ -133,8 +133,7 @@ fn apply(
         if let Some(mut field) = state.fields.get_mut(&key) {
             field.change_decision(|decision| {
                 decision.decided_by = Some(by.to_owned());
-                decision.decided_at = Some(now);
-                decision.version += 1;
+                decision.follow(now);
             });
         }
         dependencies::update(state, &key, now);

@@ -1,0 +1,87 @@
+//! Values that the machines count at a steady rate: each is in a report, but for those of the times in which a connector
+//! or its machines were killed, stood still or had no disk.
+
+use std::collections::BTreeMap;
+
+use super::{
+    disturbances::Span,
+    stores::{Left, ReportKey},
+};
+use crate::{scenario::load, world::counters::COUNTED_EACH_MS};
+
+/// Values that one disturbance may cost at most: those of 30 s.
+const HOLE_MAX: i64 = 30 * 1000 / COUNTED_EACH_MS;
+/// Part of the other values, of a hundred, that may be missing: where a processor has too much to do, two come in one
+/// notification, and the report has the second.
+const MISSING_MAX: i64 = 5;
+
+/// Value of a counter and its time at the machine.
+type Counts = BTreeMap<i64, i64>;
+
+/// Returns the requests whose reports lack values.
+pub(super) fn faults(
+    factory: &str,
+    left: &BTreeMap<ReportKey, Left>,
+    disturbed: &[Span],
+) -> Vec<String> {
+    let mut counters: BTreeMap<&str, Counts> = BTreeMap::new();
+    for report in left.values() {
+        let Some(field) = report.content.fields.get(load::COUNTED) else { continue };
+        // A number of 64 bits is a text in JSON.
+        let count = field.value.as_str().and_then(|text| text.parse().ok());
+        if let Some((count, time)) = count.zip(field.source_time) {
+            let counts = counters.entry(&report.content.request).or_default();
+            // Later reports carry it again.
+            counts.entry(count).and_modify(|first| *first = time.min(*first)).or_insert(time);
+        }
+    }
+    let mut faults = Vec::new();
+    if counters.is_empty() {
+        faults.push(format!("{factory}: no report has the count of a machine"));
+    }
+    for (request, counts) in counters {
+        faults
+            .extend(holes(&counts, disturbed).into_iter().map(|hole| format!("{request}: {hole}")));
+    }
+    faults
+}
+
+fn holes(counts: &Counts, disturbed: &[Span]) -> Vec<String> {
+    let mut faults = Vec::new();
+    let (mut missing, mut judged) = (0, 0);
+    for ((before, from), (after, to)) in counts.iter().zip(counts.iter().skip(1)) {
+        let lost = after - before - 1;
+        if disturbed.iter().any(|span| span.meets(*from, *to)) {
+            if lost > HOLE_MAX {
+                faults.push(format!("{lost} counts after {before} are lost by one disturbance"));
+            }
+        } else {
+            missing += lost;
+            judged += lost + 1;
+        }
+    }
+    if missing * 100 > judged * MISSING_MAX {
+        faults
+            .push(format!("{missing} of {judged} counts of undisturbed machines are in no report"));
+    }
+    faults
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_are_missing_only_where_something_was_disturbed() {
+        let all = |lost: std::ops::Range<i64>| -> Counts {
+            (0..100)
+                .filter(|count| !lost.contains(count))
+                .map(|count| (count, count * 10))
+                .collect()
+        };
+        assert_eq!(holes(&all(0..0), &[]), [""; 0]);
+        assert_eq!(holes(&all(40..50), &[]).len(), 1);
+        assert_eq!(holes(&all(40..50), &[Span { from: 420, to: 450 }]), [""; 0]);
+        assert_eq!(holes(&all(40..50), &[Span { from: 600, to: 700 }]).len(), 1);
+    }
+}
