@@ -223,7 +223,7 @@ export interface paths {
         put?: never;
         post?: never;
         /**
-         * Removes an authority: its clients stay outside from the next connection on.
+         * Removes an authority: its clients are rejected, and their open sessions end.
          * @description Least role: ENGINEER.
          */
         delete: operations["removeClientAuthority"];
@@ -2504,7 +2504,7 @@ export interface components {
         ClientTrust: "TRUSTED" | "REJECTED" | "DENIED";
         /** @description Approval of a client's certificate. */
         ClientTrustBody: {
-            /** @description True: its bearer may connect from now on. False: it is rejected from the next connection on. */
+            /** @description True: its bearer may connect from now on. False: it is rejected, and its open sessions end. */
             isTrusted: boolean;
         };
         /**

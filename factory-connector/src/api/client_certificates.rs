@@ -141,7 +141,7 @@ pub async fn list_client_certificates(
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct ClientTrustBody {
-    /// True: its bearer may connect from now on. False: it is rejected from the next connection on.
+    /// True: its bearer may connect from now on. False: it is rejected, and its open sessions end.
     is_trusted: bool,
 }
 

@@ -60,7 +60,7 @@ impl Validator {
     }
 
     /// Checks whether the bearer may connect at present.
-    fn check(&self, der: &[u8]) -> Result<(), CertificateError> {
+    pub fn check(&self, der: &[u8]) -> Result<(), CertificateError> {
         let (_, leaf) = X509Certificate::from_der(der).map_err(|_| CertificateError::Unreadable)?;
         if self.has(DENIED, der) {
             return Err(CertificateError::Denied);

@@ -202,7 +202,7 @@ export const sources: typeof English = {
     stayOutside: 'Ihre Clients werden abgewiesen, bis Sie die aktuelle Liste hinzufügen.',
     remove: 'Diese Stelle entfernen?',
     removeText: (subject: string) =>
-      `Clients mit einem Zertifikat von ${subject} werden ab ihrer nächsten Verbindung abgewiesen. Um der Stelle wieder zu vertrauen, brauchen Sie ihre Datei.`,
+      `Clients mit einem Zertifikat von ${subject} werden abgewiesen, und ihre offenen Sitzungen enden. Um der Stelle wieder zu vertrauen, brauchen Sie ihre Datei.`,
     removed: 'Stelle entfernt.',
   },
   revocationLists: {

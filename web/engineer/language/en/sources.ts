@@ -196,7 +196,7 @@ export const sources = {
     stayOutside: 'Its clients are rejected until you add the current list.',
     remove: 'Remove this authority?',
     removeText: (subject: string) =>
-      `Clients with a certificate of ${subject} are rejected from their next connection on. To trust the authority again you need its file.`,
+      `Clients with a certificate of ${subject} are rejected, and their open sessions end. To trust the authority again you need its file.`,
     removed: 'Authority removed.',
   },
   revocationLists: {

@@ -103,7 +103,7 @@ impl TrustList {
         Ok(())
     }
 
-    /// Removes an authority's certificate: its clients are rejected from the next connection on.
+    /// Removes an authority's certificate: its clients are rejected, and their open sessions end.
     /// False when there is none.
     ///
     /// # Errors

@@ -59,7 +59,7 @@ impl TrustList {
     }
 
     /// Stores an authority's revocation list (DER) in place of its older ones. Certificates of an
-    /// authority are accepted only with a current list.
+    /// authority are accepted only with a current list; open sessions of those that it names end.
     ///
     /// # Errors
     /// [`TwinError::Refused`] with all its faults, [`TwinError::Pki`] when it cannot be stored.

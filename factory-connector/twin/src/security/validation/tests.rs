@@ -70,7 +70,7 @@ impl Fixture {
 
     fn of(folder: TempDir, trust_unknown: bool) -> Self {
         let validator = Validator::new(folder.path(), trust_unknown, Arc::default());
-        let list = TrustList::new(folder.path(), Arc::default());
+        let list = TrustList::new(folder.path(), Arc::default(), Arc::default());
         Self { folder, validator, list }
     }
 
