@@ -2482,7 +2482,7 @@ export interface components {
          * @description Reason of a rejection.
          * @enum {string}
          */
-        ClientRejection: "NOT_TRUSTED" | "OUT_OF_TIME" | "USAGE" | "KEY_LENGTH" | "UNREADABLE" | "REVOKED" | "REVOCATION_UNKNOWN";
+        ClientRejection: "NOT_TRUSTED" | "OUT_OF_TIME" | "USAGE" | "KEY_LENGTH" | "UNREADABLE" | "REVOKED" | "REVOCATION_UNKNOWN" | "TRUST_LIST_UNREADABLE";
         /** @description An authority's list of revoked certificates. */
         ClientRevocationListView: {
             /** @description An authority that is known here signed it; otherwise it is of no use. */

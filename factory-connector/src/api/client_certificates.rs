@@ -73,6 +73,8 @@ pub enum ClientRejection {
     Revoked,
     /// The issuer has no current revocation list.
     RevocationUnknown,
+    /// A file of the trust list on the connector's disk cannot be read, so that nobody is let in.
+    TrustListUnreadable,
 }
 
 impl From<RejectionReason> for ClientRejection {
@@ -85,6 +87,7 @@ impl From<RejectionReason> for ClientRejection {
             RejectionReason::Unreadable => Self::Unreadable,
             RejectionReason::Revoked => Self::Revoked,
             RejectionReason::RevocationUnknown => Self::RevocationUnknown,
+            RejectionReason::TrustListUnreadable => Self::TrustListUnreadable,
         }
     }
 }

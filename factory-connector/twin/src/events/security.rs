@@ -234,6 +234,10 @@ impl EventReporter {
                 ObjectTypeId::AuditCertificateRevokedEventType,
                 StatusCode::BadCertificateRevocationUnknown,
             ),
+            CertificateError::TrustListUnreadable => (
+                ObjectTypeId::AuditCertificateRevokedEventType,
+                StatusCode::BadCertificateRevocationUnknown,
+            ),
             CertificateError::Usage => (
                 ObjectTypeId::AuditCertificateMismatchEventType,
                 StatusCode::BadCertificateUseNotAllowed,

@@ -85,6 +85,7 @@ const fn is_loss_of_trust(error: CertificateError) -> bool {
         | CertificateError::OutOfTime
         | CertificateError::KeyLength
         | CertificateError::Usage
-        | CertificateError::RevocationUnknown => false,
+        | CertificateError::RevocationUnknown
+        | CertificateError::TrustListUnreadable => false,
     }
 }

@@ -24,7 +24,7 @@ pub use authorities::{Authority, RevocationKnowledge};
 pub use revocation_lists::RevocationList;
 
 use super::{
-    certificate_files::replace,
+    certificate_files::{paths, replace},
     rejected_clients::{ConnectionRejection, RejectedClients, thumbprint},
 };
 use crate::{error::TwinError, events::EventReporter, trust_fault::TrustFault};
@@ -217,15 +217,7 @@ impl TrustList {
     }
 
     fn files(&self, name: &str, extension: &str) -> Result<Vec<PathBuf>, TwinError> {
-        let folder = self.folder.join(name);
-        let entries = fs::read_dir(&folder)
-            .map_err(|source| TwinError::Pki { path: folder.clone(), source })?;
-        let mut files: Vec<PathBuf> = entries
-            .filter_map(|entry| entry.ok().map(|entry| entry.path()))
-            .filter(|path| path.extension().is_some_and(|found| found == extension))
-            .collect();
-        files.sort();
-        Ok(files)
+        paths(&self.folder.join(name), extension)
     }
 }
 

@@ -152,6 +152,8 @@ export const sources: typeof English = {
       UNREADABLE: 'Es ist nicht lesbar.',
       REVOKED: 'Seine Stelle hat es gesperrt.',
       REVOCATION_UNKNOWN: 'Die aktuelle Sperrliste seiner Stelle fehlt.',
+      TRUST_LIST_UNREADABLE:
+        'Eine Datei der Vertrauensliste ist nicht lesbar; das Protokoll des Konnektors nennt sie.',
     } as Record<string, string>,
     tooLarge: (size: string) => `Die Datei ist größer als ${size}: Das kann kein Zertifikat sein.`,
     isTrusted: 'Vertraut',

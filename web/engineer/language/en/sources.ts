@@ -147,6 +147,8 @@ export const sources = {
       UNREADABLE: 'It cannot be read.',
       REVOKED: 'Its authority revoked it.',
       REVOCATION_UNKNOWN: 'Its authority’s current revocation list is missing.',
+      TRUST_LIST_UNREADABLE:
+        'A file of the trust list cannot be read; the connector’s log names it.',
     } as Record<string, string>,
     tooLarge: (size: string) => `The file is larger than ${size}: it cannot be a certificate.`,
     isTrusted: 'Trusted',
