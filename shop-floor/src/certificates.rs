@@ -2,9 +2,11 @@
 //!
 //! Trust is by the certificate itself, byte for byte, approved by a person who compares thumbprints:
 //! `trusted/` and `rejected/` hold one DER file each. A certificate chain, an authority or a host name
-//! inside it are not evaluated; its time is, and revocation lists (`crl/`, DER) that an authority of
-//! `issuers/` or `trusted/` signed.
+//! inside it are not evaluated; its time is, and revocation lists (`crl/`, DER or PEM) that an authority of
+//! `issuers/` or `trusted/` signed, those of the authorities above it too. While one of these files cannot be read, no
+//! certificate is trusted.
 
+mod folder;
 mod revocation;
 
 use std::{
@@ -17,6 +19,7 @@ use opcua_stack::opcua::crypto::{CertificateStore, X509, X509Data};
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use self::folder::{contents, disk, read};
 use crate::{Config, ShopFloorError};
 
 const OWN_CERTIFICATE: &str = "own/cert.der";
@@ -196,16 +199,33 @@ impl PkiDirectory {
         if from.is_none_or(|from| now < from) || to.is_none_or(|to| to < now) {
             return Ok(TrustFinding::OutOfTime);
         }
-        let contents = |folder, bytes_max| -> Vec<Vec<u8>> {
-            self.files(folder).iter().filter_map(|path| read(path, bytes_max).ok()).collect()
-        };
-        let authorities =
-            [ISSUERS, TRUSTED].map(|folder| contents(folder, CERTIFICATE_BYTES_MAX)).concat();
-        let lists = contents(REVOCATION_LISTS, REVOCATION_LIST_BYTES_MAX);
-        if revocation::is_revoked(certificate.as_byte_string().as_ref(), &authorities, &lists) {
+        if self.is_revoked(certificate).inspect_err(|error| {
+            tracing::error!(
+                error = error as &dyn std::error::Error,
+                "It is not known which certificates are revoked, so no server is connected over a secured endpoint. Make \
+                 the file readable or remove it."
+            );
+        })? {
             return Ok(TrustFinding::Revoked);
         }
         Ok(TrustFinding::Trusted)
+    }
+
+    /// Returns whether an authority revoked the certificate, or that of an authority above it.
+    fn is_revoked(&self, certificate: &X509) -> Result<bool, ShopFloorError> {
+        let mut authorities = Vec::new();
+        for folder in [ISSUERS, TRUSTED] {
+            let found = contents(&self.directory.join(folder), CERTIFICATE_BYTES_MAX)?;
+            authorities.extend(found.into_iter().map(|(_, der)| der));
+        }
+        let mut lists = Vec::new();
+        let files = contents(&self.directory.join(REVOCATION_LISTS), REVOCATION_LIST_BYTES_MAX)?;
+        for (path, content) in files {
+            lists.extend(revocation::lists_in(&content).ok_or_else(|| {
+                disk(&path, &io::Error::other("the file is no revocation list in DER or PEM"))
+            })?);
+        }
+        Ok(revocation::is_revoked(certificate.as_byte_string().as_ref(), &authorities, &lists))
     }
 
     /// Returns true when exactly this certificate is approved. A new one is stored as rejected.
@@ -219,21 +239,20 @@ impl PkiDirectory {
             return Ok(read_limited(&trusted).map_err(|error| disk(&trusted, &error))? == der);
         }
         let rejected = self.directory.join(REJECTED).join(&name);
-        if !rejected.exists() && self.files(REJECTED).len() < CERTIFICATES_MAX {
+        if !rejected.exists() && self.files(REJECTED)?.len() < CERTIFICATES_MAX {
             fs::write(&rejected, der).map_err(|error| disk(&rejected, &error))?;
         }
         Ok(false)
     }
 
     /// Lists all certificates, the rejected ones first.
-    pub(crate) fn list(&self) -> Vec<PeerCertificate> {
-        [(REJECTED, TrustState::Rejected), (TRUSTED, TrustState::Trusted)]
-            .into_iter()
-            .flat_map(|(folder, trust)| {
-                self.files(folder).into_iter().map(move |path| (path, trust))
-            })
-            .filter_map(|(path, trust)| describe(&path, trust))
-            .collect()
+    pub(crate) fn list(&self) -> Result<Vec<PeerCertificate>, ShopFloorError> {
+        let mut all = Vec::new();
+        for (folder, trust) in [(REJECTED, TrustState::Rejected), (TRUSTED, TrustState::Trusted)] {
+            let files = self.files(folder)?.into_iter().take(CERTIFICATES_MAX);
+            all.extend(files.filter_map(|path| describe(&path, trust)));
+        }
+        Ok(all)
     }
 
     /// Trusts a rejected certificate, or no longer trusts a trusted one.
@@ -246,7 +265,10 @@ impl PkiDirectory {
             TrustState::Trusted => (REJECTED, TRUSTED),
             TrustState::Rejected => (TRUSTED, REJECTED),
         };
-        let path = self.find(from, thumbprint).or_else(|| self.find(to, thumbprint));
+        let path = match self.find(from, thumbprint)? {
+            None => self.find(to, thumbprint)?,
+            found => found,
+        };
         let path = path.ok_or_else(|| {
             ShopFloorError::Invalid(format!("there is no certificate {thumbprint}"))
         })?;
@@ -262,30 +284,23 @@ impl PkiDirectory {
     /// Deletes a certificate by its thumbprint, rejected or trusted.
     pub(crate) fn forget(&self, thumbprint: &str) -> Result<(), ShopFloorError> {
         for folder in [REJECTED, TRUSTED] {
-            if let Some(path) = self.find(folder, thumbprint) {
+            if let Some(path) = self.find(folder, thumbprint)? {
                 fs::remove_file(&path).map_err(|error| disk(&path, &error))?;
             }
         }
         Ok(())
     }
 
-    fn find(&self, folder: &str, thumbprint: &str) -> Option<PathBuf> {
+    fn find(&self, folder: &str, thumbprint: &str) -> Result<Option<PathBuf>, ShopFloorError> {
         let trust = TrustState::Rejected;
-        self.files(folder).into_iter().find(|path| {
+        Ok(self.files(folder)?.into_iter().find(|path| {
             describe(path, trust)
                 .is_some_and(|found| found.thumbprint.eq_ignore_ascii_case(thumbprint))
-        })
+        }))
     }
 
-    fn files(&self, folder: &str) -> Vec<PathBuf> {
-        let Ok(entries) = fs::read_dir(self.directory.join(folder)) else { return Vec::new() };
-        let mut paths: Vec<_> = entries
-            .filter_map(Result::ok)
-            .map(|entry| entry.path())
-            .take(CERTIFICATES_MAX)
-            .collect();
-        paths.sort();
-        paths
+    fn files(&self, folder: &str) -> Result<Vec<PathBuf>, ShopFloorError> {
+        folder::files(&self.directory.join(folder))
     }
 }
 
@@ -312,17 +327,6 @@ fn validity(certificate: &X509) -> (Option<DateTime>, Option<DateTime>) {
 
 fn read_limited(path: &Path) -> io::Result<Vec<u8>> {
     read(path, CERTIFICATE_BYTES_MAX)
-}
-
-fn read(path: &Path, bytes_max: u64) -> io::Result<Vec<u8>> {
-    if fs::metadata(path)?.len() > bytes_max {
-        return Err(io::Error::other("the file is too long"));
-    }
-    fs::read(path)
-}
-
-fn disk(path: &Path, error: &io::Error) -> ShopFloorError {
-    ShopFloorError::Certificates(format!("{}: {error}", path.display()))
 }
 
 #[cfg(unix)]

@@ -259,9 +259,9 @@ impl ShopFloorHandle {
     /// Lists the servers' certificates seen so far. Rejected ones wait for a person's approval.
     ///
     /// # Errors
-    /// [`ShopFloorError::Stopped`].
+    /// [`ShopFloorError::Certificates`], [`ShopFloorError::Stopped`].
     pub async fn certificates(&self) -> Result<Vec<PeerCertificate>, ShopFloorError> {
-        self.with_certificates(|certificates| Ok(certificates.list())).await
+        self.with_certificates(PkiDirectory::list).await
     }
 
     /// Changes the trust in a certificate; sources that wait for it retry at once.

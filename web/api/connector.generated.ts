@@ -223,7 +223,7 @@ export interface paths {
         put?: never;
         post?: never;
         /**
-         * Removes an authority: its clients stay outside from the next connection on.
+         * Removes an authority: its clients are rejected, and their open sessions end.
          * @description Least role: ENGINEER.
          */
         delete: operations["removeClientAuthority"];
@@ -2482,7 +2482,7 @@ export interface components {
          * @description Reason of a rejection.
          * @enum {string}
          */
-        ClientRejection: "NOT_TRUSTED" | "OUT_OF_TIME" | "USAGE" | "KEY_LENGTH" | "UNREADABLE" | "REVOKED" | "REVOCATION_UNKNOWN";
+        ClientRejection: "NOT_TRUSTED" | "OUT_OF_TIME" | "USAGE" | "KEY_LENGTH" | "UNREADABLE" | "REVOKED" | "REVOCATION_UNKNOWN" | "TRUST_LIST_UNREADABLE";
         /** @description An authority's list of revoked certificates. */
         ClientRevocationListView: {
             /** @description An authority that is known here signed it; otherwise it is of no use. */
@@ -2504,7 +2504,7 @@ export interface components {
         ClientTrust: "TRUSTED" | "REJECTED" | "DENIED";
         /** @description Approval of a client's certificate. */
         ClientTrustBody: {
-            /** @description True: its bearer may connect from now on. False: it is rejected from the next connection on. */
+            /** @description True: its bearer may connect from now on. False: it is rejected, and its open sessions end. */
             isTrusted: boolean;
         };
         /**

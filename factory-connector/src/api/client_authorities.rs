@@ -100,7 +100,7 @@ pub async fn list_client_authorities(
     Ok(Json(Page::whole(known.into_iter().map(Into::into).collect())))
 }
 
-/// Removes an authority: its clients stay outside from the next connection on.
+/// Removes an authority: its clients are rejected, and their open sessions end.
 #[utoipa::path(
     delete,
     path = "/client-authorities/{thumbprint}",

@@ -73,6 +73,8 @@ pub enum ClientRejection {
     Revoked,
     /// The issuer has no current revocation list.
     RevocationUnknown,
+    /// A file of the trust list on the connector's disk cannot be read, so that nobody is let in.
+    TrustListUnreadable,
 }
 
 impl From<RejectionReason> for ClientRejection {
@@ -85,6 +87,7 @@ impl From<RejectionReason> for ClientRejection {
             RejectionReason::Unreadable => Self::Unreadable,
             RejectionReason::Revoked => Self::Revoked,
             RejectionReason::RevocationUnknown => Self::RevocationUnknown,
+            RejectionReason::TrustListUnreadable => Self::TrustListUnreadable,
         }
     }
 }
@@ -141,7 +144,7 @@ pub async fn list_client_certificates(
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct ClientTrustBody {
-    /// True: its bearer may connect from now on. False: it is rejected from the next connection on.
+    /// True: its bearer may connect from now on. False: it is rejected, and its open sessions end.
     is_trusted: bool,
 }
 

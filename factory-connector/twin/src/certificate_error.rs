@@ -21,4 +21,6 @@ pub(crate) enum CertificateError {
     Revoked,
     #[error("there is no current revocation list of its issuer in the `crl` folder")]
     RevocationUnknown,
+    #[error("a file of the trust list cannot be read, so that nobody is let in")]
+    TrustListUnreadable,
 }

@@ -21,6 +21,10 @@ use crate::{
     session_token::user_of,
 };
 
+/// Message of the audit event of a session that ended with its user's rights.
+const USER_CHANGED: &str =
+    "A session was ended, for its user got another password or role, or is gone.";
+
 /// A cloneable handle of the twin. All methods but [`Self::ready`] return at once; they may be
 /// called before the twin runs, so that the first client after a restart finds all nodes.
 #[derive(Clone)]
@@ -122,7 +126,7 @@ impl TwinHandle {
         let ended = self.server.close_sessions(|token| &*user_of(token).name == user_name).await;
         let count = ended.len();
         for (session_id, user_token) in ended {
-            self.events.report_terminated(session_id, user_token);
+            self.events.report_terminated(session_id, Some(user_token), USER_CHANGED);
         }
         count
     }

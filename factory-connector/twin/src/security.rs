@@ -8,6 +8,7 @@ pub(crate) mod issuance;
 pub(crate) mod login;
 pub(crate) mod rejected_clients;
 pub(crate) mod renewal;
+pub(crate) mod review;
 pub(crate) mod throttle;
 pub(crate) mod trust;
 pub(crate) mod validation;

@@ -24,7 +24,7 @@ use opcua_stack::{
         },
     },
 };
-use tokio::sync::watch;
+use tokio::sync::{Notify, watch};
 use tokio_util::sync::CancellationToken;
 
 use crate::{
@@ -44,6 +44,7 @@ use crate::{
         connections::ConnectionLimits,
         login::Login,
         renewal::Renewal,
+        review::SessionReview,
         trust::TrustList,
         validation::Validator,
     },
@@ -62,6 +63,7 @@ pub struct Twin {
     endpoint: watch::Sender<Option<Arc<str>>>,
     discovery: Discovery,
     renewal: Renewal,
+    review: SessionReview,
 }
 
 impl Twin {
@@ -121,20 +123,24 @@ impl Twin {
         warn_of_development_settings(&config);
 
         let (endpoint, receiver) = watch::channel(None);
+        let changed = Arc::new(Notify::new());
         let twin_handle = TwinHandle::new(
             interfaces,
             Arc::clone(host),
             handle.clone(),
             Arc::clone(&reporter),
             TrustFiles {
-                trust_list: TrustList::new(&config.pki_directory, events),
+                trust_list: TrustList::new(&config.pki_directory, events, Arc::clone(&changed)),
                 application_certificate: ApplicationCertificate::new(&factory_id, config.clone()),
             },
             receiver,
         );
-        let discovery = Discovery::new(&config, address, &handle, validator);
+        let discovery = Discovery::new(&config, address, &handle, Arc::clone(&validator));
+        let (server_handle, events) = (handle.clone(), Arc::clone(&reporter));
+        let review = SessionReview { server: server_handle, validator, events, changed };
         let renewal = Renewal { config, application_uri, handle: handle.clone(), events: reporter };
-        Ok((Self { server, handle, listener, url, endpoint, discovery, renewal }, twin_handle))
+        let twin = Self { server, handle, listener, url, endpoint, discovery, renewal, review };
+        Ok((twin, twin_handle))
     }
 
     /// Serves until `shutdown`; then notifies clients and closes.
@@ -142,7 +148,7 @@ impl Twin {
     /// # Errors
     /// [`TwinError`] when the server fails.
     pub async fn run(self, shutdown: CancellationToken) -> Result<(), TwinError> {
-        let Self { server, handle, listener, url, endpoint, discovery, renewal } = self;
+        let Self { server, handle, listener, url, endpoint, discovery, renewal, review } = self;
         let failed = |reason: String| TwinError::Server { reason };
         let listener = tokio::net::TcpListener::from_std(listener)
             .map_err(|error| failed(error.to_string()))?;
@@ -150,8 +156,9 @@ impl Twin {
         tokio::pin!(serving);
         tracing::info!(endpoint.url = %url, "The twin listens.");
         endpoint.send_replace(Some(url));
-        let companions =
-            maybe_done(async { tokio::join!(discovery.run(&shutdown), renewal.run(&shutdown)) });
+        let companions = maybe_done(async {
+            tokio::join!(discovery.run(&shutdown), renewal.run(&shutdown), review.run(&shutdown))
+        });
         tokio::pin!(companions);
         tokio::select! {
             ended = &mut serving => return ended.map_err(failed),

@@ -11,14 +11,26 @@ struct Authority {
 
 impl Authority {
     fn new() -> Self {
+        let (params, key) = Self::parameters("Machines");
+        let certificate = params.self_signed(&key).expect("signed").der().to_vec();
+        Self { issuer: Issuer::new(params, key), certificate }
+    }
+
+    /// An authority whose certificate another one issued, with this serial number.
+    fn below(&self, serial: u64) -> Self {
+        let (mut params, key) = Self::parameters("Line");
+        params.serial_number = Some(serial.into());
+        let certificate = params.signed_by(&key, &self.issuer).expect("signed").der().to_vec();
+        Self { issuer: Issuer::new(params, key), certificate }
+    }
+
+    fn parameters(name: &str) -> (CertificateParams, KeyPair) {
         let mut params = CertificateParams::default();
-        params.distinguished_name.push(rcgen::DnType::CommonName, "Machines");
+        params.distinguished_name.push(rcgen::DnType::CommonName, name);
         params.is_ca = rcgen::IsCa::Ca(rcgen::BasicConstraints::Unconstrained);
         params.key_usages =
             vec![rcgen::KeyUsagePurpose::KeyCertSign, rcgen::KeyUsagePurpose::CrlSign];
-        let key = KeyPair::generate().expect("a key");
-        let certificate = params.self_signed(&key).expect("signed").der().to_vec();
-        Self { issuer: Issuer::new(params, key), certificate }
+        (params, KeyPair::generate().expect("a key"))
     }
 
     fn issue(&self, serial: u64, years: std::ops::Range<i32>) -> X509 {
@@ -32,6 +44,10 @@ impl Authority {
     }
 
     fn revoke(&self, serial: u64) -> Vec<u8> {
+        self.list(serial).der().to_vec()
+    }
+
+    fn list(&self, serial: u64) -> rcgen::CertificateRevocationList {
         let params = rcgen::CertificateRevocationListParams {
             this_update: rcgen::date_time_ymd(2020, 1, 1),
             next_update: rcgen::date_time_ymd(2021, 1, 1),
@@ -45,7 +61,7 @@ impl Authority {
             }],
             key_identifier_method: rcgen::KeyIdMethod::Sha256,
         };
-        params.signed_by(&self.issuer).expect("signed").der().to_vec()
+        params.signed_by(&self.issuer).expect("signed")
     }
 }
 
@@ -115,4 +131,83 @@ fn trust_is_in_the_bytes_and_not_in_the_name_of_a_file() {
     let name = folder.path().join(TRUSTED).join(CertificateStore::cert_file_name(&other));
     fs::write(name, approved.as_byte_string().as_ref()).expect("written");
     assert_eq!(examine(&pki, &other), TrustFinding::NotApproved);
+}
+
+#[test]
+fn a_certificate_whose_authority_was_revoked_by_the_one_above_is_not_trusted() {
+    let (folder, pki) = pki();
+    let root = Authority::new();
+    let line = root.below(9);
+    let certificate = line.issue(1, 2029..2031);
+    approve(&pki, &certificate);
+    let write = |name: &str, bytes: &[u8]| {
+        fs::write(folder.path().join(name), bytes).expect("written");
+    };
+    write("issuers/line.der", &line.certificate);
+    write("issuers/root.der", &root.certificate);
+    write("crl/root.crl", &root.revoke(8));
+    assert_eq!(examine(&pki, &certificate), TrustFinding::Trusted);
+    write("crl/root.crl", &root.revoke(9));
+    assert_eq!(examine(&pki, &certificate), TrustFinding::Revoked);
+}
+
+#[test]
+fn a_revocation_list_is_obeyed_in_pem_and_however_many_files_there_are() {
+    let (folder, pki) = pki();
+    let authority = Authority::new();
+    let certificate = authority.issue(7, 2029..2031);
+    approve(&pki, &certificate);
+    let write = |name: &str, bytes: &[u8]| {
+        fs::write(folder.path().join(name), bytes).expect("written");
+    };
+    write("issuers/machines.der", &authority.certificate);
+    let other = authority.revoke(8);
+    for number in 0..CERTIFICATES_MAX {
+        write(&format!("crl/{number:04}.crl"), &other);
+    }
+    assert_eq!(examine(&pki, &certificate), TrustFinding::Trusted);
+    let blocks = [8, 7].map(|serial| authority.list(serial).pem().expect("PEM")).concat();
+    write("crl/z.crl", blocks.as_bytes());
+    assert_eq!(examine(&pki, &certificate), TrustFinding::Revoked);
+}
+
+#[test]
+fn no_certificate_is_trusted_while_it_is_not_known_what_is_revoked() {
+    let authority = Authority::new();
+    let too_long = vec![0; 5 << 20];
+    let write = |path: &Path, bytes: &[u8]| fs::write(path, bytes).expect("written");
+    let cases: [(&str, &dyn Fn(&Path)); 6] = [
+        ("a list that is too long", &|pki| write(&pki.join("crl/long.crl"), &too_long)),
+        ("a folder in place of a list", &|pki| {
+            fs::create_dir(pki.join("crl/folder.crl")).expect("a folder");
+        }),
+        ("a file that is no list", &|pki| write(&pki.join("crl/text.crl"), b"no list")),
+        ("a file in place of the folder of lists", &|pki| {
+            fs::remove_dir(pki.join("crl")).expect("removed");
+            write(&pki.join("crl"), b"no folder");
+        }),
+        ("an authority that cannot be read", &|pki| {
+            fs::create_dir(pki.join("issuers/folder.der")).expect("a folder");
+        }),
+        ("a file in place of the folder of authorities", &|pki| {
+            fs::remove_dir(pki.join("issuers")).expect("removed");
+            write(&pki.join("issuers"), b"no folder");
+        }),
+    ];
+    for (case, spoil) in cases {
+        let (folder, pki) = pki();
+        let certificate = authority.issue(7, 2029..2031);
+        approve(&pki, &certificate);
+        spoil(folder.path());
+        let now = DateTime::from_unix_micros(1_909_094_400_000_000);
+        let found = pki.examine(&certificate, now);
+        assert!(matches!(found, Err(ShopFloorError::Certificates(_))), "{case}: {found:?}");
+    }
+    let (folder, pki) = pki();
+    let certificate = authority.issue(7, 2029..2031);
+    approve(&pki, &certificate);
+    for name in [ISSUERS, REVOCATION_LISTS] {
+        fs::remove_dir(folder.path().join(name)).expect("removed");
+    }
+    assert_eq!(examine(&pki, &certificate), TrustFinding::Trusted, "a missing folder is empty");
 }

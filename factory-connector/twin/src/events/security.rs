@@ -164,20 +164,21 @@ impl EventReporter {
         event
     }
 
-    /// Reports that a session was ended because its user changed.
-    pub fn report_terminated(&self, session_id: NodeId, user_token: UserToken) {
+    /// Reports that the twin ended a session, with the reason; no user where it was never activated.
+    pub fn report_terminated(
+        &self,
+        session_id: NodeId,
+        user_token: Option<UserToken>,
+        message: &str,
+    ) {
         self.sessions.ended(&session_id);
         if self.has_subscribers() {
-            let message =
-                "A session was ended, for its user got another password or role, or is gone."
-                    .to_owned();
-            let token = Some(user_token);
             self.send(&self.session_ended(
                 "Session/Terminated",
                 session_id,
-                token,
+                user_token,
                 StatusCode::Good,
-                message,
+                message.to_owned(),
             ));
         }
     }
@@ -230,6 +231,10 @@ impl EventReporter {
                 (ObjectTypeId::AuditCertificateRevokedEventType, StatusCode::BadCertificateRevoked)
             }
             CertificateError::RevocationUnknown => (
+                ObjectTypeId::AuditCertificateRevokedEventType,
+                StatusCode::BadCertificateRevocationUnknown,
+            ),
+            CertificateError::TrustListUnreadable => (
                 ObjectTypeId::AuditCertificateRevokedEventType,
                 StatusCode::BadCertificateRevocationUnknown,
             ),

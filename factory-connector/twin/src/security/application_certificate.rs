@@ -155,7 +155,7 @@ impl ApplicationCertificate {
             now: ASN1Time::now(),
         };
         let mut authorities = certificates.clone();
-        authorities.extend(self.known_authorities());
+        authorities.extend(self.known_authorities()?);
         refuse(check::faults(der, &authorities, &expected))?;
 
         // The certificate last: the twin uses a pair only when it matches, and after a crash in
@@ -231,9 +231,13 @@ impl ApplicationCertificate {
     }
 
     /// Returns the certificates of authorities in the trust list.
-    fn known_authorities(&self) -> Vec<Vec<u8>> {
-        let folders = ["trusted", "issuers"].map(|folder| self.config.pki_directory.join(folder));
-        folders.iter().flat_map(|folder| files(folder, "der")).map(|(_, der)| der).collect()
+    fn known_authorities(&self) -> Result<Vec<Vec<u8>>, TwinError> {
+        let mut all = Vec::new();
+        for folder in ["trusted", "issuers"] {
+            let found = files(&self.config.pki_directory.join(folder), "der")?;
+            all.extend(found.into_iter().map(|(_, der)| der));
+        }
+        Ok(all)
     }
 
     fn path(&self, file: &str) -> PathBuf {

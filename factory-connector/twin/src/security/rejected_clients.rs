@@ -45,6 +45,8 @@ pub enum RejectionReason {
     Revoked,
     /// The issuer has no current revocation list.
     RevocationUnknown,
+    /// A file of the trust list cannot be read.
+    TrustListUnreadable,
 }
 
 impl From<CertificateError> for RejectionReason {
@@ -59,6 +61,7 @@ impl From<CertificateError> for RejectionReason {
             CertificateError::Usage => Self::Usage,
             CertificateError::Revoked => Self::Revoked,
             CertificateError::RevocationUnknown => Self::RevocationUnknown,
+            CertificateError::TrustListUnreadable => Self::TrustListUnreadable,
         }
     }
 }

@@ -3,7 +3,7 @@
 //!
 //! A certificate that is new to the twin is stored among those that wait; approving moves it to the
 //! trusted ones, rejecting to the denied ones. The folders are authoritative: the server reads them at
-//! every connection.
+//! every connection. Open sessions whose certificate lost its trust by a change end within moments.
 
 mod authorities;
 pub(crate) mod faults;
@@ -17,13 +17,14 @@ use std::{
 
 use asi_model::DateTime;
 use opcua_stack::opcua::crypto::{CertificateStore, X509};
+use tokio::sync::Notify;
 use x509_parser::{certificate::X509Certificate, prelude::FromDer, time::ASN1Time};
 
 pub use authorities::{Authority, RevocationKnowledge};
 pub use revocation_lists::RevocationList;
 
 use super::{
-    certificate_files::replace,
+    certificate_files::{paths, replace},
     rejected_clients::{ConnectionRejection, RejectedClients, thumbprint},
 };
 use crate::{error::TwinError, events::EventReporter, trust_fault::TrustFault};
@@ -74,11 +75,18 @@ pub struct TrustList {
     rejected_clients: RejectedClients,
     /// Set once the server is built.
     events: Arc<OnceLock<Arc<EventReporter>>>,
+    /// Notified of each change, for the review of open sessions.
+    review: Arc<Notify>,
 }
 
 impl TrustList {
-    pub(crate) fn new(folder: &Path, events: Arc<OnceLock<Arc<EventReporter>>>) -> Self {
-        Self { folder: folder.to_owned(), rejected_clients: RejectedClients::new(folder), events }
+    pub(crate) fn new(
+        folder: &Path,
+        events: Arc<OnceLock<Arc<EventReporter>>>,
+        review: Arc<Notify>,
+    ) -> Self {
+        let rejected_clients = RejectedClients::new(folder);
+        Self { folder: folder.to_owned(), rejected_clients, events, review }
     }
 
     /// Returns all certificates of clients, the rejected ones first, by the last attempt.
@@ -121,7 +129,7 @@ impl TrustList {
         Ok(is_moved)
     }
 
-    /// Rejects a certificate from the next connection on, also where its authority is trusted. False when it neither was
+    /// Rejects a certificate, also where its authority is trusted; its open sessions end. False when it neither was
     /// trusted nor waited for an approval.
     ///
     /// # Errors
@@ -184,6 +192,7 @@ impl TrustList {
         if let Some(events) = self.events.get() {
             events.report_trust_list(by, message);
         }
+        self.review.notify_one();
     }
 
     fn write(&self, folder: &str, name: &str, bytes: &[u8]) -> Result<(), TwinError> {
@@ -208,15 +217,7 @@ impl TrustList {
     }
 
     fn files(&self, name: &str, extension: &str) -> Result<Vec<PathBuf>, TwinError> {
-        let folder = self.folder.join(name);
-        let entries = fs::read_dir(&folder)
-            .map_err(|source| TwinError::Pki { path: folder.clone(), source })?;
-        let mut files: Vec<PathBuf> = entries
-            .filter_map(|entry| entry.ok().map(|entry| entry.path()))
-            .filter(|path| path.extension().is_some_and(|found| found == extension))
-            .collect();
-        files.sort();
-        Ok(files)
+        paths(&self.folder.join(name), extension)
     }
 }
 

@@ -3,12 +3,12 @@
 //!
 //! In the certificate folder, `trusted` contains certificates of clients and of authorities,
 //! `issuers` those of authorities that complete chains but are not trusted themselves, `crl` the
-//! authorities' revocation lists (DER), `denied` certificates that an engineer rejected, and `rejected`
+//! authorities' revocation lists (DER or PEM), `denied` certificates that an engineer rejected, and `rejected`
 //! those that wait for an approval. What is denied stays so, also where its authority is trusted, and however many
 //! others wait. OPC 10000-4 §6.1.3 defines the order of the checks.
 
 use std::{
-    fs,
+    fs, io,
     path::{Path, PathBuf},
     sync::{Arc, OnceLock},
 };
@@ -24,12 +24,12 @@ use x509_parser::{
 };
 
 use super::{
-    certificate_files::files,
-    issuance::{CHAIN_LENGTH_MAX, is_issued_by, is_signed_by},
+    certificate_files::{files, paths},
+    issuance::{CHAIN_LENGTH_MAX, certificates_in, is_issued_by, is_revoked, lists_in, lists_of},
     rejected_clients::{ConnectionRejection, RejectedClients, thumbprint},
     trust::{DENIED, ISSUERS, REVOCATION_LISTS, TRUSTED, WAITING},
 };
-use crate::{certificate_error::CertificateError, clock, events::EventReporter};
+use crate::{certificate_error::CertificateError, clock, error::TwinError, events::EventReporter};
 
 /// Most certificates that wait for an approval. Beyond, the oldest are removed: any client may send
 /// new ones.
@@ -59,27 +59,27 @@ impl Validator {
         }
     }
 
-    /// Checks whether the bearer may connect at present.
-    fn check(&self, der: &[u8]) -> Result<(), CertificateError> {
+    /// Checks whether the bearer may connect at present. Nobody may while a file of the trust list cannot be read: it may
+    /// be the one that denies or revokes.
+    pub fn check(&self, der: &[u8]) -> Result<(), CertificateError> {
         let (_, leaf) = X509Certificate::from_der(der).map_err(|_| CertificateError::Unreadable)?;
-        if self.has(DENIED, der) {
+        // First what denies: a certificate that is moved meanwhile is found in one of the folders, or refused.
+        if self.items(DENIED, "der", certificates_in)?.iter().any(|denied| denied == der) {
             return Err(CertificateError::Denied);
         }
-        if self.has(TRUSTED, der) {
-            self.check_not_revoked(&leaf)?;
-        } else {
-            match self.follow_chain(&leaf) {
-                Err(CertificateError::Unknown) if self.trust_unknown => {
-                    tracing::warn!(
-                        certificate.subject = %leaf.subject(),
-                        "DEVELOPMENT SETTING: the twin accepts a certificate that nobody approved."
-                    );
-                }
-                Err(CertificateError::Unknown) if self.has(WAITING, der) => {
-                    return Err(CertificateError::Waiting);
-                }
-                followed => followed?,
+        let known = self.known_authorities()?;
+        let is_trusted = known.trusted.iter().any(|trusted| trusted == der);
+        match known.check(&leaf, is_trusted) {
+            Err(CertificateError::Unknown) if self.trust_unknown => {
+                tracing::warn!(
+                    certificate.subject = %leaf.subject(),
+                    "DEVELOPMENT SETTING: the twin accepts a certificate that nobody approved."
+                );
             }
+            Err(CertificateError::Unknown) if self.has(WAITING, der)? => {
+                return Err(CertificateError::Waiting);
+            }
+            checked => checked?,
         }
         if !leaf.validity().is_valid() {
             return Err(CertificateError::OutOfTime);
@@ -90,62 +90,59 @@ impl Validator {
         }
     }
 
-    fn has(&self, folder: &str, der: &[u8]) -> bool {
-        files(&self.folder.join(folder), "der").any(|(_, known)| known == der)
+    fn has(&self, folder: &str, der: &[u8]) -> Result<bool, CertificateError> {
+        Ok(self.contents(folder, "der")?.iter().any(|(_, known)| known == der))
     }
 
-    fn contents(&self, folder: &str, extension: &'static str) -> Vec<Vec<u8>> {
-        files(&self.folder.join(folder), extension).map(|(_, der)| der).collect()
+    /// Reads the authorities with their revocation lists.
+    fn known_authorities(&self) -> Result<KnownAuthorities, CertificateError> {
+        let certificates = |folder| -> Result<Vec<Vec<u8>>, CertificateError> {
+            Ok(self.contents(folder, "der")?.into_iter().map(|(_, der)| der).collect())
+        };
+        let (trusted, issuers) = (certificates(TRUSTED)?, certificates(ISSUERS)?);
+        let lists = self.items(REVOCATION_LISTS, "crl", lists_in)?;
+        Ok(KnownAuthorities { trusted, issuers, lists })
     }
 
-    /// Checks that no authority revoked a certificate that is trusted itself. Its trust needs no authority, so a list
-    /// need not exist; one that names it is obeyed, also when it is out of date.
-    fn check_not_revoked(&self, leaf: &X509Certificate<'_>) -> Result<(), CertificateError> {
-        let lists = self.contents(REVOCATION_LISTS, "crl");
-        for der in self.contents(TRUSTED, "der").iter().chain(&self.contents(ISSUERS, "der")) {
-            let Ok((_, authority)) = X509Certificate::from_der(der) else { continue };
-            let is_issuer = authority.is_ca()
-                && leaf.issuer().as_raw() == authority.subject().as_raw()
-                && leaf.verify_signature(Some(authority.public_key())).is_ok();
-            if is_issuer && lists_of(&authority, &lists).any(|list| names(&list, leaf)) {
-                return Err(CertificateError::Revoked);
-            }
+    /// Returns what the files of a folder hold, as DER. A file with anything else is as good as unreadable.
+    fn items(
+        &self,
+        folder: &str,
+        extension: &str,
+        items_in: fn(&[u8]) -> Option<Vec<Vec<u8>>>,
+    ) -> Result<Vec<Vec<u8>>, CertificateError> {
+        let mut items = Vec::new();
+        for (path, content) in self.contents(folder, extension)? {
+            items.extend(items_in(&content).ok_or_else(|| {
+                let source = io::Error::other("the file has other content, neither DER nor PEM");
+                unreadable(&TwinError::Pki { path, source })
+            })?);
         }
-        Ok(())
+        Ok(items)
     }
 
-    /// Follows the issuers up to a trusted one, and checks at each step that it was not revoked.
-    fn follow_chain(&self, leaf: &X509Certificate<'_>) -> Result<(), CertificateError> {
-        let trusted = self.contents(TRUSTED, "der");
-        let issuers = self.contents(ISSUERS, "der");
-        let lists = self.contents(REVOCATION_LISTS, "crl");
-        let mut subject = leaf.clone();
-        for _ in 0..CHAIN_LENGTH_MAX {
-            let found = trusted
-                .iter()
-                .map(|der| (der, true))
-                .chain(issuers.iter().map(|der| (der, false)))
-                .filter_map(|(der, is_trusted)| {
-                    Some((X509Certificate::from_der(der).ok()?.1, is_trusted))
-                })
-                .find(|(authority, _)| is_issued_by(&subject, authority));
-            let Some((authority, is_trusted)) = found else {
-                return Err(CertificateError::Unknown);
-            };
-            check_revocation(&subject, &authority, &lists)?;
-            if is_trusted {
-                return Ok(());
-            }
-            subject = authority;
-        }
-        Err(CertificateError::Unknown)
+    fn contents(
+        &self,
+        folder: &str,
+        extension: &str,
+    ) -> Result<Vec<(PathBuf, Vec<u8>)>, CertificateError> {
+        files(&self.folder.join(folder), extension).map_err(|error| unreadable(&error))
     }
 
     /// Stores an unknown certificate for the engineer to approve.
     fn store_rejected(&self, certificate: &X509, der: &[u8]) {
         let folder = self.folder.join(WAITING);
-        let mut waiting: Vec<_> = files(&folder, "der")
-            .filter_map(|(path, _)| Some((path.metadata().ok()?.modified().ok()?, path)))
+        let Ok(paths) = paths(&folder, "der").inspect_err(|error| {
+            tracing::error!(
+                error = error as &dyn std::error::Error,
+                "A client's certificate could not be stored for its approval."
+            );
+        }) else {
+            return;
+        };
+        let mut waiting: Vec<_> = paths
+            .into_iter()
+            .filter_map(|path| Some((path.metadata().ok()?.modified().ok()?, path)))
             .collect();
         waiting.sort();
         for (_, oldest) in waiting.iter().take((waiting.len() + 1).saturating_sub(REJECTED_MAX)) {
@@ -165,7 +162,8 @@ impl Validator {
         error: CertificateError,
         bearer: &CertificateBearer<'_>,
     ) {
-        if [WAITING, DENIED, TRUSTED].iter().any(|folder| self.has(folder, der)) {
+        let is_listed = |folder: &&str| self.has(folder, der).unwrap_or(false);
+        if [WAITING, DENIED, TRUSTED].iter().any(is_listed) {
             self.rejected_clients
                 .record(certificate, &ConnectionRejection::new(clock::now(), error.into(), bearer));
         }
@@ -207,36 +205,76 @@ impl CertificateValidator for Validator {
     }
 }
 
-/// Checks that a current revocation list of the authority exists and does not name the certificate.
-fn check_revocation(
-    subject: &X509Certificate<'_>,
-    authority: &X509Certificate<'_>,
-    lists: &[Vec<u8>],
-) -> Result<(), CertificateError> {
-    let mut is_known = false;
-    for list in lists_of(authority, lists) {
-        if names(&list, subject) {
+/// Authorities and their revocation lists, each as DER.
+struct KnownAuthorities {
+    /// Trusted certificates, those of clients too.
+    trusted: Vec<Vec<u8>>,
+    /// Authorities that complete chains.
+    issuers: Vec<Vec<u8>>,
+    lists: Vec<Vec<u8>>,
+}
+
+impl KnownAuthorities {
+    /// Checks that no authority revoked the certificate or one above it, and, unless it is trusted itself, that its
+    /// chain leads to a trusted authority. The trust of a single certificate needs no authority, so a list need not
+    /// exist; one that names it is obeyed.
+    fn check(&self, leaf: &X509Certificate<'_>, is_trusted: bool) -> Result<(), CertificateError> {
+        let (trusted, issuers) = (parsed(&self.trusted), parsed(&self.issuers));
+        let lists: Vec<CertificateRevocationList<'_>> = self
+            .lists
+            .iter()
+            .filter_map(|der| Some(CertificateRevocationList::from_der(der).ok()?.1))
+            .collect();
+        let all = [&trusted[..], &issuers[..]].concat();
+        if is_revoked(leaf, &all, &lists) {
             return Err(CertificateError::Revoked);
         }
-        is_known |= list.next_update().is_none_or(|next| next >= ASN1Time::now());
+        if is_trusted { Ok(()) } else { follow_chain(leaf, &trusted, &issuers, &lists) }
     }
-    if is_known { Ok(()) } else { Err(CertificateError::RevocationUnknown) }
 }
 
-/// The revocation lists that an authority signed.
-fn lists_of<'a>(
-    authority: &'a X509Certificate<'_>,
-    lists: &'a [Vec<u8>],
-) -> impl Iterator<Item = CertificateRevocationList<'a>> {
-    lists
-        .iter()
-        .filter_map(|der| Some(CertificateRevocationList::from_der(der).ok()?.1))
-        .filter(|list| list.issuer().as_raw() == authority.subject().as_raw())
-        .filter(|list| is_signed_by(list, authority))
+fn parsed(certificates: &[Vec<u8>]) -> Vec<X509Certificate<'_>> {
+    certificates.iter().filter_map(|der| Some(X509Certificate::from_der(der).ok()?.1)).collect()
 }
 
-fn names(list: &CertificateRevocationList<'_>, certificate: &X509Certificate<'_>) -> bool {
-    list.iter_revoked_certificates().any(|revoked| revoked.raw_serial() == certificate.raw_serial())
+/// Follows the issuers up to a trusted one, each of which needs a current revocation list. That nobody on the way was
+/// revoked is checked before.
+fn follow_chain(
+    leaf: &X509Certificate<'_>,
+    trusted: &[X509Certificate<'_>],
+    issuers: &[X509Certificate<'_>],
+    lists: &[CertificateRevocationList<'_>],
+) -> Result<(), CertificateError> {
+    let mut subject = leaf;
+    for _ in 0..CHAIN_LENGTH_MAX {
+        let trusted = trusted.iter().map(|authority| (authority, true));
+        let found = trusted
+            .chain(issuers.iter().map(|authority| (authority, false)))
+            .find(|(authority, _)| is_issued_by(subject, authority));
+        let Some((authority, is_trusted)) = found else {
+            return Err(CertificateError::Unknown);
+        };
+        let is_current = |list: &CertificateRevocationList<'_>| {
+            list.next_update().is_none_or(|next| next >= ASN1Time::now())
+        };
+        if !lists_of(authority, lists).any(is_current) {
+            return Err(CertificateError::RevocationUnknown);
+        }
+        if is_trusted {
+            return Ok(());
+        }
+        subject = authority;
+    }
+    Err(CertificateError::Unknown)
+}
+
+/// Reports a file of the trust list that cannot be read: someone has to act.
+fn unreadable(error: &TwinError) -> CertificateError {
+    tracing::error!(
+        error = error as &dyn std::error::Error,
+        "The twin rejects clients, since a file of its trust list cannot be read. Make it readable, or remove it."
+    );
+    CertificateError::TrustListUnreadable
 }
 
 fn store(folder: &Path, certificate: &X509, der: &[u8]) {

@@ -27,7 +27,7 @@ pub trait ConnectionPermit: Send + Sync + 'static {
 /// Decides about the certificates of clients in place of the certificate store's exact file match, for example with
 /// certificate chains and revocation lists.
 pub trait CertificateValidator: Send + Sync + 'static {
-    /// Called when a client creates a session on a secured channel.
+    /// Called when a client creates or activates a session on a secured channel, or renews the channel of one.
     fn validate(
         &self,
         certificate: &X509,

@@ -8,12 +8,13 @@ use tokio_util::sync::CancellationToken;
 use tracing::info;
 
 use opcua_core::sync::RwLock;
+use opcua_crypto::X509;
 use opcua_types::{AttributeId, DataValue, LocalizedText, NodeId, ServerState, VariableId};
 
 use crate::{
     authenticator::UserToken,
     reverse_connect::ReverseConnectHandle,
-    session::manager::terminate_sessions,
+    session::{instance::Session, manager::terminate_sessions},
     ServerStatusWrapper,
 };
 
@@ -130,6 +131,44 @@ impl ServerHandle {
         &self,
         is_meant: impl Fn(&UserToken) -> bool,
     ) -> Vec<(NodeId, UserToken)> {
+        let is_meant =
+            |session: &Session| session.is_activated() && session.user_token().is_some_and(&is_meant);
+        let ended = self.terminate(is_meant).await;
+        ended
+            .into_iter()
+            .filter_map(|(id, token)| Some((id, token?)))
+            .collect()
+    }
+
+    /// Get the certificates with which the present sessions were created, each once.
+    pub fn session_certificates(&self) -> Vec<X509> {
+        let mut certificates: Vec<X509> = Vec::new();
+        for certificate in self.session_manager.read().certificates() {
+            if !certificates
+                .iter()
+                .any(|known| known.as_byte_string() == certificate.as_byte_string())
+            {
+                certificates.push(certificate);
+            }
+        }
+        certificates
+    }
+
+    /// Close the sessions that were created with the certificates that are meant, activated or not, together with their
+    /// subscriptions: a client that is no longer trusted must not stay either. Returns the ids of the sessions with
+    /// their users, `None` where a session was never activated.
+    pub async fn close_sessions_of_certificates(
+        &self,
+        is_meant: impl Fn(&X509) -> bool,
+    ) -> Vec<(NodeId, Option<UserToken>)> {
+        self.terminate(|session| session.client_certificate().is_some_and(&is_meant))
+            .await
+    }
+
+    async fn terminate(
+        &self,
+        is_meant: impl Fn(&Session) -> bool,
+    ) -> Vec<(NodeId, Option<UserToken>)> {
         terminate_sessions(
             &self.session_manager,
             self.node_managers.clone(),

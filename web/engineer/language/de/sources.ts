@@ -152,6 +152,8 @@ export const sources: typeof English = {
       UNREADABLE: 'Es ist nicht lesbar.',
       REVOKED: 'Seine Stelle hat es gesperrt.',
       REVOCATION_UNKNOWN: 'Die aktuelle Sperrliste seiner Stelle fehlt.',
+      TRUST_LIST_UNREADABLE:
+        'Eine Datei der Vertrauensliste ist nicht lesbar; das Protokoll des Konnektors nennt sie.',
     } as Record<string, string>,
     tooLarge: (size: string) => `Die Datei ist größer als ${size}: Das kann kein Zertifikat sein.`,
     isTrusted: 'Vertraut',
@@ -202,7 +204,7 @@ export const sources: typeof English = {
     stayOutside: 'Ihre Clients werden abgewiesen, bis Sie die aktuelle Liste hinzufügen.',
     remove: 'Diese Stelle entfernen?',
     removeText: (subject: string) =>
-      `Clients mit einem Zertifikat von ${subject} werden ab ihrer nächsten Verbindung abgewiesen. Um der Stelle wieder zu vertrauen, brauchen Sie ihre Datei.`,
+      `Clients mit einem Zertifikat von ${subject} werden abgewiesen, und ihre offenen Sitzungen enden. Um der Stelle wieder zu vertrauen, brauchen Sie ihre Datei.`,
     removed: 'Stelle entfernt.',
   },
   revocationLists: {

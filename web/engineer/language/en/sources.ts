@@ -147,6 +147,8 @@ export const sources = {
       UNREADABLE: 'It cannot be read.',
       REVOKED: 'Its authority revoked it.',
       REVOCATION_UNKNOWN: 'Its authority’s current revocation list is missing.',
+      TRUST_LIST_UNREADABLE:
+        'A file of the trust list cannot be read; the connector’s log names it.',
     } as Record<string, string>,
     tooLarge: (size: string) => `The file is larger than ${size}: it cannot be a certificate.`,
     isTrusted: 'Trusted',
@@ -196,7 +198,7 @@ export const sources = {
     stayOutside: 'Its clients are rejected until you add the current list.',
     remove: 'Remove this authority?',
     removeText: (subject: string) =>
-      `Clients with a certificate of ${subject} are rejected from their next connection on. To trust the authority again you need its file.`,
+      `Clients with a certificate of ${subject} are rejected, and their open sessions end. To trust the authority again you need its file.`,
     removed: 'Authority removed.',
   },
   revocationLists: {

@@ -9,14 +9,10 @@ use x509_parser::{
     time::ASN1Time,
 };
 
-use super::{
-    ISSUERS, LISTED_MAX, REVOCATION_LISTS, TRUSTED, TrustList, faults, read, refuse, time,
-};
+use super::{ISSUERS, LISTED_MAX, TRUSTED, TrustList, faults, read, refuse, time};
 use crate::{
     error::TwinError,
-    security::{
-        certificate_files::FILE_BYTES_MAX, issuance::is_signed_by, rejected_clients::thumbprint,
-    },
+    security::{certificate_files, issuance::is_signed_by, rejected_clients::thumbprint},
 };
 
 /// State of an authority's revocation list. Without a current list its clients are rejected.
@@ -57,7 +53,7 @@ impl TrustList {
     /// # Errors
     /// [`TwinError::Pki`] when a folder cannot be read.
     pub fn authorities(&self) -> Result<Vec<Authority>, TwinError> {
-        let lists = self.contents(REVOCATION_LISTS, "crl")?;
+        let lists = self.known_lists()?;
         let lists: Vec<_> = lists
             .iter()
             .filter_map(|(_, der)| Some(CertificateRevocationList::from_der(der).ok()?.1))
@@ -103,7 +99,7 @@ impl TrustList {
         Ok(())
     }
 
-    /// Removes an authority's certificate: its clients are rejected from the next connection on.
+    /// Removes an authority's certificate: its clients are rejected, and their open sessions end.
     /// False when there is none.
     ///
     /// # Errors
@@ -127,18 +123,17 @@ impl TrustList {
         Ok(is_removed)
     }
 
-    /// Returns the files of a folder with their content, as many as are listed; files that cannot be
-    /// read are left out.
+    /// Returns the files of a folder with their content, as many as are listed. Files that cannot be read are left out
+    /// here; the validation of clients refuses all of them meanwhile.
     pub(super) fn contents(
         &self,
         folder: &str,
         extension: &str,
     ) -> Result<Vec<(std::path::PathBuf, Vec<u8>)>, TwinError> {
-        let is_small = |path: &std::path::PathBuf| {
-            path.metadata().is_ok_and(|found| found.len() <= FILE_BYTES_MAX)
-        };
-        let files = self.files(folder, extension)?.into_iter().filter(is_small).take(LISTED_MAX);
-        Ok(files.filter_map(|path| fs::read(&path).ok().map(|content| (path, content))).collect())
+        let paths = self.files(folder, extension)?.into_iter().take(LISTED_MAX);
+        Ok(paths
+            .filter_map(|path| certificate_files::read(&path).ok().map(|content| (path, content)))
+            .collect())
     }
 }
 

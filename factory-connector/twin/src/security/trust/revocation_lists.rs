@@ -1,6 +1,6 @@
 //! Revocation lists of authorities.
 
-use std::fs;
+use std::{fs, path::PathBuf};
 
 use asi_model::DateTime;
 use x509_parser::{
@@ -11,7 +11,10 @@ use x509_parser::{
 use super::{ISSUERS, REVOCATION_LISTS, TRUSTED, TrustList, faults, read, refuse, time};
 use crate::{
     error::TwinError,
-    security::{issuance::is_signed_by, rejected_clients::thumbprint},
+    security::{
+        issuance::{is_signed_by, lists_in},
+        rejected_clients::thumbprint,
+    },
 };
 
 /// An authority's list of certificates that it revoked.
@@ -40,7 +43,7 @@ impl TrustList {
         let authorities = self.authority_files()?;
         let authorities = parsed(&authorities);
         let mut all: Vec<_> = self
-            .contents(REVOCATION_LISTS, "crl")?
+            .known_lists()?
             .iter()
             .filter_map(|(path, der)| {
                 let (_, list) = CertificateRevocationList::from_der(der).ok()?;
@@ -59,7 +62,7 @@ impl TrustList {
     }
 
     /// Stores an authority's revocation list (DER) in place of its older ones. Certificates of an
-    /// authority are accepted only with a current list.
+    /// authority are accepted only with a current list; open sessions of those that it names end.
     ///
     /// # Errors
     /// [`TwinError::Refused`] with all its faults, [`TwinError::Pki`] when it cannot be stored.
@@ -67,7 +70,7 @@ impl TrustList {
         let list = faults::revocation_list(der)?;
         let authorities = self.authority_files()?;
         let authorities = parsed(&authorities);
-        let known = self.contents(REVOCATION_LISTS, "crl")?;
+        let known = self.known_lists()?;
         let known_lists: Vec<_> = known
             .iter()
             .filter_map(|(_, der)| Some(CertificateRevocationList::from_der(der).ok()?.1))
@@ -85,7 +88,8 @@ impl TrustList {
             let is_older = CertificateRevocationList::from_der(der).is_ok_and(|(_, old)| {
                 old.issuer().as_raw() == list.issuer().as_raw() && is_signed_by(&old, authority)
             });
-            if is_older {
+            // A file with lists of other authorities, too, stays.
+            if is_older && known.iter().filter(|(other, _)| other == path).count() == 1 {
                 fs::remove_file(path)
                     .map_err(|source| TwinError::Pki { path: path.clone(), source })?;
             }
@@ -107,6 +111,16 @@ impl TrustList {
         fs::remove_file(&path).map_err(|source| TwinError::Pki { path, source })?;
         self.changed(by, format!("The revocation list {id} was removed."));
         Ok(true)
+    }
+
+    /// Returns the revocation lists as DER, each with the path of its file.
+    pub(super) fn known_lists(&self) -> Result<Vec<(PathBuf, Vec<u8>)>, TwinError> {
+        let files = self.contents(REVOCATION_LISTS, "crl")?.into_iter();
+        let lists = files.flat_map(|(path, content)| {
+            let lists = lists_in(&content).unwrap_or_default();
+            lists.into_iter().map(move |der| (path.clone(), der))
+        });
+        Ok(lists.collect())
     }
 
     /// Returns the certificates of all possible issuers, as DER.

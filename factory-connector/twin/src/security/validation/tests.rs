@@ -14,14 +14,26 @@ struct Authority {
 
 impl Authority {
     fn new(name: &str) -> Self {
+        let (params, key) = Self::parameters(name);
+        let certificate = params.self_signed(&key).unwrap().der().to_vec();
+        Self { issuer: rcgen::Issuer::new(params, key), certificate }
+    }
+
+    /// An authority whose certificate this one issued, with a serial number.
+    fn below(&self, name: &str, serial: u64) -> Self {
+        let (mut params, key) = Self::parameters(name);
+        params.serial_number = Some(serial.into());
+        let certificate = params.signed_by(&key, &self.issuer).unwrap().der().to_vec();
+        Self { issuer: rcgen::Issuer::new(params, key), certificate }
+    }
+
+    fn parameters(name: &str) -> (rcgen::CertificateParams, rcgen::KeyPair) {
         let mut params = rcgen::CertificateParams::default();
         params.distinguished_name.push(rcgen::DnType::CommonName, name);
         params.is_ca = rcgen::IsCa::Ca(rcgen::BasicConstraints::Unconstrained);
         params.key_usages =
             vec![rcgen::KeyUsagePurpose::KeyCertSign, rcgen::KeyUsagePurpose::CrlSign];
-        let key = rcgen::KeyPair::generate().unwrap();
-        let certificate = params.self_signed(&key).unwrap().der().to_vec();
-        Self { issuer: rcgen::Issuer::new(params, key), certificate }
+        (params, rcgen::KeyPair::generate().unwrap())
     }
 
     fn issue(&self, serial: u64) -> X509 {
@@ -33,6 +45,10 @@ impl Authority {
 
     /// A list that names one certificate and is to be replaced at the beginning of a year.
     fn revoke(&self, serial: u64, next_update: i32) -> Vec<u8> {
+        self.list(serial, next_update).der().to_vec()
+    }
+
+    fn list(&self, serial: u64, next_update: i32) -> rcgen::CertificateRevocationList {
         let params = rcgen::CertificateRevocationListParams {
             this_update: rcgen::date_time_ymd(2020, 1, 1),
             next_update: rcgen::date_time_ymd(next_update, 1, 1),
@@ -46,7 +62,7 @@ impl Authority {
             }],
             key_identifier_method: rcgen::KeyIdMethod::Sha256,
         };
-        params.signed_by(&self.issuer).unwrap().der().to_vec()
+        params.signed_by(&self.issuer).unwrap()
     }
 }
 
@@ -70,7 +86,7 @@ impl Fixture {
 
     fn of(folder: TempDir, trust_unknown: bool) -> Self {
         let validator = Validator::new(folder.path(), trust_unknown, Arc::default());
-        let list = TrustList::new(folder.path(), Arc::default());
+        let list = TrustList::new(folder.path(), Arc::default(), Arc::default());
         Self { folder, validator, list }
     }
 
@@ -95,7 +111,7 @@ impl Fixture {
     }
 
     fn names(&self, folder: &str) -> usize {
-        files(&self.folder.path().join(folder), "der").count()
+        files(&self.folder.path().join(folder), "der").unwrap().len()
     }
 }
 
@@ -194,4 +210,96 @@ fn a_revoked_certificate_is_refused_though_it_is_trusted_itself() {
     fixture.list.add_issuer(&authority.certificate, "anna").unwrap();
     assert_eq!(fixture.check(&client), Err(CertificateError::Revoked), "the list is out of date");
     assert_eq!(fixture.check(&other), Ok(()), "it needs no list of its own");
+}
+
+#[test]
+fn a_client_below_an_authority_that_the_one_above_revoked_is_refused() {
+    let fixture = Fixture::new(false);
+    let root = Authority::new("Root CA");
+    let plant = root.below("Plant CA", 9);
+    let (client, single) = (plant.issue(1), plant.issue(2));
+    let list = &fixture.list;
+    list.add_issuer(&root.certificate, "anna").unwrap();
+    list.trust_new(&plant.certificate, "anna").unwrap();
+    list.put_revocation_list(&plant.revoke(8, 2096), "anna").unwrap();
+    fixture.trust(&single);
+    for certificate in [&client, &single] {
+        assert_eq!(fixture.check(certificate), Ok(()), "the root need not have a list");
+    }
+    list.put_revocation_list(&root.revoke(9, 2096), "anna").unwrap();
+    for certificate in [&client, &single] {
+        assert_eq!(fixture.check(certificate), Err(CertificateError::Revoked));
+    }
+}
+
+#[test]
+fn revocation_lists_and_denied_certificates_are_obeyed_in_pem() {
+    let fixture = Fixture::new(false);
+    let authority = Authority::new("Plant CA");
+    let client = authority.issue(7);
+    fixture.trust(&client);
+    fixture.list.add_issuer(&authority.certificate, "anna").unwrap();
+    let path = fixture.folder.path().join("crl/plant.crl");
+    let blocks = [8, 7].map(|serial| authority.list(serial, 2096).pem().unwrap());
+    fs::write(&path, &blocks[0]).unwrap();
+    assert_eq!(fixture.check(&client), Ok(()));
+    fs::write(&path, blocks.concat()).unwrap();
+    assert_eq!(fixture.check(&client), Err(CertificateError::Revoked));
+    assert_eq!(fixture.list.revocation_lists().unwrap().len(), 2, "both are listed");
+    fs::remove_file(&path).unwrap();
+
+    let key = rcgen::KeyPair::generate().unwrap();
+    let denied = rcgen::CertificateParams::default().self_signed(&key).unwrap();
+    let certificate = X509::from_der(denied.der()).unwrap();
+    fixture.trust(&certificate);
+    fs::write(fixture.folder.path().join("denied/by-hand.der"), denied.pem()).unwrap();
+    assert_eq!(fixture.check(&certificate), Err(CertificateError::Denied));
+}
+
+#[test]
+fn nobody_is_let_in_while_it_is_not_known_who_is_denied_or_revoked() {
+    let write = |path: &Path, bytes: &[u8]| fs::write(path, bytes).unwrap();
+    let too_long = vec![0; 5 << 20];
+    let cases: [(&str, &dyn Fn(&Path)); 8] = [
+        ("a list that is too long", &|pki| write(&pki.join("crl/long.crl"), &too_long)),
+        ("a denied certificate that is too long", &|pki| {
+            write(&pki.join("denied/long.der"), &too_long);
+        }),
+        ("a folder in place of a list", &|pki| fs::create_dir(pki.join("crl/x.crl")).unwrap()),
+        ("a folder in place of a denied certificate", &|pki| {
+            fs::create_dir(pki.join("denied/x.der")).unwrap();
+        }),
+        ("a file that is no list", &|pki| write(&pki.join("crl/text.crl"), b"no list")),
+        ("a file that is no certificate", &|pki| write(&pki.join("denied/text.der"), b"none")),
+        ("a file in place of the folder of denied ones", &|pki| {
+            fs::remove_dir(pki.join("denied")).unwrap();
+            write(&pki.join("denied"), b"no folder");
+        }),
+        ("a file in place of the folder of lists", &|pki| {
+            fs::remove_dir(pki.join("crl")).unwrap();
+            write(&pki.join("crl"), b"no folder");
+        }),
+    ];
+    for (case, spoil) in cases {
+        let fixture = Fixture::new(false);
+        let client = self_signed();
+        fixture.trust(&client);
+        assert_eq!(fixture.check(&client), Ok(()));
+        spoil(fixture.folder.path());
+        assert_eq!(fixture.check(&client), Err(CertificateError::TrustListUnreadable), "{case}");
+        fixture.show(&client);
+        let shown = fixture.validator.rejected_clients.last(&thumbprint(&client));
+        assert_eq!(
+            shown.map(|rejection| rejection.reason),
+            Some(crate::RejectionReason::TrustListUnreadable),
+            "{case}"
+        );
+    }
+    let fixture = Fixture::new(false);
+    let client = self_signed();
+    fixture.trust(&client);
+    for name in [DENIED, ISSUERS, REVOCATION_LISTS] {
+        fs::remove_dir(fixture.folder.path().join(name)).unwrap();
+    }
+    assert_eq!(fixture.check(&client), Ok(()), "a missing folder is empty");
 }

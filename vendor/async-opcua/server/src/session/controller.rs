@@ -18,7 +18,7 @@ use opcua_core::{
 };
 use opcua_crypto::{CertificateStore, SecurityPolicy};
 use opcua_types::{
-    ChannelSecurityToken, DateTime, DecodingOptions, FindServersResponse, GetEndpointsResponse, MessageSecurityMode, NodeId,
+    ApplicationDescription, ChannelSecurityToken, DateTime, DecodingOptions, FindServersResponse, GetEndpointsResponse, MessageSecurityMode, NodeId,
     OpenSecureChannelRequest, OpenSecureChannelResponse, ResponseHeader, SecurityTokenRequestType,
     ServiceFault, StatusCode,
 };
@@ -37,7 +37,7 @@ use crate::{
 
 use super::{
     instance::Session,
-    manager::{activate_session, check_client, close_session, SessionManager},
+    manager::{activate_session, check_certificate, check_client, close_session, SessionManager},
     message_handler::MessageHandler,
 };
 
@@ -471,6 +471,7 @@ impl SessionController {
                     &self.session_manager,
                     &mut self.channel,
                     &self.identity,
+                    &self.certificate_store,
                     self.transport.peer_address,
                     &request,
                     &mut self.message_handler,
@@ -709,6 +710,22 @@ impl SessionController {
         }
     }
 
+    /// Check that the client that renews its channel is still trusted. A client without a session is checked when it
+    /// asks for one.
+    fn check_renewal(&self) -> Result<(), StatusCode> {
+        let Some(certificate) = self.channel.remote_cert() else {
+            return Ok(());
+        };
+        check_certificate(
+            &self.info,
+            &self.certificate_store,
+            &certificate,
+            self.channel.security_policy(),
+            self.transport.peer_address,
+            &ApplicationDescription::default(),
+        )
+    }
+
     /// The session behind an authentication token, null where there is none, and its user.
     fn session_of(&self, authentication_token: &NodeId) -> (NodeId, Option<UserToken>) {
         let mgr = trace_read_lock!(self.session_manager);
@@ -862,6 +879,9 @@ impl SessionController {
                 {
                     error!("Asked to renew a token again without a session");
                     return Err(StatusCode::BadTooManyOperations);
+                }
+                if self.transport.is_authenticated() {
+                    self.check_renewal()?;
                 }
                 self.secure_channel_state.renew_count += 1;
                 self.channel.secure_channel_id()

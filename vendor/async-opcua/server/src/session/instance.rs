@@ -191,6 +191,10 @@ impl Session {
         self.is_closed = true;
     }
 
+    pub(crate) fn is_closed(&self) -> bool {
+        self.is_closed
+    }
+
     /// Get the session ID of this session, this is known to the client, and is what they
     /// use to refer to this session.
     ///

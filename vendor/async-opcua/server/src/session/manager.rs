@@ -19,7 +19,7 @@ use crate::{
     node_manager::NodeManagers, subscriptions::SubscriptionCache, ServerIdentity,
 };
 use opcua_types::{
-    ActivateSessionRequest, ActivateSessionResponse, ByteString, CloseSessionRequest, CloseSessionResponse,
+    ActivateSessionRequest, ActivateSessionResponse, ApplicationDescription, ByteString, CloseSessionRequest, CloseSessionResponse,
     CreateSessionRequest, CreateSessionResponse, Error, NodeId, ResponseHeader, SignatureData,
     StatusCode,
 };
@@ -53,6 +53,14 @@ impl SessionManager {
     /// Get a session by its authentication token.
     pub fn find_by_token(&self, authentication_token: &NodeId) -> Option<Arc<RwLock<Session>>> {
         Self::find_by_token_int(&self.sessions, authentication_token)
+    }
+
+    /// The certificates of all sessions that have one.
+    pub(crate) fn certificates(&self) -> Vec<X509> {
+        self.sessions
+            .values()
+            .filter_map(|session| session.read().client_certificate().cloned())
+            .collect()
     }
 
     fn find_by_token_int(
@@ -292,25 +300,79 @@ pub(crate) fn check_client(
         error!("Create session with another certificate than that of the channel");
         return Err(StatusCode::BadCertificateInvalid);
     }
+    check_certificate(
+        info,
+        certificate_store,
+        &cert,
+        security_policy,
+        peer_address,
+        &request.client_description,
+    )?;
+    Ok(Some(cert))
+}
+
+/// Check whether a client's certificate is trusted at present, by the validator or the certificate store.
+pub(crate) fn check_certificate(
+    info: &ServerInfo,
+    certificate_store: &RwLock<CertificateStore>,
+    certificate: &X509,
+    security_policy: SecurityPolicy,
+    peer_address: Option<SocketAddr>,
+    application: &ApplicationDescription,
+) -> Result<(), StatusCode> {
     match &info.certificate_validator {
         Some(validator) => {
             let bearer = CertificateBearer {
                 address: peer_address,
-                application: &request.client_description,
+                application,
             };
-            validator.validate(&cert, security_policy, &bearer)?
+            validator.validate(certificate, security_policy, &bearer)?
         }
         None => {
             let store = trace_read_lock!(certificate_store);
             store.validate_or_reject_application_instance_cert(
-                &cert,
+                certificate,
                 security_policy,
                 None,
                 None,
             )?;
         }
     }
-    Ok(Some(cert))
+    Ok(())
+}
+
+/// Check the certificate of a session that is about to be activated: the channel must show the one with which the
+/// session was created (OPC 10000-4 §5.7.3), and it must still be trusted, since much time may have passed.
+fn check_session_certificate(
+    info: &ServerInfo,
+    channel: &SecureChannel,
+    certificate_store: &RwLock<CertificateStore>,
+    peer_address: Option<SocketAddr>,
+    certificate: Option<&X509>,
+    application: &ApplicationDescription,
+) -> Result<(), StatusCode> {
+    let Some(certificate) = certificate else {
+        // Created without security; a channel with it has another bearer.
+        return match channel.security_policy() {
+            SecurityPolicy::None => Ok(()),
+            _ => Err(StatusCode::BadSecurityChecksFailed),
+        };
+    };
+    let is_of_channel = channel
+        .remote_cert()
+        .is_some_and(|of_channel| of_channel.as_byte_string() == certificate.as_byte_string());
+    if !is_of_channel {
+        error!("activate_session on a channel with another certificate than that of the session");
+        return Err(StatusCode::BadSecurityChecksFailed);
+    }
+    check_certificate(
+        info,
+        certificate_store,
+        certificate,
+        channel.security_policy(),
+        peer_address,
+        application,
+    )
 }
 
 // This is a non-self method to avoid holding the manager
@@ -366,25 +428,23 @@ pub(crate) async fn close_session(
     })
 }
 
-/// Close all activated sessions of the users that are meant, and delete their subscriptions. The session ids with their
-/// users.
+/// Close the sessions that are meant, and delete their subscriptions. The session ids with their users, `None` where a
+/// session was never activated.
 pub(crate) async fn terminate_sessions(
     mgr_lck: &RwLock<SessionManager>,
     node_managers: NodeManagers,
     subscriptions: Arc<SubscriptionCache>,
-    is_meant: impl Fn(&UserToken) -> bool,
-) -> Vec<(NodeId, UserToken)> {
+    is_meant: impl Fn(&Session) -> bool,
+) -> Vec<(NodeId, Option<UserToken>)> {
     let (info, closed): (_, Vec<_>) = {
         let mut mgr = trace_write_lock!(mgr_lck);
         let meant: Vec<_> = mgr
             .sessions
             .iter()
-            .filter_map(|(id, session)| {
-                let token = session.read().user_token().filter(|token| is_meant(token))?.clone();
-                Some((id.clone(), session.clone(), token))
-            })
+            .filter(|(_, session)| is_meant(&session.read()))
+            .map(|(id, session)| (id.clone(), session.clone()))
             .collect();
-        for (id, session, _) in &meant {
+        for (id, session) in &meant {
             info!("Closed session with ID {}, which is no longer wanted", id);
             mgr.sessions.remove(id);
             trace_write_lock!(session).close();
@@ -396,11 +456,16 @@ pub(crate) async fn terminate_sessions(
     };
     let mut handler = MessageHandler::new(info, node_managers, subscriptions);
     let mut ended = Vec::with_capacity(closed.len());
-    for (session_id, session, token) in closed {
-        let id = session.read().session_id_numeric();
-        handler
-            .delete_session_subscriptions(id, session, token.clone())
-            .await;
+    for (session_id, session) in closed {
+        let (id, token) = {
+            let session = trace_read_lock!(session);
+            (session.session_id_numeric(), session.user_token().cloned())
+        };
+        if let Some(token) = &token {
+            handler
+                .delete_session_subscriptions(id, session, token.clone())
+                .await;
+        }
         ended.push((session_id, token));
     }
     ended
@@ -410,6 +475,7 @@ pub(crate) async fn activate_session(
     mgr_lck: &RwLock<SessionManager>,
     channel: &mut SecureChannel,
     identity: &ServerIdentity,
+    certificate_store: &RwLock<CertificateStore>,
     peer_address: Option<SocketAddr>,
     request: &ActivateSessionRequest,
     handler: &mut MessageHandler,
@@ -418,14 +484,14 @@ pub(crate) async fn activate_session(
     let security_mode = channel.security_mode();
     let secure_channel_id = channel.secure_channel_id();
     let server_nonce = security_policy.random_nonce();
-    let (endpoint_url, session_nonce, session_lck, info) = {
+    let (endpoint_url, session_nonce, bearer, session_lck, info) = {
         let mgr = trace_read_lock!(mgr_lck);
         let Some(session_lck) = mgr.find_by_token(&request.request_header.authentication_token)
         else {
             return Err(StatusCode::BadSessionIdInvalid);
         };
 
-        let (endpoint_url, session_nonce) = {
+        let (endpoint_url, session_nonce, bearer) = {
             let session = trace_read_lock!(session_lck);
             session.validate_timed_out()?;
 
@@ -448,10 +514,24 @@ pub(crate) async fn activate_session(
                     &request.client_signature,
                 )?;
             }
-            (endpoint_url, session.session_nonce().clone())
+            let bearer = (
+                session.client_certificate().cloned(),
+                session.application_description().clone(),
+            );
+            (endpoint_url, session.session_nonce().clone(), bearer)
         };
-        (endpoint_url, session_nonce, session_lck, mgr.info.clone())
+        (endpoint_url, session_nonce, bearer, session_lck, mgr.info.clone())
     };
+
+    // Without the lock, and before a password is looked at.
+    check_session_certificate(
+        &info,
+        channel,
+        certificate_store,
+        peer_address,
+        bearer.0.as_ref(),
+        &bearer.1,
+    )?;
 
     let user_token = info
         .authenticate_endpoint(
@@ -469,12 +549,13 @@ pub(crate) async fn activate_session(
     let (server_nonce, session_id) = {
         let mut session = trace_write_lock!(session_lck);
 
+        if session.is_closed() {
+            // Terminated while its user was authenticated.
+            return Err(StatusCode::BadSessionClosed);
+        }
         if !session.is_activated() && session.secure_channel_id() != secure_channel_id {
             error!("activate session, rejected secure channel id {} for inactive session does not match one used to create session, {}", secure_channel_id, session.secure_channel_id());
             return Err(StatusCode::BadSecureChannelIdInvalid);
-        } else {
-            // TODO additional secure channel validation here for client certificate and user identity
-            //  token
         }
 
         // TODO: If the user identity changed here, we need to re-check permissions for any created monitored items.
