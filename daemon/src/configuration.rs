@@ -21,9 +21,6 @@ use serde::de::DeserializeOwned;
 /// Names of variables that carry the prefix but address the command line, not the file.
 const RESERVED_NAMES: [&str; 2] = ["CONFIG", "LOG"];
 
-/// Names of keys with secrets, whatever section they stand in.
-const SECRETS: [&str; 3] = ["password", "secret", "token"];
-
 /// Most faults listed at once. A file of another kind yields one a line.
 const FAULTS_MAX: usize = 50;
 

@@ -24,6 +24,7 @@ mod dead_letters;
 mod error;
 mod factories;
 mod fields;
+mod holder;
 mod inbox;
 mod leases;
 mod ledger_logs;
@@ -61,7 +62,7 @@ pub use audit::{
 pub use collaborations::{Collaboration, Collaborations};
 pub use comments::{CommentEntry, Comments, NewComment};
 pub use connection::{Store, StoreReader};
-pub use credentials::{BrokerCredential, Credentials, Holder};
+pub use credentials::{BrokerCredential, Credentials};
 pub use database::Database;
 pub use dead_letters::{
     DEAD_LETTER_BYTES_PER_ADDRESS_MAX, DEAD_LETTERS_PER_ADDRESS_MAX, DeadLetterContent,
@@ -72,6 +73,7 @@ pub use factories::{Factories, Factory, Heard};
 pub use fields::{
     AskedField, CurrentValue, DecisionAudience, DecisionEffect, FieldRow, Fields, NewField,
 };
+pub use holder::Holder;
 pub use inbox::{InboxMessages, NewInboxMessage};
 pub use leases::Leases;
 pub use ledger_logs::LedgerLogs;

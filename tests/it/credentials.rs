@@ -86,7 +86,7 @@ async fn set_aside(platform: &Api) -> Result<usize, String> {
     Ok(letters.iter().filter(|letter| letter["code"] == "ACCESS_REVOKED").count())
 }
 
-async fn credentials_tell_the_truth(kind: BrokerKind) {
+async fn credentials_are_answered_with_the_truth(kind: BrokerKind) {
     rustls::crypto::ring::default_provider().install_default().ok();
     let folder = tempfile::tempdir().unwrap();
     let places = Places::anywhere(folder.path().to_owned()).unwrap();
@@ -136,11 +136,11 @@ async fn credentials_tell_the_truth(kind: BrokerKind) {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn rotated_and_revoked_credentials_tell_the_truth_with_rabbitmq() {
-    credentials_tell_the_truth(BrokerKind::RabbitMq).await;
+async fn rotated_and_revoked_credentials_are_what_pages_say_with_rabbitmq() {
+    credentials_are_answered_with_the_truth(BrokerKind::RabbitMq).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn rotated_and_revoked_credentials_tell_the_truth_with_mosquitto() {
-    credentials_tell_the_truth(BrokerKind::Mosquitto).await;
+async fn rotated_and_revoked_credentials_are_what_pages_say_with_mosquitto() {
+    credentials_are_answered_with_the_truth(BrokerKind::Mosquitto).await;
 }

@@ -37,10 +37,9 @@ use stage::Stage;
 use stores::Comment;
 
 use crate::{
-    demo::Cast,
     frame_order::{HAMBURG, MUNICH},
     harness::{Api, Daemon, DaemonCommand, Deadline, Steps, binary, eventually, say},
-    scenario::{load, story},
+    scenario::{Cast, load, story},
     world::BrokerKind,
 };
 

@@ -8,22 +8,13 @@ pub use check::{check, latency, screenshots};
 pub use newcomer::newcomer;
 pub use run::run;
 
+pub use crate::scenario::Cast;
 use crate::{
     frame_order::{HAMBURG, MUNICH},
-    harness::{Api, Steps},
+    harness::Steps,
     scenario::story,
     world::World,
 };
-
-/// The three APIs of a running story.
-pub struct Cast {
-    /// The platform's, as administrator.
-    pub platform: Api,
-    /// Munich's connector's, as engineer.
-    pub munich: Api,
-    /// Hamburg's connector's, as engineer.
-    pub hamburg: Api,
-}
 
 /// Plays the story up to the point where values flow; each step is left alone where an earlier
 /// start took it.

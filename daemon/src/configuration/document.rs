@@ -8,6 +8,9 @@ use toml::{Table, Value, de::DeTable};
 
 use super::fault::{ConfigurationError, ConfigurationFault, Origin};
 
+/// Names of keys with secrets, whatever section they stand in.
+pub(super) const SECRETS: [&str; 3] = ["password", "secret", "token"];
+
 /// File and environment laid over each other, remembering the origin of each value.
 pub(super) struct Document {
     value: Value,
@@ -60,7 +63,7 @@ impl Document {
     /// Returns the keys of the file with secrets, each with its place.
     pub(super) fn secrets(&self) -> Vec<(String, Origin)> {
         let is_secret =
-            |keys: &[String]| keys.last().is_some_and(|key| super::SECRETS.contains(&key.as_str()));
+            |keys: &[String]| keys.last().is_some_and(|key| SECRETS.contains(&key.as_str()));
         let secrets = self.lines.iter().filter(|(keys, _)| is_secret(keys));
         let place = |line: usize| Origin::File { path: self.path.clone(), line };
         secrets.map(|(keys, line)| (keys.join("."), place(*line))).collect()

@@ -7,7 +7,11 @@ use serde::Serialize;
 use toml::{Table, Value};
 use utoipa::ToSchema;
 
-use super::{ConfigurationError, SECRETS, document::Document, read, variables_over};
+use super::{
+    ConfigurationError,
+    document::{Document, SECRETS},
+    read, variables_over,
+};
 
 /// Introduces a setting of the example that is absent by default.
 const ABSENT: &str = "#: ";

@@ -1,4 +1,4 @@
-//! Passwords of the accounts at a broker of another make: in a file of its own, read anew for each use so that they
+//! Passwords of the accounts at a broker of another make: in a file of its own, read again for each use so that they
 //! change beside a running platform, or in the configuration.
 
 use std::{
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn passwords_of_the_file_are_read_anew_and_go_before_the_configuration() {
+    fn passwords_of_the_file_are_read_again_and_go_before_the_configuration() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("passwords");
         let accounts = "[[broker.external.accounts]]\nuser_name = \"factory.F\"\npassword = \"configured-0123456\"\n";

@@ -1,57 +1,11 @@
 //! Enrolment tokens and the credentials of connectors and tools at the broker: hashes only.
 
-use std::fmt;
+use asi_model::{DateTime, FactoryId, OrganisationId};
 
-use asi_model::{DateTime, FactoryId, OrganisationId, ToolId};
-
-use messaging::LogicalAddress;
-
-use super::{database::Connection, error::StoreError, revoked_access::RevokedAccess, row::Columns};
-
-/// Holder of a broker credential.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub enum Holder {
-    Factory(FactoryId),
-    Tool(ToolId),
-}
-
-impl Holder {
-    /// Returns the name to sign in to the broker with.
-    #[must_use]
-    pub fn user_name(&self) -> String {
-        match self {
-            Self::Factory(id) => format!("factory.{id}"),
-            Self::Tool(id) => format!("tool.{id}"),
-        }
-    }
-
-    /// Returns the holder that reads or writes an address; none for dead letters.
-    #[must_use]
-    pub fn of(address: &LogicalAddress) -> Option<Self> {
-        let factory = address.factory_id().cloned().map(Self::Factory);
-        factory.or_else(|| address.tool_id().cloned().map(Self::Tool))
-    }
-
-    const fn kind(&self) -> &'static str {
-        match self {
-            Self::Factory(_) => "FACTORY",
-            Self::Tool(_) => "TOOL",
-        }
-    }
-
-    fn id(&self) -> &str {
-        match self {
-            Self::Factory(id) => id.as_str(),
-            Self::Tool(id) => id.as_str(),
-        }
-    }
-}
-
-impl fmt::Display for Holder {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.user_name())
-    }
-}
+use super::{
+    database::Connection, error::StoreError, holder::Holder, revoked_access::RevokedAccess,
+    row::Columns,
+};
 
 /// A credential that is alive.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -6,8 +6,8 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{
-    audit::AuditSubject, credentials::Credentials, credentials::Holder, database::Connection,
-    error::StoreError, row::Columns,
+    audit::AuditSubject, credentials::Credentials, database::Connection, error::StoreError,
+    holder::Holder, row::Columns,
 };
 
 /// Things that are listed of each kind; who wants to leave ends them one by one anyway.

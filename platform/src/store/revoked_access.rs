@@ -3,7 +3,7 @@
 use asi_model::DateTime;
 use messaging::LogicalAddress;
 
-use super::{credentials::Holder, database::Connection, error::StoreError, row::Columns};
+use super::{database::Connection, error::StoreError, holder::Holder, row::Columns};
 
 /// Code of messages that wait until their reader has access again.
 const HELD: &str = "ACCESS_REVOKED";

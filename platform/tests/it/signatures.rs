@@ -323,7 +323,7 @@ async fn a_factory_that_enrolled_with_a_key_signs_from_its_first_message_on() {
     munich.forward(first.signed("comment", &comment("c5")));
     assert_eq!(set_aside(&admin, 6).await[0], WRONG);
 
-    // Without its credentials nothing of a factory counts, whoever signs it: no key is trusted on first use.
+    // Without its credentials nothing of a factory counts, with any signature: no key is trusted on first use.
     admin.delete("/factories/FOR_MUC/credentials").await.expect_ok();
     let ingest = world.handle().application.ingest.clone();
     let address = "factory.FOR_MUC.ingress".parse().expect("an address");

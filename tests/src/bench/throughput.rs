@@ -8,10 +8,9 @@ use tokio_util::sync::CancellationToken;
 
 use super::figures::result;
 use crate::{
-    demo::Cast,
     frame_order::{BUYER, MUNICH, NETWORK},
     harness::{Api, eventually},
-    scenario::story,
+    scenario::{Cast, story},
     world::World,
 };
 

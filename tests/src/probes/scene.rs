@@ -9,8 +9,8 @@ use super::{
     process::{Memory, mib},
 };
 use crate::{
-    demo::Cast,
     harness::{Api, say},
+    scenario::Cast,
     world::World,
 };
 

@@ -6,10 +6,9 @@ use anyhow::Context as _;
 use serde_json::{Value, json};
 
 use crate::{
-    demo::Cast,
     frame_order::{BUYER, HAMBURG, MUNICH, NETWORK},
     harness::{Api, eventually},
-    scenario::story,
+    scenario::{Cast, story},
     world::{Places, counters::COUNTERS},
 };
 

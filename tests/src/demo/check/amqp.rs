@@ -5,9 +5,9 @@ use std::{path::PathBuf, time::Duration};
 use serde_json::{Value, json};
 
 use crate::{
-    demo::Cast,
     frame_order::{MUNICH, NETWORK},
     harness::{eventually, python},
+    scenario::Cast,
     world::{OBSERVER, OBSERVER_PASSWORD, World},
 };
 

@@ -5,10 +5,9 @@ use std::time::Duration;
 use serde_json::Value;
 
 use crate::{
-    demo::Cast,
     frame_order::{HAMBURG, MUNICH},
     harness::{Steps, eventually},
-    scenario::story,
+    scenario::{Cast, story},
     world::World,
 };
 
