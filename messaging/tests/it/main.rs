@@ -1,5 +1,7 @@
 //! The link against foreign brokers.
 
+mod corpus;
+mod hostile_mqtt;
 mod mosquitto;
 mod rabbitmq;
 mod support;
