@@ -5,6 +5,7 @@
 mod broker;
 mod corpus;
 mod foreign;
+mod guesses;
 mod hostile;
 mod hostile_broker;
 mod link;
