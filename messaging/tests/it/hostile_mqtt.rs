@@ -75,22 +75,28 @@ async fn serve(
     write.write_all(answer).await?;
     let (subscribed, mut subscriptions) = tokio::sync::mpsc::unbounded_channel();
     let writing = send(&mut write, flood, last, &mut subscriptions);
-    let reading = async {
-        loop {
-            let (first, body) = next(&mut read).await?;
-            match first >> 4 {
-                4 => {
-                    let code = body.get(2).copied().unwrap_or_default();
-                    acknowledged.lock().push((u16::from_be_bytes([body[0], body[1]]), code));
-                }
-                8 => drop(subscribed.send([body[0], body[1]])),
-                _ => {}
-            }
-        }
-    };
+    let reading = listen(&mut read, subscribed, acknowledged);
     // Ends with the connection, also while a subscription is awaited.
-    let (_, ()) = tokio::try_join!(writing, reading)?;
-    Ok(())
+    tokio::try_join!(writing, reading).map(drop)
+}
+
+/// Reads the client's packets to the end of the connection, which is an error.
+async fn listen(
+    read: &mut OwnedReadHalf,
+    subscribed: tokio::sync::mpsc::UnboundedSender<[u8; 2]>,
+    acknowledged: &Mutex<Vec<(u16, u8)>>,
+) -> std::io::Result<()> {
+    loop {
+        let (first, body) = next(read).await?;
+        match first >> 4 {
+            4 => {
+                let code = body.get(2).copied().unwrap_or_default();
+                acknowledged.lock().push((u16::from_be_bytes([body[0], body[1]]), code));
+            }
+            8 => drop(subscribed.send([body[0], body[1]])),
+            _ => {}
+        }
+    }
 }
 
 async fn send(

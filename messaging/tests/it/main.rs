@@ -3,5 +3,6 @@
 mod corpus;
 mod hostile_mqtt;
 mod mosquitto;
+mod quota;
 mod rabbitmq;
 mod support;

@@ -13,5 +13,6 @@ mod outage;
 mod process;
 mod proxy;
 mod raw;
+mod space;
 mod support;
 mod websocket;
