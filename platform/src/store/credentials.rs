@@ -3,6 +3,7 @@
 use std::fmt;
 
 use asi_model::{DateTime, FactoryId, OrganisationId, ToolId};
+use messaging::LogicalAddress;
 
 use super::{database::Connection, error::StoreError, row::Columns};
 
@@ -20,6 +21,18 @@ impl Holder {
         match self {
             Self::Factory(id) => format!("factory.{id}"),
             Self::Tool(id) => format!("tool.{id}"),
+        }
+    }
+
+    /// Returns the addresses that it alone reads.
+    #[must_use]
+    pub fn reads(&self) -> Vec<LogicalAddress> {
+        match self {
+            Self::Factory(id) => vec![
+                LogicalAddress::FactoryRequests(id.clone()),
+                LogicalAddress::FactoryLeases(id.clone()),
+            ],
+            Self::Tool(id) => vec![LogicalAddress::ToolReports(id.clone())],
         }
     }
 
