@@ -2,6 +2,8 @@
 //! waits for writing, so that two full sockets cannot block each other. It waits for subscribers
 //! that take messages, and for the memory that messages need, within a time limit.
 
+mod writer;
+
 use std::{
     collections::{HashMap, VecDeque},
     sync::Arc,
@@ -9,13 +11,13 @@ use std::{
 };
 
 use futures::{
-    FutureExt, SinkExt, StreamExt,
+    FutureExt, StreamExt,
     stream::{SplitSink, SplitStream},
 };
 use parking_lot::Mutex;
 use rumqttc::v5::mqttbytes::v5::{
-    ConnAckProperties, Disconnect, DisconnectReasonCode, Packet, PingReq, PubAck, PubAckReason,
-    Publish, SubscribeReasonCode, Unsubscribe,
+    ConnAckProperties, DisconnectReasonCode, Packet, PubAck, PubAckReason, Publish,
+    SubscribeReasonCode, Unsubscribe,
 };
 use tokio::{
     sync::{Notify, OwnedSemaphorePermit, Semaphore, mpsc, oneshot, watch},
@@ -28,7 +30,6 @@ use super::{
         connection::{ConnectionFault, EndpointFault},
         dial::Stream,
     },
-    config::CLOSE_TIMEOUT,
     framing::{Incoming, PROPERTY_BYTES_MAX, PacketCodec},
     held::{Held, Memory},
 };
@@ -242,7 +243,7 @@ async fn run(
 ) {
     let fault = tokio::select! {
         fault = reader.read(stream) => fault,
-        fault = write(sink, waiting, stop, reader.keep_alive) => fault,
+        fault = writer::write(sink, waiting, stop, reader.keep_alive) => fault,
     };
     {
         // All awaited answers resolve now, as errors.
@@ -250,43 +251,6 @@ async fn run(
         *state = ConnectionState { is_lost: true, ..ConnectionState::default() };
     }
     lost.send_replace(Some(fault));
-}
-
-async fn write(
-    mut sink: SplitSink<PacketStream, Packet>,
-    mut waiting: mpsc::Receiver<Packet>,
-    stop: CancellationToken,
-    keep_alive: Duration,
-) -> ConnectionFault {
-    // Three answers are due within the time after which the reader gives the broker up.
-    let mut ping = tokio::time::interval(keep_alive / 3);
-    loop {
-        let packet = tokio::select! {
-            () = stop.cancelled() => {
-                let reason = DisconnectReasonCode::NormalDisconnection;
-                let disconnect = Packet::Disconnect(Disconnect::new(reason));
-                let _ = timeout(CLOSE_TIMEOUT, sink.send(disconnect)).await;
-                return ConnectionFault::transient("closed by this side");
-            }
-            packet = waiting.recv() => match packet {
-                Some(packet) => packet,
-                None => return ConnectionFault::transient("closed by this side"),
-            },
-            _ = ping.tick() => Packet::PingReq(PingReq),
-        };
-        if let Err(e) = sink.feed(packet).await {
-            return ConnectionFault::transient(format!("the connection was lost: {e:?}"));
-        }
-        // One system call for all packets that wait by now.
-        while let Ok(packet) = waiting.try_recv() {
-            if let Err(e) = sink.feed(packet).await {
-                return ConnectionFault::transient(format!("the connection was lost: {e:?}"));
-            }
-        }
-        if let Err(e) = sink.flush().await {
-            return ConnectionFault::transient(format!("the connection was lost: {e:?}"));
-        }
-    }
 }
 
 /// The reading half of a connection.

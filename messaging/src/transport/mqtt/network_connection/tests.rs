@@ -1,3 +1,4 @@
+use futures::SinkExt;
 use rumqttc::v5::mqttbytes::{QoS, v5::Subscribe};
 use tokio::io::DuplexStream;
 
