@@ -13,7 +13,7 @@ use asi_model::{FactoryId, ToolId};
 use zeroize::Zeroizing;
 
 pub use activemq::artemis_broker_xml;
-pub use mosquitto::mosquitto_acl;
+pub use mosquitto::{mosquitto_acl, mosquitto_queue_limits};
 pub use rabbitmq::rabbitmq_definitions;
 
 use crate::address::LogicalAddress;

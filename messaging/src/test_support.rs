@@ -8,6 +8,7 @@ use std::{collections::HashMap, time::Duration};
 use async_trait::async_trait;
 use parking_lot::Mutex;
 
+pub use crate::transport::read_mqtt;
 pub use mosquitto::{Mosquitto, Saving, ServerCertificate};
 pub use rabbitmq::RabbitMq;
 

@@ -8,6 +8,9 @@ mod tls;
 
 use tokio::sync::watch;
 
+#[cfg(feature = "test-support")]
+pub use mqtt::read_mqtt;
+
 use crate::config::{BrokerUrl, LinkConfig, LinkError, Login};
 
 pub(crate) use connection::{

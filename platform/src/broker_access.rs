@@ -1,7 +1,8 @@
 //! Access to the broker: users, queues and consumed addresses, derived from the store.
 //!
 //! [`BrokerAccess::reconcile`] compares what the store says with what is in force and may run any number
-//! of times: at the start, after every change, after a revocation.
+//! of times: at the start, after every change, after a revocation. Queues of factories and tools that have
+//! left are deleted with what waits in them.
 
 use std::{collections::HashMap, sync::Arc, time::Duration};
 
@@ -151,6 +152,7 @@ impl BrokerAccess {
             .into_iter()
             .map(|tool| tool.tool_id)
             .collect();
+        let left = addresses(&work.factories().removed().await?, &work.tools().removed().await?);
         drop(work);
         self.load_users(store).await?;
         if let Some(broker) = self.broker() {
@@ -158,6 +160,12 @@ impl BrokerAccess {
                 let is_single_active_consumer = address.has_single_active_consumer();
                 let options = QueueOptions { is_single_active_consumer, ..QueueOptions::default() };
                 broker.declare_queue(&queue(&address), options).await?;
+            }
+            for queue in left.iter().map(queue).filter(|queue| !self.is_configured(queue)) {
+                let messages = broker.delete_queue(&queue).await?;
+                if messages > 0 {
+                    tracing::info!(%queue, messages, "The queue of a factory or tool that has left was deleted.");
+                }
             }
         }
         // After the queues: an address without one would be refused and pause.
@@ -201,6 +209,13 @@ impl BrokerAccess {
         }
     }
 
+    /// Returns whether a configured user may use the queue: then it is not only of the one that has left.
+    fn is_configured(&self, queue: &QueueName) -> bool {
+        self.0.configured.iter().any(|user| {
+            user.consume.iter().chain(&user.produce).any(|pattern| pattern.matches(queue))
+        })
+    }
+
     fn users_of(
         &self,
         credentials: &[(BrokerCredential, Option<OrganisationId>)],
@@ -230,22 +245,14 @@ impl BrokerAccess {
 /// A connector reads its own requests and leases and writes its own ingress, a tool likewise, and
 /// nothing else.
 fn permitted(holder: &Holder, organisation: Option<&OrganisationId>) -> BrokerUser {
-    let (reads, writes) = match holder {
-        Holder::Factory(id) => (
-            vec![
-                LogicalAddress::FactoryRequests(id.clone()),
-                LogicalAddress::FactoryLeases(id.clone()),
-            ],
-            LogicalAddress::FactoryIngress(id.clone()),
-        ),
-        Holder::Tool(id) => (
-            vec![LogicalAddress::ToolReports(id.clone())],
-            LogicalAddress::ToolRequests(id.clone()),
-        ),
+    let writes = match holder {
+        Holder::Factory(id) => LogicalAddress::FactoryIngress(id.clone()),
+        Holder::Tool(id) => LogicalAddress::ToolRequests(id.clone()),
     };
     let mut user = BrokerUser::default().may_produce(AddressPattern::exact(&queue(&writes)));
     user.organisation = organisation.map(ToString::to_string);
-    reads
+    holder
+        .reads()
         .iter()
         .fold(user, |user, address| user.may_consume(AddressPattern::exact(&queue(address))))
 }

@@ -30,6 +30,9 @@ pub struct ProxySection {
     /// User name of the connector at the proxy, where it demands one.
     pub user_name: Option<String>,
     pub password: Option<Confidential<String>>,
+    /// Send user name and password to a proxy on another machine, which they reach without TLS.
+    #[serde(default)]
+    pub allow_plaintext: bool,
 }
 
 impl BrokerSection {

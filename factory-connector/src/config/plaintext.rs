@@ -7,6 +7,9 @@ use super::ConnectorConfig;
 
 /// Remedy for an address of the broker.
 const BROKER_REMEDY: &str = "write amqps://, amqp+wss://, mqtts:// or mqtt+wss://";
+/// Remedy for a proxy that is to know who connects.
+const PROXY_REMEDY: &str =
+    "use a proxy on 127.0.0.1, or one that asks for no user name and password";
 
 impl ConnectorConfig {
     /// Returns the ways to other machines without TLS that are used and allowed. `named` is the broker's
@@ -17,7 +20,8 @@ impl ConnectorConfig {
             Some(url) => plain_broker("broker.url", url),
             None => plain_broker("the enrolment's broker", named),
         };
-        self.plain_pages().into_iter().map(|(way, _)| way).chain(broker).collect()
+        let pages = self.plain_pages().into_iter().map(|(way, _)| way);
+        pages.chain(broker).chain(self.plain_proxy()).collect()
     }
 
     /// Returns the faults of addresses without TLS that no section allows.
@@ -29,10 +33,13 @@ impl ConnectorConfig {
             .then(|| "web.public_url: write an address as https://plant.example".to_owned());
         let broker = self.broker.url.as_ref().and_then(|url| plain_broker("broker.url", url));
         let broker = broker.filter(|_| !self.broker.allow_plaintext);
+        let is_allowed = self.broker.proxy.as_ref().is_some_and(|proxy| proxy.allow_plaintext);
+        let proxy = self.plain_proxy().filter(|_| !is_allowed);
         pages
             .map(|(way, remedy)| way.fault("web", remedy))
             .chain(invalid)
             .chain(broker.map(|way| way.fault("broker", BROKER_REMEDY)))
+            .chain(proxy.map(|way| way.fault("broker.proxy", PROXY_REMEDY)))
             .collect()
     }
 
@@ -76,6 +83,15 @@ impl ConnectorConfig {
         let named = url.map(|url| (PlaintextWay::new("web.public_url", url), "write https://"));
         open.into_iter().chain(named).collect()
     }
+
+    /// The proxy, if it gets user name and password without TLS. What goes through it to the broker has
+    /// the broker's TLS.
+    fn plain_proxy(&self) -> Option<PlaintextWay> {
+        let section = self.broker.proxy.as_ref()?;
+        // An address that is none is a fault of its own.
+        let proxy = section.http_proxy().ok()?;
+        proxy.reveals_login().then(|| PlaintextWay::new("broker.proxy.url", &section.url))
+    }
 }
 
 fn plain_broker(key: &str, url: &BrokerUrl) -> Option<PlaintextWay> {
@@ -101,6 +117,10 @@ mod tests {
             ("[web]\npublic_url = \"http://plant.example\"\n", "web.public_url"),
             ("[broker]\nurl = \"amqp://broker.example\"\n", "broker.url"),
             ("[broker]\nurl = \"mqtt+ws://broker.example\"\n", "broker.url"),
+            (
+                "[broker.proxy]\nurl = \"http://proxy.example\"\nuser_name = \"u\"\npassword = \"p\"\n",
+                "broker.proxy.url",
+            ),
         ] {
             let faults = parse(text).faults();
             let is_named = faults.len() == 1 && faults[0].starts_with(key);
@@ -111,6 +131,22 @@ mod tests {
             assert_eq!(ways.len(), 1, "it is shown all the same");
             assert_eq!(ways[0].key, key);
         }
+    }
+
+    #[test]
+    fn a_proxy_that_gets_no_password_or_is_on_this_machine_needs_no_word() {
+        let login = "user_name = \"u\"\npassword = \"p\"\n";
+        for (proxy, login) in
+            [("proxy.example", ""), ("127.0.0.1:3128", login), ("localhost:3128", login)]
+        {
+            let config = parse(&format!("[broker.proxy]\nurl = \"http://{proxy}\"\n{login}"));
+            assert_eq!(config.faults(), Vec::<String>::new(), "{proxy}");
+            assert_eq!(config.plaintext_ways(&url("amqps://broker.example")), [], "{proxy}");
+        }
+        let text = format!(
+            "[broker]\nallow_plaintext = true\n[broker.proxy]\nurl = \"http://proxy.example\"\n{login}"
+        );
+        assert_eq!(parse(&text).faults().len(), 1, "the word for the broker is none for the proxy");
     }
 
     #[test]

@@ -153,6 +153,7 @@ mod tests {
             url: "http://proxy.plant:3128".to_owned(),
             user_name: Some("plant".to_owned()),
             password: Some("gate".into()),
+            allow_plaintext: true,
         };
         let url = Some("amqp+wss://verbund.example".parse().expect("an address"));
         let section = BrokerSection {

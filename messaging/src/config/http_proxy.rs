@@ -1,7 +1,7 @@
 //! HTTP proxies.
 
 use super::{
-    broker_url::{InvalidBrokerUrl, authority},
+    broker_url::{InvalidBrokerUrl, authority, is_loopback},
     login::Login,
 };
 
@@ -33,6 +33,13 @@ impl HttpProxy {
         let (host, port) =
             authority(rest).ok_or_else(|| InvalidBrokerUrl::Authority { found: url.to_owned() })?;
         Ok(Self { host, port: port.unwrap_or(DEFAULT_PORT), login })
+    }
+
+    /// Returns whether the credentials go to another machine, in the clear: between link and proxy
+    /// there is no TLS.
+    #[must_use]
+    pub fn reveals_login(&self) -> bool {
+        self.login.is_some() && !is_loopback(&self.host)
     }
 }
 

@@ -6,15 +6,36 @@ use std::fmt::Write;
 use super::BrokerPlan;
 use crate::profile::BrokerProfile;
 
-/// The access control list: each user reads and writes its own topics, and nothing else.
+/// Lines of `mosquitto.conf` that bound what waits for a client.
 ///
-/// Mosquitto stores its queue only now and then: `persistence true`, `autosave_interval 1`,
-/// `autosave_on_changes true` and `max_queued_messages 0` belong beside this, and the receipts make
-/// good for what a crash still loses.
+/// Mosquitto bounds each client, over all of its topics, by `max_queued_bytes`, and drops further
+/// messages without a word to their publisher: the receipts make good for them once there is room
+/// again. The bound is one for all clients, so it is that of the client with most topics, the
+/// platform. The number of messages is not bounded, whose default of 1000 would be reached within
+/// minutes.
+#[must_use]
+pub fn mosquitto_queue_limits(plan: &BrokerPlan) -> String {
+    let queues = plan.rights().iter().map(|rights| rights.consume.len() as u64).max();
+    let bytes_max = plan.limits.bytes_max.saturating_mul(queues.unwrap_or(1).max(1));
+    format!("max_queued_messages 0\nmax_queued_bytes {bytes_max}\n")
+}
+
+/// The access control list: each user reads and writes its own topics, and nothing else. Its first
+/// lines are comments with what belongs into `mosquitto.conf`.
+///
+/// Mosquitto stores its queue only now and then, all of it each time, and the receipts make good for
+/// what a crash still loses. Its file shrinks with the first storing after messages were consumed or
+/// have expired.
 #[must_use]
 pub fn mosquitto_acl(plan: &BrokerPlan) -> String {
     let profile = BrokerProfile::mqtt();
-    let mut acl = String::from("# Generated. Without a user nothing is permitted.\n");
+    let mut acl = String::from("# Generated. mosquitto.conf needs these lines:\n");
+    let limits = mosquitto_queue_limits(plan);
+    let storing = ["persistence true", "autosave_interval 1", "autosave_on_changes true"];
+    for line in storing.into_iter().chain(limits.lines()) {
+        let _ = writeln!(acl, "#   {line}");
+    }
+    acl.push_str("# Without a user nothing is permitted.\n");
     for rights in plan.rights() {
         let _ = writeln!(acl, "\nuser {}", rights.account.user_name);
         for (kind, addresses) in [("read", &rights.consume), ("write", &rights.produce)] {
@@ -43,6 +64,7 @@ mod tests {
             limits: QueueLimits::default(),
         };
         let acl = mosquitto_acl(&plan);
+        assert!(acl.contains("#   max_queued_bytes 2147483648\n"), "{acl}");
         let of_f1 = acl.split("user f1\n").nth(1).expect("its part");
         insta::assert_snapshot!(of_f1, @r"
         topic read verbund/v1/factory/f1/requests

@@ -19,7 +19,8 @@ const DEAD: &str = "verbund.dead";
 /// Generates the definitions of one virtual host. `salt` returns four new random bytes per call,
 /// for the password hashes.
 ///
-/// Queues are quorum queues with a single active consumer. Permissions to write are decided by the
+/// Queues are quorum queues with a single active consumer. They keep on disk what was consumed until
+/// their common log is rolled over, and what has expired becomes a dead letter. Permissions to write are decided by the
 /// routing key, so the users need none on any other exchange; in particular none on the default
 /// exchange, which reaches every queue.
 #[must_use]

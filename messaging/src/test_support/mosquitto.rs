@@ -9,7 +9,7 @@ use std::{
 
 use tempfile::TempDir;
 
-use crate::definitions::{BrokerPlan, mosquitto_acl};
+use crate::definitions::{BrokerPlan, mosquitto_acl, mosquitto_queue_limits};
 
 /// Times at which Mosquitto writes its store to disk; it writes all of it each time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,7 +73,7 @@ impl Mosquitto {
             "user root\nlistener {port} 127.0.0.1\nlistener {websocket_port} 127.0.0.1\nprotocol websockets\n\
              {encryption}allow_anonymous false\npassword_file {}\nacl_file {}\n\
              persistence true\npersistence_location {}/\n{}\n\
-             max_queued_messages 0\nlog_dest file {}\n",
+             {}log_dest file {}\n",
             path("passwords"),
             path("acl"),
             folder.path().display(),
@@ -81,6 +81,7 @@ impl Mosquitto {
                 Saving::Always => "autosave_interval 1\nautosave_on_changes true",
                 Saving::AtTheEnd => "autosave_interval 0",
             },
+            mosquitto_queue_limits(plan),
             path("log"),
         );
         fs::write(path("mosquitto.conf"), configuration).expect("written");
@@ -100,6 +101,12 @@ impl Mosquitto {
     #[must_use]
     pub const fn websocket_port(&self) -> u16 {
         self.websocket_port
+    }
+
+    /// Returns the bytes of its store on the disk, as of the last storing.
+    #[must_use]
+    pub fn bytes_stored(&self) -> u64 {
+        fs::metadata(self.folder.path().join("mosquitto.db")).map_or(0, |file| file.len())
     }
 
     async fn ready(&self) {

@@ -99,6 +99,22 @@ impl RabbitMq {
         assert!(output.status.success(), "rabbitmqctl {arguments:?}: {said}");
     }
 
+    /// Returns the bytes of its stores on the disk.
+    ///
+    /// # Panics
+    /// Panics when its folder cannot be read.
+    #[must_use]
+    pub fn bytes_stored(&self) -> u64 {
+        let counted = Command::new("du")
+            .args(["-s", "--block-size=1"])
+            .arg(self.folder.path().join("mnesia"))
+            .output()
+            .expect("du runs");
+        // Files vanish while they are counted, which du complains about and leaves out.
+        let text = String::from_utf8_lossy(&counted.stdout).into_owned();
+        text.split_whitespace().next().and_then(|bytes| bytes.parse().ok()).expect("a number")
+    }
+
     /// Kills it without warning and starts it again on the same store.
     ///
     /// # Panics

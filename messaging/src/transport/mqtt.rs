@@ -10,8 +10,11 @@
 mod codec;
 mod config;
 mod framing;
+mod held;
 mod network_connection;
 mod publisher;
+#[cfg(feature = "test-support")]
+mod reading;
 mod subscriber;
 
 use std::sync::Arc;
@@ -19,7 +22,7 @@ use std::sync::Arc;
 use async_trait::async_trait;
 use futures::{SinkExt, StreamExt};
 use rumqttc::v5::mqttbytes::v5::{
-    Codec, Connect, ConnectProperties, ConnectReturnCode, Login as MqttLogin, Packet,
+    Connect, ConnectProperties, ConnectReturnCode, Login as MqttLogin, Packet,
 };
 use tokio::{sync::watch, time::timeout};
 use tokio_util::codec::Framed;
@@ -34,7 +37,11 @@ use crate::{
     config::{BrokerUrl, LinkConfig, LinkLimits, Login},
     profile::Terminus,
 };
+#[cfg(feature = "test-support")]
+pub use reading::read_mqtt;
+
 use config::{CLOSE_TIMEOUT, SESSION_EXPIRY, no_properties};
+use framing::{Incoming, PacketCodec};
 use network_connection::NetworkConnection;
 use publisher::MqttPublisher;
 use subscriber::MqttSubscriber;
@@ -79,16 +86,13 @@ impl MqttTransport {
     }
 
     async fn open(&self, stream: Box<dyn Stream>) -> Result<Box<dyn Connection>, ConnectionFault> {
-        let codec =
-            Codec { max_incoming_size: Some(self.packet_bytes_max()), max_outgoing_size: None };
-        let codec = framing::PacketCodec(codec);
-        let mut framed = Framed::new(stream, codec);
+        let mut framed = Framed::new(stream, PacketCodec::new(self.packet_bytes_max()));
         let broken = |e: &dyn std::fmt::Debug| {
             ConnectionFault::transient(format!("the connection could not be opened: {e:?}"))
         };
         framed.send(self.connect_packet()).await.map_err(|e| broken(&e))?;
         let answer = match framed.next().await {
-            Some(Ok(Packet::ConnAck(answer))) => answer,
+            Some(Ok(Incoming::Packet(Packet::ConnAck(answer)))) => answer,
             Some(Ok(_)) => {
                 return Err(ConnectionFault::permanent(
                     "the peer does not speak MQTT 5; is the port right?",

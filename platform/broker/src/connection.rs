@@ -19,7 +19,7 @@ use tokio_util::sync::CancellationToken;
 use tracing::{debug, info, warn};
 
 use self::{
-    sasl::SaslExchange,
+    sasl::{SaslExchange, TOO_MANY_FAILURES},
     session::{
         ATTACH_TIMEOUT, CLOSE_TIMEOUT, FRAMES_PER_CONNECTION, FRAMES_PER_SESSION, Peer,
         refuse_session, serve_session,
@@ -46,10 +46,12 @@ pub(crate) async fn serve(
     let peer = accepted.peer;
     let allowance = Allowance::new(UNAUTHENTICATED_BYTES_MAX);
     let opening = accepted.open(allowance.clone());
-    serve_opening(core, peer, opening, allowance, place, shutdown).await;
+    let sasl = SaslExchange::new(&core, Some(peer.ip()));
+    serve_opening(core, peer, sasl, opening, allowance, place, shutdown).await;
 }
 
-/// Serves a peer over a stream that is open to its end.
+/// Serves a peer over a stream that is open to its end. Its failed sign-ins are not counted, since it has
+/// no address.
 pub(crate) async fn serve_stream(
     core: Arc<Core>,
     stream: impl Stream,
@@ -60,18 +62,19 @@ pub(crate) async fn serve_stream(
     let allowance = Allowance::new(UNAUTHENTICATED_BYTES_MAX);
     let stream = Measured::new(stream, allowance.clone());
     let opening = async { Ok(Box::new(stream) as Box<dyn Stream>) };
-    serve_opening(core, peer, opening, allowance, place, shutdown).await;
+    let sasl = SaslExchange::new(&core, None);
+    serve_opening(core, peer, sasl, opening, allowance, place, shutdown).await;
 }
 
 async fn serve_opening(
     core: Arc<Core>,
     peer: SocketAddr,
+    sasl: SaslExchange,
     opening: impl Future<Output = Result<Box<dyn Stream>, String>>,
     allowance: Allowance,
     place: Place,
     shutdown: CancellationToken,
 ) {
-    let sasl = SaslExchange::new(Arc::clone(&core.credentials));
     let acceptor = ConnectionAcceptor::builder()
         .container_id("verbund-broker")
         .max_frame_size(FRAME_BYTES_MAX)
@@ -96,7 +99,11 @@ async fn serve_opening(
     let connection = match opened {
         Ok(Ok(connection)) => connection,
         Ok(Err(reason)) => {
-            count_failed_handshake(sasl.failure());
+            let failure = sasl.failure();
+            count_failed_handshake(failure);
+            if failure == TOO_MANY_FAILURES {
+                return warn!(%peer, "too many sign-ins from here have failed; further ones are refused for a while");
+            }
             return info!(%peer, reason, "a peer did not complete the handshake");
         }
         Err(_) => {

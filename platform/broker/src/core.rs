@@ -23,6 +23,7 @@ use crate::{
     credentials::CredentialSource,
     dead_letter::TOO_MANY_DELIVERIES,
     error::BrokerError,
+    guesses::Guesses,
     message::{AnyMessage, Features},
     queue::{Queue, QueueEntry},
     shares::{ShareTable, UserShare},
@@ -49,6 +50,7 @@ pub(crate) struct Core {
     next_queue_id: AtomicI64,
     next_message_id: AtomicI64,
     pub waiting: Arc<WaitingRoom>,
+    pub guesses: Arc<Guesses>,
     connections: Mutex<HashMap<u64, RegisteredConnection>>,
     shares: ShareTable,
     /// True where dead letters came since the last search for those beyond their bound.
@@ -93,6 +95,7 @@ impl Core {
                 config.limits.unauthenticated_max,
                 config.limits.unauthenticated_per_address_max,
             )),
+            guesses: Arc::default(),
             config,
             credentials,
             writer,

@@ -22,6 +22,7 @@ mod core;
 pub mod credentials;
 mod dead_letter;
 mod error;
+mod guesses;
 mod handle;
 mod link;
 mod listener;

@@ -4,6 +4,7 @@
 mod command;
 mod dead_letters;
 mod reader;
+mod space;
 mod statements;
 mod writer;
 
@@ -84,6 +85,7 @@ pub(crate) async fn open_writer(path: &Path) -> Result<SqliteConnection, sqlx::E
             ));
         }
     }
+    space::prepare(&mut connection).await;
     Ok(connection)
 }
 

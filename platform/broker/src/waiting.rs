@@ -126,7 +126,7 @@ impl Drop for Place {
 
 /// Returns what counts as one address: an IPv4 address, or the 64 bits of an IPv6 address that name
 /// a network, since every host has all addresses of one.
-fn network(peer: IpAddr) -> IpAddr {
+pub(crate) fn network(peer: IpAddr) -> IpAddr {
     match peer.to_canonical() {
         IpAddr::V6(address) => {
             let [a, b, c, d, ..] = address.segments();

@@ -68,6 +68,25 @@ impl EmbeddedBroker {
         }
     }
 
+    /// Deletes a queue with its messages, if it is there; as soon as there is a process. Returns the
+    /// number of the messages, as far as it is known.
+    ///
+    /// # Errors
+    /// [`EmbeddedBrokerError`].
+    pub async fn delete_queue(&self, queue: &QueueName) -> Result<u64, EmbeddedBrokerError> {
+        match self {
+            Self::Here(broker) => match broker.delete_queue(queue).await {
+                Err(BrokerError::UnknownQueue { .. }) => Ok(0),
+                deleted => Ok(deleted?),
+            },
+            Self::Process(process) => match process.delete_queue(queue).await {
+                Some(Answer::Failed(reason)) => Err(EmbeddedBrokerError::Failed { reason }),
+                Some(Answer::Count(messages)) => Ok(messages),
+                _ => Ok(0),
+            },
+        }
+    }
+
     /// Closes all connections of a user; returns their number.
     pub async fn disconnect_user(&self, user_name: &str) -> usize {
         match self {

@@ -89,6 +89,11 @@ async fn carry_out(
         BrokerRequest::DeclareQueue { queue, options } => {
             handle.declare_queue(&queue, options).await.map_or_else(failed, |()| Answer::Done)
         }
+        BrokerRequest::DeleteQueue { queue } => match handle.delete_queue(&queue).await {
+            Ok(messages) => Answer::Count(messages),
+            Err(BrokerError::UnknownQueue { .. }) => Answer::Count(0),
+            Err(error) => failed(error),
+        },
         BrokerRequest::Disconnect { user_name } => {
             Answer::Count(handle.disconnect_user(&user_name) as u64)
         }

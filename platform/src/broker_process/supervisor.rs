@@ -1,7 +1,7 @@
 //! The platform's side: starts the process, starts it again when it has died, and orders.
 
 use std::{
-    collections::{BTreeMap, HashMap},
+    collections::{BTreeMap, BTreeSet, HashMap},
     convert::Infallible,
     io,
     net::SocketAddr,
@@ -79,6 +79,8 @@ struct ProcessState {
 struct Desired {
     setup: Setup,
     queues: BTreeMap<QueueName, QueueOptions>,
+    /// Queues that are not to be there, of which an earlier process may have left some on the disk.
+    deleted: BTreeSet<QueueName>,
 }
 
 struct Asked {
@@ -127,7 +129,11 @@ impl BrokerProcess {
         let shared = Arc::new(ProcessState {
             program,
             addresses: running.addresses.clone(),
-            desired: Mutex::new(Desired { setup, queues: BTreeMap::new() }),
+            desired: Mutex::new(Desired {
+                setup,
+                queues: BTreeMap::new(),
+                deleted: BTreeSet::new(),
+            }),
             orders: Mutex::default(),
             is_up: watch::Sender::new(true),
             metrics: Arc::default(),
@@ -227,7 +233,9 @@ impl Running {
             let is_gone = |name: &&String| !desired.setup.users.iter().any(|u| u.name == **name);
             let removed = first_users.iter().filter(is_gone);
             let removed = removed.map(|name| BrokerRequest::Disconnect { user_name: name.clone() });
-            for request in std::iter::once(users).chain(removed).chain(queues) {
+            let deleted = desired.deleted.iter().cloned();
+            let deleted = deleted.map(|queue| BrokerRequest::DeleteQueue { queue });
+            for request in std::iter::once(users).chain(removed).chain(queues).chain(deleted) {
                 let _ = lines.try_send(line(&Order { id: 0, request }));
             }
             *shared.orders.lock() = Some(orders);
@@ -302,12 +310,34 @@ impl BrokerProcessHandle {
 
     /// Declares a queue, in this process and in those to come.
     pub(super) async fn declare_queue(&self, queue: &QueueName, options: QueueOptions) -> Answer {
-        let known = self.0.desired.lock().queues.insert(queue.clone(), options);
+        let known = {
+            let mut desired = self.0.desired.lock();
+            desired.deleted.remove(queue);
+            desired.queues.insert(queue.clone(), options)
+        };
         if known == Some(options) {
             return Answer::Done;
         }
         let request = BrokerRequest::DeclareQueue { queue: queue.clone(), options };
         self.ask(request).await.unwrap_or(Answer::Done)
+    }
+
+    /// Deletes a queue, in this process and in those to come. None where that was said before, or there is
+    /// no process at the moment.
+    pub(super) async fn delete_queue(&self, queue: &QueueName) -> Option<Answer> {
+        {
+            let mut desired = self.0.desired.lock();
+            desired.queues.remove(queue);
+            if !desired.deleted.insert(queue.clone()) {
+                return None;
+            }
+        }
+        let answer = self.ask(BrokerRequest::DeleteQueue { queue: queue.clone() }).await;
+        if matches!(answer, Some(Answer::Failed(_))) {
+            // The next run tries again.
+            self.0.desired.lock().deleted.remove(queue);
+        }
+        answer
     }
 
     /// Orders and waits for the answer; none while there is no process.

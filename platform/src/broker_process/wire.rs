@@ -56,6 +56,10 @@ pub(super) enum BrokerRequest {
         queue: QueueName,
         options: QueueOptions,
     },
+    /// Delete a queue with its messages; one that is not there is deleted already.
+    DeleteQueue {
+        queue: QueueName,
+    },
     /// Close the connections of a user.
     Disconnect {
         user_name: String,

@@ -88,6 +88,19 @@ impl Factories<'_> {
         Ok(result.rows_affected() == 1)
     }
 
+    /// Lists the ids of those that have left, which are never given again.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn removed(&mut self) -> Result<Vec<FactoryId>, StoreError> {
+        let sql = "SELECT factory_id FROM factory WHERE removed_at IS NOT NULL ORDER BY factory_id";
+        let rows = sqlx::query(sql)
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list factories that have left"))?;
+        rows.iter().map(|row| row.parsed("factory_id")).collect()
+    }
+
     /// Lists those of the viewer's organisation and of its collaborations, by id.
     ///
     /// # Errors

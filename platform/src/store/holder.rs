@@ -22,6 +22,18 @@ impl Holder {
         }
     }
 
+    /// Returns the addresses that it alone reads.
+    #[must_use]
+    pub fn reads(&self) -> Vec<LogicalAddress> {
+        match self {
+            Self::Factory(id) => vec![
+                LogicalAddress::FactoryRequests(id.clone()),
+                LogicalAddress::FactoryLeases(id.clone()),
+            ],
+            Self::Tool(id) => vec![LogicalAddress::ToolReports(id.clone())],
+        }
+    }
+
     /// Returns the holder that reads or writes an address; none for dead letters.
     #[must_use]
     pub fn of(address: &LogicalAddress) -> Option<Self> {

@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 
 use super::{
     audit::AuditSubject, credentials::Credentials, database::Connection, error::StoreError,
-    holder::Holder, row::Columns,
+    holder::Holder, outgoing::OutgoingMessages, row::Columns,
 };
 
 /// Things that are listed of each kind; who wants to leave ends them one by one anyway.
@@ -172,6 +172,10 @@ impl Removals<'_> {
     pub async fn leave(&mut self, leaver: &Leaver, now: DateTime) -> Result<(), StoreError> {
         if let Some(holder) = leaver.holder() {
             Credentials(&mut *self.0).revoke(&holder, now).await?;
+            // Their queues are deleted, so that these could never be sent.
+            for address in holder.reads() {
+                OutgoingMessages(&mut *self.0).clear(&address).await?;
+            }
         }
         match leaver {
             // The sessions go with the account.

@@ -25,7 +25,7 @@ impl RevokedAccess<'_> {
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("record a revocation"))?;
-        for address in read_by(holder) {
+        for address in holder.reads() {
             let sql =
                 "UPDATE outbox SET parked_code = $2 WHERE address = $1 AND parked_code IS NULL";
             sqlx::query(sql)
@@ -51,7 +51,7 @@ impl RevokedAccess<'_> {
         if removed.rows_affected() == 0 {
             return Ok(());
         }
-        for address in read_by(holder) {
+        for address in holder.reads() {
             // With new numbers: the link has gone past the old ones.
             for sql in [
                 "INSERT INTO outbox (address, message_id, subject, correlation_id, created_at, time_to_live_ms,
@@ -107,16 +107,5 @@ impl RevokedAccess<'_> {
             .await
             .map_err(StoreError::during("hold a message back"))?;
         Ok(())
-    }
-}
-
-/// Returns the addresses that a holder reads.
-fn read_by(holder: &Holder) -> Vec<LogicalAddress> {
-    match holder {
-        Holder::Factory(id) => vec![
-            LogicalAddress::FactoryRequests(id.clone()),
-            LogicalAddress::FactoryLeases(id.clone()),
-        ],
-        Holder::Tool(id) => vec![LogicalAddress::ToolReports(id.clone())],
     }
 }

@@ -50,6 +50,19 @@ impl Tools<'_> {
         Ok(result.rows_affected() == 1)
     }
 
+    /// Lists the ids of those that have left, which are never given again.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn removed(&mut self) -> Result<Vec<ToolId>, StoreError> {
+        let sql = "SELECT tool_id FROM tool WHERE removed_at IS NOT NULL ORDER BY tool_id";
+        let rows = sqlx::query(sql)
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list tools that have left"))?;
+        rows.iter().map(|row| row.parsed("tool_id")).collect()
+    }
+
     /// Lists those of the viewer's organisation, by id.
     ///
     /// # Errors

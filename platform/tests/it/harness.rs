@@ -106,6 +106,13 @@ impl World {
         &self.running.as_ref().expect("it runs").1
     }
 
+    /// Bytes of the embedded broker's database, its log included.
+    pub fn broker_bytes(&self) -> u64 {
+        let database = |end: &str| self.folder.path().join(format!("data/broker.sqlite{end}"));
+        let bytes = |end| std::fs::metadata(database(end)).map_or(0, |file| file.len());
+        bytes("") + bytes("-wal")
+    }
+
     pub fn url(&self) -> String {
         format!("http://{}", self.handle().web_address)
     }

@@ -100,6 +100,32 @@ async fn what_has_left_gets_in_no_more_and_its_id_is_never_given_again() {
     admin.post("/organisations", again).await.expect_problem(409, "ALREADY_EXISTS");
 }
 
+/// Queues of the embedded broker with their waiting messages.
+async fn queues(world: &World) -> Vec<(String, u64)> {
+    let broker = world.handle().application.broker_access.broker().expect("a broker");
+    let queues = broker.queues().await.expect("it is there");
+    queues.into_iter().map(|status| (status.queue.to_string(), status.ready)).collect()
+}
+
+/// Sends values to a tool that is not there, and returns the bytes that the broker's database has then.
+async fn values_wait(world: &World, credential: &Value) -> u64 {
+    let mut platform = credential.clone();
+    platform["userName"] = json!("platform");
+    platform["password"] = json!(world.handle().application.broker_access.secret());
+    let reports = LogicalAddress::ToolReports("Scheduling".parse().expect("an id"));
+    let sender = Peer::start(&platform, LogicalAddress::DeadLetters, reports.clone());
+    for _ in 0..16 {
+        sender.send_bytes("report", None, &[7; 500_000]);
+    }
+    let expected = (reports.to_string(), 16);
+    eventually("values wait", || async {
+        let queues = queues(world).await;
+        if queues.contains(&expected) { Ok(()) } else { Err(format!("{queues:?}")) }
+    })
+    .await;
+    world.broker_bytes()
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn people_and_tools_are_listed_and_removed() {
     let world = World::start().await;
@@ -108,16 +134,24 @@ async fn people_and_tools_are_listed_and_removed() {
     let tool =
         json!({ "toolId": "Scheduling", "organisationId": "acme-aero", "name": "Scheduling" });
     admin.post("/tools", tool.clone()).await.expect_ok();
-    admin.post("/tools/Scheduling/credentials", json!({})).await.expect_ok();
     let mut network = story::network();
     network["operationList"][0]["dynamicDataRequestList"] =
         json!([story::request_of_tool("ReqResponse1", "acme-aero", "Scheduling")]);
     story::put_network(&buyer, network).await;
 
+    let credential = admin.post("/tools/Scheduling/credentials", json!({})).await.expect_ok();
+    let waiting = values_wait(&world, &credential).await;
+
     let shown = preview(&admin, "/tools/Scheduling").await;
     let request = json!(["operation-networks/frame-4711/requests/ReqResponse1"]);
     assert_eq!((&shown["requests"], &shown["credentials"]), (&request, &json!(1)));
     admin.delete("/tools/Scheduling").await.expect_ok();
+    assert!(queues(&world).await.iter().all(|(name, _)| !name.starts_with("tool.")));
+    eventually("the disk is free again", || async {
+        let bytes = world.broker_bytes();
+        if bytes < waiting / 4 { Ok(()) } else { Err(format!("{bytes} of {waiting} bytes")) }
+    })
+    .await;
     assert_eq!(admin.get("/tools").await.expect_ok()["items"], json!([]));
     admin.post("/tools", tool).await.expect_problem(409, "ALREADY_EXISTS");
 

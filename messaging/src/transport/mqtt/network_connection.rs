@@ -1,6 +1,8 @@
 //! One network connection: a reader, a writer, and the answers awaited in between. Reading never
 //! waits for writing, so that two full sockets cannot block each other. It waits for subscribers
-//! that take messages, within a time limit.
+//! that take messages, and for the memory that messages need, within a time limit.
+
+mod writer;
 
 use std::{
     collections::{HashMap, VecDeque},
@@ -9,12 +11,12 @@ use std::{
 };
 
 use futures::{
-    SinkExt, StreamExt,
+    FutureExt, StreamExt,
     stream::{SplitSink, SplitStream},
 };
 use parking_lot::Mutex;
 use rumqttc::v5::mqttbytes::v5::{
-    ConnAckProperties, Disconnect, DisconnectReasonCode, Packet, PingReq, PubAck, Publish,
+    ConnAckProperties, DisconnectReasonCode, Packet, PubAck, PubAckReason, Publish,
     SubscribeReasonCode, Unsubscribe,
 };
 use tokio::{
@@ -28,8 +30,8 @@ use super::{
         connection::{ConnectionFault, EndpointFault},
         dial::Stream,
     },
-    config::CLOSE_TIMEOUT,
-    framing::PacketCodec,
+    framing::{Incoming, PROPERTY_BYTES_MAX, PacketCodec},
+    held::{Held, Memory},
 };
 use crate::config::LinkLimits;
 
@@ -48,6 +50,8 @@ pub(super) struct NetworkConnection {
     /// Send quota: messages that the broker accepts unacknowledged (MQTT 5 §4.9).
     send_quota: Arc<Semaphore>,
     loss: watch::Receiver<Option<ConnectionFault>>,
+    /// Whether the reader waits for subscribers that take messages.
+    congestion: watch::Receiver<bool>,
     stop: CancellationToken,
     /// Largest packet that the broker accepts, in bytes.
     pub packet_bytes_max: Option<u32>,
@@ -64,9 +68,9 @@ struct ConnectionState {
     /// Subscriptions without an acknowledgement, by packet identifier.
     subscribed: HashMap<u16, oneshot::Sender<Vec<SubscribeReasonCode>>>,
     /// The subscribers by topic.
-    subscribers: HashMap<String, mpsc::Sender<Publish>>,
+    subscribers: HashMap<String, mpsc::Sender<Held>>,
     /// Messages of a persistent session that arrived before their subscriber.
-    unclaimed: VecDeque<Publish>,
+    unclaimed: VecDeque<Held>,
 }
 
 impl ConnectionState {
@@ -82,7 +86,7 @@ impl ConnectionState {
         }
     }
 
-    fn subscriber_of(&self, publish: &Publish) -> Option<&mpsc::Sender<Publish>> {
+    fn subscriber_of(&self, publish: &Publish) -> Option<&mpsc::Sender<Held>> {
         std::str::from_utf8(&publish.topic).ok().and_then(|topic| self.subscribers.get(topic))
     }
 }
@@ -96,6 +100,7 @@ impl NetworkConnection {
         let (sink, stream) = packets.split();
         let (packets, waiting) = mpsc::channel(PACKETS_BUFFERED);
         let (lost, loss) = watch::channel(None);
+        let (congested, congestion) = watch::channel(false);
         let state = Arc::new(Mutex::new(ConnectionState::default()));
         let stop = CancellationToken::new();
         let send_quota = granted.receive_max.unwrap_or(RECEIVE_MAX_DEFAULT);
@@ -108,6 +113,9 @@ impl NetworkConnection {
         let reader = PacketReader {
             state: Arc::clone(&state),
             has_subscriber: Arc::clone(&has_subscriber),
+            memory: Memory::new(limits.message_bytes_max),
+            congested,
+            packets: packets.downgrade(),
             receive_max,
             keep_alive,
         };
@@ -118,6 +126,7 @@ impl NetworkConnection {
             has_subscriber,
             send_quota: Arc::new(Semaphore::new(usize::from(send_quota.max(1)))),
             loss,
+            congestion,
             stop,
             packet_bytes_max: granted.max_packet_size,
             receive_max,
@@ -149,7 +158,7 @@ impl NetworkConnection {
     pub(super) async fn subscribe(
         &self,
         topics: &[String],
-        subscriber: &mpsc::Sender<Publish>,
+        subscriber: &mpsc::Sender<Held>,
         packet: impl FnOnce(u16) -> Packet,
     ) -> Result<oneshot::Receiver<Vec<SubscribeReasonCode>>, EndpointFault> {
         let (reply, answer) = oneshot::channel();
@@ -162,11 +171,11 @@ impl NetworkConnection {
             for topic in topics {
                 state.subscribers.insert(topic.clone(), subscriber.clone());
             }
-            for publish in std::mem::take(&mut state.unclaimed) {
-                match state.subscriber_of(&publish) {
+            for held in std::mem::take(&mut state.unclaimed) {
+                match state.subscriber_of(&held.publish) {
                     // The subscriber is new and has capacity for all unclaimed messages.
-                    Some(subscriber) => drop(subscriber.try_send(publish)),
-                    None => state.unclaimed.push_back(publish),
+                    Some(subscriber) => drop(subscriber.try_send(held)),
+                    None => state.unclaimed.push_back(held),
                 }
             }
             let id = state.next_id();
@@ -206,6 +215,15 @@ impl NetworkConnection {
             .unwrap_or_else(|| ConnectionFault::transient("the connection ended"))
     }
 
+    /// Waits until the reader waits for subscribers: no answer of the broker arrives before they
+    /// have taken messages.
+    pub(super) async fn congested(&self) {
+        // A reader that has ended is reported by `lost`.
+        if self.congestion.clone().wait_for(|congested| *congested).await.is_err() {
+            std::future::pending::<()>().await;
+        }
+    }
+
     pub(super) fn close(&self) {
         self.stop.cancel();
     }
@@ -225,7 +243,7 @@ async fn run(
 ) {
     let fault = tokio::select! {
         fault = reader.read(stream) => fault,
-        fault = write(sink, waiting, stop, reader.keep_alive) => fault,
+        fault = writer::write(sink, waiting, stop, reader.keep_alive) => fault,
     };
     {
         // All awaited answers resolve now, as errors.
@@ -235,47 +253,13 @@ async fn run(
     lost.send_replace(Some(fault));
 }
 
-async fn write(
-    mut sink: SplitSink<PacketStream, Packet>,
-    mut waiting: mpsc::Receiver<Packet>,
-    stop: CancellationToken,
-    keep_alive: Duration,
-) -> ConnectionFault {
-    // Three answers are due within the time after which the reader gives the broker up.
-    let mut ping = tokio::time::interval(keep_alive / 3);
-    loop {
-        let packet = tokio::select! {
-            () = stop.cancelled() => {
-                let reason = DisconnectReasonCode::NormalDisconnection;
-                let disconnect = Packet::Disconnect(Disconnect::new(reason));
-                let _ = timeout(CLOSE_TIMEOUT, sink.send(disconnect)).await;
-                return ConnectionFault::transient("closed by this side");
-            }
-            packet = waiting.recv() => match packet {
-                Some(packet) => packet,
-                None => return ConnectionFault::transient("closed by this side"),
-            },
-            _ = ping.tick() => Packet::PingReq(PingReq),
-        };
-        if let Err(e) = sink.feed(packet).await {
-            return ConnectionFault::transient(format!("the connection was lost: {e:?}"));
-        }
-        // One system call for all packets that wait by now.
-        while let Ok(packet) = waiting.try_recv() {
-            if let Err(e) = sink.feed(packet).await {
-                return ConnectionFault::transient(format!("the connection was lost: {e:?}"));
-            }
-        }
-        if let Err(e) = sink.flush().await {
-            return ConnectionFault::transient(format!("the connection was lost: {e:?}"));
-        }
-    }
-}
-
 /// The reading half of a connection.
 struct PacketReader {
     state: Arc<Mutex<ConnectionState>>,
     has_subscriber: Arc<Notify>,
+    memory: Memory,
+    congested: watch::Sender<bool>,
+    packets: mpsc::WeakSender<Packet>,
     receive_max: usize,
     keep_alive: Duration,
 }
@@ -297,6 +281,17 @@ impl PacketReader {
                 Ok(None) => return ConnectionFault::transient("the broker closed the connection"),
                 Err(_) => return ConnectionFault::transient("the broker has fallen silent"),
             };
+            let packet = match packet {
+                Incoming::Packet(packet) => packet,
+                Incoming::Overlong { id } => {
+                    if !self.reject_overlong(id) {
+                        return ConnectionFault::transient(
+                            "the broker sends what has to be rejected, and reads no answer",
+                        );
+                    }
+                    continue;
+                }
+            };
             match packet {
                 Packet::PubAck(acknowledgement) => {
                     let awaited = self.state.lock().published.remove(&acknowledgement.pkid);
@@ -311,8 +306,7 @@ impl PacketReader {
                     }
                 }
                 Packet::Publish(publish) => {
-                    let delivered = timeout(self.keep_alive, self.deliver(publish)).await;
-                    if delivered.is_err() {
+                    if !self.deliver_in_time(publish).await {
                         return ConnectionFault::transient(
                             "the broker sends more than it may, and nobody takes it in time",
                         );
@@ -324,27 +318,54 @@ impl PacketReader {
         }
     }
 
-    /// Hands a message to its subscriber, or stores it until there is one. A broker that respects
-    /// the Receive Maximum never makes this wait. Mosquitto 2.0.11 exceeds it for a resumed session;
-    /// the surplus then stays in the sockets.
+    /// Rejects a message that is not decoded. Returns false if the writer has no capacity for that:
+    /// waiting for it could block both sides.
+    fn reject_overlong(&self, id: Option<u16>) -> bool {
+        tracing::warn!(
+            bytes_max = PROPERTY_BYTES_MAX,
+            "A received message has too many properties and is rejected."
+        );
+        let (Some(id), Some(packets)) = (id, self.packets.upgrade()) else { return true };
+        let mut rejection = PubAck::new(id, None);
+        rejection.reason = PubAckReason::PayloadFormatInvalid;
+        packets.try_send(Packet::PubAck(rejection)).is_ok()
+    }
+
+    /// Delivers a message. Returns whether subscribers took enough for that within the keep-alive
+    /// time.
+    async fn deliver_in_time(&self, publish: Publish) -> bool {
+        let mut delivering = std::pin::pin!(self.deliver(publish));
+        if delivering.as_mut().now_or_never().is_some() {
+            return true;
+        }
+        self.congested.send_replace(true);
+        let delivered = timeout(self.keep_alive, delivering).await;
+        self.congested.send_replace(false);
+        delivered.is_ok()
+    }
+
+    /// Hands a message to its subscriber, or stores it until there is one. Of messages that are
+    /// small, a broker that respects the Receive Maximum never makes this wait. Mosquitto 2.0.11
+    /// exceeds it for a resumed session; the surplus then stays in the sockets.
     async fn deliver(&self, publish: Publish) {
+        let held = self.memory.hold(publish).await;
         let subscriber = loop {
             // Before the look into the state, so that a subscriber that comes in between is not
             // missed.
             let subscribed = self.has_subscriber.notified();
             {
                 let mut state = self.state.lock();
-                if let Some(subscriber) = state.subscriber_of(&publish) {
+                if let Some(subscriber) = state.subscriber_of(&held.publish) {
                     break subscriber.clone();
                 }
                 if state.unclaimed.len() < self.receive_max {
-                    return state.unclaimed.push_back(publish);
+                    return state.unclaimed.push_back(held);
                 }
             }
             subscribed.await;
         };
         // A closed subscriber has not acknowledged the message, so the broker delivers it again.
-        let _ = subscriber.send(publish).await;
+        let _ = subscriber.send(held).await;
     }
 }
 

@@ -5,16 +5,17 @@ use std::{collections::HashMap, sync::Arc};
 use async_trait::async_trait;
 use rumqttc::v5::mqttbytes::{
     QoS,
-    v5::{
-        Filter, Packet, PubAck, PubAckReason, Publish, RetainForwardRule, Subscribe,
-        SubscribeReasonCode,
-    },
+    v5::{Filter, Packet, PubAck, PubAckReason, RetainForwardRule, Subscribe, SubscribeReasonCode},
 };
-use tokio::{sync::mpsc, time::timeout};
+use tokio::{
+    sync::{OwnedSemaphorePermit, mpsc, oneshot},
+    time::timeout,
+};
 
 use super::{
     super::connection::{DeliveryToken, EndpointFault, MessageReceiver},
     codec,
+    held::Held,
     network_connection::{NetworkConnection, broken},
 };
 use crate::{
@@ -28,13 +29,46 @@ use crate::{
 pub(super) struct MqttSubscriber {
     network: Arc<NetworkConnection>,
     topics: Vec<String>,
-    arrived: mpsc::Receiver<Publish>,
-    /// Packet identifiers of the messages that are not acknowledged yet.
-    unsettled: HashMap<DeliveryToken, u16>,
+    arrived: mpsc::Receiver<Held>,
+    answer: Answer,
+    /// Messages that are handed out and not settled yet.
+    unsettled: HashMap<DeliveryToken, Unsettled>,
     next_token: u64,
 }
 
+/// The broker's answer to a subscription.
+struct Answer {
+    /// None once it has come.
+    awaited: Option<oneshot::Receiver<Vec<SubscribeReasonCode>>>,
+    topic: String,
+}
+
+impl Answer {
+    /// Waits for the answer; for ever once it has come.
+    async fn wait(&mut self) -> Result<(), EndpointFault> {
+        let Some(awaited) = &mut self.awaited else { return std::future::pending().await };
+        let codes = awaited.await;
+        self.awaited = None;
+        // The second topic is for replay, which only some senders have. The broker may refuse it.
+        match codes.map_err(|_| broken())?.first() {
+            Some(SubscribeReasonCode::Success(_)) => Ok(()),
+            Some(SubscribeReasonCode::NotAuthorized) => {
+                Err(refused("amqp:unauthorized-access", &self.topic))
+            }
+            code => Err(refused("amqp:not-allowed", &format!("{}: {code:?}", self.topic))),
+        }
+    }
+}
+
+struct Unsettled {
+    /// Packet identifier; none of a message that asks for no acknowledgement.
+    id: Option<u16>,
+    _memory: OwnedSemaphorePermit,
+}
+
 impl MqttSubscriber {
+    /// Subscribes. A broker may send what its session holds before its answer, and more than there
+    /// is memory for: the answer is then awaited while messages are received.
     pub(super) async fn subscribe(
         network: Arc<NetworkConnection>,
         topic: String,
@@ -57,39 +91,38 @@ impl MqttSubscriber {
             Packet::Subscribe(subscribe)
         };
         let answer = network.subscribe(&topics, &subscriber, packet).await?;
-        let subscription =
-            Self { network, topics, arrived, unsettled: HashMap::new(), next_token: 0 };
-        let codes = timeout(limits.outcome_timeout, answer)
-            .await
-            .map_err(|_| {
-                EndpointFault::Stalled(
-                    "the broker did not answer a subscription in time".to_owned(),
-                )
-            })?
-            .map_err(|_| broken())?;
-        // The second topic is for replay, which only some senders have. The broker may refuse it.
-        match codes.first() {
-            Some(SubscribeReasonCode::Success(_)) => Ok(subscription),
-            Some(SubscribeReasonCode::NotAuthorized) => {
-                Err(refused("amqp:unauthorized-access", &topic))
+        let mut subscription = Self {
+            network: Arc::clone(&network),
+            topics,
+            arrived,
+            answer: Answer { awaited: Some(answer), topic },
+            unsettled: HashMap::new(),
+            next_token: 0,
+        };
+        tokio::select! {
+            answered = timeout(limits.outcome_timeout, subscription.answer.wait()) => {
+                answered.map_err(|_| {
+                    EndpointFault::Stalled(
+                        "the broker did not answer a subscription in time".to_owned(),
+                    )
+                })??;
             }
-            code => Err(refused("amqp:not-allowed", &format!("{topic}: {code:?}"))),
+            () = network.congested() => {}
         }
+        Ok(subscription)
     }
 
     /// Converts a message, or rejects it at once when it cannot be read.
     async fn accept_or_reject(
         &mut self,
-        publish: Publish,
+        Held { publish, memory }: Held,
     ) -> Result<Option<(DeliveryToken, Delivery)>, EndpointFault> {
-        let (id, qos) = (publish.pkid, publish.qos);
+        let id = (publish.qos != QoS::AtMostOnce).then_some(publish.pkid);
         match codec::to_delivery(publish, clock::now()) {
             Ok(delivery) => {
                 self.next_token += 1;
                 let token = DeliveryToken(self.next_token);
-                if qos != QoS::AtMostOnce {
-                    self.unsettled.insert(token, id);
-                }
+                self.unsettled.insert(token, Unsettled { id, _memory: memory });
                 Ok(Some((token, delivery)))
             }
             Err(rejection) => {
@@ -98,7 +131,7 @@ impl MqttSubscriber {
                     reason = rejection.reason,
                     "A received message cannot be read and is rejected."
                 );
-                if qos != QoS::AtMostOnce {
+                if let Some(id) = id {
                     self.reject(id).await?;
                 }
                 Ok(None)
@@ -125,18 +158,22 @@ impl MessageReceiver for MqttSubscriber {
     ) -> Result<Vec<(DeliveryToken, Delivery)>, EndpointFault> {
         let mut batch = Vec::new();
         while batch.is_empty() {
-            // `publish` is lost when this future is dropped during `accept_or_reject`. That waits
+            // `held` is lost when this future is dropped during `accept_or_reject`. That waits
             // only to reject, and the broker delivers an unacknowledged message again.
-            let publish = tokio::select! {
-                publish = self.arrived.recv() => publish.ok_or_else(broken)?,
+            let held = tokio::select! {
+                held = self.arrived.recv() => held.ok_or_else(broken)?,
+                answered = self.answer.wait() => {
+                    answered?;
+                    continue;
+                }
                 _ = self.network.lost() => return Err(broken()),
             };
-            batch.extend(self.accept_or_reject(publish).await?);
+            batch.extend(self.accept_or_reject(held).await?);
         }
         while batch.len() < limit
-            && let Ok(publish) = self.arrived.try_recv()
+            && let Ok(held) = self.arrived.try_recv()
         {
-            batch.extend(self.accept_or_reject(publish).await?);
+            batch.extend(self.accept_or_reject(held).await?);
         }
         Ok(batch)
     }
@@ -147,11 +184,15 @@ impl MessageReceiver for MqttSubscriber {
     ) -> Result<(), EndpointFault> {
         let mut is_released = false;
         for (token, settlement) in settlements {
-            let Some(id) = self.unsettled.remove(&token) else { continue };
-            match settlement {
-                Settlement::Accept => self.network.acknowledge(PubAck::new(id, None)).await?,
-                Settlement::Reject(_) => self.reject(id).await?,
-                Settlement::Release => is_released = true,
+            let Some(Unsettled { id, .. }) = self.unsettled.remove(&token) else { continue };
+            match (id, settlement) {
+                // The broker does not wait for the outcome of such a message.
+                (None, _) => {}
+                (Some(id), Settlement::Accept) => {
+                    self.network.acknowledge(PubAck::new(id, None)).await?;
+                }
+                (Some(id), Settlement::Reject(_)) => self.reject(id).await?,
+                (Some(_), Settlement::Release) => is_released = true,
             }
         }
         if is_released {

@@ -1,6 +1,10 @@
 //! SASL PLAIN (RFC 4616), the only mechanism that the broker offers.
 
-use std::sync::{Arc, OnceLock};
+use std::{
+    net::IpAddr,
+    sync::{Arc, OnceLock},
+    time::Instant,
+};
 
 use fe2o3_amqp::{
     acceptor::{SaslAcceptor, sasl_acceptor::SaslServerFrame},
@@ -10,7 +14,14 @@ use fe2o3_amqp::{
     },
 };
 
-use crate::credentials::{CredentialSource, is_authentic};
+use crate::{
+    core::Core,
+    credentials::{CredentialSource, is_authentic},
+    guesses::Guesses,
+};
+
+/// Value of the metric label `reason` for sign-ins that were not looked at.
+pub(super) const TOO_MANY_FAILURES: &str = "too-many-failures";
 
 /// SASL exchange of one connection. The library clones its acceptor, so the result is shared
 /// between clones.
@@ -18,12 +29,21 @@ use crate::credentials::{CredentialSource, is_authentic};
 pub(super) struct SaslExchange {
     credentials: Arc<dyn CredentialSource>,
     user: Arc<OnceLock<Arc<str>>>,
-    is_refused: Arc<OnceLock<()>>,
+    guesses: Arc<Guesses>,
+    /// Address of the peer, where it has one.
+    peer: Option<IpAddr>,
+    refusal: Arc<OnceLock<&'static str>>,
 }
 
 impl SaslExchange {
-    pub(super) fn new(credentials: Arc<dyn CredentialSource>) -> Self {
-        Self { credentials, user: Arc::default(), is_refused: Arc::default() }
+    pub(super) fn new(core: &Core, peer: Option<IpAddr>) -> Self {
+        Self {
+            credentials: Arc::clone(&core.credentials),
+            user: Arc::default(),
+            guesses: Arc::clone(&core.guesses),
+            peer,
+            refusal: Arc::default(),
+        }
     }
 
     /// Name of the signed-in user; none when the peer has skipped SASL.
@@ -33,7 +53,7 @@ impl SaslExchange {
 
     /// Value of the metric label `reason` after a handshake that failed.
     pub(super) fn failure(&self) -> &'static str {
-        if self.is_refused.get().is_some() { "credentials" } else { "protocol" }
+        self.refusal.get().copied().unwrap_or("protocol")
     }
 
     fn check(&self, init: &SaslInit) -> SaslCode {
@@ -49,10 +69,19 @@ impl SaslExchange {
             return SaslCode::Auth;
         };
         let Ok(name) = std::str::from_utf8(name) else { return SaslCode::Auth };
+        let begin = |peer| self.guesses.begin(peer, name, Instant::now());
+        let attempt = match self.peer.map(begin) {
+            // Before the secret is compared: the answer is the same for right and wrong ones.
+            Some(None) => return SaslCode::SysTemp,
+            attempt => attempt.flatten(),
+        };
         let may_act = acting_as.is_empty() || acting_as == name.as_bytes();
         let user = self.credentials.user(name);
         if is_authentic(user.as_ref(), secret) && may_act && self.user.set(Arc::from(name)).is_ok()
         {
+            if let Some(attempt) = attempt {
+                self.guesses.succeeded(&attempt, Instant::now());
+            }
             SaslCode::Ok
         } else {
             SaslCode::Auth
@@ -67,8 +96,13 @@ impl SaslAcceptor for SaslExchange {
 
     fn on_init(&mut self, init: SaslInit) -> SaslServerFrame {
         let code = self.check(&init);
-        if !matches!(code, SaslCode::Ok) {
-            let _ = self.is_refused.set(());
+        let refusal = match code {
+            SaslCode::Ok => None,
+            SaslCode::SysTemp => Some(TOO_MANY_FAILURES),
+            _ => Some("credentials"),
+        };
+        if let Some(refusal) = refusal {
+            let _ = self.refusal.set(refusal);
         }
         SaslServerFrame::Outcome(SaslOutcome { code, additional_data: None })
     }

@@ -61,6 +61,13 @@ pub(crate) enum StoreCommand {
     PurgeDeadLetters { ids: Vec<i64>, done: Done<()> },
 }
 
+impl StoreCommand {
+    /// Returns whether the command frees space.
+    pub(super) const fn deletes(&self) -> bool {
+        matches!(self, Self::Remove(_) | Self::DeleteQueue { .. } | Self::PurgeDeadLetters { .. })
+    }
+}
+
 /// Sender of commands to the writer; clones share its queue.
 #[derive(Debug, Clone)]
 pub(crate) struct WriterHandle {

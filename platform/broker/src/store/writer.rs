@@ -13,6 +13,7 @@ use tracing::{error, warn};
 
 use super::{
     command::{StoreCommand, WriteFailed, WriterHandle},
+    space,
     statements::apply,
 };
 use crate::queue::{Queue, QueueEntry};
@@ -23,6 +24,8 @@ const COMMANDS_MAX: usize = 8192;
 const GROUP_MAX: usize = 2048;
 /// Pause before a failed transaction is tried again.
 const RETRY_AFTER: Duration = Duration::from_secs(1);
+/// Pause between two portions of free space that are given back.
+const GIVE_BACK_EVERY: Duration = Duration::from_secs(1);
 
 /// The writer, to be driven by [`run`](Self::run) on a task of its own.
 pub(crate) struct StoreWriter {
@@ -33,6 +36,9 @@ pub(crate) struct StoreWriter {
     dead_letters: Arc<Queue>,
     /// Failed commands to be tried again. Never inserts: their publishers still have the message.
     retained: Vec<StoreCommand>,
+    /// True where messages were deleted since all free space was given back.
+    has_free_space: bool,
+    gave_back_at: Instant,
 }
 
 impl StoreWriter {
@@ -43,7 +49,16 @@ impl StoreWriter {
     ) -> (Self, WriterHandle) {
         let (sender, commands) = mpsc::channel(COMMANDS_MAX);
         (
-            Self { connection, options, commands, dead_letters, retained: Vec::new() },
+            Self {
+                connection,
+                options,
+                commands,
+                dead_letters,
+                retained: Vec::new(),
+                // Of the former process.
+                has_free_space: true,
+                gave_back_at: Instant::now(),
+            },
             WriterHandle { commands: sender },
         )
     }
@@ -62,6 +77,10 @@ impl StoreWriter {
                     continue;
                 }
                 () = tokio::time::sleep(RETRY_AFTER), if is_retry_due => 1,
+                () = tokio::time::sleep(GIVE_BACK_EVERY), if self.has_free_space => {
+                    self.give_back(true).await;
+                    continue;
+                }
             };
             if received == 0 {
                 break;
@@ -69,6 +88,9 @@ impl StoreWriter {
             let commands =
                 std::mem::take(&mut self.retained).into_iter().chain(group.drain(..)).collect();
             self.write(commands).await;
+            if self.has_free_space && self.gave_back_at.elapsed() >= GIVE_BACK_EVERY {
+                self.give_back(false).await;
+            }
         }
         if !self.retained.is_empty() {
             let commands = std::mem::take(&mut self.retained);
@@ -85,6 +107,7 @@ impl StoreWriter {
             Ok(()) => {
                 metrics::histogram!("broker_commit_seconds")
                     .record(started.elapsed().as_secs_f64());
+                self.has_free_space |= commands.iter().any(StoreCommand::deletes);
                 for command in commands {
                     self.committed(command);
                 }
@@ -100,6 +123,20 @@ impl StoreWriter {
                 for command in commands {
                     self.failed(command, &mut error);
                 }
+            }
+        }
+    }
+
+    /// Gives back a portion of the space of deleted messages. `is_idle` says that nobody waits for the
+    /// writer.
+    async fn give_back(&mut self, is_idle: bool) {
+        self.gave_back_at = Instant::now();
+        match space::give_back(&mut self.connection, is_idle).await {
+            Ok(has_more) => self.has_free_space = has_more,
+            Err(error) => {
+                warn!(%error, "the broker's database could not give back free space");
+                // Until messages are deleted again.
+                self.has_free_space = false;
             }
         }
     }

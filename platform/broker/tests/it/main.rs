@@ -5,6 +5,7 @@
 mod broker;
 mod corpus;
 mod foreign;
+mod guesses;
 mod hostile;
 mod hostile_broker;
 mod link;
@@ -12,5 +13,6 @@ mod outage;
 mod process;
 mod proxy;
 mod raw;
+mod space;
 mod support;
 mod websocket;

@@ -67,6 +67,8 @@ export const settings: typeof English = {
         'Den Aufnahmeschlüssel ohne TLS an eine Plattform auf einem anderen Rechner senden.',
       'broker.allow_plaintext':
         'Mit einem Broker auf einem anderen Rechner ohne TLS sprechen, auch mit dem bei der Aufnahme genannten.',
+      'broker.proxy.allow_plaintext':
+        'Benutzername und Passwort ohne TLS an einen Proxy auf einem anderen Rechner senden; wer am Weg sitzt, liest sie.',
       'web.listen': 'Wo Seiten und API erreichbar sind.',
       'web.public_url':
         'Adresse für Browser, etwa wo ein Proxy TLS spricht. Mit https gilt das Cookie der Sitzung nur über TLS. Passkeys brauchen hier einen Domainnamen und HTTPS.',

@@ -66,6 +66,8 @@ export const settings = {
         'Send the enrolment token to a platform on another machine without TLS.',
       'broker.allow_plaintext':
         'Speak with a broker on another machine without TLS, the one told at enrolment included.',
+      'broker.proxy.allow_plaintext':
+        'Send user name and password to a proxy on another machine, which they reach without TLS: anybody on the way reads them.',
       'web.listen': 'Where pages and API listen.',
       'web.public_url':
         'Address for browsers, as where a proxy speaks TLS. With https the session’s cookie is for TLS only. Passkeys need a domain name here, and HTTPS.',

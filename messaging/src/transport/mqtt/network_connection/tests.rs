@@ -1,7 +1,5 @@
-use rumqttc::v5::mqttbytes::{
-    QoS,
-    v5::{Codec, Subscribe},
-};
+use futures::SinkExt;
+use rumqttc::v5::mqttbytes::{QoS, v5::Subscribe};
 use tokio::io::DuplexStream;
 
 use super::{super::config::no_properties, *};
@@ -9,7 +7,7 @@ use super::{super::config::no_properties, *};
 const RECEIVE_MAX: u32 = 4;
 
 fn codec() -> PacketCodec {
-    PacketCodec(Codec { max_incoming_size: None, max_outgoing_size: None })
+    PacketCodec::new(u32::MAX)
 }
 
 /// A connection, and a broker that sends five times as many messages as it may.
@@ -47,7 +45,7 @@ async fn messages_beyond_the_receive_maximum_wait_and_none_is_lost() {
     let answer = connection.subscribe(&["t".to_owned()], &subscriber, subscribe).await;
     assert!(answer.is_ok(), "the subscription is sent");
     for id in 1..=20 {
-        assert_eq!(arrived.recv().await.map(|publish| publish.pkid), Some(id));
+        assert_eq!(arrived.recv().await.map(|held| held.publish.pkid), Some(id));
     }
 }
 
@@ -55,7 +53,7 @@ async fn messages_beyond_the_receive_maximum_wait_and_none_is_lost() {
 async fn a_broker_without_keep_alive_is_pinged() {
     let (connection, mut broker) = flooded(0).await;
     let ping = timeout(LinkLimits::default().idle_timeout, broker.next()).await;
-    assert!(matches!(ping, Ok(Some(Ok(Packet::PingReq(_))))), "{ping:?}");
+    assert!(matches!(ping, Ok(Some(Ok(Incoming::Packet(Packet::PingReq(_)))))), "{ping:?}");
     assert!(connection.loss.borrow().is_none(), "the connection stays");
 }
 
