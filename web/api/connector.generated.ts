@@ -2141,6 +2141,8 @@ export interface components {
             subject: string;
             /** @description SHA-1 over the certificate in hexadecimal digits. */
             thumbprint: string;
+            /** @description SHA-256 over the certificate in hexadecimal digits, for people to compare. */
+            fingerprint: string;
         };
         /** @description Result of applying the rules. */
         Applied: {
@@ -2457,6 +2459,8 @@ export interface components {
             subject: string;
             /** @description SHA-1 over the certificate in hexadecimal digits: its identity here. */
             thumbprint: string;
+            /** @description SHA-256 over the certificate in hexadecimal digits, for people to compare. */
+            fingerprint: string;
         };
         /** @description A certificate that the OPC UA server has seen or was given. */
         ClientCertificateView: {
@@ -2477,6 +2481,8 @@ export interface components {
             subject: string;
             /** @description SHA-1 over the certificate in hexadecimal digits: its identity here. */
             thumbprint: string;
+            /** @description SHA-256 over the certificate in hexadecimal digits, for people to compare. */
+            fingerprint: string;
         };
         /**
          * @description Reason of a rejection.
@@ -4625,8 +4631,10 @@ export interface components {
             keyBits?: number | null;
             /** @description Distinguished name of the subject. */
             subject: string;
-            /** @description SHA-1 thumbprint, hex. */
+            /** @description SHA-1 thumbprint, hex: the certificate's name in OPC UA. */
             thumbprint: string;
+            /** @description SHA-256 fingerprint, hex, for people to compare. */
+            fingerprint: string;
             trust: components["schemas"]["TrustState"];
             validFrom?: components["schemas"]["DateTime"] | null;
             validTo?: components["schemas"]["DateTime"] | null;
