@@ -2125,6 +2125,8 @@ export interface components {
         ApplicationCertificateView: {
             /** @description The application it is for. */
             applicationUri?: string | null;
+            /** @description SHA-256 over the certificate in hexadecimal digits, for people to compare. */
+            fingerprint: string;
             /** @description The names and addresses of the machine it is for. */
             hostNames: string[];
             /** @description The server made it and renews it. Otherwise an engineer has to ask the authority in time. */
@@ -2141,8 +2143,6 @@ export interface components {
             subject: string;
             /** @description SHA-1 over the certificate in hexadecimal digits. */
             thumbprint: string;
-            /** @description SHA-256 over the certificate in hexadecimal digits, for people to compare. */
-            fingerprint: string;
         };
         /** @description Result of applying the rules. */
         Applied: {
@@ -2441,6 +2441,8 @@ export interface components {
         };
         /** @description The certificate of an authority. */
         ClientAuthorityView: {
+            /** @description SHA-256 over the certificate in hexadecimal digits, for people to compare. */
+            fingerprint: string;
             /**
              * @description Clients with a certificate of it may connect; otherwise it only leads to one that is
              *     trusted.
@@ -2459,13 +2461,13 @@ export interface components {
             subject: string;
             /** @description SHA-1 over the certificate in hexadecimal digits: its identity here. */
             thumbprint: string;
-            /** @description SHA-256 over the certificate in hexadecimal digits, for people to compare. */
-            fingerprint: string;
         };
         /** @description A certificate that the OPC UA server has seen or was given. */
         ClientCertificateView: {
             /** @description The application it was made for, as it says. */
             applicationUri?: string | null;
+            /** @description SHA-256 over the certificate in hexadecimal digits, for people to compare. */
+            fingerprint: string;
             /** @description End of its validity. */
             notAfter: components["schemas"]["DateTime"];
             /** @description Beginning of its validity. */
@@ -2481,8 +2483,6 @@ export interface components {
             subject: string;
             /** @description SHA-1 over the certificate in hexadecimal digits: its identity here. */
             thumbprint: string;
-            /** @description SHA-256 over the certificate in hexadecimal digits, for people to compare. */
-            fingerprint: string;
         };
         /**
          * @description Reason of a rejection.
@@ -4627,14 +4627,14 @@ export interface components {
         };
         /** @description Certificate that a server has presented. */
         PeerCertificate: {
+            /** @description SHA-256 fingerprint, hex, for people to compare. */
+            fingerprint: string;
             /** @description The length of its RSA key in bits. */
             keyBits?: number | null;
             /** @description Distinguished name of the subject. */
             subject: string;
             /** @description SHA-1 thumbprint, hex: the certificate's name in OPC UA. */
             thumbprint: string;
-            /** @description SHA-256 fingerprint, hex, for people to compare. */
-            fingerprint: string;
             trust: components["schemas"]["TrustState"];
             validFrom?: components["schemas"]["DateTime"] | null;
             validTo?: components["schemas"]["DateTime"] | null;

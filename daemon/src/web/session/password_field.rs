@@ -21,10 +21,10 @@ pub enum PasswordFieldError {
     /// The password is right. No passkey fits into the field.
     #[error("the user's second factor is a passkey alone, which this protocol cannot ask for")]
     PasskeyAlone,
-    /// Nothing was checked, for too many attempts failed.
+    /// Refusal before any check, for too many attempts failed.
     #[error("too many attempts failed")]
     Throttled,
-    /// Nothing was decided: too many sign in at once, or the store failed.
+    /// Failure to decide: too many sign in at once, or the store failed.
     #[error("the credentials could not be checked now")]
     NotChecked,
 }
