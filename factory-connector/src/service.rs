@@ -77,7 +77,8 @@ pub async fn start(
     let plaintext_ways = plaintext_ways(&config, &enrolled)?;
     let shutdown = lifecycle.shutdown();
     let (metrics, hashing) = (Metrics::install()?, PasswordHashing::default());
-    let opened = open(&config, &enrolled, &factory_id, started_at, &hashing).await?;
+    let users = StoredUsers::default();
+    let opened = open(&config, &enrolled, &factory_id, started_at, users.clone()).await?;
 
     let readiness = Readiness::new();
     readiness.waiting("twin", "the twin is starting");
@@ -91,41 +92,40 @@ pub async fn start(
         status_events::publish(pages, link_state, source_states, token).await;
         anyhow::Ok(())
     });
-    let router = api::router(
-        Api::new(api::ApiParts {
-            coordinator: opened.coordinator_handle,
-            readers: opened.readers,
-            shop_floor: opened.floor_handle,
-            engine: opened.engine_handle,
-            catalog: opened.catalog_handle,
-            twin: opened.twin_handle.clone(),
-            link: Some(opened.link_handle),
-            lease: opened.lease_status,
-            events: opened.events,
-            users_changed: opened.users_changed,
-            instance: api::RunningConnector {
-                factory_id: factory_id.clone(),
-                started_at,
-                data_directory: directory,
-                sealer: config.sealer(),
-                encoding: config.reports.encoding,
-                settings: config.settings.clone(),
-                plaintext_ways,
-            },
-            server: api::ServerParts {
-                readiness: readiness.clone(),
-                metrics,
-                shutdown: shutdown.clone(),
-                is_secure: config.web.is_secure(),
-                port: web_address.port(),
-                public_url: config.web.public_url(web_address),
-                trusted_proxies: config.web.proxies(),
-                share_per_person: config.web.share_per_person.clone(),
-                hashing,
-            },
-        }),
-        tls.is_some(),
-    );
+    let api = Api::new(api::ApiParts {
+        coordinator: opened.coordinator_handle,
+        readers: opened.readers,
+        shop_floor: opened.floor_handle,
+        engine: opened.engine_handle,
+        catalog: opened.catalog_handle,
+        twin: opened.twin_handle.clone(),
+        link: Some(opened.link_handle),
+        lease: opened.lease_status,
+        events: opened.events,
+        users_changed: opened.users_changed,
+        instance: api::RunningConnector {
+            factory_id: factory_id.clone(),
+            started_at,
+            data_directory: directory,
+            sealer: config.sealer(),
+            encoding: config.reports.encoding,
+            settings: config.settings.clone(),
+            plaintext_ways,
+        },
+        server: api::ServerParts {
+            readiness: readiness.clone(),
+            metrics,
+            shutdown: shutdown.clone(),
+            is_secure: config.web.is_secure(),
+            port: web_address.port(),
+            public_url: config.web.public_url(web_address),
+            trusted_proxies: config.web.proxies(),
+            share_per_person: config.web.share_per_person.clone(),
+            hashing,
+        },
+    });
+    users.sign_in_as_on(api.sign_in());
+    let router = api::router(api, tls.is_some());
 
     opened.tasks.spawn(lifecycle);
     let limits = config.web.limits();
@@ -192,7 +192,7 @@ async fn open(
     enrolled: &Enrolment,
     factory_id: &FactoryId,
     started_at: DateTime,
-    hashing: &PasswordHashing,
+    users: StoredUsers,
 ) -> anyhow::Result<Opened> {
     let directory = &config.data_directory;
     let store = Store::open(directory, factory_id, started_at).await?;
@@ -202,7 +202,6 @@ async fn open(
     let sign_in = readers.reserved_for(ReaderUse::SignIn);
 
     let (coordinator_handle, commands) = coordinator::channel();
-    let users = StoredUsers::new(sign_in.clone(), hashing.clone());
     let (twin, twin_handle) = open_twin(config, factory_id, &coordinator_handle, users)?;
     let users_changed = Arc::new(Notify::new());
     let user_watch =

@@ -3,6 +3,11 @@
 
 mod user_watch;
 
+use std::{
+    net::{IpAddr, Ipv6Addr},
+    sync::{Arc, OnceLock},
+};
+
 use asi_model::{
     DataValue, DateTime, FieldKey, StatusCode,
     messages::{MappingState, ValueSource},
@@ -14,15 +19,16 @@ use connector_state::{
 };
 use daemon::{
     Confidential,
-    web::session::{PasswordHash, PasswordHashing},
+    web::session::{PasswordFieldError, Sessions, check_password_field},
 };
 use disclosure::{DecisionBasis, GateOutcome};
-use twin::{Authenticator, FieldWriter, TwinDecision, TwinUser};
+use twin::{Authenticator, FieldWriter, SignInRefusal, TwinDecision, TwinUser};
 pub use user_watch::UserWatch;
 
 use crate::{
+    api::StoredAccounts,
     coordinator::{CoordinatorError, CoordinatorHandle, WriteOutcome},
-    store::{Readers, Role, StoreError, User},
+    store::Role,
 };
 
 /// Writes and decisions of OPC UA clients, passed on to the coordinator.
@@ -107,52 +113,42 @@ const fn failure(error: CoordinatorError) -> StatusCode {
     }
 }
 
-/// Authenticates the users in the store.
+/// Authenticates users as the pages do: their passwords and codes, in the same counts of attempts.
+#[derive(Clone, Default)]
 pub struct StoredUsers {
-    readers: Readers,
-    hashing: PasswordHashing,
+    /// The sign-in of the pages, which are made after the twin.
+    pages: Arc<OnceLock<Sessions<StoredAccounts>>>,
 }
 
 impl StoredUsers {
-    /// Returns the users of the store; their passwords are checked with those of the pages.
-    #[must_use]
-    pub const fn new(readers: Readers, hashing: PasswordHashing) -> Self {
-        Self { readers, hashing }
-    }
-
-    async fn user(&self, user_name: &str) -> Result<Option<User>, StoreError> {
-        self.readers.session().await?.users().lookup(user_name).await
+    /// Sets the sign-in of the pages. Before, nobody is let in; later calls change nothing.
+    pub fn sign_in_as_on(&self, pages: Sessions<StoredAccounts>) {
+        self.pages.get_or_init(|| pages);
     }
 }
 
 #[async_trait]
 impl Authenticator for StoredUsers {
-    async fn authenticate(&self, user_name: &str, password: &str) -> Option<twin::Role> {
-        let user = match self.user(user_name).await {
-            Ok(user) => user,
-            Err(error) => {
-                tracing::error!(
-                    error = &error as &dyn std::error::Error,
-                    "A user could not be looked up."
-                );
-                return None;
-            }
-        };
-        let role = user.as_ref().map(|user| user.role);
-        let hash = user.map(|user| PasswordHash::from_stored(user.password_hash));
-        // With a hash or without: the time it takes does not tell which users exist.
-        let verified = self.hashing.verify(hash, Confidential::from(password.to_owned())).await;
-        let is_right = verified.unwrap_or_else(|error| {
-            tracing::warn!(
-                error = &error as &dyn std::error::Error,
-                "A password could not be checked."
-            );
-            false
-        });
-        is_right.then_some(role).flatten().map(|role| match role {
-            Role::Engineer => twin::Role::Engineer,
-            Role::Operator => twin::Role::Operator,
-            Role::Viewer => twin::Role::Viewer,
-        })
+    async fn authenticate(
+        &self,
+        user_name: &str,
+        password: &str,
+        client: Option<IpAddr>,
+    ) -> Result<twin::Role, SignInRefusal> {
+        let pages = self.pages.get().ok_or(SignInRefusal::NotChecked)?;
+        // A connection that the twin opened has no other place to count for.
+        let client = client.unwrap_or(IpAddr::V6(Ipv6Addr::UNSPECIFIED));
+        let field = Confidential::from(password.to_owned());
+        match check_password_field(pages, client, user_name, field).await {
+            Ok(principal) => Ok(match principal.role {
+                Role::Engineer => twin::Role::Engineer,
+                Role::Operator => twin::Role::Operator,
+                Role::Viewer => twin::Role::Viewer,
+            }),
+            Err(PasswordFieldError::Wrong) => Err(SignInRefusal::WrongCredentials),
+            Err(PasswordFieldError::PasskeyAlone) => Err(SignInRefusal::SecondFactorImpossible),
+            Err(PasswordFieldError::Throttled) => Err(SignInRefusal::TooManyAttempts),
+            Err(PasswordFieldError::NotChecked) => Err(SignInRefusal::NotChecked),
+        }
     }
 }

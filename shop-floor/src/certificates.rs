@@ -1,6 +1,6 @@
 //! Client certificate, and the trust in servers' certificates.
 //!
-//! Trust is by the certificate itself, byte for byte, approved by a person who compares thumbprints:
+//! Trust is by the certificate itself, byte for byte, approved by a person who compares fingerprints:
 //! `trusted/` and `rejected/` hold one DER file each. A certificate chain, an authority or a host name
 //! inside it are not evaluated; its time is, and revocation lists (`crl/`, DER or PEM) that an authority of
 //! `issuers/` or `trusted/` signed, those of the authorities above it too. While one of these files cannot be read, no
@@ -17,6 +17,7 @@ use std::{
 use asi_model::values::DateTime;
 use opcua_stack::opcua::crypto::{CertificateStore, X509, X509Data};
 use serde::Serialize;
+use sha2::{Digest as _, Sha256};
 use utoipa::ToSchema;
 
 use self::folder::{contents, disk, read};
@@ -41,8 +42,10 @@ const REVOCATION_LIST_BYTES_MAX: u64 = 4 << 20;
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct OwnCertificate {
-    /// SHA-1 thumbprint, hex.
+    /// SHA-1 thumbprint, hex: the certificate's name in OPC UA.
     pub thumbprint: String,
+    /// SHA-256 fingerprint, hex, for people to compare.
+    pub fingerprint: String,
     /// Distinguished name of the subject.
     pub subject: String,
     /// The application URI it is for.
@@ -58,8 +61,10 @@ pub struct OwnCertificate {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct PeerCertificate {
-    /// SHA-1 thumbprint, hex.
+    /// SHA-1 thumbprint, hex: the certificate's name in OPC UA.
     pub thumbprint: String,
+    /// SHA-256 fingerprint, hex, for people to compare.
+    pub fingerprint: String,
     /// Distinguished name of the subject.
     pub subject: String,
     pub valid_from: Option<DateTime>,
@@ -136,6 +141,7 @@ impl PkiDirectory {
         let (valid_from, valid_to) = validity(&certificate);
         Ok(OwnCertificate {
             thumbprint: certificate.thumbprint().as_hex_string(),
+            fingerprint: fingerprint(&certificate),
             subject: certificate.subject_name(),
             application_uri: self.application_uri.clone(),
             valid_from: valid_from.unwrap_or(DateTime::MIN),
@@ -309,12 +315,18 @@ fn describe(path: &Path, trust: TrustState) -> Option<PeerCertificate> {
     let (valid_from, valid_to) = validity(&certificate);
     Some(PeerCertificate {
         thumbprint: certificate.thumbprint().as_hex_string(),
+        fingerprint: fingerprint(&certificate),
         subject: certificate.subject_name(),
         valid_from,
         valid_to,
         key_bits: certificate.key_length().ok(),
         trust,
     })
+}
+
+/// Returns SHA-256 over a certificate, hex. Thumbprints are SHA-1, of which two certificates with the same can be made.
+pub(crate) fn fingerprint(certificate: &X509) -> String {
+    hex::encode(Sha256::digest(certificate.as_byte_string().as_ref()))
 }
 
 fn validity(certificate: &X509) -> (Option<DateTime>, Option<DateTime>) {

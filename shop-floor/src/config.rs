@@ -252,9 +252,11 @@ pub struct EndpointOffer {
     pub server_name: String,
     /// The server's application URI.
     pub application_uri: String,
-    /// SHA-1 thumbprint of the server's certificate, hex; to be compared with the certificate's own
-    /// at the machine.
+    /// SHA-1 thumbprint of the server's certificate, hex.
     pub certificate_thumbprint: Option<String>,
+    /// SHA-256 fingerprint of the server's certificate, hex; to be compared with the certificate's own
+    /// at the machine.
+    pub certificate_fingerprint: Option<String>,
 }
 
 #[cfg(test)]

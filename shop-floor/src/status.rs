@@ -110,7 +110,7 @@ impl SourceProblemKind {
                 "Choose a security setting and a sign-in that the server offers."
             }
             Self::ServerCertificateUntrusted => {
-                "Compare the thumbprint with the server's own certificate and approve it in the list of certificates."
+                "Compare the fingerprint with that of the server's own certificate and approve it in the list of certificates."
             }
             Self::ServerCertificateInvalid => "Renew the server's certificate.",
             Self::ClientCertificateRejected => {

@@ -2125,6 +2125,8 @@ export interface components {
         ApplicationCertificateView: {
             /** @description The application it is for. */
             applicationUri?: string | null;
+            /** @description SHA-256 over the certificate in hexadecimal digits, for people to compare. */
+            fingerprint: string;
             /** @description The names and addresses of the machine it is for. */
             hostNames: string[];
             /** @description The server made it and renews it. Otherwise an engineer has to ask the authority in time. */
@@ -2439,6 +2441,8 @@ export interface components {
         };
         /** @description The certificate of an authority. */
         ClientAuthorityView: {
+            /** @description SHA-256 over the certificate in hexadecimal digits, for people to compare. */
+            fingerprint: string;
             /**
              * @description Clients with a certificate of it may connect; otherwise it only leads to one that is
              *     trusted.
@@ -2462,6 +2466,8 @@ export interface components {
         ClientCertificateView: {
             /** @description The application it was made for, as it says. */
             applicationUri?: string | null;
+            /** @description SHA-256 over the certificate in hexadecimal digits, for people to compare. */
+            fingerprint: string;
             /** @description End of its validity. */
             notAfter: components["schemas"]["DateTime"];
             /** @description Beginning of its validity. */
@@ -4621,11 +4627,13 @@ export interface components {
         };
         /** @description Certificate that a server has presented. */
         PeerCertificate: {
+            /** @description SHA-256 fingerprint, hex, for people to compare. */
+            fingerprint: string;
             /** @description The length of its RSA key in bits. */
             keyBits?: number | null;
             /** @description Distinguished name of the subject. */
             subject: string;
-            /** @description SHA-1 thumbprint, hex. */
+            /** @description SHA-1 thumbprint, hex: the certificate's name in OPC UA. */
             thumbprint: string;
             trust: components["schemas"]["TrustState"];
             validFrom?: components["schemas"]["DateTime"] | null;

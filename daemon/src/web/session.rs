@@ -11,6 +11,7 @@ mod hashing;
 mod own_account;
 mod passkeys;
 mod password;
+mod password_field;
 mod second_factor;
 mod session_config;
 mod sessions;
@@ -33,6 +34,7 @@ pub use passkeys::{
     PasskeySummary,
 };
 pub use password::{PasswordError, PasswordHash, PasswordPolicy};
+pub use password_field::{PasswordFieldError, check_password_field};
 pub use second_factor::{
     RecoveryCodes, SecondFactorBegin, SecondFactorCode, SecondFactorOffer, SecondFactorRemoval,
     SecondFactorState,

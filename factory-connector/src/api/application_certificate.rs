@@ -24,6 +24,8 @@ const NAME_CHARS_MAX: usize = 64;
 pub struct ApplicationCertificateView {
     /// SHA-1 over the certificate in hexadecimal digits.
     thumbprint: String,
+    /// SHA-256 over the certificate in hexadecimal digits, for people to compare.
+    fingerprint: String,
     /// The subject's distinguished name.
     subject: String,
     /// The distinguished name of who issued it.
@@ -46,6 +48,7 @@ impl From<InstalledCertificate> for ApplicationCertificateView {
     fn from(certificate: InstalledCertificate) -> Self {
         let InstalledCertificate {
             thumbprint,
+            fingerprint,
             subject,
             issuer,
             is_self_signed,
@@ -57,6 +60,7 @@ impl From<InstalledCertificate> for ApplicationCertificateView {
         } = certificate;
         Self {
             thumbprint,
+            fingerprint,
             subject,
             issuer,
             is_self_signed,

@@ -21,6 +21,8 @@ use super::{
 pub struct ClientAuthorityView {
     /// SHA-1 over the certificate in hexadecimal digits: its identity here.
     thumbprint: String,
+    /// SHA-256 over the certificate in hexadecimal digits, for people to compare.
+    fingerprint: String,
     /// The subject's distinguished name.
     subject: String,
     /// The distinguished name of who issued it; the subject's where it did so itself.
@@ -54,6 +56,7 @@ impl From<Authority> for ClientAuthorityView {
     fn from(authority: Authority) -> Self {
         let Authority {
             thumbprint,
+            fingerprint,
             subject,
             issuer,
             not_before,
@@ -72,6 +75,7 @@ impl From<Authority> for ClientAuthorityView {
         };
         Self {
             thumbprint,
+            fingerprint,
             subject,
             issuer,
             not_before,

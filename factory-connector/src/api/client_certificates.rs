@@ -23,6 +23,8 @@ use super::{
 pub struct ClientCertificateView {
     /// SHA-1 over the certificate in hexadecimal digits: its identity here.
     thumbprint: String,
+    /// SHA-256 over the certificate in hexadecimal digits, for people to compare.
+    fingerprint: String,
     /// The subject's distinguished name.
     subject: String,
     /// The application it was made for, as it says.
@@ -96,6 +98,7 @@ impl From<ClientCertificate> for ClientCertificateView {
     fn from(certificate: ClientCertificate) -> Self {
         let ClientCertificate {
             thumbprint,
+            fingerprint,
             subject,
             application_uri,
             not_before,
@@ -110,6 +113,7 @@ impl From<ClientCertificate> for ClientCertificateView {
         };
         Self {
             thumbprint,
+            fingerprint,
             subject,
             application_uri,
             not_before,

@@ -85,7 +85,7 @@ pub struct ServerParts {
     pub trusted_proxies: TrustedProxies,
     /// Share of a person in requests, downloads and live streams.
     pub share_per_person: PersonShare,
-    /// Work of hashing, shared with the OPC UA server.
+    /// Work of hashing.
     pub hashing: PasswordHashing,
 }
 
@@ -131,6 +131,12 @@ impl Api {
             export_turn: Arc::new(Semaphore::new(1)),
             verification: Arc::new(Semaphore::new(1)),
         }
+    }
+
+    /// Returns the sign-in of the pages, whose attempts those at the OPC UA server count with.
+    #[must_use]
+    pub fn sign_in(&self) -> Sessions<StoredAccounts> {
+        self.sessions.clone()
     }
 
     /// Takes a reading connection for what has to answer whatever else is read.

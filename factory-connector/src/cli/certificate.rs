@@ -117,6 +117,7 @@ fn show(certificate: &InstalledCertificate) -> anyhow::Result<()> {
     writeln!(output, "hosts        {}", certificate.host_names.join(", "))?;
     writeln!(output, "valid        {} to {}", certificate.not_before, certificate.not_after)?;
     writeln!(output, "key          RSA {}", certificate.key_bits)?;
-    writeln!(output, "thumbprint   {}", certificate.thumbprint)?;
+    writeln!(output, "fingerprint  {} (SHA-256)", certificate.fingerprint)?;
+    writeln!(output, "thumbprint   {} (SHA-1)", certificate.thumbprint)?;
     Ok(())
 }

@@ -85,8 +85,13 @@ impl twin::FieldWriter for Nobody {
 
 #[async_trait]
 impl twin::Authenticator for Nobody {
-    async fn authenticate(&self, _: &str, _: &str) -> Option<twin::Role> {
-        None
+    async fn authenticate(
+        &self,
+        _: &str,
+        _: &str,
+        _: Option<std::net::IpAddr>,
+    ) -> Result<twin::Role, twin::SignInRefusal> {
+        Err(twin::SignInRefusal::WrongCredentials)
     }
 }
 

@@ -15,3 +15,4 @@ mod previews;
 mod roles;
 mod texts_of_scripts;
 mod trust;
+mod twin_sign_in;

@@ -1,6 +1,6 @@
 //! Interfaces to the connector: authentication of users, and writes and decisions of clients.
 
-use std::{fmt, sync::Arc};
+use std::{fmt, net::IpAddr, sync::Arc};
 
 use asi_model::{DataValue, FieldKey, StatusCode, messages::MappingState};
 use async_trait::async_trait;
@@ -67,9 +67,44 @@ pub struct TwinUser {
 /// Checks names and passwords.
 #[async_trait]
 pub trait Authenticator: Send + Sync + 'static {
-    /// Returns the role of the user, if the password is right. Must take as long for an unknown user
-    /// as for a wrong password. The twin throttles attempts before.
-    async fn authenticate(&self, user_name: &str, password: &str) -> Option<Role>;
+    /// Returns the role of the user, if the password is right; a code of a second factor may follow it in the same
+    /// text. Must take as long for an unknown user as for a wrong password. The client's address is none where the
+    /// twin opened the connection.
+    ///
+    /// # Errors
+    /// [`SignInRefusal`], which the client does not learn.
+    async fn authenticate(
+        &self,
+        user_name: &str,
+        password: &str,
+        client: Option<IpAddr>,
+    ) -> Result<Role, SignInRefusal>;
+}
+
+/// Reason for which a user is not signed in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SignInRefusal {
+    /// User name, password or code is wrong.
+    WrongCredentials,
+    /// The password is right, but the user's second factor cannot be given in a text.
+    SecondFactorImpossible,
+    /// Too many attempts failed, here or on the pages.
+    TooManyAttempts,
+    /// The credentials could not be checked now.
+    NotChecked,
+}
+
+impl SignInRefusal {
+    pub(crate) const fn reason(self) -> &'static str {
+        match self {
+            Self::WrongCredentials => "the user name, password or code is wrong",
+            Self::SecondFactorImpossible => {
+                "the user's only second factor is a passkey, which OPC UA clients cannot show; turn codes of an app on, too"
+            }
+            Self::TooManyAttempts => "too many attempts failed, here or on the pages",
+            Self::NotChecked => "the credentials could not be checked now",
+        }
+    }
 }
 
 /// A person's decision about a field through the twin's `Decide` method.

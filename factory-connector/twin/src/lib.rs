@@ -29,7 +29,7 @@ mod server;
 mod session_token;
 mod trust_fault;
 
-pub use access::{Authenticator, FieldWriter, Role, TwinDecision, TwinUser};
+pub use access::{Authenticator, FieldWriter, Role, SignInRefusal, TwinDecision, TwinUser};
 pub use config::{DiscoveryConfig, SecurityConfig, TwinConfig, TwinLimits};
 pub use document::{AppliedDocument, AsiDocument, FieldRecord};
 pub use error::TwinError;

@@ -19,7 +19,7 @@ use tokio::{sync::watch, task::AbortHandle};
 use crate::{
     ChosenEndpoint, EndpointOffer, Identity, SecurityPolicy, ShopFloorError, SourceConfig,
     SourceProblem, SourceProblemKind as Kind,
-    certificates::{PkiDirectory, TrustFinding},
+    certificates::{PkiDirectory, TrustFinding, fingerprint},
     clock,
     context::SourceContext,
 };
@@ -265,12 +265,13 @@ async fn check_trust(
             "The server's certificate is missing or cannot be read.",
         )
     })?;
-    let (subject, thumbprint) =
-        (certificate.subject_name(), certificate.thumbprint().as_hex_string());
+    let (subject, fingerprint) = (certificate.subject_name(), fingerprint(&certificate));
     let invalid = |why: &str| {
         Err(SourceProblem::new(
             Kind::ServerCertificateInvalid,
-            format!("The server's certificate {why}: {subject}, thumbprint {thumbprint}."),
+            format!(
+                "The server's certificate {why}: {subject}, SHA-256 fingerprint {fingerprint}."
+            ),
         ))
     };
     match context.with_certificates(move |pki| pki.examine(&certificate, clock::now())).await {
@@ -278,7 +279,7 @@ async fn check_trust(
         Ok(Ok(TrustFinding::NotApproved)) => Err(SourceProblem::new(
             Kind::ServerCertificateUntrusted,
             format!(
-                "The server's certificate is not trusted yet: {subject}, thumbprint {thumbprint}."
+                "The server's certificate is not trusted yet: {subject}, SHA-256 fingerprint {fingerprint}."
             ),
         )),
         Ok(Ok(TrustFinding::OutOfTime)) => invalid("was approved but is not valid at this time"),

@@ -50,7 +50,7 @@ async fn trust_is_given_by_people_on_both_sides_and_the_user_signs_in() {
     assert!(
         offers
             .iter()
-            .all(|offer| offer.certificate_thumbprint.as_ref() == Some(&shown[0].thumbprint))
+            .all(|offer| offer.certificate_fingerprint.as_ref() == Some(&shown[0].fingerprint))
     );
     assert!(offers.iter().all(|offer| offer.allows_user_name && !offer.allows_anonymous));
     floor.handle.set_trust(&shown[0].thumbprint, TrustState::Trusted).await.expect("approved");

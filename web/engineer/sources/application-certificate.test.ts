@@ -30,6 +30,7 @@ beforeEach(() => {
   toasts.list = []
   own = {
     thumbprint: 'ab12cd34',
+    fingerprint: 'fe98dc76',
     subject: 'CN=Verbund Twin press',
     issuer: 'CN=Verbund Twin press',
     isSelfSigned: true,
@@ -53,7 +54,7 @@ describe('the certificate of the twin', () => {
       .getByRole('region', { name: 'Certificate of the twin' })
       .textContent.replace(/\s+/g, ' ')
     expect(text).toMatch(
-      /CN=Verbund Twin press RSA 2048.*urn:verbund:twin:FOR_MUC, press\.plant.*Ends soon.*AB12 CD34/,
+      /CN=Verbund Twin press RSA 2048.*urn:verbund:twin:FOR_MUC, press\.plant.*Ends soon.*FE98 DC76/,
     )
   })
 

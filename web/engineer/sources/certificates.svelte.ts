@@ -7,7 +7,10 @@ import { texts } from '../language/texts'
 
 /** Certificate of a server or a client as the list shows it. */
 export interface ShownCertificate {
+  /** SHA-1: its name in paths of the API. */
   thumbprint: string
+  /** SHA-256, for people to compare. */
+  fingerprint: string
   subject: string
   validFrom?: string | null | undefined
   validTo?: string | null | undefined
@@ -31,6 +34,7 @@ export function ofClients(certificates: readonly ClientCertificateView[]): Shown
   return certificates.map(
     ({
       thumbprint,
+      fingerprint,
       subject,
       notBefore,
       notAfter,
@@ -41,6 +45,7 @@ export function ofClients(certificates: readonly ClientCertificateView[]): Shown
       rejectedApplicationName,
     }) => ({
       thumbprint,
+      fingerprint,
       subject,
       validFrom: notBefore,
       validTo: notAfter,
@@ -74,23 +79,23 @@ export function validity(
   return validTo != null && Date.parse(validTo) < now + soonDays * DAY_MS ? 'soon' : 'valid'
 }
 
-/** The certificate that a source waits for: its problem names the thumbprint. */
+/** The certificate that a source waits for: its problem names the fingerprint. */
 export function awaited(
   source: Pick<SourceStatus, 'problem'>,
   certificates: readonly ShownCertificate[],
 ): ShownCertificate | undefined {
   if (source.problem?.kind !== 'serverCertificateUntrusted') return undefined
   const said = source.problem.message.toLowerCase()
-  return certificates.find((certificate) => said.includes(certificate.thumbprint.toLowerCase()))
+  return certificates.find((certificate) => said.includes(certificate.fingerprint.toLowerCase()))
 }
 
-/** A thumbprint as it is compared by eye: in groups of four. */
-export function grouped(thumbprint: string): string {
+/** A fingerprint as it is compared by eye: in groups of four. */
+export function grouped(fingerprint: string): string {
   return (
-    thumbprint
+    fingerprint
       .toUpperCase()
       .match(/.{1,4}/g)
-      ?.join(' ') ?? thumbprint
+      ?.join(' ') ?? fingerprint
   )
 }
 

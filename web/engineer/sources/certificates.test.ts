@@ -61,6 +61,7 @@ beforeEach(() => {
   known = [
     {
       thumbprint: THUMBPRINT,
+      fingerprint: 'fe98dc76',
       subject: 'CN=Planner',
       notBefore: inDays(-10),
       notAfter: inDays(300),
@@ -72,6 +73,7 @@ beforeEach(() => {
     },
     {
       thumbprint: 'ef56',
+      fingerprint: 'ef56ef56',
       subject: 'CN=Old',
       notBefore: inDays(-300),
       notAfter: inDays(-1),
@@ -81,6 +83,7 @@ beforeEach(() => {
     },
     {
       thumbprint: '0789',
+      fingerprint: '07890789',
       subject: 'CN=Early',
       notBefore: inDays(2),
       notAfter: inDays(300),
@@ -88,6 +91,7 @@ beforeEach(() => {
     },
     {
       thumbprint: '0abc',
+      fingerprint: '0abc0abc',
       subject: 'CN=Ending',
       notBefore: inDays(-300),
       notAfter: inDays(10),
@@ -99,6 +103,7 @@ beforeEach(() => {
     {
       ...authority,
       thumbprint: 'ca01',
+      fingerprint: 'ca01ca01',
       subject: 'CN=Root',
       isTrusted: true,
       revocationList: 'OUTDATED',
@@ -107,6 +112,7 @@ beforeEach(() => {
     {
       ...authority,
       thumbprint: 'ca02',
+      fingerprint: 'ca02ca02',
       subject: 'CN=Between',
       isTrusted: false,
       revocationList: 'CURRENT',
@@ -129,12 +135,12 @@ afterEach(() => {
 })
 
 describe('certificates of OPC UA clients', () => {
-  it('show the rejected client, its thumbprint and the validity of its certificate', async () => {
+  it('show the rejected client, its fingerprint and the validity of its certificate', async () => {
     twin()
     render(ClientCertificates)
     await screen.findByText('CN=Planner')
     expect(row('CN=Planner')).toMatch(
-      /AB12 CD34.* to .*24 h ago Line planner, from 10\.0\.0\.7.*Waits for you/,
+      /FE98 DC76.* to .*24 h ago Line planner, from 10\.0\.0\.7.*Waits for you/,
     )
     expect(row('CN=Planner')).not.toMatch(/Expired|Not valid yet|Ends soon|not trusted/)
     expect(row('CN=Old')).toMatch(/Expired.*12 h ago.*It is not valid at this time\..*Trusted/)

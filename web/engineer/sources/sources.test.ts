@@ -16,10 +16,15 @@ describe('the id of a new source', () => {
 })
 
 describe('certificates', () => {
-  const certificate = { thumbprint: 'ab12cd34', subject: 'CN=Press', isTrusted: false }
-  it('are found by the thumbprint that the problem names', () => {
+  const certificate = {
+    thumbprint: 'ab12cd34',
+    fingerprint: 'fe98dc76',
+    subject: 'CN=Press',
+    isTrusted: false,
+  }
+  it('are found by the fingerprint that the problem names', () => {
     const problem = (kind: 'serverCertificateUntrusted' | 'unreachable') => ({
-      problem: { kind, message: 'CN=Press, thumbprint AB12CD34.', remedy: '' },
+      problem: { kind, message: 'CN=Press, fingerprint FE98DC76.', remedy: '' },
     })
     expect(awaited(problem('serverCertificateUntrusted'), [certificate])).toBe(certificate)
     expect(awaited(problem('unreachable'), [certificate])).toBeUndefined()

@@ -24,7 +24,7 @@ use crate::{
 /// Longest code that is looked at, in bytes: a recovery code with blanks.
 const CODE_BYTES_MAX: usize = 64;
 /// Digits of a code by time.
-const CODE_DIGITS: usize = 6;
+pub(super) const CODE_DIGITS: usize = 6;
 
 /// State of a user's second factor.
 #[derive(Debug, Serialize, ToSchema)]

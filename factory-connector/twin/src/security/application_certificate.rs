@@ -20,7 +20,7 @@ use super::{
         CERTIFICATE_FILE, KEY_BITS, KEY_FILE, create_if_missing, is_pair, prepare_folders, restrict,
     },
     certificate_files::{files, replace},
-    rejected_clients::thumbprint,
+    rejected_clients::{fingerprint, thumbprint},
     trust::{faults, refuse, time},
 };
 use crate::{
@@ -40,6 +40,8 @@ const FILE_BYTES_MAX: usize = 256 * 1024;
 pub struct InstalledCertificate {
     /// SHA-1 over the certificate, in lower-case hexadecimal digits.
     pub thumbprint: String,
+    /// SHA-256 over the certificate in lower-case hexadecimal digits, for people to compare.
+    pub fingerprint: String,
     /// The subject's distinguished name.
     pub subject: String,
     /// The issuer's distinguished name.
@@ -294,6 +296,7 @@ fn describe(certificate: &X509) -> Result<InstalledCertificate, TwinError> {
         .map_err(|error| TwinError::Certificate { reason: error.to_string() })?;
     Ok(InstalledCertificate {
         thumbprint: thumbprint(certificate),
+        fingerprint: fingerprint(certificate),
         subject: parsed.subject().to_string(),
         issuer: parsed.issuer().to_string(),
         is_self_signed: parsed.issuer().as_raw() == parsed.subject().as_raw(),

@@ -1,8 +1,9 @@
 //! Sign-in of users: names and passwords through the connector's [`Authenticator`], roles in the
-//! session's token.
+//! session's token. The authenticator counts attempts together with those of the pages; the throttle here bounds what a
+//! client may ask of it.
 
 use std::{
-    net::SocketAddr,
+    net::{IpAddr, SocketAddr},
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -22,7 +23,7 @@ use tokio::sync::Semaphore;
 
 use super::{connections::network_of, throttle::Throttle};
 use crate::{
-    access::{Authenticator, Role},
+    access::{Authenticator, Role, SignInRefusal},
     config::SecurityConfig,
     session_token::{token_of, user_of},
 };
@@ -60,11 +61,16 @@ impl Login {
     }
 
     /// Checks a password when it is its turn; `None` where that took too long or too many wait.
-    async fn check(&self, username: &str, password: &Password) -> Option<Option<Role>> {
+    async fn check(
+        &self,
+        username: &str,
+        password: &Password,
+        client: Option<IpAddr>,
+    ) -> Option<Result<Role, SignInRefusal>> {
         let _place = self.waiting.try_acquire().ok()?;
         let check = async {
             let _turn = self.checks.acquire().await.expect("the semaphore is never closed");
-            self.authenticator.authenticate(username, password.get()).await
+            self.authenticator.authenticate(username, password.get(), client).await
         };
         tokio::time::timeout(AUTHENTICATION_TIMEOUT, check).await.ok()
     }
@@ -120,14 +126,23 @@ impl AuthManager for Login {
         if !self.throttle.lock().begin(username, network, Instant::now()) {
             return Err(refuse("too many wrong attempts"));
         }
-        match self.check(username, password).await {
-            Some(Some(role)) => {
+        match self.check(username, password, address.map(|address| address.ip())).await {
+            Some(Ok(role)) => {
                 self.throttle.lock().succeeded(username, network);
                 count("accepted");
                 tracing::info!(user.name = username, %role, "A user signed in to the twin.");
                 Ok(token_of(username, role))
             }
-            Some(None) => Err(refuse("the user name or password is wrong")),
+            Some(Err(refusal)) => {
+                if refusal != SignInRefusal::WrongCredentials {
+                    self.throttle.lock().take_back(username, network);
+                }
+                if refusal == SignInRefusal::SecondFactorImpossible {
+                    // The name is right, and an engineer has to know whom this is about.
+                    tracing::warn!(user.name = username, "A user cannot sign in to the twin.");
+                }
+                Err(refuse(refusal.reason()))
+            }
             None => {
                 self.throttle.lock().take_back(username, network);
                 Err(refuse("too many passwords wait for their check"))

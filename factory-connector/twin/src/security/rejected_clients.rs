@@ -13,6 +13,7 @@ use std::{
 use asi_model::DateTime;
 use opcua_stack::opcua::{crypto::X509, server::CertificateBearer};
 use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
 
 use super::certificate_files::replace;
 use crate::certificate_error::CertificateError;
@@ -169,6 +170,12 @@ impl RejectedClients {
 /// Returns SHA-1 over a certificate in lower-case hexadecimal digits.
 pub(crate) fn thumbprint(certificate: &X509) -> String {
     certificate.thumbprint().as_hex_string().to_ascii_lowercase()
+}
+
+/// Returns SHA-256 over a certificate in lower-case hexadecimal digits, for people to compare. Thumbprints are SHA-1, of
+/// which two certificates with the same can be made.
+pub(crate) fn fingerprint(certificate: &X509) -> String {
+    hex::encode(Sha256::digest(certificate.as_byte_string().as_ref()))
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@ pub use revocation_lists::RevocationList;
 
 use super::{
     certificate_files::{paths, replace},
-    rejected_clients::{ConnectionRejection, RejectedClients, thumbprint},
+    rejected_clients::{ConnectionRejection, RejectedClients, fingerprint, thumbprint},
 };
 use crate::{error::TwinError, events::EventReporter, trust_fault::TrustFault};
 
@@ -54,6 +54,8 @@ pub enum CertificateState {
 pub struct ClientCertificate {
     /// SHA-1 over the certificate in lower-case hexadecimal digits; identifies it in the trust list.
     pub thumbprint: String,
+    /// SHA-256 over the certificate in lower-case hexadecimal digits, for people to compare.
+    pub fingerprint: String,
     /// The subject's distinguished name.
     pub subject: String,
     /// ApplicationUri in its alternative names.
@@ -183,6 +185,7 @@ impl TrustList {
             state,
             rejection: self.rejected_clients.last(&thumbprint),
             thumbprint,
+            fingerprint: fingerprint(certificate),
         })
     }
 

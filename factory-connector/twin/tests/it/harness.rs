@@ -3,6 +3,7 @@
 mod samples;
 
 use std::{
+    net::IpAddr,
     sync::{Arc, OnceLock},
     time::Duration,
 };
@@ -31,8 +32,8 @@ pub use samples::{document, external, field, field_id, good, instance, message, 
 use tokio::sync::mpsc;
 use tokio_util::sync::CancellationToken;
 use twin::{
-    Authenticator, FieldRecord, FieldWriter, Role, SecurityConfig, Twin, TwinConfig, TwinDecision,
-    TwinHandle, TwinUser,
+    Authenticator, FieldRecord, FieldWriter, Role, SecurityConfig, SignInRefusal, Twin, TwinConfig,
+    TwinDecision, TwinHandle, TwinUser,
 };
 
 /// Time limit of every wait in a test.
@@ -98,14 +99,23 @@ struct Users;
 
 #[async_trait]
 impl Authenticator for Users {
-    async fn authenticate(&self, user_name: &str, password: &str) -> Option<Role> {
+    async fn authenticate(
+        &self,
+        user_name: &str,
+        password: &str,
+        _: Option<IpAddr>,
+    ) -> Result<Role, SignInRefusal> {
         let role = match user_name {
             "anna" => Role::Engineer,
             "otto" => Role::Operator,
             "vera" => Role::Viewer,
-            _ => return None,
+            _ => return Err(SignInRefusal::WrongCredentials),
         };
-        (password == format!("{user_name}-secret")).then_some(role)
+        if password == format!("{user_name}-secret") {
+            Ok(role)
+        } else {
+            Err(SignInRefusal::WrongCredentials)
+        }
     }
 }
 

@@ -35,7 +35,7 @@ pub struct RawChannel {
     polling: tokio::task::JoinHandle<()>,
 }
 
-/// Keys by which a client uses a session.
+/// Token and nonce with which a client uses a session.
 #[derive(Clone)]
 pub struct SessionKey {
     pub token: NodeId,

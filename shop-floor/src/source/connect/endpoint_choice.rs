@@ -7,7 +7,7 @@ use opcua_stack::opcua::{
 
 use crate::{
     EndpointOffer, Identity, MessageSecurity, SecurityChoice, SecurityPolicy, SourceProblem,
-    SourceProblemKind as Kind,
+    SourceProblemKind as Kind, certificates::fingerprint,
 };
 
 /// Returns the strongest endpoint that fits the choice of security and the identity.
@@ -113,6 +113,7 @@ pub(super) fn offer(endpoint: &EndpointDescription) -> EndpointOffer {
         allows_certificate: allows(endpoint, UserTokenType::Certificate),
         server_name: text(&endpoint.server.application_name.text),
         application_uri: text(&endpoint.server.application_uri),
+        certificate_fingerprint: certificate.as_ref().map(fingerprint),
         certificate_thumbprint: certificate
             .map(|certificate| certificate.thumbprint().as_hex_string()),
     }

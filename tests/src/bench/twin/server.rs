@@ -1,6 +1,8 @@
 //! A twin for measuring: documents without a platform, and a connector that takes everything.
 
-use std::{collections::HashMap, io::Read as _, path::Path, sync::Arc, time::Duration};
+use std::{
+    collections::HashMap, io::Read as _, net::IpAddr, path::Path, sync::Arc, time::Duration,
+};
 
 use anyhow::Context as _;
 use asi_model::{
@@ -13,8 +15,8 @@ use serde_json::json;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 use twin::{
-    AsiDocument, Authenticator, FieldRecord, FieldWriter, Role, Twin, TwinConfig, TwinDecision,
-    TwinError, TwinHandle, TwinUser,
+    AsiDocument, Authenticator, FieldRecord, FieldWriter, Role, SignInRefusal, Twin, TwinConfig,
+    TwinDecision, TwinError, TwinHandle, TwinUser,
 };
 
 /// Factory of the twin.
@@ -40,8 +42,13 @@ impl FieldWriter for Taker {
 
 #[async_trait]
 impl Authenticator for Taker {
-    async fn authenticate(&self, _: &str, _: &str) -> Option<Role> {
-        Some(Role::Viewer)
+    async fn authenticate(
+        &self,
+        _: &str,
+        _: &str,
+        _: Option<IpAddr>,
+    ) -> Result<Role, SignInRefusal> {
+        Ok(Role::Viewer)
     }
 }
 

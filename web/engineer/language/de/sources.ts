@@ -77,7 +77,7 @@ export const sources: typeof English = {
       serverCertificateUntrusted: {
         what: 'Dem Zertifikat des Servers wird noch nicht vertraut',
         remedy:
-          'Vergleichen Sie den Fingerabdruck mit dem an der Maschine und vertrauen Sie ihm dann.',
+          'Vergleichen Sie den Fingerabdruck mit dem des Zertifikats an der Maschine und vertrauen Sie ihm dann.',
       },
       serverCertificateInvalid: {
         what: 'Das Zertifikat des Servers ist nicht gültig',
@@ -129,10 +129,10 @@ export const sources: typeof English = {
     file: 'Aus einer Datei',
     content: 'Inhalt',
     contentHint: 'PEM oder DER in Base64.',
-    hint: 'Vergleichen Sie den Fingerabdruck mit dem an der Maschine, bevor Sie ihm vertrauen.',
+    hint: 'Vergleichen Sie den Fingerabdruck mit dem des Zertifikats an der Maschine, bevor Sie ihm vertrauen.',
     none: 'Noch hat kein Server ein Zertifikat gezeigt.',
     subject: 'Gehört zu',
-    thumbprint: 'Fingerabdruck',
+    fingerprint: 'Fingerabdruck (SHA-256)',
     valid: 'Gültigkeit',
     validity: (from: string, until: string) =>
       [from, until].filter((day) => day !== '').join(' bis '),

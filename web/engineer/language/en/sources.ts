@@ -73,7 +73,8 @@ export const sources = {
       },
       serverCertificateUntrusted: {
         what: 'The server’s certificate is not trusted yet',
-        remedy: 'Compare the thumbprint with the one shown at the machine, then trust it.',
+        remedy:
+          'Compare the fingerprint with that of the certificate at the machine, then trust it.',
       },
       serverCertificateInvalid: {
         what: 'The server’s certificate is not valid',
@@ -124,10 +125,10 @@ export const sources = {
     file: 'From a file',
     content: 'Content',
     contentHint: 'PEM, or DER in base64.',
-    hint: 'Compare the thumbprint with the one shown at the machine before you trust it.',
+    hint: 'Compare the fingerprint with that of the certificate at the machine before you trust it.',
     none: 'No server has shown a certificate yet.',
     subject: 'Belongs to',
-    thumbprint: 'Thumbprint',
+    fingerprint: 'Fingerprint (SHA-256)',
     valid: 'Validity',
     validity: (from: string, until: string) =>
       [from, until].filter((day) => day !== '').join(' to '),

@@ -18,12 +18,21 @@ struct Slow {
 
 #[async_trait]
 impl Authenticator for Slow {
-    async fn authenticate(&self, _: &str, password: &str) -> Option<Role> {
+    async fn authenticate(
+        &self,
+        _: &str,
+        password: &str,
+        _: Option<IpAddr>,
+    ) -> Result<Role, SignInRefusal> {
         let running = self.running.fetch_add(1, Ordering::SeqCst) + 1;
         self.most.fetch_max(running, Ordering::SeqCst);
         tokio::time::sleep(Duration::from_millis(5)).await;
         self.running.fetch_sub(1, Ordering::SeqCst);
-        (password == "right").then_some(Role::Viewer)
+        match password {
+            "right" => Ok(Role::Viewer),
+            "half" => Err(SignInRefusal::SecondFactorImpossible),
+            _ => Err(SignInRefusal::WrongCredentials),
+        }
     }
 }
 
@@ -114,4 +123,18 @@ async fn the_name_of_a_refused_sign_in_is_not_logged() {
     assert!(text.contains("refused a sign-in") && text.contains("user.name_length=7"), "{text}");
     assert!(!text.contains("hunter2"), "{text}");
     assert!(text.contains("user.name=\"anna\""), "{text}");
+}
+
+#[tokio::test]
+async fn a_user_with_a_passkey_alone_is_refused_with_a_reason_in_the_log_and_not_throttled() {
+    let text = Arc::new(StdMutex::new(String::new()));
+    let guard = tracing::subscriber::set_default(Log(Arc::clone(&text)));
+    let login = login(Arc::default(), 2);
+    for _ in 0..4 {
+        assert!(!sign_in(&login, "pia", "half", 1).await);
+    }
+    drop(guard);
+    let text = text.lock().expect("not poisoned").clone();
+    assert!(text.contains("user.name=\"pia\""), "{text}");
+    assert_eq!(text.matches(SignInRefusal::SecondFactorImpossible.reason()).count(), 4, "{text}");
 }

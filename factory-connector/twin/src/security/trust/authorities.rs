@@ -12,7 +12,11 @@ use x509_parser::{
 use super::{ISSUERS, LISTED_MAX, TRUSTED, TrustList, faults, read, refuse, time};
 use crate::{
     error::TwinError,
-    security::{certificate_files, issuance::is_signed_by, rejected_clients::thumbprint},
+    security::{
+        certificate_files,
+        issuance::is_signed_by,
+        rejected_clients::{fingerprint, thumbprint},
+    },
 };
 
 /// State of an authority's revocation list. Without a current list its clients are rejected.
@@ -34,6 +38,8 @@ pub enum RevocationKnowledge {
 pub struct Authority {
     /// SHA-1 over the certificate in lower-case hexadecimal digits; identifies it in the trust list.
     pub thumbprint: String,
+    /// SHA-256 over the certificate in lower-case hexadecimal digits, for people to compare.
+    pub fingerprint: String,
     /// The subject's distinguished name.
     pub subject: String,
     /// The issuer's distinguished name; the subject's when it is self-signed.
@@ -68,6 +74,7 @@ impl TrustList {
                 let Ok(certificate) = read(&der) else { continue };
                 all.push(Authority {
                     thumbprint: thumbprint(&certificate),
+                    fingerprint: fingerprint(&certificate),
                     subject: parsed.subject().to_string(),
                     issuer: parsed.issuer().to_string(),
                     not_before: time(parsed.validity().not_before),
