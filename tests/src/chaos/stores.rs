@@ -244,6 +244,28 @@ pub(super) async fn given_up(folder: &Path, factory: &str) -> anyhow::Result<BTr
     Ok(keys)
 }
 
+/// Returns the reports that travel in one message with one that was given up.
+pub(super) async fn beside_given_up(
+    folder: &Path,
+    factory: &str,
+    given_up: &BTreeSet<ReportKey>,
+) -> anyhow::Result<BTreeSet<ReportKey>> {
+    let mut store = open(&connector_store(folder, factory)).await?;
+    let sql = "SELECT message, writer_id, epoch, sequence FROM report";
+    let rows = sqlx::query(sql).fetch_all(&mut store).await?;
+    let mut messages: BTreeMap<i64, Vec<ReportKey>> = BTreeMap::new();
+    for row in rows {
+        messages.entry(row.get("message")).or_default().push(ReportKey {
+            factory: factory.to_owned(),
+            writer: row.get("writer_id"),
+            epoch: row.get("epoch"),
+            sequence: row.get("sequence"),
+        });
+    }
+    let has_given_up = |keys: &Vec<ReportKey>| keys.iter().any(|key| given_up.contains(key));
+    Ok(messages.into_values().filter(has_given_up).flatten().collect())
+}
+
 /// Returns every gap that a factory has announced: the keys of the reports it gave up.
 pub(super) async fn gaps(folder: &Path, factory: &str) -> anyhow::Result<Vec<ReportKey>> {
     let mut store = open(&platform_store(folder)).await?;
