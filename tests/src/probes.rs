@@ -12,14 +12,16 @@ mod opcua;
 mod process;
 mod scene;
 mod siege;
+mod strangers;
 
 use attacks::attacks;
 use scene::Scene;
 
 use crate::{
     demo::play,
-    frame_order::{INSPECTOR, MAKER},
+    frame_order::{INSPECTOR, MAKER, MUNICH},
     harness::{Steps, say},
+    scenario::story,
     world::{Places, World},
 };
 
@@ -34,7 +36,14 @@ pub async fn run(only: Option<&str>, keep: bool) -> anyhow::Result<()> {
     places.broker_websocket = Some(free_ports::reserve::<1>()?[0]);
     places.counters = Some(free_ports::reserve()?);
     let mut world = World::start(places)?;
-    let cast = play(&mut world, &mut Steps::default()).await?;
+    let mut cast = play(&mut world, &mut Steps::default()).await?;
+    // From here on the connector's OPC UA server knows whom an engineer trusts alone, as a real one does.
+    if let Some(connector) = &mut world.factory(MUNICH)?.connector {
+        connector.set_environment("VERBUND_TWIN__SECURITY__TRUST_UNKNOWN_CERTIFICATES", "false");
+        connector.restart()?;
+    }
+    cast.munich = world.connector_api(MUNICH).await?;
+    story::link_is_up(&cast.munich).await?;
     let maker = members::planner(&cast.platform, MAKER).await?;
     let inspector = members::planner(&cast.platform, INSPECTOR).await?;
     let mut scene = Scene { world, cast, maker, inspector, failures: Vec::new() };

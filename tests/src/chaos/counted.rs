@@ -1,5 +1,5 @@
-//! Values that the machines count at a steady rate: each is in a report, but for those of the times in which a connector
-//! or its machines were killed, stood still or had no disk.
+//! Values that machines count at a steady rate, and steps that scripts count: each is in a report, but for those of the
+//! times in which a connector or its machines were killed, stood still or had no disk.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use crate::{scenario::load, world::counters::COUNTED_EACH_MS};
 const HOLE_MAX: i64 = 30 * 1000 / COUNTED_EACH_MS;
 /// Part of the other values, of a hundred, that may be missing: where a processor has too much to do, two come in one
 /// notification, and the report has the second.
-const MISSING_MAX: i64 = 5;
+const MISSING_MAX: i64 = 15;
 
 /// Value of a counter and its time at the machine.
 type Counts = BTreeMap<i64, i64>;
@@ -24,9 +24,25 @@ pub(super) fn faults(
     left: &BTreeMap<ReportKey, Left>,
     disturbed: &[Span],
 ) -> Vec<String> {
+    let mut faults = Vec::new();
+    for name in [load::COUNTED, load::STEPS] {
+        let counters = counters(left, name);
+        if counters.is_empty() {
+            faults.push(format!("{factory}: no report has a value of {name}"));
+        }
+        for (request, counts) in counters {
+            let holes = holes(&counts, disturbed).into_iter();
+            faults.extend(holes.map(|hole| format!("{request}, {name}: {hole}")));
+        }
+    }
+    faults
+}
+
+/// Returns the values of a field that counts, by request.
+fn counters<'l>(left: &'l BTreeMap<ReportKey, Left>, name: &str) -> BTreeMap<&'l str, Counts> {
     let mut counters: BTreeMap<&str, Counts> = BTreeMap::new();
     for report in left.values() {
-        let Some(field) = report.content.fields.get(load::COUNTED) else { continue };
+        let Some(field) = report.content.fields.get(name) else { continue };
         // A number of 64 bits is a text in JSON.
         let count = field.value.as_str().and_then(|text| text.parse().ok());
         if let Some((count, time)) = count.zip(field.source_time) {
@@ -35,15 +51,7 @@ pub(super) fn faults(
             counts.entry(count).and_modify(|first| *first = time.min(*first)).or_insert(time);
         }
     }
-    let mut faults = Vec::new();
-    if counters.is_empty() {
-        faults.push(format!("{factory}: no report has the count of a machine"));
-    }
-    for (request, counts) in counters {
-        faults
-            .extend(holes(&counts, disturbed).into_iter().map(|hole| format!("{request}: {hole}")));
-    }
-    faults
+    counters
 }
 
 fn holes(counts: &Counts, disturbed: &[Span]) -> Vec<String> {
@@ -51,7 +59,7 @@ fn holes(counts: &Counts, disturbed: &[Span]) -> Vec<String> {
     let (mut missing, mut judged) = (0, 0);
     for ((before, from), (after, to)) in counts.iter().zip(counts.iter().skip(1)) {
         let lost = after - before - 1;
-        if disturbed.iter().any(|span| span.meets(*from, *to)) {
+        if disturbed.iter().any(|span| span.meets(*from.min(to), *to.max(from))) {
             if lost > HOLE_MAX {
                 faults.push(format!("{lost} counts after {before} are lost by one disturbance"));
             }
@@ -61,8 +69,7 @@ fn holes(counts: &Counts, disturbed: &[Span]) -> Vec<String> {
         }
     }
     if missing * 100 > judged * MISSING_MAX {
-        faults
-            .push(format!("{missing} of {judged} counts of undisturbed machines are in no report"));
+        faults.push(format!("{missing} of {judged} counts of undisturbed times are in no report"));
     }
     faults
 }

@@ -8,8 +8,6 @@ use super::{
     stores::{self, ReportKey},
 };
 
-/// Part of the counted values, of a hundred, that are in reports at least.
-const STEPS_LEFT_MIN: i64 = 90;
 /// Faults shown at most.
 const SHOWN_MAX: usize = 20;
 
@@ -31,7 +29,7 @@ pub(super) struct Findings {
 }
 
 impl Findings {
-    /// Adds what machines counted and no report has.
+    /// Adds what machines or scripts counted and no report has.
     pub async fn of_machines(&mut self, stage: &Stage, factory: &str) -> anyhow::Result<()> {
         let left = stores::left(&stage.world.places.folder, factory).await?;
         self.faults.extend(counted::faults(factory, &left, stage.disturbed.of(factory)));
@@ -87,7 +85,6 @@ pub(super) async fn of_factory(
     let held_gaps = announced.iter().filter(|key| held.contains_key(key));
     faults.extend(held_gaps.map(|key| format!("announced as given up, and is held: {key:?}")));
     faults.extend(holes(left.keys()));
-    faults.extend(forgotten_steps(&left));
     faults.extend(control::faults(folder, factory, &stage.lost_controls).await?);
     faults.extend(disorder(&arrived, &stage.set_back));
     let recipients: usize = left.values().map(|report| report.recipients).sum();
@@ -118,34 +115,6 @@ fn holes<'k>(keys: impl Iterator<Item = &'k ReportKey>) -> Vec<String> {
         let count = i64::try_from(sequences.len()).unwrap_or(i64::MAX);
         if first != 0 || count != last + 1 {
             faults.push(format!("{writer:?}: {count} sequence numbers from {first} to {last}"));
-        }
-    }
-    faults
-}
-
-/// Compares the values that a script counted with those in reports. Values that came in one notification, as after
-/// a stall, are in one report; but for these each is in a report of its own.
-fn forgotten_steps(left: &BTreeMap<ReportKey, stores::Left>) -> Vec<String> {
-    let mut counts: BTreeMap<&str, BTreeSet<i64>> = BTreeMap::new();
-    for report in left.values() {
-        let steps = report.content.fields.get("steps").map(|field| &field.value);
-        // A number of 64 bits is a text in JSON.
-        let steps = steps.and_then(|value| value.as_str()?.parse().ok());
-        if let Some(steps) = steps {
-            counts.entry(&report.content.request).or_default().insert(steps);
-        }
-    }
-    let mut faults = Vec::new();
-    if counts.is_empty() {
-        faults.push("no report has a counted value".to_owned());
-    }
-    for (request, counts) in counts {
-        let (first, last) = (counts.first().copied(), counts.last().copied());
-        let span = last.zip(first).map_or(0, |(last, first)| last - first + 1);
-        let count = i64::try_from(counts.len()).unwrap_or(i64::MAX);
-        // In parts of a hundred.
-        if count * 100 < span * STEPS_LEFT_MIN {
-            faults.push(format!("{request}: {count} of {span} counted values are in reports"));
         }
     }
     faults

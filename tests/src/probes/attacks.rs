@@ -5,6 +5,7 @@ use futures::future::BoxFuture;
 use super::{
     amqp, files, http, members, opcua,
     scene::{Scene, Target},
+    strangers,
 };
 use crate::frame_order::MUNICH;
 
@@ -29,6 +30,7 @@ pub(super) fn attacks(scene: &Scene) -> Vec<Attack> {
     let mut all = of_the_broker(scene);
     all.extend(of_the_twin(scene));
     all.extend(of_members(scene));
+    all.extend(of_strangers(scene));
     all.extend(of_files(scene));
     all.extend(of_the_web(scene));
     all
@@ -51,7 +53,16 @@ fn of_the_twin(scene: &Scene) -> Vec<Attack> {
     vec![
         attack(of, "messages that claim sizes", opcua::claimed_sizes(port)),
         attack(of, "chunks without end before a sign-in", opcua::endless_chunks(port)),
-        attack(of, "policies that no endpoint offers", opcua::deprecated_policies(port)),
+        attack(
+            of,
+            "policies that no endpoint offers",
+            opcua::deprecated_policies(scene.cast.munich.clone(), port),
+        ),
+        attack(
+            of,
+            "220 unknown certificates after one that was denied",
+            opcua::denied_certificate(scene.cast.munich.clone(), port),
+        ),
         attack(of, "values nested in the header of a request", opcua::nested_headers(port)),
     ]
 }
@@ -75,6 +86,23 @@ fn of_members(scene: &Scene) -> Vec<Attack> {
     ]
 }
 
+fn of_strangers(scene: &Scene) -> Vec<Attack> {
+    let platform = &scene.cast.platform;
+    let of = Target::Platform;
+    vec![
+        attack(
+            of,
+            "reports of a foreign factory",
+            strangers::reports_to_requests_of_others(platform.clone()),
+        ),
+        attack(
+            of,
+            "a factory's rubbish, and what was set aside of another one",
+            strangers::floods_dead_letters(platform.clone()),
+        ),
+    ]
+}
+
 fn of_files(scene: &Scene) -> Vec<Attack> {
     let folder = &scene.world.places.folder;
     let connector = folder.join(format!("connector-{MUNICH}"));
@@ -86,6 +114,11 @@ fn of_files(scene: &Scene) -> Vec<Attack> {
             Target::Platform,
             "addresses without encryption",
             files::plaintext_addresses(folder.clone()),
+        ),
+        attack(
+            Target::Connector,
+            "an enrolment without encryption",
+            files::plaintext_enrolment(folder.clone()),
         ),
     ]
 }
@@ -100,6 +133,7 @@ fn of_the_web(scene: &Scene) -> Vec<Attack> {
     ] {
         all.extend([
             attack(of, "documents that nest", http::nested_documents(api.clone(), document)),
+            attack(of, "metrics through a proxy", http::metrics_from_elsewhere(port)),
             attack(of, "heads without end", http::endless_heads(port)),
             attack(of, "bodies without end", http::endless_bodies(port)),
             attack(of, "user names of half a megabyte", http::long_names(port)),

@@ -139,6 +139,21 @@ pub(super) async fn oversize(port: u16) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Asks for metrics through a proxy, as another machine does.
+pub(super) async fn metrics_from_elsewhere(port: u16) -> anyhow::Result<String> {
+    let address = format!("http://127.0.0.1:{port}/metrics");
+    let own = client()?.get(&address).send().await?;
+    anyhow::ensure!(own.status().is_success(), "this machine gets {}", own.status());
+    for header in ["x-forwarded-for", "forwarded", "x-real-ip", "via"] {
+        let asked = client()?.get(&address).header(header, "for=192.0.2.7").send().await?;
+        let status = asked.status();
+        let text = asked.text().await?;
+        let is_refused = status == StatusCode::FORBIDDEN && !text.contains("verbund_");
+        anyhow::ensure!(is_refused, "with {header}: {status}");
+    }
+    Ok("403 through a proxy".to_owned())
+}
+
 /// Waits until the other end closes.
 async fn closed(stream: &mut TcpStream) -> anyhow::Result<()> {
     let mut answer = Vec::new();

@@ -1,8 +1,14 @@
 //! Clients of a connector's OPC UA server that mean harm, before they have signed in.
 
+mod channel;
+
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
+use base64::{Engine as _, engine::general_purpose::STANDARD as BASE64};
+use channel::Client;
+use opcua_stack::opcua::crypto::{SecurityPolicy, X509};
+use serde_json::{Value, json};
 use testkit::opcua::{
     NO_HEADER, chunk_header, claiming, framed, get_endpoints, hello, nested_header, open_channel,
     opening,
@@ -12,6 +18,8 @@ use tokio::{
     net::TcpStream,
     time::timeout,
 };
+
+use crate::harness::Api;
 
 /// Time in which the server has to answer or to close.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -107,22 +115,91 @@ pub(super) async fn endless_chunks(port: u16) -> anyhow::Result<String> {
     Ok(format!("closed after {taken} chunks"))
 }
 
-/// Requests for channels with PKCS#1 v1.5 and with what was never a policy: one answer for all, and never soon.
-pub(super) async fn deprecated_policies(port: u16) -> anyhow::Result<String> {
+/// Returns the certificate that the server shows with its endpoints.
+async fn server_certificate(port: u16) -> anyhow::Result<X509> {
+    let (mut stream, id) = channel(port).await?;
+    let url = format!("opc.tcp://127.0.0.1:{port}");
+    stream.write_all(&framed(b"MSGF", &get_endpoints(&url, id, 2, &NO_HEADER))).await?;
+    let answer = message(&mut stream).await?;
+    // A byte string is its length and its bytes; a certificate is a sequence (0x30) with a length of two bytes (0x82).
+    for at in 4..answer.len().saturating_sub(4) {
+        let [0x30, 0x82, high, low] = answer[at..at + 4] else { continue };
+        let length = usize::from(u16::from_be_bytes([high, low])) + 4;
+        let claimed = u32::from_le_bytes(answer[at - 4..at].try_into()?);
+        if claimed as usize == length && at + length <= answer.len() {
+            let der = &answer[at..at + length];
+            return X509::from_der(der).map_err(|error| anyhow::anyhow!("{error}"));
+        }
+    }
+    anyhow::bail!("the endpoints have no certificate")
+}
+
+const POLICY: &str = "http://opcfoundation.org/UA/SecurityPolicy#";
+
+/// Sends a request for a channel. Returns the answer and the time that it took.
+async fn opened(port: u16, opening: &[u8]) -> anyhow::Result<(Vec<u8>, Duration)> {
+    let mut stream = greeted(port).await?;
+    let begun = Instant::now();
+    stream.write_all(opening).await?;
+    Ok((message(&mut stream).await?, begun.elapsed()))
+}
+
+/// Requests for channels with PKCS#1 v1.5 and with what was never a policy, of a client that is trusted, and encrypted
+/// for the server's key: one answer for all, and never soon. By a policy that is offered the same client gets a channel.
+pub(super) async fn deprecated_policies(engineer: Api, port: u16) -> anyhow::Result<String> {
+    let server = server_certificate(port).await?;
+    let client = Client::named("probe of policies")?;
+    trust(&engineer, &client).await?;
+    let by = |policy: SecurityPolicy, uri: &str| client.opening(policy, uri, &server);
+    let offered = by(SecurityPolicy::Basic256Sha256, SecurityPolicy::Basic256Sha256.to_uri())?;
+    let (answer, _) = opened(port, &offered).await?;
+    anyhow::ensure!(answer.starts_with(b"OPNF"), "no channel by a policy that is offered");
+    let pkcs1 = |name: &str| by(SecurityPolicy::Basic128Rsa15, &format!("{POLICY}{name}"));
+    let basic_256 = by(SecurityPolicy::Basic256, &format!("{POLICY}Basic256"))?;
+    let noise = opening(&format!("{POLICY}Basic256Sha256"), b"no certificate", &[0; 20], 256);
     let mut answers = Vec::new();
     let mut soonest = Duration::MAX;
-    for policy in ["Basic128Rsa15", "Basic256", "Nonsense", "Basic256Sha256"] {
-        let uri = format!("http://opcfoundation.org/UA/SecurityPolicy#{policy}");
-        let mut stream = greeted(port).await?;
-        let begun = Instant::now();
-        stream.write_all(&opening(&uri, b"no certificate", &[0; 20], 256)).await?;
-        answers.push(message(&mut stream).await?);
-        soonest = soonest.min(begun.elapsed());
+    for opening in [pkcs1("Basic128Rsa15")?, basic_256, pkcs1("Nonsense")?, noise] {
+        let (answer, took) = opened(port, &opening).await?;
+        answers.push(answer);
+        soonest = soonest.min(took);
     }
     anyhow::ensure!(answers.iter().all(|answer| answer.starts_with(b"ERRF")), "not refused");
     anyhow::ensure!(answers.windows(2).all(|two| two[0] == two[1]), "the answers differ");
     anyhow::ensure!(soonest >= Duration::from_millis(150), "answered after {soonest:?}");
     Ok(format!("one refusal for all, after {} ms at the soonest", soonest.as_millis()))
+}
+
+/// Certificates that are unknown, after one that an engineer denied.
+const STRANGERS: usize = 220;
+
+/// Sends many unknown certificates, so that the one that was denied is forgotten: it is not.
+pub(super) async fn denied_certificate(engineer: Api, port: u16) -> anyhow::Result<String> {
+    let folder = tempfile::tempdir()?;
+    let denied = Client::named("probe that is denied")?;
+    trust(&engineer, &denied).await?;
+    anyhow::ensure!(denied.has_session(folder.path(), port).await?, "not trusted at first");
+    let thumbprint = denied.certificate.thumbprint().as_hex_string();
+    let path = format!("/api/v1/client-certificates/{thumbprint}");
+    let _: Value = engineer.put(&path, &json!({ "isTrusted": false })).await?;
+    for number in 0..STRANGERS {
+        let stranger = denied.another(&format!("stranger {number}"))?;
+        let has_session = stranger.has_session(folder.path(), port).await?;
+        anyhow::ensure!(!has_session, "a stranger got a session");
+    }
+    anyhow::ensure!(!denied.has_session(folder.path(), port).await?, "the denied got a session");
+    let known: Value = engineer.get("/api/v1/client-certificates").await?;
+    let shown = known.to_string();
+    let is_known = shown.contains("probe that is denied") && shown.contains("stranger");
+    anyhow::ensure!(is_known, "the engineer does not see the denied and the strangers: {shown}");
+    let count = known["items"].as_array().map_or(0, Vec::len);
+    Ok(format!("denied still, after {STRANGERS} strangers; {count} certificates are listed"))
+}
+
+async fn trust(engineer: &Api, client: &Client) -> anyhow::Result<()> {
+    let content = BASE64.encode(client.der()?);
+    let body = json!({ "kind": "CERTIFICATE", "content": content });
+    engineer.post::<Option<Value>>("/api/v1/client-certificates", &body).await.map(drop)
 }
 
 /// Values in values in the header of a request that anybody may send.

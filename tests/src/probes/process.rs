@@ -5,7 +5,7 @@ use std::fs;
 use anyhow::Context as _;
 
 /// Memory of a process.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Memory(u32);
 
 impl Memory {

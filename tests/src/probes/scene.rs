@@ -44,7 +44,7 @@ impl Scene {
     pub(super) fn before(&self, target: Target) -> anyhow::Result<Before> {
         let memory = self.memory(target)?;
         memory.reset_peak()?;
-        Ok(Before { target, resident: memory.resident()?, since: Instant::now() })
+        Ok(Before { target, memory, resident: memory.resident()?, since: Instant::now() })
     }
 
     pub(super) fn memory(&self, target: Target) -> anyhow::Result<Memory> {
@@ -67,8 +67,12 @@ impl Scene {
         outcome: anyhow::Result<String>,
     ) -> anyhow::Result<()> {
         let took = before.since.elapsed();
-        let Before { target, resident, .. } = before;
+        let Before { target, memory, resident, .. } = before;
         let mut faults = Vec::new();
+        // A supervisor starts a broker again that has crashed.
+        if self.memory(target).is_ok_and(|now| now != memory) {
+            faults.push("the program ended and was started again".to_owned());
+        }
         let peak = self.memory(target).and_then(Memory::peak).unwrap_or_else(|error| {
             faults.push(format!("{error:#}"));
             0
@@ -130,6 +134,7 @@ impl Scene {
 /// State of a program before an attack.
 pub(super) struct Before {
     target: Target,
+    memory: Memory,
     resident: u64,
     since: Instant,
 }

@@ -18,6 +18,8 @@ const REQUESTS: usize = crate::world::counters::COUNT;
 /// Time between values that are counted, in milliseconds: several publishing intervals.
 const COUNTED_INTERVAL_MS: u64 = 250;
 
+/// Field with the steps that a script counts.
+pub(crate) const STEPS: &str = "steps";
 /// Field with the count of a machine.
 pub(crate) const COUNTED: &str = "counted";
 
@@ -32,7 +34,7 @@ pub(crate) async fn put_on(cast: &Cast, places: &Places) -> anyhow::Result<Strin
         connector.post::<Value>("/api/v1/sources", &source).await?;
         let refused: Vec<_> = (0..REFUSED_FIELDS).map(|n| (format!("refused{n}"), 12)).collect();
         ask(&cast.platform, factory, &refused_request(factory), &refused).await?;
-        let fields = [(TOGGLED, 11), ("steps", 9), ("scripted", 12), (COUNTED, 8)];
+        let fields = [(TOGGLED, 11), (STEPS, 9), ("scripted", 12), (COUNTED, 8)];
         let fields = fields.map(|(name, built_in_type)| (name.to_owned(), built_in_type));
         for number in 0..REQUESTS {
             ask(&cast.platform, factory, &request_id(factory, number), &fields).await?;
@@ -136,7 +138,7 @@ async fn decide(connector: &Api, factory: &str, number: usize) -> anyhow::Result
     let often = json!({ "samplingIntervalMs": 50, "queueSize": 10 });
     let decisions = [
         (TOGGLED, mapped(power, "Double", json!([]), json!({}))),
-        ("steps", mapped(power, "Double", script(count), apart)),
+        (STEPS, mapped(power, "Double", script(count), apart)),
         ("scripted", mapped(power, "Double", script("value => `at ${value}`"), json!({}))),
         (COUNTED, mapped((COUNTERS, &counter), "Int64", json!([]), often)),
     ];
