@@ -48,11 +48,11 @@ enum Key {
 /// Counts of one broker.
 #[derive(Default)]
 pub(crate) struct Guesses {
-    state: Mutex<State>,
+    state: Mutex<Counts>,
 }
 
 #[derive(Default)]
-struct State {
+struct Counts {
     /// Times at which all failures of a count are forgotten.
     counts: HashMap<Key, Instant>,
     /// Last sign-ins of users from networks.
@@ -120,7 +120,7 @@ impl Attempt {
     }
 }
 
-impl State {
+impl Counts {
     /// Returns whether there are as many failures as a bound permits.
     fn is_exceeded(&self, key: Key, bound: Bound, now: Instant) -> bool {
         let Some(until) = self.counts.get(&key) else { return false };

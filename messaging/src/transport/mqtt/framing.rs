@@ -6,7 +6,9 @@ use rumqttc::v5::mqttbytes::{
     Error, QoS,
     v5::{Codec, Disconnect, DisconnectReasonCode, Packet},
 };
-use tokio_util::codec::{Decoder, Encoder};
+use tokio_util::codec::{Decoder, Encoder, Framed};
+
+use crate::transport::dial::Stream;
 
 /// First byte of a DISCONNECT packet.
 const DISCONNECT: u8 = 0xE0;
@@ -19,6 +21,9 @@ pub(super) const PROPERTY_BYTES_MAX: usize = 16 * 1024;
 const CONTROL_BYTES_MAX: u32 = 16 * 1024;
 /// Most bytes of a variable byte integer (MQTT 5 §1.5.5).
 const VARIABLE_BYTES_MAX: usize = 4;
+
+/// Packets over the bytes of a connection.
+pub(super) type PacketStream = Framed<Box<dyn Stream>, PacketCodec>;
 
 /// Reads and writes packets.
 #[derive(Debug)]

@@ -30,7 +30,7 @@ use super::{
         connection::{ConnectionFault, EndpointFault},
         dial::Stream,
     },
-    framing::{Incoming, PROPERTY_BYTES_MAX, PacketCodec},
+    framing::{Incoming, PROPERTY_BYTES_MAX, PacketCodec, PacketStream},
     held::{Held, Memory},
 };
 use crate::config::LinkLimits;
@@ -40,8 +40,6 @@ const PACKETS_BUFFERED: usize = 256;
 /// Receive Maximum of a broker that sends none (MQTT 5 §3.2.2.3.3).
 const RECEIVE_MAX_DEFAULT: u16 = u16::MAX;
 
-type PacketStream = Framed<Box<dyn Stream>, PacketCodec>;
-
 /// Handle of a network connection for publishers and subscribers.
 pub(super) struct NetworkConnection {
     packets: mpsc::Sender<Packet>,
@@ -50,7 +48,7 @@ pub(super) struct NetworkConnection {
     /// Send quota: messages that the broker accepts unacknowledged (MQTT 5 §4.9).
     send_quota: Arc<Semaphore>,
     loss: watch::Receiver<Option<ConnectionFault>>,
-    /// Whether the reader waits for subscribers that take messages.
+    /// True while the reader waits for subscribers that take messages.
     congestion: watch::Receiver<bool>,
     stop: CancellationToken,
     /// Largest packet that the broker accepts, in bytes.

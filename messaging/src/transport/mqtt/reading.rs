@@ -17,7 +17,7 @@ use crate::clock;
 pub struct ReadMessage {
     /// Memory that it is counted with, in bytes.
     pub memory_bytes: usize,
-    /// Whether it can be handed to the inbox.
+    /// True if it can be handed to the inbox.
     pub is_delivery: bool,
 }
 

@@ -7,8 +7,10 @@ use rumqttc::v5::mqttbytes::v5::{Disconnect, DisconnectReasonCode, Packet, PingR
 use tokio::{sync::mpsc, time::timeout};
 use tokio_util::sync::CancellationToken;
 
-use super::PacketStream;
-use crate::transport::{connection::ConnectionFault, mqtt::config::CLOSE_TIMEOUT};
+use crate::transport::{
+    connection::ConnectionFault,
+    mqtt::{config::CLOSE_TIMEOUT, framing::PacketStream},
+};
 
 /// Writes packets and pings until the connection ends.
 pub(super) async fn write(
