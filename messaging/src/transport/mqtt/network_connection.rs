@@ -23,14 +23,11 @@ use tokio::{
     sync::{Notify, OwnedSemaphorePermit, Semaphore, mpsc, oneshot, watch},
     time::{Instant, timeout},
 };
-use tokio_util::{codec::Framed, sync::CancellationToken};
+use tokio_util::sync::CancellationToken;
 
 use super::{
-    super::{
-        connection::{ConnectionFault, EndpointFault},
-        dial::Stream,
-    },
-    framing::{Incoming, PROPERTY_BYTES_MAX, PacketCodec, PacketStream},
+    super::connection::{ConnectionFault, EndpointFault},
+    framing::{Incoming, PROPERTY_BYTES_MAX, PacketStream},
     held::{Held, Memory},
 };
 use crate::config::LinkLimits;

@@ -1,8 +1,13 @@
 use futures::SinkExt;
 use rumqttc::v5::mqttbytes::{QoS, v5::Subscribe};
 use tokio::io::DuplexStream;
+use tokio_util::codec::Framed;
 
-use super::{super::config::no_properties, *};
+use super::{
+    super::{config::no_properties, framing::PacketCodec},
+    *,
+};
+use crate::transport::dial::Stream;
 
 const RECEIVE_MAX: u32 = 4;
 
