@@ -54,6 +54,8 @@ pub struct Length {
     pub at_least_kills: u32,
     /// Faults that this machine cannot cause are left out, instead of failing the run.
     pub may_lack_faults: bool,
+    /// True where the line is away for longer than peers wait for each other.
+    pub has_outages: bool,
 }
 
 /// Time for everything to work again after a round. A peer that is gone without a word is
@@ -120,7 +122,7 @@ async fn play(
     stage.strike(Fault::KillAll).await?;
     let comments = CommentTraffic::begin(&stage.world.places)?;
     let controls = ControlTraffic::begin(&stage.world.places)?;
-    let mut plan = Plan::new(seed);
+    let mut plan = Plan::new(seed, length.has_outages);
     let start = Instant::now();
     let mut number = 0;
     while start.elapsed() < length.span && stage.kills < length.kills {
@@ -158,7 +160,7 @@ async fn play(
         stage.kills,
         length.at_least_kills
     );
-    let missed = stage.missed();
+    let missed = stage.missed(length.has_outages);
     anyhow::ensure!(missed.is_empty(), "the run had no {}", missed.join(" and no "));
     Ok(())
 }

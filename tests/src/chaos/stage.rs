@@ -134,7 +134,7 @@ impl Stage {
     }
 
     /// Returns the kinds of faults that every run has to have, that this machine can cause, and that did not strike.
-    pub fn missed(&self) -> Vec<&'static str> {
+    pub fn missed(&self, has_outages: bool) -> Vec<&'static str> {
         let has_any =
             |kinds: &[&str]| kinds.iter().any(|kind| self.counts.get(kind).is_some_and(|n| *n > 0));
         let wanted = [
@@ -143,7 +143,7 @@ impl Stage {
                 !self.clocks.is_empty(),
                 &["connector clock", "platform clock"][..],
             ),
-            ("outage", true, &["outage"]),
+            ("outage", has_outages, &["outage"]),
             ("full disk", !self.disks.is_empty(), &["full disk"][..]),
         ];
         let missed = wanted.into_iter().filter(|(_, can_be, kinds)| *can_be && !has_any(kinds));

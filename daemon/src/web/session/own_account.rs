@@ -13,7 +13,7 @@ use super::{
     hashing::HashingError,
     password::{PasswordError, PasswordPolicy},
     second_factor::wrong,
-    sessions::{Sessions, SignedIn, internal, not_hashed},
+    sessions::{Sessions, SignedIn, internal, not_hashed, now},
 };
 use crate::{Confidential, web::problem::Problem};
 
@@ -144,8 +144,7 @@ impl<A: Accounts> Sessions<A> {
             return Ok(());
         }
         let stored = self.accounts().session(session).await.map_err(internal)?;
-        let age =
-            stored.and_then(|stored| SystemTime::now().duration_since(stored.started_at).ok());
+        let age = stored.and_then(|stored| now().duration_since(stored.started_at).ok());
         if age.is_some_and(|age| age <= RECENT) {
             return Ok(());
         }

@@ -33,6 +33,10 @@ pub(super) struct PacketCodec {
 
 /// A packet that the broker has sent.
 #[derive(Debug, PartialEq, Eq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "nearly all are packets, which would be allocated each"
+)]
 pub(super) enum Incoming {
     Packet(Packet),
     /// A message whose properties are longer than [`PROPERTY_BYTES_MAX`]. Any other client of the

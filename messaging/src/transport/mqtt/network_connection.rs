@@ -301,7 +301,8 @@ impl PacketReader {
                     }
                 }
                 Packet::Publish(publish) => {
-                    if !self.deliver_in_time(publish).await {
+                    let is_delivered = self.deliver_in_time(publish).await;
+                    if !is_delivered {
                         return ConnectionFault::transient(
                             "the broker sends more than it may, and nobody takes it in time",
                         );
