@@ -3,6 +3,9 @@ use tempfile::TempDir;
 
 use super::*;
 
+/// Change of a folder after which its files cannot be read.
+type Damage<'d> = &'d dyn Fn(&Path);
+
 /// Certificates whose subject is that of the authority, so that they fit any issuer of this name.
 struct Authority {
     issuer: Issuer<'static, KeyPair>,
@@ -176,7 +179,7 @@ fn no_certificate_is_trusted_while_it_is_not_known_what_is_revoked() {
     let authority = Authority::new();
     let too_long = vec![0; 5 << 20];
     let write = |path: &Path, bytes: &[u8]| fs::write(path, bytes).expect("written");
-    let cases: [(&str, &dyn Fn(&Path)); 6] = [
+    let cases: [(&str, Damage<'_>); 6] = [
         ("a list that is too long", &|pki| write(&pki.join("crl/long.crl"), &too_long)),
         ("a folder in place of a list", &|pki| {
             fs::create_dir(pki.join("crl/folder.crl")).expect("a folder");

@@ -6,6 +6,9 @@ use tempfile::TempDir;
 use super::*;
 use crate::security::{certificate::prepare_folders, trust::TrustList};
 
+/// Change of a folder after which its files cannot be read.
+type Damage<'d> = &'d dyn Fn(&Path);
+
 /// An authority with its certificate.
 struct Authority {
     issuer: rcgen::Issuer<'static, rcgen::KeyPair>,
@@ -260,7 +263,7 @@ fn revocation_lists_and_denied_certificates_are_obeyed_in_pem() {
 fn nobody_is_let_in_while_it_is_not_known_who_is_denied_or_revoked() {
     let write = |path: &Path, bytes: &[u8]| fs::write(path, bytes).unwrap();
     let too_long = vec![0; 5 << 20];
-    let cases: [(&str, &dyn Fn(&Path)); 8] = [
+    let cases: [(&str, Damage<'_>); 8] = [
         ("a list that is too long", &|pki| write(&pki.join("crl/long.crl"), &too_long)),
         ("a denied certificate that is too long", &|pki| {
             write(&pki.join("denied/long.der"), &too_long);
