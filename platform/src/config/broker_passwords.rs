@@ -65,16 +65,10 @@ impl ExternalBrokerConfig {
     pub(super) fn password_faults(&self) -> Vec<String> {
         let mut faults: Vec<String> = Vec::new();
         // What is wrong with the file is wrong for every account.
-        match self.password_of(&self.user_name) {
-            Ok(password) if password.expose().len() >= CHARACTERS_MIN => {}
-            // A password of the configuration was always taken as it is.
-            Ok(_) if self.password_file.is_none() => {}
-            Ok(_) => faults.push(short(&self.user_name)),
-            Err(error) => {
-                let cause = std::error::Error::source(&error);
-                let cause = cause.map(|cause| format!(": {cause}")).unwrap_or_default();
-                faults.push(format!("broker.external.password_file: {error}{cause}"));
-            }
+        if let Err(error) = self.password_of(&self.user_name) {
+            let cause = std::error::Error::source(&error);
+            let cause = cause.map(|cause| format!(": {cause}")).unwrap_or_default();
+            faults.push(format!("broker.external.password_file: {error}{cause}"));
         }
         for account in &self.accounts {
             if account.password.expose().len() < CHARACTERS_MIN {
@@ -84,11 +78,6 @@ impl ExternalBrokerConfig {
         }
         faults
     }
-}
-
-fn short(user_name: &str) -> String {
-    let short = BrokerPasswordError::Short { user_name: user_name.to_owned() };
-    format!("broker.external.password_file: {short}")
 }
 
 /// Returns the password of a line `user_name password`; none where there is no line for the account.

@@ -33,7 +33,6 @@ impl AccessArbiter {
         }
         let Some(revoked_at) = self.known.get(address).copied().flatten() else { return Ok(true) };
         let who = holder(&address.to_string());
-        metrics::counter!("verbund_revoked_messages_total", "who" => who.clone()).increment(1);
         let reason = format!(
             "The credentials of {who} were revoked at {revoked_at}, and it did not enrol again."
         );

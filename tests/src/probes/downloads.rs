@@ -81,7 +81,7 @@ async fn unread(engineers: &mut [Api], bytes: usize) -> anyhow::Result<String> {
     // What is on its way fills its buffers meanwhile.
     tokio::time::sleep(Duration::from_secs(2)).await;
     let served = async {
-        honest.sign_in("engineer-4", PASSWORD).await?;
+        honest.sign_in(&engineer_name(ENGINEERS), PASSWORD).await?;
         for path in ["/api/v1/status", "/api/v1/ledger?limit=10", "/api/v1/spool"] {
             let _: Value = honest.get(path).await?;
         }
