@@ -111,7 +111,7 @@ impl Default for TwinLimits {
     fn default() -> Self {
         Self {
             sessions_max: 100,
-            connections_max: 200,
+            connections_max: 1000,
             connections_per_address_max: 50,
             monitored_items_per_subscription_max: 100_000,
             publishing_interval_ms_min: 10,

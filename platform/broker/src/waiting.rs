@@ -2,9 +2,11 @@
 //!
 //! A peer that only waits makes room for one that comes: where all places of an address are taken,
 //! the oldest goes, and where all places of the broker are, the oldest of the address that holds
-//! most. So a peer that signs in without delay is served while others hold as many places as they can.
+//! most. An address that holds fewer places than another one never waits for it: so a peer that signs
+//! in without delay is served while others hold as many places as they can, and come again at once.
 
 use std::{
+    cmp::Reverse,
     collections::{HashMap, VecDeque},
     net::{IpAddr, Ipv6Addr},
     sync::Arc,
@@ -14,9 +16,9 @@ use std::{
 use parking_lot::Mutex;
 use tokio_util::sync::CancellationToken;
 
-/// Time in which nobody has to make room: an honest peer signs in within it, also when many of one
-/// address come at once. The shorter it is, the more of those that come find a place while others
-/// only wait.
+/// Time in which nobody has to make room for a peer whose address holds as many places: an honest peer
+/// signs in within it, also when many of one address come at once. The shorter it is, the more of those
+/// that come find a place while others only wait.
 const GRACE: Duration = Duration::from_millis(100);
 
 /// Places of one broker.
@@ -68,13 +70,13 @@ impl WaitingRoom {
         let network = network(peer);
         let mut state = self.state.lock();
         let of_address = state.waiting.get(&network).map_or(0, VecDeque::len);
-        if of_address >= self.per_address_max && !state.displace_oldest(network, now) {
+        if of_address >= self.per_address_max && !state.displace_oldest(network, GRACE, now) {
             return Err(Taken::Address);
         }
         if state.in_all >= self.in_all_max {
-            let largest = state.waiting.iter().max_by_key(|(_, of_one)| of_one.len());
-            let largest = largest.map(|(network, _)| *network);
-            if !largest.is_some_and(|largest| state.displace_oldest(largest, now)) {
+            let (largest, count) = state.largest().ok_or(Taken::InAll)?;
+            let grace = if count > of_address + 1 { Duration::ZERO } else { GRACE };
+            if !state.displace_oldest(largest, grace, now) {
                 return Err(Taken::InAll);
             }
         }
@@ -92,10 +94,20 @@ impl WaitingRoom {
 }
 
 impl State {
+    /// Returns the network with the most places, and their number; of several the one whose oldest
+    /// peer has waited longest.
+    fn largest(&self) -> Option<(IpAddr, usize)> {
+        let key = |of_one: &VecDeque<Waiting>| {
+            (of_one.len(), of_one.front().map(|oldest| Reverse(oldest.since)))
+        };
+        let largest = self.waiting.iter().max_by_key(|(_, of_one)| key(of_one));
+        largest.map(|(network, of_one)| (*network, of_one.len()))
+    }
+
     /// Takes the place of the oldest peer of a network; false while it is in its time of grace.
-    fn displace_oldest(&mut self, network: IpAddr, now: Instant) -> bool {
+    fn displace_oldest(&mut self, network: IpAddr, grace: Duration, now: Instant) -> bool {
         let Some(of_one) = self.waiting.get_mut(&network) else { return false };
-        let is_due = |oldest: &Waiting| now.saturating_duration_since(oldest.since) >= GRACE;
+        let is_due = |oldest: &Waiting| now.saturating_duration_since(oldest.since) >= grace;
         if !of_one.front().is_some_and(is_due) {
             return false;
         }
@@ -176,10 +188,36 @@ mod tests {
         let many: Vec<_> =
             (0..3).map(|_| room.enter(address(1), start).expect("a place")).collect();
         let one = room.enter(address(2), start).expect("a place");
-        assert_eq!(room.enter(address(3), start).err(), Some(Taken::InAll));
-        let _late = room.enter(address(3), start + GRACE).expect("a place");
+        let _first = room.enter(address(3), start).expect("a place that it need not wait for");
         assert!(many[0].displaced.is_cancelled());
         assert!(!many[1].displaced.is_cancelled() && !one.displaced.is_cancelled());
+    }
+
+    #[test]
+    fn addresses_with_as_many_places_wait_for_each_other() {
+        let room = Arc::new(WaitingRoom::new(2, 2));
+        let start = Instant::now();
+        let soon = start + GRACE / 2;
+        let first = room.enter(address(1), start).expect("a place");
+        let second = room.enter(address(2), soon).expect("a place");
+        assert_eq!(room.enter(address(3), soon).err(), Some(Taken::InAll));
+        let _again = room.enter(address(1), start + GRACE).expect("its own oldest is due");
+        let _third = room.enter(address(3), soon + GRACE).expect("the place of the oldest");
+        assert!(first.displaced.is_cancelled() && second.displaced.is_cancelled());
+    }
+
+    #[test]
+    fn who_signs_in_at_once_is_served_beside_a_flood_that_comes_again_at_once() {
+        let room = Arc::new(WaitingRoom::new(64, 16));
+        let start = Instant::now();
+        let mut flood: Vec<_> = (0..64).map(|n| room.enter(address(n % 8), start).ok()).collect();
+        for (turn, micros) in (0..2_000_u64).map(|n| (n, n * 50)) {
+            let now = start + Duration::from_micros(micros);
+            let honest = room.enter(address(200), now).expect("a place");
+            let place = usize::try_from(turn % 64).expect("small");
+            flood[place] = room.enter(address(u8::try_from(turn % 8).expect("small")), now).ok();
+            assert!(!honest.displaced.is_cancelled());
+        }
     }
 
     #[test]

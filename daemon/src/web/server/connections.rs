@@ -1,6 +1,7 @@
 //! Connections of a server: places for them, and the choice of those that give theirs up.
 
 use std::{
+    cmp::Reverse,
     collections::HashMap,
     net::IpAddr,
     sync::Arc,
@@ -25,11 +26,15 @@ pub(super) struct Connections {
 #[derive(Default)]
 struct State {
     entries: HashMap<u64, Entry>,
+    /// Numbers of the entries of each client.
+    by_client: HashMap<AddressRange, usize>,
     last_id: u64,
 }
 
 struct Entry {
     client: AddressRange,
+    /// True where many clients are behind its address.
+    is_shared: bool,
     activity: Activity,
     close: CancellationToken,
 }
@@ -74,14 +79,12 @@ impl Connections {
         let client = AddressRange::of_client(peer);
         let is_shared = self.limits.shared_addresses.iter().any(|range| range.contains(peer));
         let mut state = self.state.lock();
-        if !is_shared {
-            let own = state.entries.values().filter(|entry| entry.client == client).count();
-            if own >= self.limits.connections_per_client_max
-                && !state.evict(|entry| entry.client == client)
-            {
-                count_refused("client");
-                return None;
-            }
+        if !is_shared
+            && state.of_client(client) >= self.limits.connections_per_client_max
+            && !state.evict(|entry| entry.client == client)
+        {
+            count_refused("client");
+            return None;
         }
         if state.entries.len() >= self.limits.connections_max && !state.evict(|_| true) {
             count_refused("total");
@@ -91,21 +94,49 @@ impl Connections {
         let id = state.last_id;
         let activity = Activity(Arc::new(Mutex::new(Phase::Waiting(Instant::now()))));
         let close = CancellationToken::new();
-        let entry = Entry { client, activity: activity.clone(), close: close.clone() };
-        state.entries.insert(id, entry);
+        let entry = Entry { client, is_shared, activity: activity.clone(), close: close.clone() };
+        state.insert(id, entry);
         show_number(state.entries.len());
         Some(Admitted { connections: Arc::clone(self), id, activity, close })
     }
 }
 
 impl State {
-    /// Closes the connection that has waited longest of those that `may_go`; false where all are busy.
+    fn insert(&mut self, id: u64, entry: Entry) {
+        *self.by_client.entry(entry.client).or_default() += 1;
+        self.entries.insert(id, entry);
+        show_number(self.entries.len());
+    }
+
+    fn remove(&mut self, id: u64) -> Option<Entry> {
+        let entry = self.entries.remove(&id)?;
+        if let Some(count) = self.by_client.get_mut(&entry.client) {
+            *count -= 1;
+            if *count == 0 {
+                self.by_client.remove(&entry.client);
+            }
+        }
+        show_number(self.entries.len());
+        Some(entry)
+    }
+
+    fn of_client(&self, client: AddressRange) -> usize {
+        self.by_client.get(&client).copied().unwrap_or_default()
+    }
+
+    /// Closes a connection of those that `may_go` and keep the server waiting: of the client that has
+    /// most connections, the one that has waited longest. False where all are busy.
     fn evict(&mut self, may_go: impl Fn(&Entry) -> bool) -> bool {
         let now = Instant::now();
-        let idle = self.entries.iter().filter(|(_, entry)| may_go(entry));
-        let idle = idle.filter_map(|(id, entry)| Some((*id, entry.activity.idle_since(now)?)));
-        let Some((id, _)) = idle.min_by_key(|(_, since)| *since) else { return false };
-        if let Some(entry) = self.entries.remove(&id) {
+        let idle =
+            self.entries.iter().filter(|(_, entry)| may_go(entry)).filter_map(|(id, entry)| {
+                let since = entry.activity.idle_since(now)?;
+                // Behind a proxy, each may be a client of its own.
+                let count = if entry.is_shared { 1 } else { self.of_client(entry.client) };
+                Some(((count, Reverse(since)), *id))
+            });
+        let Some((_, id)) = idle.max() else { return false };
+        if let Some(entry) = self.remove(id) {
             entry.close.cancel();
             count_refused("displaced");
         }
@@ -162,9 +193,7 @@ impl Activity {
 
 impl Drop for Admitted {
     fn drop(&mut self) {
-        let mut state = self.connections.state.lock();
-        state.entries.remove(&self.id);
-        show_number(state.entries.len());
+        self.connections.state.lock().remove(self.id);
     }
 }
 
@@ -211,6 +240,23 @@ mod tests {
         assert!(!first.close.is_cancelled(), "there is room for other clients");
         drop((other, second));
         assert_eq!(connections.state.lock().entries.len(), 2);
+    }
+
+    #[test]
+    fn who_holds_most_gives_way_first() {
+        let connections = connections();
+        let quiet = connections.admit(peer(4)).expect("a place");
+        let first = connections.admit(peer(2)).expect("a place");
+        let second = connections.admit(peer(2)).expect("a place");
+        let other = connections.admit(peer(3)).expect("a place");
+        let honest = connections.admit(peer(5)).expect("a place");
+        assert!(first.close.is_cancelled(), "the older one of the two");
+        for kept in [&quiet, &second, &other, &honest] {
+            assert!(!kept.close.is_cancelled());
+        }
+        drop((quiet, first, second, other, honest));
+        let state = connections.state.lock();
+        assert!(state.entries.is_empty() && state.by_client.is_empty());
     }
 
     #[test]

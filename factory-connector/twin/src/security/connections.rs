@@ -1,9 +1,10 @@
 //! Limits on connections: in total and from one address, and among them on those without a session, which anybody can
-//! open. Beyond the limits a new connection takes the place of the oldest one whose client is not known yet, so that
-//! silent connections keep no honest client out.
+//! open. Beyond the limits a new connection takes the place of the oldest one whose client is not known yet, of the
+//! address that has most of them, so that silent connections keep no honest client out.
 
 use std::{
-    collections::{BTreeMap, HashMap},
+    cmp::Reverse,
+    collections::{BTreeSet, HashMap},
     net::{IpAddr, Ipv6Addr, SocketAddr},
     sync::Arc,
 };
@@ -97,20 +98,30 @@ enum Admission {
     },
 }
 
-/// The open connections by their age.
+/// The open connections of each address.
 struct OpenConnections {
     total_max: usize,
     per_address_max: usize,
     unknown_max: usize,
     next_id: u64,
-    by_id: BTreeMap<u64, Connection>,
+    by_id: HashMap<u64, Connection>,
+    by_address: HashMap<IpAddr, OfAddress>,
+    /// Connections without a session.
+    unknown: usize,
 }
 
 struct Connection {
     address: IpAddr,
-    /// True once a session was activated on it.
-    is_known: bool,
     close: CancellationToken,
+}
+
+/// Connections of one address.
+#[derive(Default)]
+struct OfAddress {
+    /// Number of those on which a session was activated once.
+    known: usize,
+    /// All others, the oldest first.
+    unknown: BTreeSet<u64>,
 }
 
 impl OpenConnections {
@@ -121,18 +132,19 @@ impl OpenConnections {
             // The other half stays for clients that signed in.
             unknown_max: limits.connections_max.div_ceil(2),
             next_id: 0,
-            by_id: BTreeMap::new(),
+            by_id: HashMap::new(),
+            by_address: HashMap::new(),
+            unknown: 0,
         }
     }
 
     fn admit(&mut self, address: IpAddr, close: CancellationToken) -> Admission {
-        let from_here = self.by_id.values().filter(|one| one.address == address).count();
-        let unknown = self.by_id.values().filter(|one| !one.is_known).count();
-        let (limit, victim) = if from_here >= self.per_address_max {
-            (Some("address"), self.oldest_unknown_of(address))
+        let here = self.by_address.get(&address);
+        let (limit, victim) = if here.is_some_and(|here| here.count() >= self.per_address_max) {
+            (Some("address"), here.and_then(OfAddress::oldest_unknown))
         } else if self.by_id.len() >= self.total_max {
             (Some("total"), self.oldest_unknown_of_busiest())
-        } else if unknown >= self.unknown_max {
+        } else if self.unknown >= self.unknown_max {
             (Some("unknown"), self.oldest_unknown_of_busiest())
         } else {
             (None, None)
@@ -141,7 +153,7 @@ impl OpenConnections {
             return Admission::Admitted { id: self.insert(address, close) };
         };
         // At once, and not when its task has ended: that would let in more than the limit.
-        let Some(victim) = victim.and_then(|id| self.by_id.remove(&id)) else {
+        let Some(victim) = victim.and_then(|id| self.closed(id)) else {
             return Admission::Refused { limit };
         };
         victim.close.cancel();
@@ -151,33 +163,54 @@ impl OpenConnections {
     fn insert(&mut self, address: IpAddr, close: CancellationToken) -> u64 {
         let id = self.next_id;
         self.next_id += 1;
-        self.by_id.insert(id, Connection { address, is_known: false, close });
+        self.by_id.insert(id, Connection { address, close });
+        self.by_address.entry(address).or_default().unknown.insert(id);
+        self.unknown += 1;
         id
     }
 
     fn session_activated(&mut self, id: u64) {
-        if let Some(connection) = self.by_id.get_mut(&id) {
-            connection.is_known = true;
+        let Some(connection) = self.by_id.get(&id) else { return };
+        if let Some(here) = self.by_address.get_mut(&connection.address)
+            && here.unknown.remove(&id)
+        {
+            here.known += 1;
+            self.unknown -= 1;
         }
     }
 
-    fn closed(&mut self, id: u64) {
-        self.by_id.remove(&id);
+    fn closed(&mut self, id: u64) -> Option<Connection> {
+        let connection = self.by_id.remove(&id)?;
+        if let Some(here) = self.by_address.get_mut(&connection.address) {
+            if here.unknown.remove(&id) {
+                self.unknown -= 1;
+            } else {
+                here.known -= 1;
+            }
+            if here.count() == 0 {
+                self.by_address.remove(&connection.address);
+            }
+        }
+        Some(connection)
     }
 
-    fn oldest_unknown_of(&self, address: IpAddr) -> Option<u64> {
-        let is_meant = |one: &Connection| !one.is_known && one.address == address;
-        self.by_id.iter().find(|(_, one)| is_meant(one)).map(|(id, _)| *id)
-    }
-
-    /// The address with the most unknown connections gives way, and not who came first.
+    /// The address with the most unknown connections gives way, and not who came first. Of several it is the one whose
+    /// oldest has waited longest.
     fn oldest_unknown_of_busiest(&self) -> Option<u64> {
-        let mut by_address: HashMap<IpAddr, usize> = HashMap::new();
-        for one in self.by_id.values().filter(|one| !one.is_known) {
-            *by_address.entry(one.address).or_default() += 1;
-        }
-        let (busiest, _) = by_address.into_iter().max_by_key(|(_, count)| *count)?;
-        self.oldest_unknown_of(busiest)
+        let oldest = self.by_address.values().filter_map(|here| {
+            here.oldest_unknown().map(|oldest| (here.unknown.len(), Reverse(oldest)))
+        });
+        oldest.max().map(|(_, Reverse(oldest))| oldest)
+    }
+}
+
+impl OfAddress {
+    fn count(&self) -> usize {
+        self.known + self.unknown.len()
+    }
+
+    fn oldest_unknown(&self) -> Option<u64> {
+        self.unknown.first().copied()
     }
 }
 
@@ -241,6 +274,24 @@ mod tests {
         let open: Vec<_> =
             flood.iter().enumerate().filter(|(_, one)| one.is_open()).map(|(at, _)| at).collect();
         assert_eq!(open, [38, 39], "the newest of the flood, and half of the room is for others");
+    }
+
+    #[test]
+    fn of_addresses_with_as_many_the_one_that_came_first_makes_room() {
+        let filter = filter(8, 8);
+        let all: Vec<_> = (0..8).map(|host| Client::new(&filter, host)).collect();
+        let open: Vec<_> = all.iter().map(Client::is_open).collect();
+        assert_eq!(open, [false, false, false, false, true, true, true, true]);
+    }
+
+    #[test]
+    fn what_ends_is_counted_no_longer() {
+        let filter = filter(4, 4);
+        let (silent, known) = (Client::new(&filter, 1), Client::known(&filter, 1));
+        drop((silent, known));
+        let open = filter.open.lock();
+        assert!(open.by_id.is_empty() && open.by_address.is_empty());
+        assert_eq!(open.unknown, 0);
     }
 
     #[test]
