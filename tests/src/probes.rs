@@ -10,6 +10,7 @@ mod http;
 mod members;
 mod opcua;
 mod process;
+mod route;
 mod scene;
 mod siege;
 mod strangers;

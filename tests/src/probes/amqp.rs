@@ -16,6 +16,7 @@ use tokio::{
     time::timeout,
 };
 
+use super::route::Route;
 use crate::{
     frame_order::MUNICH,
     world::{OBSERVER, OBSERVER_PASSWORD},
@@ -38,13 +39,13 @@ const REJECTED: [u8; 3] = [0x00, 0x53, 0x25];
 struct Peer(TcpStream);
 
 impl Peer {
-    async fn connect(port: u16) -> anyhow::Result<Self> {
-        Ok(Self(TcpStream::connect(("127.0.0.1", port)).await?))
+    async fn connect(route: Route) -> anyhow::Result<Self> {
+        Ok(Self(route.connect().await?))
     }
 
     /// Signs in, opens the connection and begins a session.
-    async fn open(port: u16) -> anyhow::Result<Self> {
-        let mut peer = Self::connect(port).await?;
+    async fn open(route: Route) -> anyhow::Result<Self> {
+        let mut peer = Self::connect(route).await?;
         let open = described(0x10, &[string("probe")]);
         peer.send(SASL_HEADER).await;
         peer.send(&frame(SASL, 0, &sasl_init(OBSERVER, OBSERVER_PASSWORD))).await;
@@ -112,14 +113,14 @@ impl Peer {
 }
 
 /// Signs an honest peer in, and returns the time that it took.
-pub(super) async fn sign_in(port: u16) -> anyhow::Result<Duration> {
+pub(super) async fn sign_in(route: Route) -> anyhow::Result<Duration> {
     let begun = Instant::now();
-    Peer::open(port).await?;
+    Peer::open(route).await?;
     Ok(begun.elapsed())
 }
 
 /// Fourteen bytes of a stranger that claim gigabytes.
-pub(super) async fn claimed_lengths(port: u16) -> anyhow::Result<String> {
+pub(super) async fn claimed_lengths(route: Route) -> anyhow::Result<String> {
     let mut count = 0;
     for length in [0x4000_0000_u32, 0xffff_fff0, 0x00ff_ffff] {
         let long = |code: u8| [&[code][..], &length.to_be_bytes()].concat();
@@ -132,7 +133,7 @@ pub(super) async fn claimed_lengths(port: u16) -> anyhow::Result<String> {
             described(0x40, &[list(0xf0)]),
         ];
         for body in bodies {
-            let mut stranger = Peer::connect(port).await?;
+            let mut stranger = Peer::connect(route).await?;
             stranger.send(&[SASL_HEADER, &frame(SASL, 0, &body)].concat()).await;
             stranger.header().await.ok();
             stranger.closed().await?;
@@ -143,7 +144,7 @@ pub(super) async fn claimed_lengths(port: u16) -> anyhow::Result<String> {
 }
 
 /// Frames of a user who is signed in, nested as deep as they may be long.
-pub(super) async fn nested(port: u16) -> anyhow::Result<String> {
+pub(super) async fn nested(route: Route) -> anyhow::Result<String> {
     let mut reasons = 0;
     let deep = || entry(testkit::amqp::nested(LEVELS));
     let bodies = [
@@ -152,7 +153,7 @@ pub(super) async fn nested(port: u16) -> anyhow::Result<String> {
         attach("factory.F.requests", 0, deep()),
     ];
     for body in &bodies {
-        let mut peer = Peer::open(port).await?;
+        let mut peer = Peer::open(route).await?;
         peer.send(&frame(AMQP, 0, body)).await;
         reasons += usize::from(peer.closed().await?);
     }
@@ -161,8 +162,8 @@ pub(super) async fn nested(port: u16) -> anyhow::Result<String> {
 }
 
 /// A message whose annotations nest: it is rejected, and its link goes on.
-pub(super) async fn nested_message(port: u16) -> anyhow::Result<String> {
-    let mut peer = attached(port).await?;
+pub(super) async fn nested_message(route: Route) -> anyhow::Result<String> {
+    let mut peer = attached(route).await?;
     let body = section(0x77, &testkit::amqp::nested(LEVELS));
     peer.send(&frame(AMQP, 0, &[transfer(0, 0, false), body].concat())).await;
     let answer = peer.until(DISPOSITION).await?;
@@ -172,8 +173,8 @@ pub(super) async fn nested_message(port: u16) -> anyhow::Result<String> {
 }
 
 /// A delivery of half a million frames that has no end.
-pub(super) async fn endless(port: u16) -> anyhow::Result<String> {
-    let mut peer = attached(port).await?;
+pub(super) async fn endless(route: Route) -> anyhow::Result<String> {
+    let mut peer = attached(route).await?;
     let part = frame(AMQP, 0, &[&transfer(0, 0, true)[..], b"x"].concat()).repeat(1000);
     let mut sent = 0;
     for _ in 0..500 {
@@ -185,8 +186,8 @@ pub(super) async fn endless(port: u16) -> anyhow::Result<String> {
     Ok(format!("{sent} frames, and no more memory"))
 }
 
-async fn attached(port: u16) -> anyhow::Result<Peer> {
-    let mut peer = Peer::open(port).await?;
+async fn attached(route: Route) -> anyhow::Result<Peer> {
+    let mut peer = Peer::open(route).await?;
     let address = format!("factory.{MUNICH}.requests");
     peer.send(&frame(AMQP, 0, &attach(&address, 0, NULL.to_vec()))).await;
     peer.until(ATTACH).await?;

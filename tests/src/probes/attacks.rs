@@ -4,6 +4,7 @@ use futures::future::BoxFuture;
 
 use super::{
     amqp, files, http, members, opcua,
+    route::Route,
     scene::{Scene, Target},
     strangers,
 };
@@ -37,33 +38,33 @@ pub(super) fn attacks(scene: &Scene) -> Vec<Attack> {
 }
 
 fn of_the_broker(scene: &Scene) -> Vec<Attack> {
-    let port = scene.world.places.broker_plain;
+    let route = Route::hostile(scene.world.places.broker_plain);
     let of = Target::Broker;
     vec![
-        attack(of, "lengths that strangers claim", amqp::claimed_lengths(port)),
-        attack(of, "frames nested 30 000 levels deep", amqp::nested(port)),
-        attack(of, "messages nested 30 000 levels deep", amqp::nested_message(port)),
-        attack(of, "a delivery that never ends", amqp::endless(port)),
+        attack(of, "lengths that strangers claim", amqp::claimed_lengths(route)),
+        attack(of, "frames nested 30 000 levels deep", amqp::nested(route)),
+        attack(of, "messages nested 30 000 levels deep", amqp::nested_message(route)),
+        attack(of, "a delivery that never ends", amqp::endless(route)),
     ]
 }
 
 fn of_the_twin(scene: &Scene) -> Vec<Attack> {
-    let port = scene.world.places.munich.twin;
+    let route = Route::hostile(scene.world.places.munich.twin);
     let of = Target::Connector;
     vec![
-        attack(of, "messages that claim sizes", opcua::claimed_sizes(port)),
-        attack(of, "chunks without end before a sign-in", opcua::endless_chunks(port)),
+        attack(of, "messages that claim sizes", opcua::claimed_sizes(route)),
+        attack(of, "chunks without end before a sign-in", opcua::endless_chunks(route)),
         attack(
             of,
             "policies that no endpoint offers",
-            opcua::deprecated_policies(scene.cast.munich.clone(), port),
+            opcua::deprecated_policies(scene.cast.munich.clone(), route),
         ),
         attack(
             of,
             "220 unknown certificates after one that was denied",
-            opcua::denied_certificate(scene.cast.munich.clone(), port),
+            opcua::denied_certificate(scene.cast.munich.clone(), route),
         ),
-        attack(of, "values nested in the header of a request", opcua::nested_headers(port)),
+        attack(of, "values nested in the header of a request", opcua::nested_headers(route)),
     ]
 }
 

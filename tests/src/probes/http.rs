@@ -11,6 +11,7 @@ use tokio::{
     time::timeout,
 };
 
+use super::route::HOSTILE;
 use crate::harness::Api;
 
 /// Beginning of a request whose head has no end.
@@ -130,12 +131,14 @@ pub(super) async fn nested_documents(api: Api, path: &str) -> anyhow::Result<Str
     Ok(format!("{statuses:?}"))
 }
 
-/// Sends a body that is larger than any that is taken.
+/// Sends a body that is larger than any that is taken, from an address of mean people.
 pub(super) async fn oversize(port: u16) -> anyhow::Result<()> {
+    let source = reqwest::Client::builder().local_address(Some(HOSTILE.into()));
+    let client = source.timeout(PATIENCE).build()?;
     let address = format!("http://127.0.0.1:{port}/api/v1/session");
     let body = vec![b' '; 16 << 20];
     let json = ("content-type", "application/json");
-    client()?.post(address).header(json.0, json.1).body(body).send().await?;
+    client.post(address).header(json.0, json.1).body(body).send().await?;
     Ok(())
 }
 

@@ -19,6 +19,7 @@ use tokio::{
     time::timeout,
 };
 
+use super::route::Route;
 use crate::harness::Api;
 
 /// Time in which the server has to answer or to close.
@@ -26,8 +27,8 @@ const PATIENCE: Duration = Duration::from_secs(20);
 /// Bytes that a server may take of what was only claimed.
 const TAKEN_MAX: usize = 32 << 20;
 
-async fn connect(port: u16) -> anyhow::Result<TcpStream> {
-    Ok(TcpStream::connect(("127.0.0.1", port)).await?)
+async fn connect(route: Route) -> anyhow::Result<TcpStream> {
+    Ok(route.connect().await?)
 }
 
 /// Reads one message of the server.
@@ -44,16 +45,16 @@ async fn message(stream: &mut TcpStream) -> anyhow::Result<Vec<u8>> {
 }
 
 /// Says hello.
-async fn greeted(port: u16) -> anyhow::Result<TcpStream> {
-    let mut stream = connect(port).await?;
-    stream.write_all(&hello(&format!("opc.tcp://127.0.0.1:{port}"), 65_535)).await?;
+async fn greeted(route: Route) -> anyhow::Result<TcpStream> {
+    let mut stream = connect(route).await?;
+    stream.write_all(&hello(&route.opcua_url(), 65_535)).await?;
     anyhow::ensure!(message(&mut stream).await?.starts_with(b"ACKF"), "no acknowledgement");
     Ok(stream)
 }
 
 /// Opens a channel without security, as for discovery; returns its id, too.
-async fn channel(port: u16) -> anyhow::Result<(TcpStream, u32)> {
-    let mut stream = greeted(port).await?;
+async fn channel(route: Route) -> anyhow::Result<(TcpStream, u32)> {
+    let mut stream = greeted(route).await?;
     stream.write_all(&open_channel()).await?;
     let opened = message(&mut stream).await?;
     anyhow::ensure!(opened.starts_with(b"OPNF") && opened.len() > 12, "no channel");
@@ -62,10 +63,10 @@ async fn channel(port: u16) -> anyhow::Result<(TcpStream, u32)> {
 }
 
 /// Opens a channel and asks for the endpoints, and returns the time that it took.
-pub(super) async fn discover(port: u16) -> anyhow::Result<Duration> {
+pub(super) async fn discover(route: Route) -> anyhow::Result<Duration> {
     let begun = Instant::now();
-    let (mut stream, id) = channel(port).await?;
-    let url = format!("opc.tcp://127.0.0.1:{port}");
+    let (mut stream, id) = channel(route).await?;
+    let url = route.opcua_url();
     stream.write_all(&framed(b"MSGF", &get_endpoints(&url, id, 2, &NO_HEADER))).await?;
     anyhow::ensure!(message(&mut stream).await?.starts_with(b"MSG"), "no endpoints");
     Ok(begun.elapsed())
@@ -84,14 +85,14 @@ async fn flood(stream: &mut TcpStream, block: &[u8], most: usize) -> usize {
 }
 
 /// Messages that claim four gigabytes.
-pub(super) async fn claimed_sizes(port: u16) -> anyhow::Result<String> {
+pub(super) async fn claimed_sizes(route: Route) -> anyhow::Result<String> {
     let mut taken = 0;
     for kind in [b"HELF", b"OPNF", b"MSGF"] {
-        let mut stream = connect(port).await?;
+        let mut stream = connect(route).await?;
         stream.write_all(&claiming(kind, u32::MAX)).await?;
         let answer = message(&mut stream).await?;
         anyhow::ensure!(answer.starts_with(b"ERRF"), "not refused: {answer:02x?}");
-        let (mut stream, _) = channel(port).await?;
+        let (mut stream, _) = channel(route).await?;
         stream.write_all(&claiming(b"MSGC", u32::MAX)).await?;
         taken = flood(&mut stream, &vec![0; 1 << 20], 2 * TAKEN_MAX).await.max(taken);
     }
@@ -100,8 +101,8 @@ pub(super) async fn claimed_sizes(port: u16) -> anyhow::Result<String> {
 }
 
 /// Intermediate chunks without end.
-pub(super) async fn endless_chunks(port: u16) -> anyhow::Result<String> {
-    let (mut stream, id) = channel(port).await?;
+pub(super) async fn endless_chunks(route: Route) -> anyhow::Result<String> {
+    let (mut stream, id) = channel(route).await?;
     let mut taken = 0;
     for sequence in 2..1002_u32 {
         let mut body = chunk_header(id, sequence, 2);
@@ -116,9 +117,9 @@ pub(super) async fn endless_chunks(port: u16) -> anyhow::Result<String> {
 }
 
 /// Returns the certificate that the server shows with its endpoints.
-async fn server_certificate(port: u16) -> anyhow::Result<X509> {
-    let (mut stream, id) = channel(port).await?;
-    let url = format!("opc.tcp://127.0.0.1:{port}");
+async fn server_certificate(route: Route) -> anyhow::Result<X509> {
+    let (mut stream, id) = channel(route).await?;
+    let url = route.opcua_url();
     stream.write_all(&framed(b"MSGF", &get_endpoints(&url, id, 2, &NO_HEADER))).await?;
     let answer = message(&mut stream).await?;
     // A byte string is its length and its bytes; a certificate is a sequence (0x30) with a length of two bytes (0x82).
@@ -137,8 +138,8 @@ async fn server_certificate(port: u16) -> anyhow::Result<X509> {
 const POLICY: &str = "http://opcfoundation.org/UA/SecurityPolicy#";
 
 /// Sends a request for a channel. Returns the answer and the time that it took.
-async fn opened(port: u16, opening: &[u8]) -> anyhow::Result<(Vec<u8>, Duration)> {
-    let mut stream = greeted(port).await?;
+async fn opened(route: Route, opening: &[u8]) -> anyhow::Result<(Vec<u8>, Duration)> {
+    let mut stream = greeted(route).await?;
     let begun = Instant::now();
     stream.write_all(opening).await?;
     Ok((message(&mut stream).await?, begun.elapsed()))
@@ -146,13 +147,13 @@ async fn opened(port: u16, opening: &[u8]) -> anyhow::Result<(Vec<u8>, Duration)
 
 /// Requests for channels with PKCS#1 v1.5 and with what was never a policy, of a client that is trusted, and encrypted
 /// for the server's key: one answer for all, and never soon. By a policy that is offered the same client gets a channel.
-pub(super) async fn deprecated_policies(engineer: Api, port: u16) -> anyhow::Result<String> {
-    let server = server_certificate(port).await?;
+pub(super) async fn deprecated_policies(engineer: Api, route: Route) -> anyhow::Result<String> {
+    let server = server_certificate(route).await?;
     let client = Client::named("probe of policies")?;
     trust(&engineer, &client).await?;
     let by = |policy: SecurityPolicy, uri: &str| client.opening(policy, uri, &server);
     let offered = by(SecurityPolicy::Basic256Sha256, SecurityPolicy::Basic256Sha256.to_uri())?;
-    let (answer, _) = opened(port, &offered).await?;
+    let (answer, _) = opened(route, &offered).await?;
     anyhow::ensure!(answer.starts_with(b"OPNF"), "no channel by a policy that is offered");
     let pkcs1 = |name: &str| by(SecurityPolicy::Basic128Rsa15, &format!("{POLICY}{name}"));
     let basic_256 = by(SecurityPolicy::Basic256, &format!("{POLICY}Basic256"))?;
@@ -160,7 +161,7 @@ pub(super) async fn deprecated_policies(engineer: Api, port: u16) -> anyhow::Res
     let mut answers = Vec::new();
     let mut soonest = Duration::MAX;
     for opening in [pkcs1("Basic128Rsa15")?, basic_256, pkcs1("Nonsense")?, noise] {
-        let (answer, took) = opened(port, &opening).await?;
+        let (answer, took) = opened(route, &opening).await?;
         answers.push(answer);
         soonest = soonest.min(took);
     }
@@ -174,20 +175,26 @@ pub(super) async fn deprecated_policies(engineer: Api, port: u16) -> anyhow::Res
 const STRANGERS: usize = 220;
 
 /// Sends many unknown certificates, so that the one that was denied is forgotten: it is not.
-pub(super) async fn denied_certificate(engineer: Api, port: u16) -> anyhow::Result<String> {
+pub(super) async fn denied_certificate(engineer: Api, route: Route) -> anyhow::Result<String> {
     let folder = tempfile::tempdir()?;
     let denied = Client::named("probe that is denied")?;
     trust(&engineer, &denied).await?;
-    anyhow::ensure!(denied.has_session(folder.path(), port).await?, "not trusted at first");
+    anyhow::ensure!(
+        denied.has_session(folder.path(), &route.opcua_url()).await?,
+        "not trusted at first"
+    );
     let thumbprint = denied.certificate.thumbprint().as_hex_string();
     let path = format!("/api/v1/client-certificates/{thumbprint}");
     let _: Value = engineer.put(&path, &json!({ "isTrusted": false })).await?;
     for number in 0..STRANGERS {
         let stranger = denied.another(&format!("stranger {number}"))?;
-        let has_session = stranger.has_session(folder.path(), port).await?;
+        let has_session = stranger.has_session(folder.path(), &route.opcua_url()).await?;
         anyhow::ensure!(!has_session, "a stranger got a session");
     }
-    anyhow::ensure!(!denied.has_session(folder.path(), port).await?, "the denied got a session");
+    anyhow::ensure!(
+        !denied.has_session(folder.path(), &route.opcua_url()).await?,
+        "the denied got a session"
+    );
     let known: Value = engineer.get("/api/v1/client-certificates").await?;
     let shown = known.to_string();
     let is_known = shown.contains("probe that is denied") && shown.contains("stranger");
@@ -203,15 +210,15 @@ async fn trust(engineer: &Api, client: &Client) -> anyhow::Result<()> {
 }
 
 /// Values in values in the header of a request that anybody may send.
-pub(super) async fn nested_headers(port: u16) -> anyhow::Result<String> {
-    let url = format!("opc.tcp://127.0.0.1:{port}");
+pub(super) async fn nested_headers(route: Route) -> anyhow::Result<String> {
+    let url = route.opcua_url();
     let headers = [
         nested_header(25, &[0x40], 60_000),
         nested_header(23, &[0x01, 23], 30_000),
         nested_header(24, &[24], 60_000),
     ];
     for header in headers {
-        let (mut stream, id) = channel(port).await?;
+        let (mut stream, id) = channel(route).await?;
         stream.write_all(&framed(b"MSGF", &get_endpoints(&url, id, 2, &header))).await?;
         message(&mut stream).await?;
     }

@@ -7,6 +7,7 @@ use anyhow::Context as _;
 use super::{
     amqp,
     process::{Memory, mib},
+    route::Route,
 };
 use crate::{
     harness::{Api, say},
@@ -123,7 +124,7 @@ impl Scene {
         self.runs(target)?;
         let took = match target {
             Target::Platform => honest_request(&self.cast.platform).await?,
-            Target::Broker => amqp::sign_in(self.world.places.broker_plain).await?,
+            Target::Broker => amqp::sign_in(Route::honest(self.world.places.broker_plain)).await?,
             Target::Connector => honest_request(&self.cast.munich).await?,
         };
         anyhow::ensure!(took < ANSWER_MAX, "an answer took {took:?}");

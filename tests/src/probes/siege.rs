@@ -16,6 +16,7 @@ use tokio::task::JoinSet;
 use super::{
     amqp, http, opcua,
     process::mib,
+    route::Route,
     scene::{MEMORY_MAX, Scene, Target, honest_request},
 };
 use crate::harness::{Deadline, say};
@@ -158,8 +159,8 @@ async fn honest(scene: &Scene, until: Option<Instant>, failed: &mut Vec<String>)
             honest_request(&scene.cast.platform).await,
             honest_request(&scene.cast.munich).await,
             new_caller(places.platform_web).await,
-            amqp::sign_in(places.broker_plain).await,
-            opcua::discover(places.munich.twin).await,
+            amqp::sign_in(Route::honest(places.broker_plain)).await,
+            opcua::discover(Route::honest(places.munich.twin)).await,
         ];
         for ((times, outcome), kind) in times.iter_mut().zip(outcomes).zip(KINDS) {
             match outcome {
@@ -211,6 +212,7 @@ fn besiege(scene: &Scene) -> anyhow::Result<(JoinSet<()>, Tally)> {
         siege.spawn(repeat(count, move || http::oversize(port)));
     }
     let mut again = |name: &str| tally.count(name.to_owned(), REPEATS_MIN);
+    let (broker, twin) = (Route::hostile(broker), Route::hostile(twin));
     siege.spawn(repeat(again("claimed lengths"), move || amqp::claimed_lengths(broker)));
     siege.spawn(repeat(again("nested frames"), move || amqp::nested(broker)));
     siege.spawn(repeat(again("nested messages"), move || amqp::nested_message(broker)));

@@ -52,7 +52,7 @@ impl Client {
     }
 
     /// Asks for a session with a client of the library. Returns whether it got one.
-    pub async fn has_session(&self, folder: &Path, port: u16) -> anyhow::Result<bool> {
+    pub async fn has_session(&self, folder: &Path, url: &str) -> anyhow::Result<bool> {
         let key = self.key.to_der().map_err(|error| anyhow::anyhow!("{error}"))?;
         let key = BASE64.encode(key.as_bytes());
         // A file of this form has lines of 64 characters (RFC 7468).
@@ -80,10 +80,9 @@ impl Client {
         let mut client = limits::raise_client(builder)
             .client()
             .map_err(|faults| anyhow::anyhow!(faults.join(", ")))?;
-        let url = format!("opc.tcp://127.0.0.1:{port}");
         let policy = SecurityPolicy::Basic256Sha256;
         let security = MessageSecurityMode::SignAndEncrypt;
-        let endpoint = (&*url, policy.to_str(), security, UserTokenPolicy::anonymous());
+        let endpoint = (url, policy.to_str(), security, UserTokenPolicy::anonymous());
         let user = IdentityToken::new_user_name(ENGINEER, PASSWORD);
         let (session, event_loop) = client.connect_to_matching_endpoint(endpoint, user).await?;
         let mut events = event_loop.spawn();

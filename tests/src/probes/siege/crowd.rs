@@ -2,7 +2,7 @@
 
 use std::{
     io,
-    net::{Ipv4Addr, SocketAddr},
+    net::Ipv4Addr,
     sync::{
         Arc,
         atomic::{AtomicU64, Ordering},
@@ -12,12 +12,11 @@ use std::{
 
 use tokio::{
     io::{AsyncReadExt as _, AsyncWriteExt as _},
-    net::{TcpSocket, TcpStream},
     task::JoinSet,
     time::timeout,
 };
 
-use crate::harness::say;
+use crate::{harness::say, probes::route::Route};
 
 /// Connections of each kind to each listener, and the least number that has to be made.
 const CROWD: u16 = 1000;
@@ -85,7 +84,7 @@ async fn hold(
     slow: Option<&[u8]>,
     [made, held]: [&AtomicU64; 2],
 ) -> io::Result<()> {
-    let mut stream = connect_from(source, port).await?;
+    let mut stream = Route::new(source, port).connect().await?;
     if slow.is_none() {
         made.fetch_add(1, Ordering::Relaxed);
     }
@@ -112,10 +111,4 @@ async fn hold(
             held.fetch_add(1, Ordering::Relaxed);
         }
     }
-}
-
-async fn connect_from(source: Ipv4Addr, port: u16) -> io::Result<TcpStream> {
-    let socket = TcpSocket::new_v4()?;
-    socket.bind(SocketAddr::new(source.into(), 0))?;
-    socket.connect(SocketAddr::new(Ipv4Addr::LOCALHOST.into(), port)).await
 }
