@@ -14,7 +14,8 @@ use platform::{
     accesses::AccessRecorder,
     broker_access::BrokerAccess,
     clock::Clock,
-    ingest::{Ingest, IngestConfig},
+    config::PlatformConfig,
+    ingest::{Ingest, IngestConfig, RoomConfig},
     live::LiveLog,
     networks::{Author, PutNetwork, put},
     principal::Principal,
@@ -41,7 +42,12 @@ async fn main() -> anyhow::Result<()> {
     let wait = std::time::Duration::from_secs(60);
     let witness = Arc::new(WitnessKey::open(folder.path())?);
     let (ingest, handle) = Ingest::new(
-        IngestConfig { resend_after: wait, silence: wait, witness },
+        IngestConfig {
+            resend_after: wait,
+            silence: wait,
+            witness,
+            room: RoomConfig::of(&PlatformConfig::default()),
+        },
         store.clone(),
         live,
         BrokerAccess::new(Vec::new()),
@@ -132,7 +138,6 @@ fn message(number: u32, reports: u32) -> anyhow::Result<Delivery> {
     let body = serde_json::json!({ "MessageId": id, "MessageType": "ua-data", "PublisherId": "F", "Messages": parts });
     Ok(Delivery {
         envelope: Envelope::new(id.parse()?, "ua-data", body.to_string().into_bytes()),
-        principal: None,
         is_redelivered: false,
         delivery_count: 0,
         received_at: time::OffsetDateTime::now_utc(),

@@ -238,6 +238,10 @@ impl Default for LeaseConfig {
 pub struct RetentionConfig {
     /// Retention of messages as they came, in days. Reports themselves are retained.
     pub inbox_days: u32,
+    /// Most MiB of messages and reports kept of one factory. Beyond, its messages wait at the broker.
+    pub kept_mib_per_factory: u32,
+    /// Most MiB of messages kept of one tool, likewise.
+    pub kept_mib_per_tool: u32,
     /// Lifetime of an enrolment token, in hours.
     pub enrolment_token_hours: u32,
     /// Retention of the record of who read a factory's values, in days.
@@ -248,7 +252,14 @@ pub struct RetentionConfig {
 
 impl Default for RetentionConfig {
     fn default() -> Self {
-        Self { inbox_days: 14, enrolment_token_hours: 24, access_days: 1_095, audit_days: 1_095 }
+        Self {
+            inbox_days: 14,
+            kept_mib_per_factory: 200_000,
+            kept_mib_per_tool: 4_000,
+            enrolment_token_hours: 24,
+            access_days: 1_095,
+            audit_days: 1_095,
+        }
     }
 }
 
@@ -292,6 +303,13 @@ impl PlatformConfig {
         }
         if self.receipts.interval_ms == 0 {
             faults.push("receipts.interval_ms: must be at least 1".to_owned());
+        }
+        let RetentionConfig { kept_mib_per_factory, kept_mib_per_tool, .. } = self.retention;
+        if kept_mib_per_factory == 0 || kept_mib_per_tool == 0 {
+            faults.push(
+                "retention.kept_mib_per_factory and kept_mib_per_tool: must be at least 1"
+                    .to_owned(),
+            );
         }
         if self.leases.silence_ms < 300 {
             faults.push("leases.silence_ms: must be at least 300".to_owned());

@@ -14,6 +14,7 @@ mod heartbeats;
 mod lease_arbiter;
 mod pace;
 mod quota_arbiter;
+mod room;
 mod service;
 mod signature_arbiter;
 mod signatures;
@@ -21,4 +22,5 @@ mod signs_of_life;
 mod unit;
 
 pub use decode::{Incoming, IncomingReport, decode};
+pub use room::RoomConfig;
 pub use service::{Ingest, IngestConfig, IngestHandle};

@@ -33,7 +33,7 @@ use crate::{
     clock::Clock,
     config::PlatformConfig,
     enrolment::EnrolmentAddress,
-    ingest::{Ingest, IngestConfig},
+    ingest::{Ingest, IngestConfig, RoomConfig},
     live::{EVENTS_MAX, LiveLog},
     networks::Resender,
     progress_notifier::ProgressNotifier,
@@ -167,6 +167,7 @@ impl Platform {
         if let Some(EmbeddedBroker::Process(process)) = broker_access.broker() {
             start_watching(&process, &application, lifecycle);
         }
+        let ending = ingest.ending();
         lifecycle.spawn("ingest", Importance::Essential, ingest.run(after_link.clone()));
         // Queues can only be declared once the broker runs, so this is the first task's work and
         // not the opening's.
@@ -176,12 +177,8 @@ impl Platform {
             reconciling.await;
             Ok::<(), Infallible>(())
         });
-        let link_shutdown = lifecycle.shutdown();
-        lifecycle.spawn("link", Importance::Essential, async move {
-            let _ends_with_it = after_link.drop_guard();
-            link.run(link_shutdown).await;
-            Ok::<(), Infallible>(())
-        });
+        let running = run_link(link, lifecycle.shutdown(), after_link, ending);
+        lifecycle.spawn("link", Importance::Essential, running);
         if let (Some(external), Some(link)) =
             (application.config.broker.external.clone(), broker_access.link())
         {
@@ -284,7 +281,24 @@ fn ingest_config(config: &PlatformConfig, witness: Arc<WitnessKey>) -> IngestCon
         resend_after: Duration::from_millis(config.parts.resend_after_ms),
         silence: config.lease_silence(),
         witness,
+        room: RoomConfig::of(config),
     }
+}
+
+/// Runs the link until shutdown, and then what ends after it. Senders without room are waited for no longer.
+async fn run_link(
+    link: Link,
+    shutdown: CancellationToken,
+    after_link: CancellationToken,
+    ending: CancellationToken,
+) -> Result<(), Infallible> {
+    let _ends_with_it = after_link.drop_guard();
+    let end = async {
+        shutdown.cancelled().await;
+        ending.cancel();
+    };
+    tokio::join!(link.run(shutdown.clone()), end);
+    Ok(())
 }
 
 /// Shows state and metrics of the broker's process beside those of this one.

@@ -44,6 +44,23 @@ pub struct Incoming {
     pub content: Content,
 }
 
+impl Incoming {
+    /// Makes the dead letter in its place.
+    pub(super) fn set_aside(
+        &self,
+        address: &LogicalAddress,
+        code: &'static str,
+        reason: String,
+    ) -> Self {
+        let letter = NewDeadLetter {
+            message_id: Some(self.message_id.to_string()),
+            subject: self.message_type.clone(),
+            ..dead_letter(address, &self.envelope, self.received_at, code, reason)
+        };
+        Self { content: Content::Dead(Box::new(letter)), ..self.clone() }
+    }
+}
+
 /// Decoded content of a message.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Content {

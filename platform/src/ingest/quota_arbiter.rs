@@ -15,7 +15,7 @@ use crate::store::{Kept, StoreError};
 /// Share of a factory in missing ranges and announced gaps.
 pub(super) const GAPS: &str = "gaps";
 /// Code of dead letters whose factory has used a quota up.
-const QUOTA_EXCEEDED: &str = "QUOTA_EXCEEDED";
+pub(super) const QUOTA_EXCEEDED: &str = "QUOTA_EXCEEDED";
 /// Most writers of a factory, each epoch counted by itself.
 const WRITERS_MAX: u64 = 10_000;
 

@@ -15,10 +15,11 @@ use tokio_util::sync::CancellationToken;
 
 use super::{
     apply::Applier,
-    dead_letter::dead_letter,
-    decode::{Content, Incoming, decode as understand},
+    decode::{Incoming, decode as understand},
     heartbeats::Heartbeats,
     pace::Pace,
+    quota_arbiter::QUOTA_EXCEEDED,
+    room::{Room, RoomConfig},
     signs_of_life::SignsOfLife,
     unit::Effects,
 };
@@ -29,7 +30,7 @@ use crate::{
     live::LiveLog,
     progress_notifier::ProgressNotifierHandle,
     signing::SigningState,
-    store::{NewDeadLetter, Store, StoreError, StoreReader},
+    store::{Store, StoreError, StoreReader},
     witness::WitnessKey,
 };
 
@@ -52,6 +53,8 @@ pub struct IngestConfig {
     pub silence: Duration,
     /// The key that countersigns checkpoints of ledgers.
     pub witness: Arc<WitnessKey>,
+    /// Bounds on what is kept of a sender.
+    pub room: RoomConfig,
 }
 
 /// The service; [`run`](Self::run) it.
@@ -68,6 +71,7 @@ pub struct Ingest {
     meta_data: Arc<RwLock<Arc<MetaDataTable>>>,
     batches: mpsc::Receiver<Batch>,
     signs: SignsOfLife,
+    ending: CancellationToken,
 }
 
 /// Brings messages to a running [`Ingest`].
@@ -77,6 +81,9 @@ pub struct IngestHandle {
     meta_data: Arc<RwLock<Arc<MetaDataTable>>>,
     batches: mpsc::Sender<Batch>,
     pace: Arc<Pace>,
+    room: Arc<Room>,
+    /// Cancelled when the platform ends.
+    ending: CancellationToken,
 }
 
 struct Batch {
@@ -111,13 +118,16 @@ impl Ingest {
         }
         let meta_data = Arc::new(RwLock::new(Arc::new(table)));
         let (sender, batches) = mpsc::channel(BATCHES_WAITING_MAX);
+        let IngestConfig { resend_after, silence, witness, room } = config;
+        let ending = CancellationToken::new();
         let handle = IngestHandle {
+            ending: ending.clone(),
+            room: Arc::new(Room::new(room, store.reader())),
             store: store.reader(),
             meta_data: Arc::clone(&meta_data),
             batches: sender,
             pace: Arc::default(),
         };
-        let IngestConfig { resend_after, silence, witness } = config;
         let (signs, heartbeats) = (SignsOfLife::default(), Heartbeats::new(silence));
         Ok((
             Self {
@@ -133,9 +143,16 @@ impl Ingest {
                 meta_data,
                 batches,
                 signs,
+                ending,
             },
             handle,
         ))
+    }
+
+    /// Returns the token to cancel when the platform ends: senders without room are waited for no longer.
+    #[must_use]
+    pub fn ending(&self) -> CancellationToken {
+        self.ending.clone()
     }
 
     /// Runs until shutdown; what was taken by then is written.
@@ -197,8 +214,8 @@ impl Ingest {
             return false;
         }
         // The database will always refuse it: a dead letter instead, so that the queue goes on.
-        let dead =
-            dead_message(address, message, format!("It cannot be stored: {}.", chain(&error)));
+        let reason = format!("It cannot be stored: {}.", chain(&error));
+        let dead = message.set_aside(address, "NOT_STORABLE", reason);
         self.write_once(&[(address, std::slice::from_ref(&dead))]).await.is_ok()
     }
 
@@ -264,7 +281,21 @@ impl messaging::Inbox for IngestHandle {
         deliveries: Vec<Delivery>,
     ) -> Vec<Settlement> {
         self.pace.keep(address, deliveries.len()).await;
-        let Some(messages) = self.understand(address, deliveries).await else { return Vec::new() };
+        let lacking = match self.room.of(address, self.ending.cancelled()).await {
+            // Not stored any more: the platform ends.
+            Ok(Some(_)) if self.room.may_wait() => return Vec::new(),
+            Ok(lacking) => lacking,
+            Err(error) => {
+                tracing::warn!(cause = %chain(&error), "The room of a sender cannot be read; its messages wait.");
+                return Vec::new();
+            }
+        };
+        let Some(mut messages) = self.understand(address, deliveries).await else {
+            return Vec::new();
+        };
+        for (message, reason) in messages.iter_mut().zip(lacking.iter().cycle()) {
+            *message = message.set_aside(address, QUOTA_EXCEEDED, reason.clone());
+        }
         let stored = self.write(address, messages).await;
         stored
             .into_iter()
@@ -346,15 +377,6 @@ impl MetaDataLookup for KnownMetaData<'_> {
     fn meta_data(&self, _publisher: Option<&str>, writer: Option<u16>) -> Option<&DataSetMetaData> {
         self.table.get(&(self.factory?.clone(), writer?))
     }
-}
-
-fn dead_message(address: &LogicalAddress, message: &Incoming, reason: String) -> Incoming {
-    let letter = NewDeadLetter {
-        message_id: Some(message.message_id.to_string()),
-        subject: message.message_type.clone(),
-        ..dead_letter(address, &message.envelope, message.received_at, "NOT_STORABLE", reason)
-    };
-    Incoming { content: Content::Dead(Box::new(letter)), ..message.clone() }
 }
 
 /// Returns true if the database rejected the data itself, so that a retry would fail again.

@@ -1,6 +1,7 @@
 //! Rows and bytes that are kept of a factory, a person or an organisation, to hold them against quotas.
 
 use asi_model::{AssetId, FactoryId, OperationNetworkId, OrganisationId};
+use messaging::LogicalAddress;
 use sqlx::sqlite::SqliteArguments;
 
 use super::{
@@ -21,6 +22,17 @@ pub struct Kept {
 pub struct Quotas<'w>(pub(super) &'w mut Connection);
 
 impl Quotas<'_> {
+    /// Returns what is kept of the messages and reports of a factory or tool, by its address.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn of_sender(&mut self, address: &LogicalAddress) -> Result<Kept, StoreError> {
+        // A sum, so that there is a row for a sender of which nothing is kept.
+        let sql = "SELECT COALESCE(SUM(number), 0) AS number, COALESCE(SUM(bytes), 0) AS bytes
+                   FROM kept_of_sender WHERE address = $1";
+        self.kept(sqlx::query(sql).bind(address.to_string()), "count what is kept").await
+    }
+
     /// Returns what is kept of the metadata of a factory's writers other than this one.
     ///
     /// # Errors

@@ -335,3 +335,44 @@ async fn what_one_member_exhausts_others_do_not_feel() {
     assert_eq!((of("FOR_MUC"), of("INS_HAM")), (1, DEAD_LETTERS_PER_ADDRESS_MAX as usize));
     drop(held);
 }
+
+/// Room of one MiB for each factory.
+const SMALL_ROOM: &str = "[retention]\nkept_mib_per_factory = 1\n";
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_factory_without_room_waits_at_the_broker_and_others_go_on() {
+    let mut world = World::start_configured(SMALL_ROOM).await;
+    let (admin, buyer, munich, hamburg) = story::accepted(&world).await;
+    // JSON may have any space in it, and raw messages are kept as they came.
+    let padding = " ".repeat(200_000);
+    for number in 0..6 {
+        let report = story::report(&format!("m{number}"), number, u64::from(number));
+        let body = report.to_string() + &padding;
+        munich.send_bytes("ua-data", Some(&format!("m{number}")), body.as_bytes());
+    }
+    story::value_is(&buyer, "5").await;
+    // What was seen of its room counts for a while.
+    tokio::time::sleep(Duration::from_secs(6)).await;
+    munich.send("ua-data", &story::report("m6", 6, 6));
+    eventually("the share is used up", || async {
+        let text = admin.client.call(Method::GET, "/metrics", None).await.expect("an answer").text;
+        let line = "verbund_share_refusals_total{share=\"kept\",who=\"FOR_MUC\"}";
+        if text.contains(line) { Ok(()) } else { Err(text) }
+    })
+    .await;
+    hamburg.send_bytes("decision", None, b"no JSON");
+    let store = &world.handle().application.store;
+    eventually("the other factory is served", || async {
+        let mut work = store.read().await.expect("a reader");
+        let count = letters(&mut work, "INS_HAM").await;
+        if count == 1 { Ok(()) } else { Err(count.to_string()) }
+    })
+    .await;
+    let mut work = store.read().await.expect("a reader");
+    assert_eq!(letters(&mut work, "FOR_MUC").await, 0, "nothing of it is set aside");
+    story::value_is(&buyer, "5").await;
+    drop(work);
+    // The platform ends although a factory waits.
+    let ending = tokio::time::timeout(Duration::from_secs(20), world.stop());
+    ending.await.expect("it ends");
+}

@@ -97,7 +97,6 @@ impl Platform {
             let address = LogicalAddress::FactoryIngress(id(factory));
             let delivery = Delivery {
                 envelope: Envelope::new(id("t1"), "any", body.to_string()),
-                principal: None,
                 is_redelivered: false,
                 delivery_count: 0,
                 received_at: time::OffsetDateTime::UNIX_EPOCH,

@@ -14,7 +14,6 @@ fn ingress() -> LogicalAddress {
 fn delivery(body: impl Into<bytes::Bytes>) -> Delivery {
     Delivery {
         envelope: Envelope::new("t1".parse().expect("valid"), "any", body),
-        principal: None,
         is_redelivered: false,
         delivery_count: 0,
         received_at: time::OffsetDateTime::UNIX_EPOCH,
