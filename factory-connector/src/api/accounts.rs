@@ -202,7 +202,9 @@ impl Accounts for StoredAccounts {
         let write = self.writer.write(move |mut session| async move {
             session.second_factors().put(&name, &factor).await
         });
-        write.await.map_err(AccountsError::new)
+        write.await.map_err(AccountsError::new)?;
+        self.users_changed.notify_one();
+        Ok(())
     }
 
     async fn delete_second_factor(

@@ -208,7 +208,6 @@ impl Running {
         let envelope = Envelope::new(new_message_id(), subject, body.to_string());
         let delivery = Delivery {
             envelope,
-            principal: None,
             is_redelivered: false,
             delivery_count: 0,
             received_at: OffsetDateTime::now_utc(),

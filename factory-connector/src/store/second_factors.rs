@@ -5,7 +5,7 @@ use sqlx::{SqliteConnection, sqlite::SqliteRow};
 
 use super::{
     error::StoreError,
-    query::{optional, query},
+    query::{all, optional, query},
     row::{Columns as _, document, signed},
 };
 
@@ -24,6 +24,15 @@ impl SecondFactors<'_> {
         let query =
             query("SELECT * FROM second_factor WHERE user_name = ?").bind(user_name.to_owned());
         optional(self.0, query, "look a second factor up", factor).await
+    }
+
+    /// Lists the names of those who have confirmed codes of an app.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn confirmed(&mut self) -> Result<Vec<String>, StoreError> {
+        let query = query("SELECT user_name FROM second_factor WHERE is_confirmed = 1");
+        all(self.0, query, "list second factors", |row| row.column("user_name")).await
     }
 
     /// Stores the second factor of a person in place of another.

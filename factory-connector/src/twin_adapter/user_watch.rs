@@ -1,7 +1,11 @@
-//! Ends the OPC UA sessions of people who were removed, or who got another role or password: a
-//! session keeps the rights it began with.
+//! Ends the OPC UA sessions of people who were removed, who got another role or password, or who turned a second
+//! factor on: a session keeps the rights it began with, and began with a password alone then.
 
-use std::{collections::HashMap, sync::Arc, time::Duration};
+use std::{
+    collections::{HashMap, HashSet},
+    sync::Arc,
+    time::Duration,
+};
 
 use tokio::sync::Notify;
 use tokio_util::sync::CancellationToken;
@@ -12,8 +16,17 @@ use crate::store::{Readers, StoreError, User};
 /// Time between two reads of the store without a notification: the command line changes users, too.
 const READ_INTERVAL: Duration = Duration::from_secs(5);
 
-/// Role and password hash by name.
-type People = HashMap<String, (String, String)>;
+/// People by name.
+type People = HashMap<String, Person>;
+
+/// Rights and secrets that a session of a person began with.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Person {
+    role: String,
+    password_hash: String,
+    /// True where codes of an app are asked for.
+    has_codes: bool,
+}
 
 /// Task that compares the stored users with those it read before.
 pub struct UserWatch {
@@ -71,14 +84,31 @@ impl UserWatch {
 }
 
 async fn people(readers: &Readers) -> Result<People, StoreError> {
-    let users = readers.session().await?.users().all().await?;
-    let entry = |user: User| (user.user_name, (user.role.name().to_owned(), user.password_hash));
+    let mut session = readers.session().await?;
+    let users = session.users().all().await?;
+    let confirmed: HashSet<String> =
+        session.second_factors().confirmed().await?.into_iter().collect();
+    let entry = |user: User| {
+        let has_codes = confirmed.contains(&user.user_name);
+        let role = user.role.name().to_owned();
+        (user.user_name, Person { role, password_hash: user.password_hash, has_codes })
+    };
     Ok(users.into_iter().map(entry).collect())
 }
 
-/// Returns the names of users who were changed or removed.
+/// Returns the names of users who were changed or removed. Who turned codes off keeps the sessions.
 fn changed<'p>(before: &'p People, now: &People) -> impl Iterator<Item = &'p str> {
-    before.iter().filter(|(name, user)| now.get(*name) != Some(user)).map(|(name, _)| name.as_str())
+    let is_same = |before: &Person, now: &Person| {
+        before.role == now.role
+            && before.password_hash == now.password_hash
+            && (before.has_codes || !now.has_codes)
+    };
+    let is_changed =
+        move |name: &str, person: &Person| !now.get(name).is_some_and(|now| is_same(person, now));
+    before
+        .iter()
+        .filter(move |(name, person)| is_changed(name, person))
+        .map(|(name, _)| name.as_str())
 }
 
 #[cfg(test)]
@@ -87,18 +117,31 @@ mod tests {
 
     #[test]
     fn changed_and_removed_users_are_found() {
-        let people = |people: &[(&str, &str, &str)]| -> People {
-            people
-                .iter()
-                .map(|(name, role, hash)| ((*name).into(), ((*role).into(), (*hash).into())))
-                .collect()
+        let people = |people: &[(&str, &str, &str, bool)]| -> People {
+            let person = |(name, role, password_hash, has_codes): &(&str, &str, &str, bool)| {
+                let (role, password_hash) = ((*role).into(), (*password_hash).into());
+                ((*name).into(), Person { role, password_hash, has_codes: *has_codes })
+            };
+            people.iter().map(person).collect()
         };
-        let before =
-            people(&[("eva", "E", "1"), ("otto", "O", "2"), ("vera", "V", "3"), ("ida", "E", "4")]);
-        let now =
-            people(&[("eva", "E", "1"), ("otto", "V", "2"), ("vera", "V", "9"), ("new", "E", "5")]);
+        let before = people(&[
+            ("eva", "E", "1", false),
+            ("otto", "O", "2", false),
+            ("vera", "V", "3", false),
+            ("ida", "E", "4", false),
+            ("on", "E", "5", false),
+            ("off", "E", "6", true),
+        ]);
+        let now = people(&[
+            ("eva", "E", "1", false),
+            ("otto", "V", "2", false),
+            ("vera", "V", "9", false),
+            ("new", "E", "5", false),
+            ("on", "E", "5", true),
+            ("off", "E", "6", false),
+        ]);
         let mut found: Vec<_> = changed(&before, &now).collect();
         found.sort_unstable();
-        assert_eq!(found, ["ida", "otto", "vera"]);
+        assert_eq!(found, ["ida", "on", "otto", "vera"]);
     }
 }

@@ -67,7 +67,6 @@ impl Plant {
             "throughSequence": through, "missingList": [] } ] });
         let delivery = Delivery {
             envelope: Envelope::new(id, "receipt", body.to_string()),
-            principal: None,
             is_redelivered: false,
             delivery_count: 0,
             received_at: self.now.into(),
