@@ -9,6 +9,7 @@ use std::{
 };
 
 use serde_json::{Value, json};
+use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 
 use super::stores::{self, Comment};
@@ -18,11 +19,9 @@ use crate::{
     world::{ADMIN, ENGINEER, PASSWORD, Places},
 };
 
-/// Time between two comments of one author: often enough that many are being received whenever something
-/// is killed.
-const PAUSE: Duration = Duration::from_millis(40);
-/// Number of comments of an author after which the pause is longer: a person and a factory have a quota.
-const MANY: usize = 900;
+/// Time between two comments of one author while something is about to be killed: many are being received then.
+const SHORT_PAUSE: Duration = Duration::from_millis(10);
+/// Time otherwise: a person and a factory have a quota.
 const LONG_PAUSE: Duration = Duration::from_secs(2);
 /// Most comments of an author; below the quota of a person on a network.
 const COMMENTS_MAX: usize = 1900;
@@ -41,8 +40,8 @@ struct Author {
 }
 
 impl CommentTraffic {
-    /// Starts an author at each factory, and one at the platform for each factory.
-    pub fn begin(places: &Places) -> anyhow::Result<Self> {
+    /// Starts an author at each factory, and one at the platform for each factory. They hurry before a kill.
+    pub fn begin(places: &Places, before_a_kill: &watch::Receiver<bool>) -> anyhow::Result<Self> {
         let stop = CancellationToken::new();
         let mut authors = Vec::new();
         for factory in [MUNICH, HAMBURG] {
@@ -53,7 +52,7 @@ impl CommentTraffic {
             for (port, user, is_from_factory) in ports {
                 let api = Api::new(format!("http://127.0.0.1:{port}"))?;
                 let author = Author { api, user, factory, is_from_factory };
-                authors.push(tokio::spawn(author.write_until(stop.clone())));
+                authors.push(tokio::spawn(author.write_until(stop.clone(), before_a_kill.clone())));
             }
         }
         Ok(Self { stop, authors })
@@ -71,7 +70,11 @@ impl CommentTraffic {
 }
 
 impl Author {
-    async fn write_until(mut self, stop: CancellationToken) -> Vec<Comment> {
+    async fn write_until(
+        mut self,
+        stop: CancellationToken,
+        mut before_a_kill: watch::Receiver<bool>,
+    ) -> Vec<Comment> {
         let mut accepted = Vec::new();
         let mut is_signed_in = false;
         for number in 0_u64.. {
@@ -89,8 +92,13 @@ impl Author {
                     accepted.push(Comment { factory, is_from_factory, text });
                 }
             }
-            let pause = if accepted.len() < MANY { PAUSE } else { LONG_PAUSE };
-            if stop.run_until_cancelled(tokio::time::sleep(pause)).await.is_none() {
+            let pause = async {
+                if *before_a_kill.borrow_and_update() {
+                    return tokio::time::sleep(SHORT_PAUSE).await;
+                }
+                tokio::time::timeout(LONG_PAUSE, before_a_kill.changed()).await.ok();
+            };
+            if stop.run_until_cancelled(pause).await.is_none() {
                 break;
             }
         }

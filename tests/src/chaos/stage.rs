@@ -8,6 +8,7 @@ use std::{
 };
 
 use anyhow::Context as _;
+use tokio::sync::watch;
 
 use super::{
     clock::Clock,
@@ -29,6 +30,9 @@ use crate::{
 /// Size of a spool, in bytes, that has no room for the values of an outage.
 const SMALL_SPOOL: &str = "32768";
 
+/// Time before a kill in which many comments are on their way.
+const BEFORE_A_KILL: Duration = Duration::from_millis(250);
+
 /// Everything that runs, and what stands between it.
 pub(super) struct Stage {
     pub world: World,
@@ -45,6 +49,8 @@ pub(super) struct Stage {
     pub disturbed: Disturbances,
     /// Comments that the broker may have had when it lost its store.
     pub lost_comments: BTreeSet<stores::Comment>,
+    /// True while something is about to be killed.
+    pub before_a_kill: watch::Sender<bool>,
     /// Number of faults by kind.
     pub counts: BTreeMap<&'static str, u32>,
     /// Number of programs that were killed.
@@ -90,6 +96,7 @@ impl Stage {
             lost_controls: LostControls::default(),
             disturbed: Disturbances::default(),
             lost_comments: BTreeSet::new(),
+            before_a_kill: watch::Sender::new(false),
             counts: BTreeMap::new(),
             kills: 0,
             ended: 0,
@@ -152,8 +159,14 @@ impl Stage {
 
     /// Lets it happen; when this returns, everything has been started again and the line is clear.
     pub async fn strike(&mut self, fault: Fault) -> anyhow::Result<()> {
+        if fault.kills() > 0 {
+            self.before_a_kill.send_replace(true);
+            tokio::time::sleep(BEFORE_A_KILL).await;
+        }
         let from = disturbances::now();
-        if self.cause(fault).await? {
+        let is_caused = self.cause(fault).await?;
+        self.before_a_kill.send_replace(false);
+        if is_caused {
             self.disturbed.struck(fault, from);
             *self.counts.entry(fault.kind()).or_default() += 1;
             self.kills += fault.kills();
