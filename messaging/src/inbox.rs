@@ -10,9 +10,6 @@ use crate::{address::LogicalAddress, envelope::Envelope, spool::Rejection};
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Delivery {
     pub envelope: Envelope,
-    /// The sending user as authenticated by the broker (`x-opt-principal`); none from brokers that
-    /// do not report it.
-    pub principal: Option<String>,
     /// True when a consumer may have received it before.
     pub is_redelivered: bool,
     /// Number of earlier deliveries without success, as far as the broker counts them.

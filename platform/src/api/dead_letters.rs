@@ -165,7 +165,6 @@ async fn replay_own(app: &Application, who: &Principal, id: u64) -> Result<Optio
     };
     let delivery = Delivery {
         envelope,
-        principal: None,
         is_redelivered: true,
         delivery_count: 0,
         received_at: app.clock.now().into(),

@@ -195,7 +195,6 @@ async fn an_unsigned_message_behind_the_first_signed_one_is_found() {
     let batch =
         [signed, Envelope { signature: None, ..unsigned }].map(|envelope| messaging::Delivery {
             envelope,
-            principal: None,
             is_redelivered: false,
             delivery_count: 0,
             received_at: time::OffsetDateTime::now_utc(),
@@ -330,7 +329,6 @@ async fn a_factory_that_enrolled_with_a_key_signs_from_its_first_message_on() {
     let receive = async |envelope: Envelope| {
         let delivery = messaging::Delivery {
             envelope,
-            principal: None,
             is_redelivered: false,
             delivery_count: 0,
             received_at: time::OffsetDateTime::now_utc(),

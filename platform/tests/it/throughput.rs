@@ -51,7 +51,6 @@ fn message(number: u32) -> Delivery {
     let id = format!("m{number}").parse().expect("valid");
     Delivery {
         envelope: Envelope::new(id, "ua-data", body.to_string().into_bytes()),
-        principal: None,
         is_redelivered: false,
         delivery_count: 0,
         received_at: time::OffsetDateTime::now_utc(),

@@ -7,9 +7,7 @@ use asi_model::MessageId;
 use bytes::Bytes;
 use fe2o3_amqp::types::{
     definitions::{ErrorCondition, LinkError},
-    messaging::{
-        self, ApplicationProperties, Body, Data, Header, Message, Properties, annotations::OwnedKey,
-    },
+    messaging::{self, ApplicationProperties, Body, Data, Header, Message, Properties},
     primitives::{Binary, SimpleValue, Symbol, Timestamp, Value},
 };
 use time::OffsetDateTime;
@@ -27,8 +25,6 @@ const REPLAY: &str = "replay";
 const LEASE: &str = "lease";
 /// The application property with the sender's signature.
 const SIGNATURE: &str = "signature";
-/// The annotation by which a broker vouches for the sender.
-const PRINCIPAL: &str = "x-opt-principal";
 
 /// Converts an envelope to the message to send.
 pub(super) fn to_message(envelope: &Envelope, now: OffsetDateTime) -> Message<Data> {
@@ -80,8 +76,7 @@ pub(super) fn to_delivery(
     now: OffsetDateTime,
     bytes_max: u64,
 ) -> Result<Delivery, Rejection> {
-    let Message { header, message_annotations, properties, application_properties, body, .. } =
-        message;
+    let Message { header, properties, application_properties, body, .. } = message;
     let header = header.unwrap_or_default();
     let properties = properties.unwrap_or_default();
     let content_encoding = match properties.content_encoding.as_ref().map(Symbol::as_str) {
@@ -118,12 +113,6 @@ pub(super) fn to_delivery(
             reason,
         });
     }
-    let principal = message_annotations.as_ref().and_then(|annotations| {
-        match annotations.0.get(&OwnedKey::Symbol(Symbol::from(PRINCIPAL))) {
-            Some(Value::String(name)) => Some(name.clone()),
-            _ => None,
-        }
-    });
     let mark =
         |name: &str| application_properties.as_ref().and_then(|properties| properties.0.get(name));
     let replay = mark(REPLAY).is_some_and(|value| matches!(value, SimpleValue::Bool(true)));
@@ -148,7 +137,6 @@ pub(super) fn to_delivery(
     };
     Ok(Delivery {
         envelope,
-        principal,
         is_redelivered: header.delivery_count > 0 || !header.first_acquirer,
         delivery_count: header.delivery_count,
         received_at: now,

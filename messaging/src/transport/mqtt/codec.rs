@@ -84,13 +84,7 @@ pub(super) fn to_delivery(publish: Publish, now: OffsetDateTime) -> Result<Deliv
         signature: property(SIGNATURE).map(str::to_owned),
         body: publish.payload,
     };
-    Ok(Delivery {
-        envelope,
-        principal: None,
-        is_redelivered: publish.dup,
-        delivery_count: 0,
-        received_at: now,
-    })
+    Ok(Delivery { envelope, is_redelivered: publish.dup, delivery_count: 0, received_at: now })
 }
 
 #[cfg(test)]

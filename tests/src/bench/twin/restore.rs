@@ -122,7 +122,6 @@ fn delivery(network: usize) -> anyhow::Result<Delivery> {
     let id = uuid::Uuid::from_u128(network as u128).to_string().parse()?;
     Ok(Delivery {
         envelope: Envelope::new(id, "operation-network", text(network, FIELDS_PER_NETWORK)),
-        principal: None,
         is_redelivered: false,
         delivery_count: 0,
         received_at: OffsetDateTime::now_utc(),
