@@ -4,7 +4,8 @@
 #   tools/fuzz.sh SECONDS|HOURSh [TARGET...]
 #
 # Each folder `fuzz` of a package has targets for libFuzzer and, below `corpus/TARGET`, what former runs found worth
-# keeping; the tests of the package replay it. A target gets SECONDS, or its part of HOURS; as many run at a time as
+# keeping; the tests of the package replay it. A target that takes more than 256 MB has found something: an input
+# has 4 KB at most. A target gets SECONDS, or its part of HOURS; as many run at a time as
 # there are processors. New inputs go to target/fuzz/corpus, and what broke a target to target/fuzz/found. Needs the
 # Rust and C++ compilers only: the instrumentation is by stable options of the compiler.
 set -euo pipefail
@@ -43,7 +44,7 @@ play() {
   [ ! -d "$root/$folder/corpus/$name" ] || seeds+=("$root/$folder/corpus/$name")
   local result="nothing found"
   "$CARGO_TARGET_DIR/$host/release/$name" "$corpus" "${seeds[@]}" -max_total_time="$seconds" -timeout=30 -max_len=4096 \
-    -rss_limit_mb=2048 -artifact_prefix="$found/" -print_final_stats=1 >"$log" 2>&1 || result="FOUND: $found, $log"
+    -rss_limit_mb=256 -artifact_prefix="$found/" -print_final_stats=1 >"$log" 2>&1 || result="FOUND: $found, $log"
   local count most
   count=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
   most=$(sed -n 's/^stat::peak_rss_mb: *//p' "$log")

@@ -14,9 +14,9 @@ use opcua_stack::opcua::{
     },
     crypto::{self, CertificateStore, SecurityPolicy, X509, X509Data},
     types::{
-        BinaryDecodable, ContextOwned, DataValue, DecodingOptions, DiagnosticInfo, ExtensionObject,
-        MessageSecurityMode, NamespaceMap, SimpleBinaryEncodable, StatusCode, UAString,
-        UserNameIdentityToken, UserTokenPolicy, Variant,
+        Argument, BinaryDecodable, ContextOwned, DataValue, DecodingOptions, DiagnosticInfo,
+        ExtensionObject, MessageSecurityMode, NamespaceMap, SimpleBinaryEncodable, StatusCode,
+        UAString, UserNameIdentityToken, UserTokenPolicy, Variant,
     },
 };
 use tokio_util::codec::Decoder;
@@ -239,4 +239,29 @@ fn lengths_that_are_claimed_take_no_memory() {
     }
     let grown = asked_for() - before;
     assert!(grown < 8, "{grown} MiB were asked for");
+}
+
+/// The header of any request may have an argument in it, before a sign-in, too.
+#[test]
+fn the_rank_of_an_argument_takes_no_memory() {
+    let context = context();
+    let argument = |rank: i32, dimensions: &[u32]| {
+        // No name, the data type i=0, the rank, its dimensions, a description without texts.
+        let mut bytes = vec![0xFF, 0xFF, 0xFF, 0xFF, 0, 0];
+        bytes.extend(rank.to_le_bytes());
+        bytes.extend(u32::try_from(dimensions.len()).expect("few").to_le_bytes());
+        bytes.extend(dimensions.iter().flat_map(|length| length.to_le_bytes()));
+        bytes.push(0);
+        Argument::decode(&mut bytes.as_slice(), &context.context())
+    };
+    let before = asked_for();
+    for rank in [65, 1_000, 1_000_000, i32::MAX] {
+        assert!(argument(rank, &[]).is_err(), "{rank}");
+        assert!(argument(rank, &[7]).is_err(), "{rank}");
+    }
+    let grown = asked_for() - before;
+    assert!(grown < 8, "{grown} MiB were asked for");
+    let filled = argument(2, &[7]).expect("decoded");
+    assert_eq!(filled.array_dimensions, Some(vec![7, 0]));
+    assert!(argument(1, &[7, 8]).is_err(), "more than the rank");
 }

@@ -102,6 +102,9 @@ impl BinaryEncodable for Argument {
     }
 }
 
+/// Largest value rank up to which missing array dimensions are filled in.
+const MAX_PADDED_RANK: usize = 64;
+
 impl BinaryDecodable for Argument {
     fn decode<S: Read + ?Sized>(stream: &mut S, ctx: &Context<'_>) -> EncodingResult<Self> {
         let name = UAString::decode(stream, ctx)?;
@@ -113,6 +116,13 @@ impl BinaryDecodable for Argument {
             if let Some(array_dimensions) = array_dimensions.as_mut() {
                 let expected_rank = value_rank as usize;
                 match array_dimensions.len().cmp(&expected_rank) {
+                    // The rank is a number that the peer made up, and no element stands behind it.
+                    Ordering::Less if expected_rank > MAX_PADDED_RANK => {
+                        return Err(Error::decoding(format!(
+                            "The Argument has {} array dimensions for a value rank of {value_rank}",
+                            array_dimensions.len()
+                        )));
+                    }
                     Ordering::Less => {
                         // If fewer dimensions are provided than rank, pad with 0 to reach rank length
                         array_dimensions.resize(expected_rank, 0);
