@@ -5,6 +5,7 @@ pub mod api;
 pub mod assets;
 pub mod client_address;
 mod composition;
+mod compressed;
 pub mod events;
 pub mod extract;
 pub mod headers;

@@ -99,6 +99,23 @@ pub enum EnrolmentError {
     Store(#[from] StoreError),
 }
 
+/// Returns true for a token that can be used. Only reads, so that made-up ones keep no writer waiting.
+///
+/// # Errors
+/// [`StoreError`].
+pub async fn is_usable(
+    work: &mut Work,
+    token: &Confidential<String>,
+    now: DateTime,
+) -> Result<bool, StoreError> {
+    work.credentials().is_usable(&hash(secret_of(token)), now).await
+}
+
+/// Returns the secret at the end of a token.
+fn secret_of(token: &Confidential<String>) -> &str {
+    token.expose().rsplit('.').next().unwrap_or_default()
+}
+
 /// Turns a token into a credential. Of a factory's credentials the newest two are alive, so that
 /// enrolling again rotates without an interruption. With another broker the configured account is
 /// handed out. A connector that signs brings its key: of these, too, the newest two count. One that
@@ -113,10 +130,9 @@ pub async fn enrol(
     signing_key: Option<&PublicKey>,
     now: DateTime,
 ) -> Result<(FactoryId, NewCredential), EnrolmentError> {
-    let secret = token.expose().rsplit('.').next().unwrap_or_default();
     let factory = work
         .credentials()
-        .use_token(&hash(secret), now)
+        .use_token(&hash(secret_of(token)), now)
         .await?
         .ok_or(EnrolmentError::TokenRefused)?;
     let holder = Holder::Factory(factory.clone());

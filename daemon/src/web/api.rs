@@ -1,10 +1,12 @@
 //! The web side as a whole: the API under `/api/v1` with its own description, pages, health, and
 //! what guards them.
 
+use std::sync::{Arc, LazyLock};
+
 use axum::{
-    Json, Router,
+    Router,
     extract::DefaultBodyLimit,
-    http::{StatusCode, header},
+    http::{HeaderMap, StatusCode, header},
     middleware,
     response::{IntoResponse, Response},
     routing::get,
@@ -21,12 +23,14 @@ use super::{
     assets::with_app,
     client_address::{TrustedProxies, with_client_address},
     composition::{open_composed_schemas, share_page_items},
+    compressed::FixedBody,
     headers::secured,
     health::{self, Readiness},
     problem::{Problem, unknown_method, unknown_route},
     responses::{add_share_refusals, describe_responses, operations_of, share_problem_responses},
     roles::SESSION,
     session::{Accounts, Sessions, require_session},
+    shares::{StrangerShares, within_share_of_client},
 };
 use crate::{notices::NOTICES, telemetry::Metrics};
 
@@ -76,13 +80,22 @@ where
 {
     let (guarded, _) = operations.guarded.split_for_parts();
     let (open, _) = operations.open.split_for_parts();
-    let open = open.layer(DefaultBodyLimit::max(OPEN_BODY_BYTES_MAX));
+    let open = open
+        .layer(DefaultBodyLimit::max(OPEN_BODY_BYTES_MAX))
+        .layer(middleware::from_fn_with_state(StrangerShares::default(), within_share_of_client));
+    let description = serde_json::to_vec(&description).expect("a description has no other keys");
+    let description = Arc::new(FixedBody::new(description));
     let guarded = guarded
         .layer(DefaultBodyLimit::max(shell.body_bytes_max))
         .layer(middleware::from_fn_with_state(shell.sessions, require_session::<A>));
     let api = guarded
         .merge(open)
-        .route("/openapi.json", get(move || async move { Json(description) }))
+        .route(
+            "/openapi.json",
+            get(move |headers: HeaderMap| async move {
+                fixed("application/json", &description, &headers)
+            }),
+        )
         .fallback(unknown_route)
         .method_not_allowed_fallback(unknown_method);
     let router = Router::new()
@@ -98,8 +111,15 @@ where
         .layer(TraceLayer::new_for_http())
 }
 
-async fn notices() -> Response {
-    ([(header::CONTENT_TYPE, "text/plain; charset=utf-8")], NOTICES).into_response()
+async fn notices(headers: HeaderMap) -> Response {
+    static BODY: LazyLock<FixedBody> = LazyLock::new(|| FixedBody::new(NOTICES));
+    fixed("text/plain; charset=utf-8", &BODY, &headers)
+}
+
+/// Answers with what is part of the program.
+fn fixed(kind: &'static str, body: &FixedBody, asked: &HeaderMap) -> Response {
+    let (headers, bytes) = body.for_client(asked);
+    ([(header::CONTENT_TYPE, kind)], headers, bytes).into_response()
 }
 
 /// Adds all operations to what `description` says of the API as a whole; `cookie` is the first part of

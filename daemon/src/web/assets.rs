@@ -4,14 +4,17 @@
 //! cached for ever while `index.html` is requested each time. Paths without a file are routes inside
 //! the app and get `index.html`.
 
+use std::borrow::Cow;
+
 use axum::{
     Router,
     http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header},
     response::{IntoResponse, Response},
 };
+use bytes::Bytes;
 use rust_embed::{EmbeddedFile, RustEmbed};
 
-use super::problem::Problem;
+use super::{compressed::FixedBody, problem::Problem};
 
 const INDEX: &str = "index.html";
 
@@ -78,7 +81,13 @@ fn serve(name: &str, file: &EmbeddedFile, headers: &HeaderMap) -> Response {
     let mut response = if is_known {
         StatusCode::NOT_MODIFIED.into_response()
     } else {
-        let mut response = file.data.clone().into_owned().into_response();
+        let bytes = match &file.data {
+            Cow::Borrowed(bytes) => Bytes::from_static(bytes),
+            Cow::Owned(bytes) => Bytes::copy_from_slice(bytes),
+        };
+        let body = FixedBody::with_digest(bytes, file.metadata.sha256_hash());
+        let (encoding, bytes) = body.for_client(headers);
+        let mut response = (encoding, bytes).into_response();
         let mime = mime_guess::from_path(name).first_or_octet_stream();
         let mime = if mime.type_() == "text" {
             format!("{mime}; charset=utf-8")

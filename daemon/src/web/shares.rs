@@ -10,6 +10,7 @@ mod config;
 mod refusals;
 mod routes;
 mod share;
+mod strangers;
 mod usage;
 
 pub use self::{
@@ -20,3 +21,4 @@ pub use self::{
     usage::{FairShares, HeldShare, Member},
 };
 pub(crate) use routes::Claim;
+pub(crate) use strangers::{StrangerShares, within_share_of_client};

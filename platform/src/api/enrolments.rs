@@ -14,7 +14,7 @@ use utoipa::ToSchema;
 use super::problems::ChangeProblems;
 use crate::{
     application::Application,
-    enrolment::enrol as use_token,
+    enrolment::{EnrolmentError, enrol as use_token, is_usable},
     store::{AuditAgent, AuditAgentKind, AuditOutcome, AuditSubject, Scope},
 };
 
@@ -53,15 +53,21 @@ pub async fn enrol(
     ApiJson(body): ApiJson<Enrol>,
 ) -> Result<(StatusCode, Json<Enrolment>), Problem> {
     let signing_key = body.signing_key.as_deref().map(signing_key).transpose()?;
+    let refused =
+        || metrics::counter!("verbund_enrolments_total", "result" => "refused").increment(1);
+    let mut reading = app.store.reader().read().await?;
+    if !is_usable(&mut reading, &body.token, app.clock.now()).await? {
+        refused();
+        return Err(EnrolmentError::TokenRefused.into());
+    }
+    drop(reading);
     // The token says which factory it is.
     let unknown =
         AuditAgent { kind: AuditAgentKind::Factory, name: String::new(), organisation_id: None };
     let mut work = app.store.begin(unknown, "enrol").await?;
     let enrolled =
         use_token(&mut work, &app.config, &body.token, signing_key.as_ref(), app.clock.now()).await;
-    let (factory_id, credential) = enrolled.inspect_err(|_| {
-        metrics::counter!("verbund_enrolments_total", "result" => "refused").increment(1);
-    })?;
+    let (factory_id, credential) = enrolled.inspect_err(|_| refused())?;
     let factory = work.factories().lookup(&Scope::Platform, &factory_id).await?;
     let organisation_id = factory.map(|factory| factory.organisation_id);
     work.set_agent(AuditAgent {

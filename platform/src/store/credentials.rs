@@ -52,6 +52,22 @@ impl Credentials<'_> {
         Ok(())
     }
 
+    /// Returns true for a token that is unused and alive.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn is_usable(&mut self, hash: &[u8; 32], now: DateTime) -> Result<bool, StoreError> {
+        let sql = "SELECT 1 FROM enrolment_token
+                   WHERE token_hash = $1 AND used_at IS NULL AND expires_at > $2";
+        let found = sqlx::query(sql)
+            .bind(&hash[..])
+            .bind(now.ticks())
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("look an enrolment token up"))?;
+        Ok(found.is_some())
+    }
+
     /// Uses a token up: whose it was, if it was unused and alive.
     ///
     /// # Errors

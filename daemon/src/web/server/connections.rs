@@ -78,6 +78,10 @@ impl Connections {
     pub(super) fn admit(self: &Arc<Self>, peer: IpAddr) -> Option<Admitted> {
         let client = AddressRange::of_client(peer);
         let is_shared = self.limits.shared_addresses.iter().any(|range| range.contains(peer));
+        if self.limits.only_shared && !is_shared && !peer.to_canonical().is_loopback() {
+            count_refused("no-proxy");
+            return None;
+        }
         let mut state = self.state.lock();
         if !is_shared
             && state.of_client(client) >= self.limits.connections_per_client_max
@@ -257,6 +261,19 @@ mod tests {
         drop((quiet, first, second, other, honest));
         let state = connections.state.lock();
         assert!(state.entries.is_empty() && state.by_client.is_empty());
+    }
+
+    #[test]
+    fn who_goes_round_the_proxy_is_not_served() {
+        let shared_addresses = vec!["10.0.0.1".parse().expect("a range")];
+        let limits =
+            ListenerLimits { shared_addresses, only_shared: true, ..ListenerLimits::default() };
+        let connections = Connections::new(limits);
+        assert!(connections.admit(peer(1)).is_some());
+        assert!(connections.admit(IpAddr::from([127, 0, 0, 1])).is_some());
+        assert!(connections.admit(peer(2)).is_none());
+        let mapped: IpAddr = "::ffff:10.0.0.2".parse().expect("an address");
+        assert!(connections.admit(mapped).is_none());
     }
 
     #[test]

@@ -14,6 +14,9 @@ pub struct ListenerLimits {
     pub connections_per_client_max: usize,
     /// Addresses without that bound: proxies, behind which many clients are.
     pub shared_addresses: Vec<AddressRange>,
+    /// True where these, and this machine itself, are served alone: a client that goes round the proxy
+    /// would speak without TLS.
+    pub only_shared: bool,
     /// Longest TLS handshake.
     pub handshake_timeout: Duration,
     /// Longest time between an answer, or the beginning of a connection, and the end of the next
@@ -32,6 +35,7 @@ impl Default for ListenerLimits {
             connections_max: 1024,
             connections_per_client_max: 256,
             shared_addresses: Vec::new(),
+            only_shared: false,
             handshake_timeout: Duration::from_secs(10),
             head_timeout: Duration::from_secs(20),
             body_patience: Duration::from_secs(15),

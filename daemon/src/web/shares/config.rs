@@ -99,6 +99,10 @@ pub(super) struct Rate {
 }
 
 impl Rate {
+    pub(super) const fn new(per_second: NonZeroU32, at_once: NonZeroU32) -> Self {
+        Self { per_second, at_once }
+    }
+
     /// Returns the time in which one request is given back.
     pub(super) fn interval(self) -> Duration {
         Duration::from_secs(1) / self.per_second.get()
