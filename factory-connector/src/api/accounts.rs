@@ -257,7 +257,9 @@ impl Accounts for StoredAccounts {
         let write = self.writer.write(move |mut session| async move {
             session.passkeys().add(&name, &passkey, digests.as_deref()).await
         });
-        write.await.map_err(AccountsError::new)
+        let is_added = write.await.map_err(AccountsError::new)?;
+        self.users_changed.notify_one();
+        Ok(is_added)
     }
 
     async fn use_passkey(&self, user_name: &str, used: &PasskeyUse) -> Result<bool, AccountsError> {

@@ -26,12 +26,15 @@ impl SecondFactors<'_> {
         optional(self.0, query, "look a second factor up", factor).await
     }
 
-    /// Lists the names of those who have confirmed codes of an app.
+    /// Lists the names of those who have confirmed codes of an app, or passkeys.
     ///
     /// # Errors
     /// [`StoreError`].
     pub async fn confirmed(&mut self) -> Result<Vec<String>, StoreError> {
-        let query = query("SELECT user_name FROM second_factor WHERE is_confirmed = 1");
+        let query = query(
+            "SELECT user_name FROM second_factor WHERE is_confirmed = 1
+                           UNION SELECT user_name FROM passkey",
+        );
         all(self.0, query, "list second factors", |row| row.column("user_name")).await
     }
 

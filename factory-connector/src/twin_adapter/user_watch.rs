@@ -24,8 +24,8 @@ type People = HashMap<String, Person>;
 struct Person {
     role: String,
     password_hash: String,
-    /// True where codes of an app are asked for.
-    has_codes: bool,
+    /// True where codes of an app, or passkeys, are asked for.
+    has_second_factor: bool,
 }
 
 /// Task that compares the stored users with those it read before.
@@ -89,19 +89,19 @@ async fn people(readers: &Readers) -> Result<People, StoreError> {
     let confirmed: HashSet<String> =
         session.second_factors().confirmed().await?.into_iter().collect();
     let entry = |user: User| {
-        let has_codes = confirmed.contains(&user.user_name);
+        let has_second_factor = confirmed.contains(&user.user_name);
         let role = user.role.name().to_owned();
-        (user.user_name, Person { role, password_hash: user.password_hash, has_codes })
+        (user.user_name, Person { role, password_hash: user.password_hash, has_second_factor })
     };
     Ok(users.into_iter().map(entry).collect())
 }
 
-/// Returns the names of users who were changed or removed. Who turned codes off keeps the sessions.
+/// Returns the names of users who were changed or removed. Who turned the second factor off keeps the sessions.
 fn changed<'p>(before: &'p People, now: &People) -> impl Iterator<Item = &'p str> {
     let is_same = |before: &Person, now: &Person| {
         before.role == now.role
             && before.password_hash == now.password_hash
-            && (before.has_codes || !now.has_codes)
+            && (before.has_second_factor || !now.has_second_factor)
     };
     let is_changed =
         move |name: &str, person: &Person| !now.get(name).is_some_and(|now| is_same(person, now));
@@ -118,10 +118,14 @@ mod tests {
     #[test]
     fn changed_and_removed_users_are_found() {
         let people = |people: &[(&str, &str, &str, bool)]| -> People {
-            let person = |(name, role, password_hash, has_codes): &(&str, &str, &str, bool)| {
-                let (role, password_hash) = ((*role).into(), (*password_hash).into());
-                ((*name).into(), Person { role, password_hash, has_codes: *has_codes })
-            };
+            let person =
+                |(name, role, password_hash, has_second_factor): &(&str, &str, &str, bool)| {
+                    let (role, password_hash) = ((*role).into(), (*password_hash).into());
+                    (
+                        (*name).into(),
+                        Person { role, password_hash, has_second_factor: *has_second_factor },
+                    )
+                };
             people.iter().map(person).collect()
         };
         let before = people(&[
