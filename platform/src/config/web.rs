@@ -76,6 +76,11 @@ impl WebConfig {
     pub fn limits(&self) -> ListenerLimits {
         ListenerLimits {
             shared_addresses: self.trusted_proxies.clone(),
+            // Without TLS of its own, an open listener is for the proxy that has it.
+            only_shared: self.tls.is_none()
+                && !self.listen.ip().is_loopback()
+                && !self.allow_plaintext
+                && !self.trusted_proxies.is_empty(),
             ..ListenerLimits::default()
         }
     }

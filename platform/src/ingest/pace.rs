@@ -28,20 +28,40 @@ const OF_FACTORY: Rate = Rate { per_second: 2_000, at_once: 20_000 };
 const OF_TOOL: Rate = Rate { per_second: 20, at_once: 200 };
 
 /// Pace of all senders, by address.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Pace {
+    /// True where the broker keeps senders apart, so that one waits and others do not. Where all come over one
+    /// line, as with MQTT, a factory goes on and what is beyond a tool's share is set aside.
+    may_wait: bool,
     /// Times at which the share of an address is whole again.
     whole_at: Mutex<HashMap<LogicalAddress, Instant>>,
 }
 
 impl Pace {
+    /// Shares of which nothing is used yet.
+    pub(super) fn new(may_wait: bool) -> Self {
+        Self { may_wait, whole_at: Mutex::default() }
+    }
+
     /// Waits until so many messages of an address are within its share. The broker keeps the others meanwhile.
-    pub(super) async fn keep(&self, address: &LogicalAddress, messages: usize) {
-        let wait = self.take(address, messages, Instant::now());
-        if !wait.is_zero() {
-            count_refusal(MESSAGES, &holder(&address.to_string()));
-            tokio::time::sleep(wait).await;
+    /// Returns why they are beyond it, where it cannot wait.
+    pub(super) async fn keep(&self, address: &LogicalAddress, messages: usize) -> Option<String> {
+        if !self.may_wait && address.tool_id().is_none() {
+            return None;
         }
+        let wait = self.take(address, messages, Instant::now());
+        if wait.is_zero() {
+            return None;
+        }
+        count_refusal(MESSAGES, &holder(&address.to_string()));
+        if self.may_wait {
+            tokio::time::sleep(wait).await;
+            return None;
+        }
+        let Rate { per_second, at_once } = OF_TOOL;
+        Some(format!(
+            "The tool sends more than {per_second} messages a second, after {at_once} at once."
+        ))
     }
 
     /// Takes messages off the share of an address, and returns the time until they are within it.
@@ -63,7 +83,7 @@ mod tests {
 
     #[test]
     fn who_sends_faster_than_its_share_waits_and_nobody_else() {
-        let pace = Pace::default();
+        let pace = Pace::new(true);
         let [tool, other, factory] = ["tool.T.requests", "tool.U.requests", "factory.F.ingress"]
             .map(|text| text.parse::<LogicalAddress>().expect("an address"));
         let now = Instant::now();
@@ -78,5 +98,20 @@ mod tests {
         let later = now + Duration::from_secs(60);
         assert_eq!(pace.take(&tool, 200, later), Duration::ZERO);
         assert_eq!(pace.take(&tool, 20, later), Duration::from_secs(1));
+    }
+
+    #[tokio::test]
+    async fn nobody_waits_where_all_come_over_one_line() {
+        let pace = Pace::new(false);
+        let [tool, factory] = ["tool.T.requests", "factory.F.ingress"]
+            .map(|text| text.parse::<LogicalAddress>().expect("an address"));
+        let begun = Instant::now();
+        for _ in 0..20 {
+            assert_eq!(pace.keep(&tool, 10).await, None);
+        }
+        let reason = pace.keep(&tool, 10_000).await.expect("beyond its share");
+        assert!(reason.contains("20 messages a second"), "{reason}");
+        assert_eq!(pace.keep(&factory, 100_000).await, None);
+        assert!(begun.elapsed() < Duration::from_secs(5), "nobody waited");
     }
 }

@@ -2,6 +2,7 @@
 
 use std::{
     collections::HashMap,
+    path::{Path, PathBuf},
     time::{Duration, Instant},
 };
 
@@ -12,7 +13,7 @@ use parking_lot::Mutex;
 use super::dead_letter::holder;
 use crate::{
     config::PlatformConfig,
-    store::{StoreError, StoreReader},
+    store::{Kept, StoreError, StoreReader},
 };
 
 /// Share of a factory or tool in the store.
@@ -20,9 +21,16 @@ const KEPT: &str = "kept";
 /// Time for which it is not looked again how much room a sender has left. It writes a small part of it meanwhile.
 const LOOKED_EVERY: Duration = Duration::from_secs(5);
 
+/// Part of a disk that senders with more than others leave free.
+const RESERVED_PART: u64 = 20;
+/// Largest such part.
+const RESERVED_MAX: u64 = 4 << 30;
+
 /// Bounds on what is kept of the messages of one sender, in bytes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RoomConfig {
+    /// Folder of the store. While its disk is short, who holds more than others waits.
+    pub data_directory: PathBuf,
     pub factory_bytes_max: u64,
     pub tool_bytes_max: u64,
     /// True where the broker keeps what a sender sends beyond its room, and gives others theirs meanwhile. False where
@@ -38,6 +46,7 @@ impl RoomConfig {
         let external = config.broker.external.as_ref();
         let is_mqtt = external.is_some_and(|broker| broker.urls.iter().any(BrokerUrl::is_mqtt));
         Self {
+            data_directory: config.data_directory.clone(),
             factory_bytes_max: bytes(config.retention.kept_mib_per_factory),
             tool_bytes_max: bytes(config.retention.kept_mib_per_tool),
             may_wait: !is_mqtt,
@@ -105,16 +114,38 @@ impl Room {
             Some(_) => ("kept_mib_per_tool", self.config.tool_bytes_max),
             None => ("kept_mib_per_factory", self.config.factory_bytes_max),
         };
-        if kept.bytes < most {
-            self.seen_at.lock().insert(address.clone(), now);
-            return Ok(None);
+        if kept.bytes >= most {
+            return Ok(Some(format!(
+                "{} messages and reports of {} bytes are kept; retention.{key} allows {most} bytes. Raise it, or keep \
+                 messages for fewer days.",
+                kept.rows, kept.bytes
+            )));
         }
-        Ok(Some(format!(
-            "{} messages and reports of {} bytes are kept; retention.{key} allows {most} bytes. Raise it, or keep \
-             messages for fewer days.",
-            kept.rows, kept.bytes
-        )))
+        if is_short(&self.config.data_directory) {
+            let all = self.store.read().await?.quotas().of_all_senders().await?;
+            if has_more_than_others(kept, all) {
+                return Ok(Some(format!(
+                    "The disk is nearly full, and {} of {} bytes that are kept of {} senders are this one's. Make room on \
+                     the disk, or keep messages for fewer days.",
+                    kept.bytes, all.bytes, all.rows
+                )));
+            }
+        }
+        self.seen_at.lock().insert(address.clone(), now);
+        Ok(None)
     }
+}
+
+/// Returns true where a disk has little space left. One that says nothing has enough.
+fn is_short(folder: &Path) -> bool {
+    let Ok(disk) = rustix::fs::statvfs(folder) else { return false };
+    let (free, size) = (disk.f_bavail * disk.f_frsize, disk.f_blocks * disk.f_frsize);
+    free < (size / RESERVED_PART).min(RESERVED_MAX)
+}
+
+/// Returns true for a sender of which more than an equal part is kept.
+fn has_more_than_others(kept: Kept, all: Kept) -> bool {
+    u128::from(kept.bytes) * u128::from(all.rows) > u128::from(all.bytes)
 }
 
 #[cfg(test)]
@@ -124,8 +155,14 @@ mod tests {
     use super::*;
     use crate::store::{NewInboxMessage, Store};
 
-    const SMALL: RoomConfig =
-        RoomConfig { factory_bytes_max: 10_000, tool_bytes_max: 1_000, may_wait: false };
+    fn small(folder: &tempfile::TempDir) -> RoomConfig {
+        RoomConfig {
+            data_directory: folder.path().to_owned(),
+            factory_bytes_max: 10_000,
+            tool_bytes_max: 1_000,
+            may_wait: false,
+        }
+    }
 
     fn address(text: &str) -> LogicalAddress {
         text.parse().expect("an address")
@@ -160,7 +197,7 @@ mod tests {
         sends(&store, &tool, 0..1).await;
         // What comes twice is kept once.
         sends(&store, &other, 0..9).await;
-        let room = Room::new(SMALL, store.reader());
+        let room = Room::new(small(&folder), store.reader());
         let never = std::future::pending::<()>;
         let reason = room.of(&full, never()).await.expect("read").expect("no room");
         assert!(reason.contains("kept_mib_per_factory allows 10000 bytes"), "{reason}");
@@ -168,7 +205,7 @@ mod tests {
         assert!(room.of(&tool, never()).await.expect("read").is_some());
         assert_eq!(room.of(&other, never()).await.expect("read"), None);
 
-        let waiting = Room::new(RoomConfig { may_wait: true, ..SMALL }, store.reader());
+        let waiting = Room::new(RoomConfig { may_wait: true, ..small(&folder) }, store.reader());
         let ended = waiting.of(&full, std::future::ready(())).await.expect("read");
         assert!(ended.is_some(), "the end comes first");
         let mut work = store.begin().await.expect("begun");
@@ -176,5 +213,18 @@ mod tests {
         work.commit().await.expect("committed");
         assert_eq!(forgotten, 5 + 5 + 1);
         assert_eq!(waiting.of(&full, never()).await.expect("read"), None);
+    }
+
+    #[test]
+    fn who_holds_more_than_an_equal_part_waits_while_the_disk_is_short() {
+        let kept = |bytes| Kept { rows: 1, bytes };
+        let all = Kept { rows: 3, bytes: 300 };
+        assert!(has_more_than_others(kept(101), all));
+        assert!(!has_more_than_others(kept(100), all), "an equal part");
+        assert!(
+            !has_more_than_others(kept(300), Kept { rows: 1, bytes: 300 }),
+            "there are no others"
+        );
+        assert!(!is_short(Path::new("/proc/self/nothing")));
     }
 }

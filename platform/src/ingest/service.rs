@@ -119,14 +119,14 @@ impl Ingest {
         let meta_data = Arc::new(RwLock::new(Arc::new(table)));
         let (sender, batches) = mpsc::channel(BATCHES_WAITING_MAX);
         let IngestConfig { resend_after, silence, witness, room } = config;
-        let ending = CancellationToken::new();
+        let (ending, may_wait) = (CancellationToken::new(), room.may_wait);
         let handle = IngestHandle {
             ending: ending.clone(),
             room: Arc::new(Room::new(room, store.reader())),
             store: store.reader(),
             meta_data: Arc::clone(&meta_data),
             batches: sender,
-            pace: Arc::default(),
+            pace: Arc::new(Pace::new(may_wait)),
         };
         let (signs, heartbeats) = (SignsOfLife::default(), Heartbeats::new(silence));
         Ok((
@@ -280,11 +280,11 @@ impl messaging::Inbox for IngestHandle {
         address: &LogicalAddress,
         deliveries: Vec<Delivery>,
     ) -> Vec<Settlement> {
-        self.pace.keep(address, deliveries.len()).await;
+        let beyond = self.pace.keep(address, deliveries.len()).await;
         let lacking = match self.room.of(address, self.ending.cancelled()).await {
             // Not stored any more: the platform ends.
             Ok(Some(_)) if self.room.may_wait() => return Vec::new(),
-            Ok(lacking) => lacking,
+            Ok(lacking) => beyond.or(lacking),
             Err(error) => {
                 tracing::warn!(cause = %chain(&error), "The room of a sender cannot be read; its messages wait.");
                 return Vec::new();

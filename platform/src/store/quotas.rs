@@ -33,6 +33,15 @@ impl Quotas<'_> {
         self.kept(sqlx::query(sql).bind(address.to_string()), "count what is kept").await
     }
 
+    /// Returns the number of senders of which something is kept, and the bytes of all together.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn of_all_senders(&mut self) -> Result<Kept, StoreError> {
+        let sql = "SELECT COUNT(*) AS number, COALESCE(SUM(bytes), 0) AS bytes FROM kept_of_sender";
+        self.kept(sqlx::query(sql), "count what is kept of all").await
+    }
+
     /// Returns what is kept of the metadata of a factory's writers other than this one.
     ///
     /// # Errors
