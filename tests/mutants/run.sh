@@ -15,6 +15,13 @@ if [ ${#names[@]} = 0 ]; then
   for patch in tests/mutants/*.patch; do names+=("$(basename "$patch" .patch)"); done
 fi
 
+# Without a mutant nothing may be found: what fails by itself would find all of them.
+cargo build --quiet --locked --workspace --bins
+if ! target/debug/chaos --minutes "$minutes" --seed "$seed" >target/mutants/none.log 2>&1; then
+  echo "The run fails without a mutant (log in target/mutants/none.log): $(tail -1 target/mutants/none.log | cut -c1-160)" >&2
+  exit 1
+fi
+
 survivors=()
 for name in "${names[@]}"; do
   patch=tests/mutants/$name.patch log=target/mutants/$name.log

@@ -120,7 +120,7 @@ async fn play(
     steps.run("every writer is kept busy", load::put_on(cast, &stage.world.places)).await?;
     // The clocks are only followed after a start.
     stage.strike(Fault::KillAll).await?;
-    let comments = CommentTraffic::begin(&stage.world.places, &stage.before_a_kill.subscribe())?;
+    let comments = CommentTraffic::begin(&stage.world.places, &stage.comments_hurry.subscribe())?;
     let controls = ControlTraffic::begin(&stage.world.places)?;
     let mut plan = Plan::new(seed, length.has_outages);
     let start = Instant::now();

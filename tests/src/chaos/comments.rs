@@ -19,7 +19,7 @@ use crate::{
     world::{ADMIN, ENGINEER, PASSWORD, Places},
 };
 
-/// Time between two comments of one author while something is about to be killed: many are being received then.
+/// Time between two comments of one author while they hurry: many are being received when something is killed.
 const SHORT_PAUSE: Duration = Duration::from_millis(10);
 /// Time otherwise: a person and a factory have a quota.
 const LONG_PAUSE: Duration = Duration::from_secs(2);
@@ -40,8 +40,8 @@ struct Author {
 }
 
 impl CommentTraffic {
-    /// Starts an author at each factory, and one at the platform for each factory. They hurry before a kill.
-    pub fn begin(places: &Places, before_a_kill: &watch::Receiver<bool>) -> anyhow::Result<Self> {
+    /// Starts an author at each factory, and one at the platform for each factory. They hurry where `comments_hurry` says so.
+    pub fn begin(places: &Places, comments_hurry: &watch::Receiver<bool>) -> anyhow::Result<Self> {
         let stop = CancellationToken::new();
         let mut authors = Vec::new();
         for factory in [MUNICH, HAMBURG] {
@@ -52,7 +52,8 @@ impl CommentTraffic {
             for (port, user, is_from_factory) in ports {
                 let api = Api::new(format!("http://127.0.0.1:{port}"))?;
                 let author = Author { api, user, factory, is_from_factory };
-                authors.push(tokio::spawn(author.write_until(stop.clone(), before_a_kill.clone())));
+                authors
+                    .push(tokio::spawn(author.write_until(stop.clone(), comments_hurry.clone())));
             }
         }
         Ok(Self { stop, authors })
@@ -73,7 +74,7 @@ impl Author {
     async fn write_until(
         mut self,
         stop: CancellationToken,
-        mut before_a_kill: watch::Receiver<bool>,
+        mut comments_hurry: watch::Receiver<bool>,
     ) -> Vec<Comment> {
         let mut accepted = Vec::new();
         let mut is_signed_in = false;
@@ -93,10 +94,10 @@ impl Author {
                 }
             }
             let pause = async {
-                if *before_a_kill.borrow_and_update() {
+                if *comments_hurry.borrow_and_update() {
                     return tokio::time::sleep(SHORT_PAUSE).await;
                 }
-                tokio::time::timeout(LONG_PAUSE, before_a_kill.changed()).await.ok();
+                tokio::time::timeout(LONG_PAUSE, comments_hurry.changed()).await.ok();
             };
             if stop.run_until_cancelled(pause).await.is_none() {
                 break;

@@ -52,7 +52,7 @@ async fn beside(
     steps: &mut Steps,
     copy: &mut Option<Daemon>,
 ) -> anyhow::Result<()> {
-    let comments = CommentTraffic::begin(&stage.world.places, &stage.before_a_kill.subscribe())?;
+    let comments = CommentTraffic::begin(&stage.world.places, &stage.comments_hurry.subscribe())?;
     steps
         .run("kill -9 of a connector, and it goes on at once", async {
             original(stage)?.kill()?;

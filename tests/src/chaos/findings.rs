@@ -63,6 +63,8 @@ pub(super) async fn of_factory(
     for (key, report) in &left {
         match held.get(key) {
             None if announced.contains(key) => {}
+            // Never sent, and the broker lost the word that it will not be.
+            None if report.state == "DONE" && stage.lost_gaps.contains(key) => unknown += 1,
             // Neither side knows more of it: nobody may send it again.
             None if report.is_revoked && stage.set_back.contains(key) => unknown += 1,
             None => faults.push(format!("{} is lost: {key:?}", report.state)),

@@ -17,6 +17,8 @@ pub enum Fault {
     KillConnector(&'static str),
     /// `kill -9` of platform and broker.
     KillPlatform,
+    /// `kill -9` of the broker alone, which the platform starts again.
+    KillBroker,
     /// `kill -9` of a factory's machines.
     KillMachines(&'static str),
     /// `kill -9` of everything at once, as when the power fails.
@@ -71,6 +73,7 @@ impl Fault {
         match self {
             Self::KillConnector(_)
             | Self::KillPlatform
+            | Self::KillBroker
             | Self::KillMachines(_)
             | Self::LoseBrokerStore
             | Self::OldBrokerStore
@@ -85,9 +88,10 @@ impl Fault {
     #[must_use]
     pub const fn beside_external_broker(self) -> Self {
         match self {
-            Self::LoseBrokerStore | Self::OldBrokerStore | Self::DoubleQueued => {
-                Self::RestartBroker
-            }
+            Self::LoseBrokerStore
+            | Self::OldBrokerStore
+            | Self::DoubleQueued
+            | Self::KillBroker => Self::RestartBroker,
             other => other,
         }
     }
@@ -98,6 +102,7 @@ impl Fault {
         match self {
             Self::KillConnector(_) => "kill connector",
             Self::KillPlatform => "kill platform",
+            Self::KillBroker => "kill broker",
             Self::KillMachines(_) => "kill machines",
             Self::KillAll => "kill everything",
             Self::Cut => "cut",
@@ -229,7 +234,8 @@ impl Plan {
         };
         match self.random.random_range(0..100) {
             0..34 => Fault::KillConnector(factory),
-            34..60 => Fault::KillPlatform,
+            34..54 => Fault::KillPlatform,
+            54..60 => Fault::KillBroker,
             60..63 => Fault::KillMachines(factory),
             63..66 => Fault::KillAll,
             66..72 => Fault::Cut,
@@ -272,6 +278,6 @@ mod tests {
         let mut kinds: Vec<_> = rounds.iter().flatten().map(|strike| strike.fault.kind()).collect();
         kinds.sort_unstable();
         kinds.dedup();
-        assert_eq!(kinds.len(), 17, "every kind of fault comes up: {kinds:?}");
+        assert_eq!(kinds.len(), 18, "every kind of fault comes up: {kinds:?}");
     }
 }

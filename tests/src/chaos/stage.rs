@@ -30,8 +30,8 @@ use crate::{
 /// Size of a spool, in bytes, that has no room for the values of an outage.
 const SMALL_SPOOL: &str = "32768";
 
-/// Time before a kill in which many comments are on their way.
-const BEFORE_A_KILL: Duration = Duration::from_millis(250);
+/// Time before a fault in which many comments are on their way.
+const HURRY: Duration = Duration::from_millis(250);
 
 /// Everything that runs, and what stands between it.
 pub(super) struct Stage {
@@ -43,14 +43,17 @@ pub(super) struct Stage {
     /// Reports that the broker may have had when it lost its store: they arrive later, out of their
     /// order.
     pub set_back: BTreeSet<stores::ReportKey>,
+    /// Reports that were given up, whose announcement the broker may have had when it lost its store: no
+    /// side knows more of them.
+    pub lost_gaps: BTreeSet<stores::ReportKey>,
     /// Decisions and receipts that the broker may have had when it lost its store.
     pub lost_controls: LostControls,
     /// Times in which connectors may miss values.
     pub disturbed: Disturbances,
     /// Comments that the broker may have had when it lost its store.
     pub lost_comments: BTreeSet<stores::Comment>,
-    /// True while something is about to be killed.
-    pub before_a_kill: watch::Sender<bool>,
+    /// True where much should be on its way: something is about to be killed, or a disk is full.
+    pub comments_hurry: watch::Sender<bool>,
     /// Number of faults by kind.
     pub counts: BTreeMap<&'static str, u32>,
     /// Number of programs that were killed.
@@ -93,10 +96,11 @@ impl Stage {
             disks,
             clocks: BTreeMap::new(),
             set_back: BTreeSet::new(),
+            lost_gaps: BTreeSet::new(),
             lost_controls: LostControls::default(),
             disturbed: Disturbances::default(),
             lost_comments: BTreeSet::new(),
-            before_a_kill: watch::Sender::new(false),
+            comments_hurry: watch::Sender::new(false),
             counts: BTreeMap::new(),
             kills: 0,
             ended: 0,
@@ -159,13 +163,13 @@ impl Stage {
 
     /// Lets it happen; when this returns, everything has been started again and the line is clear.
     pub async fn strike(&mut self, fault: Fault) -> anyhow::Result<()> {
-        if fault.kills() > 0 {
-            self.before_a_kill.send_replace(true);
-            tokio::time::sleep(BEFORE_A_KILL).await;
+        if fault.kills() > 0 || matches!(fault, Fault::FullDisk(..)) {
+            self.comments_hurry.send_replace(true);
+            tokio::time::sleep(HURRY).await;
         }
         let from = disturbances::now();
         let is_caused = self.cause(fault).await?;
-        self.before_a_kill.send_replace(false);
+        self.comments_hurry.send_replace(false);
         if is_caused {
             self.disturbed.struck(fault, from);
             *self.counts.entry(fault.kind()).or_default() += 1;
@@ -179,6 +183,7 @@ impl Stage {
         match fault {
             Fault::KillConnector(factory) => self.connector(factory)?.restart()?,
             Fault::KillPlatform => self.world.platform.restart()?,
+            Fault::KillBroker => return Ok(self.world.platform.kill_children() > 0),
             Fault::KillMachines(factory) => self.world.factory(factory)?.simulator.restart()?,
             Fault::KillAll => {
                 for daemon in self.world.daemons() {
@@ -242,6 +247,7 @@ impl Stage {
                 for factory in [MUNICH, HAMBURG] {
                     self.set_back.extend(stores::unreceipted_reports(&folder, factory).await?);
                 }
+                self.lost_gaps.extend(stores::queued_gaps(&folder).await?);
                 self.lost_controls.add(&folder).await?;
                 self.lost_comments.extend(comments::on_the_way(&folder).await?);
                 if fault == Fault::OldBrokerStore {

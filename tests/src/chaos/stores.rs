@@ -152,6 +152,34 @@ pub(super) async fn queued(folder: &Path) -> anyhow::Result<Vec<(String, Vec<u8>
     Ok(rows.iter().map(|row| (row.get("name"), row.get("body"))).collect())
 }
 
+/// Returns the reports whose announcement as given up waits in a queue of the broker.
+pub(super) async fn queued_gaps(folder: &Path) -> anyhow::Result<Vec<ReportKey>> {
+    let mut keys = Vec::new();
+    for (queue, body) in queued(folder).await? {
+        let Ok(message) = serde_json::from_slice::<Value>(&body) else { continue };
+        if message["messageType"] != "gap" {
+            continue;
+        }
+        let number = |name: &str| message[name].as_u64().and_then(|n| u32::try_from(n).ok());
+        let (Some(writer), Some(epoch), Some(first), Some(last), Some(factory)) = (
+            number("dataSetWriterId"),
+            number("epoch"),
+            number("firstSequence"),
+            number("lastSequence"),
+            message["factoryId"].as_str(),
+        ) else {
+            anyhow::bail!("a gap of {queue} cannot be read: {message}");
+        };
+        keys.extend((first..=last).map(|sequence| ReportKey {
+            factory: factory.to_owned(),
+            writer: writer.into(),
+            epoch: epoch.into(),
+            sequence: sequence.into(),
+        }));
+    }
+    Ok(keys)
+}
+
 /// Doubles every message that waits at the broker.
 pub(super) async fn double_queued(folder: &Path) -> anyhow::Result<()> {
     let file = folder.join("platform/broker.sqlite");

@@ -84,13 +84,39 @@ impl Daemon {
         self.child.try_wait()
     }
 
-    /// `kill -9`: no drain, no clean end.
+    /// `kill -9` of it and of the programs that it has started, as the broker: no drain, no clean end.
     ///
     /// # Errors
     /// When the process cannot be killed or awaited.
     pub fn kill(&mut self) -> io::Result<()> {
+        let family = self.children();
         self.child.kill()?;
-        self.child.wait().map(|_| ())
+        let ended = self.child.wait().map(|_| ());
+        for child in family {
+            kill_child(child);
+        }
+        ended
+    }
+
+    /// `kill -9` of the programs that it has started; it may start them again. Returns their number.
+    pub fn kill_children(&self) -> usize {
+        let family = self.children();
+        family.iter().for_each(|child| kill_child(*child));
+        family.len()
+    }
+
+    /// Returns the processes that it has started, as Linux lists them.
+    fn children(&self) -> Vec<rustix::process::Pid> {
+        let tasks = std::fs::read_dir(format!("/proc/{}/task", self.child.id()));
+        let lists = tasks
+            .into_iter()
+            .flatten()
+            .flatten()
+            .filter_map(|task| std::fs::read_to_string(task.path().join("children")).ok());
+        let ids = lists.flat_map(|list| {
+            list.split_whitespace().filter_map(|id| id.parse().ok()).collect::<Vec<i32>>()
+        });
+        ids.filter_map(rustix::process::Pid::from_raw).collect()
     }
 
     /// Starts the same program again after it ended or was killed.
@@ -158,6 +184,21 @@ impl Daemon {
 impl Drop for Daemon {
     fn drop(&mut self) {
         self.kill().ok();
+    }
+}
+
+/// Kills a process of another one, and waits until it does nothing any more.
+fn kill_child(child: rustix::process::Pid) {
+    // Gone already, where this fails.
+    rustix::process::kill_process(child, rustix::process::Signal::KILL).ok();
+    let status = format!("/proc/{}/status", child.as_raw_nonzero());
+    let runs = || {
+        let text = std::fs::read_to_string(&status).unwrap_or_default();
+        text.lines().any(|line| line.starts_with("State:") && !line.contains('Z'))
+    };
+    let deadline = Instant::now() + Duration::from_secs(5);
+    while runs() && Instant::now() < deadline {
+        std::thread::sleep(Duration::from_millis(1));
     }
 }
 

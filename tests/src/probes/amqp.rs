@@ -119,6 +119,18 @@ pub(super) async fn sign_in(route: Route) -> anyhow::Result<Duration> {
     Ok(begun.elapsed())
 }
 
+/// Guesses the password of a user. Returns whether the broker answered that it is wrong, or that too many were.
+pub(super) async fn guess(route: Route) -> anyhow::Result<()> {
+    let mut peer = Peer::connect(route).await?;
+    peer.send(SASL_HEADER).await;
+    peer.send(&frame(SASL, 0, &sasl_init(OBSERVER, "a guess like others"))).await;
+    peer.header().await?;
+    let (mechanisms, outcome) = (peer.read().await?, peer.read().await?);
+    let is_refused = outcome.get(2) == Some(&0x44) && outcome.last() != Some(&0);
+    anyhow::ensure!(!mechanisms.is_empty() && is_refused, "no refusal: {outcome:02x?}");
+    Ok(())
+}
+
 /// Fourteen bytes of a stranger that claim gigabytes.
 pub(super) async fn claimed_lengths(route: Route) -> anyhow::Result<String> {
     let mut count = 0;

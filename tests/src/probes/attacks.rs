@@ -65,6 +65,7 @@ fn of_the_twin(scene: &Scene) -> Vec<Attack> {
             opcua::denied_certificate(scene.cast.munich.clone(), route),
         ),
         attack(of, "values nested in the header of a request", opcua::nested_headers(route)),
+        attack(of, "ranks claimed in the header of a request", opcua::claimed_ranks(route)),
     ]
 }
 

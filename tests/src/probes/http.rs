@@ -43,6 +43,7 @@ pub(super) async fn long_names(port: u16) -> anyhow::Result<String> {
     let is_refused = |status: &StatusCode| {
         [StatusCode::PAYLOAD_TOO_LARGE, StatusCode::UNPROCESSABLE_ENTITY].contains(status)
     };
+    anyhow::ensure!(!statuses.is_empty(), "no attempt was answered");
     anyhow::ensure!(statuses.iter().all(is_refused), "taken: {statuses:?}");
     Ok(format!("{} refused", statuses.len()))
 }
@@ -129,6 +130,15 @@ pub(super) async fn nested_documents(api: Api, path: &str) -> anyhow::Result<Str
     let is_refused = statuses.iter().all(StatusCode::is_client_error);
     anyhow::ensure!(is_refused, "answered {statuses:?}");
     Ok(format!("{statuses:?}"))
+}
+
+/// Tries to enrol with a token that was made up.
+pub(super) async fn enrol(client: &reqwest::Client, port: u16) -> anyhow::Result<()> {
+    let body = serde_json::json!({ "token": "http://127.0.0.1.made-up", "signingKey": null });
+    let request = client.post(format!("http://127.0.0.1:{port}/api/v1/enrolments")).json(&body);
+    let status = request.send().await?.status();
+    anyhow::ensure!(status.is_client_error(), "answered {status}");
+    Ok(())
 }
 
 /// Sends a body that is larger than any that is taken, from an address of mean people.

@@ -224,3 +224,24 @@ pub(super) async fn nested_headers(route: Route) -> anyhow::Result<String> {
     }
     Ok("answered with an error each".to_owned())
 }
+
+/// Arguments in the header of a request whose value rank claims gigabytes of dimensions.
+pub(super) async fn claimed_ranks(route: Route) -> anyhow::Result<String> {
+    let url = route.opcua_url();
+    for rank in [1_000_000, 0x14A9_0000, i32::MAX] {
+        // No name, no data type, the rank, no dimension, no description.
+        let mut argument = vec![0xFF, 0xFF, 0xFF, 0xFF, 0, 0];
+        argument.extend(rank.to_le_bytes());
+        argument.extend([0, 0, 0, 0, 0]);
+        // Argument_Encoding_DefaultBinary.
+        let mut header = vec![1, 0];
+        header.extend(298_u16.to_le_bytes());
+        header.push(1);
+        header.extend(u32::try_from(argument.len())?.to_le_bytes());
+        header.extend(argument);
+        let (mut stream, id) = channel(route).await?;
+        stream.write_all(&framed(b"MSGF", &get_endpoints(&url, id, 2, &header))).await?;
+        message(&mut stream).await?;
+    }
+    Ok("answered with an error each".to_owned())
+}

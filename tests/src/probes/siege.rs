@@ -21,6 +21,8 @@ use super::{
 };
 use crate::harness::{Deadline, say};
 
+/// Guesses of each kind, at least.
+const GUESSES_MIN: u64 = 500;
 /// Rounds of each repeated attack, at least.
 const REPEATS_MIN: u64 = 3;
 /// Usual time of an honest request, at least: below it a delay of the scheduler would be many times as long.
@@ -56,10 +58,11 @@ impl Times {
 }
 
 /// Kinds of honest requests.
-const KINDS: [&str; 5] = [
+const KINDS: [&str; 6] = [
     "a page of the platform",
     "a page of the connector",
     "a new caller of the platform",
+    "a new caller of the connector",
     "a sign-in at the broker",
     "a discovery at the OPC UA server",
 ];
@@ -159,6 +162,7 @@ async fn honest(scene: &Scene, until: Option<Instant>, failed: &mut Vec<String>)
             honest_request(&scene.cast.platform).await,
             honest_request(&scene.cast.munich).await,
             new_caller(places.platform_web).await,
+            new_caller(places.munich.connector_web).await,
             amqp::sign_in(Route::honest(places.broker_plain)).await,
             opcua::discover(Route::honest(places.munich.twin)).await,
         ];
@@ -204,12 +208,20 @@ fn besiege(scene: &Scene) -> anyhow::Result<(JoinSet<()>, Tally)> {
     }
     let pages = [("platform", places.platform_web), ("connector", places.munich.connector_web)];
     for (program, port) in pages {
-        let guesses = tally.count(format!("guesses at the {program}"), REPEATS_MIN);
+        let guesses = tally.count(format!("guesses at the {program}"), GUESSES_MIN);
         for n in 1..=10 {
             siege.spawn(guess_on(Ipv4Addr::new(127, 2, 0, n), port, Arc::clone(&guesses)));
         }
         let count = tally.count(format!("bodies too large for the {program}"), REPEATS_MIN);
         siege.spawn(repeat(count, move || http::oversize(port)));
+    }
+    let enrolments = tally.count("enrolments with made-up tokens".to_owned(), GUESSES_MIN);
+    let sign_ins = tally.count("guesses at the broker".to_owned(), GUESSES_MIN);
+    for n in 1..=10 {
+        let source = Ipv4Addr::new(127, 2, 1, n);
+        siege.spawn(enrol_from(source, places.platform_web, Arc::clone(&enrolments)));
+        let route = Route::new(source, broker);
+        siege.spawn(repeat(Arc::clone(&sign_ins), move || amqp::guess(route)));
     }
     let mut again = |name: &str| tally.count(name.to_owned(), REPEATS_MIN);
     let (broker, twin) = (Route::hostile(broker), Route::hostile(twin));
@@ -218,6 +230,7 @@ fn besiege(scene: &Scene) -> anyhow::Result<(JoinSet<()>, Tally)> {
     siege.spawn(repeat(again("nested messages"), move || amqp::nested_message(broker)));
     siege.spawn(repeat(again("nested headers"), move || opcua::nested_headers(twin)));
     siege.spawn(repeat(again("claimed sizes"), move || opcua::claimed_sizes(twin)));
+    siege.spawn(repeat(again("claimed ranks"), move || opcua::claimed_ranks(twin)));
     Ok((siege, tally))
 }
 
@@ -242,6 +255,14 @@ async fn guess_on(source: Ipv4Addr, port: u16, count: Count) {
         }
         tokio::time::sleep(Duration::from_millis(50)).await;
     }
+}
+
+/// Tries to enrol from an address, again and again.
+async fn enrol_from(source: Ipv4Addr, port: u16, count: Count) {
+    let client =
+        reqwest::Client::builder().local_address(Some(source.into())).timeout(SPAN).build();
+    let Ok(client) = client else { return };
+    repeat(count, || http::enrol(&client, port)).await;
 }
 
 /// Returns the first half of what a client of TLS says.

@@ -50,6 +50,30 @@ impl Tally {
     }
 }
 
+/// Connections of a kind that are open at the same time.
+#[derive(Debug, Default)]
+struct Open {
+    now: AtomicU64,
+    most: Count,
+}
+
+impl Open {
+    fn begins(self: &Arc<Self>) -> OpenConnection {
+        let now = self.now.fetch_add(1, Ordering::Relaxed) + 1;
+        self.most.fetch_max(now, Ordering::Relaxed);
+        OpenConnection(Arc::clone(self))
+    }
+}
+
+/// One of them, until it ends.
+struct OpenConnection(Arc<Open>);
+
+impl Drop for OpenConnection {
+    fn drop(&mut self) {
+        self.0.now.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
 /// Lets silent and slow connections come to a listener from many addresses.
 pub(super) fn gather(
     siege: &mut JoinSet<()>,
@@ -62,14 +86,20 @@ pub(super) fn gather(
         let made = tally.count(format!("{kind} connections to the {listener}"), u64::from(CROWD));
         // A server may end them: the longest of them show how long it bears them.
         let held = tally.count(format!("{kind} connections to the {listener} for over 5 s"), 0);
+        // As many as the server admits: it has places for so many, and who comes takes that of another.
+        let most =
+            tally.count(format!("{kind} connections to the {listener} at the same time"), 20);
+        let open = Arc::new(Open { now: AtomicU64::default(), most });
         for n in 0..CROWD {
             let [high, low] = (n / 8).to_be_bytes();
             // Eight of each kind from each of 125 addresses; honest people have another one.
             let source = Ipv4Addr::new(127, 1, high, low.max(1));
             let (made, held, slow) = (Arc::clone(&made), Arc::clone(&held), Arc::clone(&slow));
+            let open = Arc::clone(&open);
             siege.spawn(async move {
                 loop {
-                    hold(source, port, (!is_silent).then_some(&*slow), [&made, &held]).await.ok();
+                    let slow = (!is_silent).then_some(&*slow);
+                    hold(source, port, slow, [&made, &held], &open).await.ok();
                     tokio::time::sleep(Duration::from_millis(500)).await;
                 }
             });
@@ -83,8 +113,10 @@ async fn hold(
     port: u16,
     slow: Option<&[u8]>,
     [made, held]: [&AtomicU64; 2],
+    open: &Arc<Open>,
 ) -> io::Result<()> {
     let mut stream = Route::new(source, port).connect().await?;
+    let _open = open.begins();
     if slow.is_none() {
         made.fetch_add(1, Ordering::Relaxed);
     }
