@@ -8,6 +8,7 @@ mod cursor;
 mod sender;
 mod state;
 mod supervisor;
+mod volatile;
 
 use std::{sync::Arc, time::Duration};
 

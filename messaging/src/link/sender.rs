@@ -15,7 +15,11 @@ use tokio::{
 use tokio_util::sync::CancellationToken;
 use tracing::{debug, error, warn};
 
-use super::{context::LinkContext, cursor::Cursor};
+use super::{
+    context::LinkContext,
+    cursor::Cursor,
+    volatile::{VOLATILE_FROM, is_volatile},
+};
 use crate::{
     address::LogicalAddress,
     clock,
@@ -32,9 +36,6 @@ use addresses::Addresses;
 use pauses::Pauses;
 use recorder::Recording;
 
-/// Volatile messages are numbered downwards from here, below the rows of the spool. Their outcomes
-/// are not recorded.
-const VOLATILE_FROM: RowId = RowId(-1);
 /// Events of sender tasks handled at once. Between two groups the window is filled again.
 const EVENTS_MAX: usize = 256;
 /// Interval at which the backlog is counted while it changes.
@@ -222,8 +223,12 @@ impl Sender {
     fn on_event(&mut self, event: SenderEvent) {
         match event {
             SenderEvent::Outcome { id, outcome } => self.on_outcome(id, outcome),
-            SenderEvent::Recalled { id } => {
-                self.settle(id);
+            SenderEvent::Recalled { id, is_first } => {
+                if let Some((address, _)) = self.settle(id)
+                    && is_first
+                {
+                    self.addresses.send_on(&address);
+                }
                 self.cursor.close(id);
                 // The other reports of the message wait in another row by now.
                 self.cursor.on_rewind();
@@ -361,7 +366,7 @@ impl Sender {
                     let unsent: HashSet<_> = unsent.into_iter().collect();
                     self.addresses.forget(|id| unsent.contains(id));
                 }
-                Ok(Some(SenderEvent::Recalled { id: recalled })) => {
+                Ok(Some(SenderEvent::Recalled { id: recalled, .. })) => {
                     self.addresses.forget(|id| *id == recalled);
                 }
                 Ok(None) | Err(_) => break,
@@ -370,11 +375,6 @@ impl Sender {
         self.addresses.shutdown().await;
         self.recording.finish().await;
     }
-}
-
-/// True for messages that do not come from the spool.
-fn is_volatile(id: RowId) -> bool {
-    id <= VOLATILE_FROM
 }
 
 fn count_sent(outcome: &'static str) {

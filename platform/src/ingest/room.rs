@@ -22,9 +22,9 @@ const KEPT: &str = "kept";
 const LOOKED_EVERY: Duration = Duration::from_secs(5);
 
 /// Part of a disk that senders with more than others leave free.
-const RESERVED_PART: u64 = 20;
+const RESERVED_PART: u64 = 50;
 /// Largest such part.
-const RESERVED_MAX: u64 = 4 << 30;
+const RESERVED_MAX: u64 = 1 << 30;
 
 /// Bounds on what is kept of the messages of one sender, in bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]

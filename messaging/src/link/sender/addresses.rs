@@ -129,6 +129,13 @@ impl Addresses {
         is_sent
     }
 
+    /// Calls the task of an address on to send again, after a row was recalled.
+    pub(super) fn send_on(&self, address: &LogicalAddress) {
+        if let Some(sender) = self.states.get(address).and_then(|state| state.sender.as_ref()) {
+            sender.send_on();
+        }
+    }
+
     /// Takes a row out of flight; none when it was not in flight.
     pub(super) fn settle(&mut self, id: RowId) -> Option<Settled> {
         let AddressInFlight { address, attempts } = self.in_flight.remove(&id)?;
