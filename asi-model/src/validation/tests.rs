@@ -134,7 +134,7 @@ fn fields_are_checked() {
     check(&format!("{FIELDS}/0/type"), json!("UInt64"), &[]);
     check(
         &format!("{FIELDS}/0/unit"),
-        json!("FURLONG"),
+        json!("SMOOT"),
         &[(&format!("{FIELDS}/0/unit"), "UNKNOWN_UNIT")],
     );
     check(
