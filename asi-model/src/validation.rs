@@ -192,7 +192,7 @@ fn parse<T>(
     limits: Limits,
     read: impl FnOnce(&mut Reader, &Tape<'_>) -> Option<T>,
 ) -> Result<T, InvalidMessage> {
-    let mut reader = Reader::default();
+    let mut reader = Reader::of_text();
     let tape = match Tape::read(bytes, limits) {
         Ok(tape) => tape,
         Err(error) => {

@@ -1,5 +1,7 @@
 //! Every kind of fault, with its pointer.
 
+mod at_once;
+
 use serde_json::{Value, json};
 
 use super::*;
