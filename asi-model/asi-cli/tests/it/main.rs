@@ -178,6 +178,8 @@ fn what_is_no_message_is_refused() {
         assert_eq!((answer.code, &answered["result"]), (1, &"REJECTED".into()), "{input}");
         assert_ne!(answered["faultList"], serde_json::json!([]));
     }
+    let samples = example("../tests/foreign-messages/opc-publisher.samples.json");
+    assert_eq!(asi(&["validate", samples.to_str().unwrap()], "").code, 1);
     // A layout without headers has nothing to be recognised by.
     for (arguments, code) in [
         (vec!["validate"], 1),
