@@ -1,4 +1,5 @@
-//! Engineering units: UNECE Recommendation 20 common codes, with the names people write as aliases.
+//! Engineering units: all common codes of UNECE Recommendation 20 and the packages of Recommendation
+//! 21, with the names people write as aliases.
 //!
 //! OPC 10000-8 §5.6.3.3 derives the numeric UnitId from the code's bytes, big endian.
 
@@ -7,13 +8,13 @@ mod unit;
 
 pub use unit::{EngineeringUnit, Quantity};
 
-use std::{collections::HashMap, sync::LazyLock};
+use std::sync::LazyLock;
 
 use crate::values::{
     ExpandedNodeId, ExtensionBody, ExtensionObject, LocalizedText, NodeId, Scalar, Server,
     StructureValue, Variant,
 };
-use table::UNITS;
+use table::{COUNT, UnitRow};
 
 /// The namespace of UNECE units in EUInformation.
 pub const UNECE_NAMESPACE_URI: &str = "http://www.opcfoundation.org/UA/units/un/cefact";
@@ -27,18 +28,16 @@ impl EngineeringUnit {
         self.code.bytes().fold(0, |id, byte| id << 8 | i32::from(byte))
     }
 
-    /// The preferred alias, as `PIECE` for `H87`: the name in upper case with `_` for blanks.
+    /// The preferred alias, as `PIECE` for `H87`: the name in upper case with `_` for blanks, or the
+    /// code where another unit has that name.
     #[must_use]
     pub fn alias(&self) -> String {
-        match PLAIN_ALIASES.iter().find(|(code, _)| *code == self.code) {
-            Some((_, alias)) => (*alias).to_owned(),
-            None => alias_of(self.description),
-        }
+        UnitRow::of(self.code).map_or(self.code, |row| row.alias).to_owned()
     }
 
-    /// Every unit known, by quantity.
+    /// Every unit known, by code.
     pub fn all() -> impl Iterator<Item = Self> {
-        UNITS.iter().copied()
+        (0..COUNT).map(|position| UnitRow::at(position).unit())
     }
 
     /// The unit as EUInformation (OPC 10000-8 §5.6.3.3).
@@ -72,23 +71,6 @@ impl EngineeringUnit {
         from_unit_id(i32::try_from(id).ok()?)
     }
 }
-
-fn alias_of(name: &str) -> String {
-    name.chars()
-        .filter(|c| !matches!(c, '(' | ')' | '[' | ']' | ','))
-        .map(|c| if c.is_alphanumeric() { c.to_ascii_uppercase() } else { '_' })
-        .collect()
-}
-
-/// Units whose name in the recommendation carries an addition that people leave out.
-const PLAIN_ALIASES: &[(&str, &str)] = &[
-    ("SEC", "SECOND"),
-    ("MIN", "MINUTE"),
-    ("DD", "DEGREE"),
-    ("BAR", "BAR"),
-    ("4H", "MICROMETRE"),
-    ("TNE", "TONNE"),
-];
 
 /// Names beside the code, the symbol and the upper-case name: the paper's, American spellings,
 /// plurals, everyday ones.
@@ -130,38 +112,57 @@ const ALIASES: &[(&str, &str)] = &[
     ("DIMENSIONLESS", "C62"),
 ];
 
-static BY_NAME: LazyLock<HashMap<String, usize>> = LazyLock::new(|| {
-    let mut names = HashMap::new();
-    let position = |code: &str| UNITS.iter().position(|unit| unit.code == code);
-    // Codes win over names, names over aliases, aliases over symbols: the first insertion stays.
-    for (index, unit) in UNITS.iter().enumerate() {
-        names.entry(unit.code.to_owned()).or_insert(index);
+/// Positions of the units in the order of a text that each has.
+struct UnitOrder {
+    text: fn(&UnitRow) -> &'static str,
+    positions: Box<[u16]>,
+}
+
+impl UnitOrder {
+    /// Units of one text follow each other with those that have a symbol first.
+    fn by(text: fn(&UnitRow) -> &'static str) -> Self {
+        let count = u16::try_from(COUNT).expect("fewer units than 65536");
+        let mut positions: Box<[u16]> = (0..count).collect();
+        positions.sort_by_cached_key(|position| {
+            let row = UnitRow::at(usize::from(*position));
+            (text(&row), !row.has_symbol())
+        });
+        Self { text, positions }
     }
-    for (index, unit) in UNITS.iter().enumerate() {
-        names.entry(unit.alias()).or_insert(index);
+
+    fn find(&self, wanted: &str) -> Option<UnitRow> {
+        let row = |position: &u16| UnitRow::at(usize::from(*position));
+        let first = self.positions.partition_point(|found| (self.text)(&row(found)) < wanted);
+        self.positions.get(first).map(row).filter(|found| (self.text)(found) == wanted)
     }
-    for (alias, code) in ALIASES {
-        if let Some(index) = position(code) {
-            names.entry((*alias).to_owned()).or_insert(index);
-        }
-    }
-    for (index, unit) in UNITS.iter().enumerate() {
-        names.entry(unit.display_name.to_owned()).or_insert(index);
-    }
-    names
-});
+}
+
+static BY_ALIAS: LazyLock<UnitOrder> = LazyLock::new(|| UnitOrder::by(|row| row.alias));
+static BY_DISPLAY_NAME: LazyLock<UnitOrder> =
+    LazyLock::new(|| UnitOrder::by(UnitRow::display_name));
 
 /// The unit with this UNECE code, name (`PIECE`, `DEGREE_CELSIUS`), alias or symbol (`mm`). Codes
 /// and symbols are case-sensitive; names are written in upper case.
 #[must_use]
 pub fn lookup(code_or_alias: &str) -> Option<EngineeringUnit> {
-    BY_NAME.get(code_or_alias).map(|index| UNITS[*index])
+    let everyday = || {
+        let (_, code) = ALIASES.iter().find(|(alias, _)| *alias == code_or_alias)?;
+        UnitRow::of(code)
+    };
+    // Codes win over names, names over aliases, aliases over symbols.
+    UnitRow::of(code_or_alias)
+        .or_else(|| BY_ALIAS.find(code_or_alias))
+        .or_else(everyday)
+        .or_else(|| BY_DISPLAY_NAME.find(code_or_alias))
+        .map(|row| row.unit())
 }
 
 /// The unit with this numeric id.
 #[must_use]
 pub fn from_unit_id(unit_id: i32) -> Option<EngineeringUnit> {
-    UNITS.iter().find(|unit| unit.unit_id() == unit_id).copied()
+    let bytes = unit_id.to_be_bytes();
+    let leading = bytes.iter().take_while(|byte| **byte == 0).count();
+    UnitRow::of(std::str::from_utf8(&bytes[leading..]).ok()?).map(|row| row.unit())
 }
 
 /// Two units measure different things.
@@ -207,16 +208,15 @@ mod tests {
 
     #[test]
     fn codes_are_unique_and_ids_follow_from_them() {
-        for (index, unit) in UNITS.iter().enumerate() {
+        let all: Vec<EngineeringUnit> = EngineeringUnit::all().collect();
+        assert!(all.len() > 2_100 && all.is_sorted_by(|a, b| a.code < b.code));
+        for unit in all {
             assert!((2..=3).contains(&unit.code.len()), "{}", unit.code);
-            assert_eq!(
-                UNITS.iter().position(|u| u.code == unit.code),
-                Some(index),
-                "{} twice",
-                unit.code
-            );
-            assert_eq!(from_unit_id(unit.unit_id()), Some(*unit));
-            assert!(unit.factor > 0.0);
+            assert_eq!(from_unit_id(unit.unit_id()), Some(unit));
+            assert!(unit.factor > 0.0 && !unit.description.is_empty(), "{}", unit.code);
+        }
+        for id in [0, -1, i32::MIN, 0x41, i32::MAX] {
+            assert_eq!(from_unit_id(id), None, "{id}");
         }
         for (code, id) in [
             ("PIECE", 4_732_983),
@@ -242,13 +242,40 @@ mod tests {
         for (alias, code) in ALIASES {
             assert_eq!(lookup(alias).map(|unit| unit.code), Some(*code), "{alias}");
         }
-        for unit in UNITS {
-            assert_eq!(lookup(&unit.alias()).map(|u| u.code), Some(unit.code), "{}", unit.alias());
+        for unit in EngineeringUnit::all() {
+            assert_eq!(lookup(&unit.alias()), Some(unit), "{}", unit.alias());
+            assert!(lookup(unit.display_name).is_some(), "{}", unit.display_name);
             assert_eq!(
                 EngineeringUnit::from_extension_object(&unit.to_extension_object()).map(|u| u.code),
                 Some(unit.code)
             );
         }
+    }
+
+    #[test]
+    fn both_recommendations_are_known() {
+        for (code, name) in [
+            ("K6", "kilolitre"),
+            ("B34", "kilogram per cubic decimetre"),
+            ("C80", "rad"),
+            ("D10", "siemens per metre"),
+            ("KWN", "kilowatt hour per normalized cubic metre"),
+            ("B30", "gibibit"),
+            ("N3", "print point"),
+            ("4R", "ounce foot"),
+            ("5I", "standard cubic foot"),
+            ("RM", "ream"),
+            ("XBO", "Bottle, non-protected, cylindrical"),
+            ("XPF", "Pen"),
+            ("XBX", "box"),
+            ("XAA", "Intermediate bulk container, rigid plastic"),
+        ] {
+            assert_eq!(lookup(code).map(|unit| unit.description), Some(name), "{code}");
+        }
+        // The symbol of two units is the better known one's, as is that of a code.
+        assert_eq!(lookup("rad").map(|unit| unit.code), Some("C81"));
+        assert_eq!(lookup("RAD"), None);
+        assert_eq!(lookup("N3").map(|unit| unit.unit_id()), Some(20_019));
     }
 
     #[test]
@@ -263,6 +290,8 @@ mod tests {
             (2.0, "DZN", "H87", 24.0),
             (0.5, "C62", "P1", 50.0),
             (60.0, "RPM", "HTZ", 1.0),
+            (1.0, "K6", "LTR", 1000.0),
+            (1.0, "B34", "KMQ", 1000.0),
         ] {
             let (from, to) = (lookup(from).expect("known"), lookup(to).expect("known"));
             let found = convert(value, &from, &to);

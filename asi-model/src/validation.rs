@@ -102,14 +102,24 @@ pub fn parse_any_platform_message(bytes: &[u8]) -> Result<PlatformMessage, Inval
     platform_message(bytes, None)
 }
 
+/// The factory that a message to a factory names, also where the message is rejected.
+#[must_use]
+pub fn named_factory(bytes: &[u8]) -> Option<FactoryId> {
+    let json = if is_xml(bytes) { Some(from_node_set(bytes).ok()?) } else { None };
+    let tape = Tape::read(json.as_deref().unwrap_or(bytes), REQUEST_LIMITS).ok()?;
+    tape.root().get("factoryId")?.text()?.parse().ok()
+}
+
+fn is_xml(bytes: &[u8]) -> bool {
+    bytes.iter().find(|byte| !byte.is_ascii_whitespace() && !b"\xef\xbb\xbf".contains(byte))
+        == Some(&b'<')
+}
+
 fn platform_message(
     bytes: &[u8],
     expected: Option<&FactoryId>,
 ) -> Result<PlatformMessage, InvalidMessage> {
-    let is_xml =
-        bytes.iter().find(|byte| !byte.is_ascii_whitespace() && !b"\xef\xbb\xbf".contains(byte))
-            == Some(&b'<');
-    let json = if is_xml { Some(from_node_set(bytes)?) } else { None };
+    let json = if is_xml(bytes) { Some(from_node_set(bytes)?) } else { None };
     parse(json.as_deref().unwrap_or(bytes), REQUEST_LIMITS, |reader, tape| {
         platform_message::platform_message(reader, tape.root(), expected)
     })
@@ -192,7 +202,7 @@ fn parse<T>(
     limits: Limits,
     read: impl FnOnce(&mut Reader, &Tape<'_>) -> Option<T>,
 ) -> Result<T, InvalidMessage> {
-    let mut reader = Reader::default();
+    let mut reader = Reader::of_text();
     let tape = match Tape::read(bytes, limits) {
         Ok(tape) => tape,
         Err(error) => {

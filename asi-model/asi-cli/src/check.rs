@@ -5,15 +5,19 @@ use std::io::Write;
 use anyhow::Context as _;
 use asi_model::{
     FactoryId, MessageId, OperationNetworkId,
+    json::Tape,
     messages::{Acknowledgement, AcknowledgementResult, FactoryMessage, Fault, PlatformMessage},
     opcua_json::{Diagnostic, Leniency},
-    pubsub::json::{PubSubError, decode_described},
+    pubsub::{
+        DataSetMetaData,
+        json::{PubSubError, decode_described},
+    },
     validation::{self, InvalidMessage},
 };
 use serde_json::json;
 
 use crate::{
-    input::{Input, InputKind},
+    input::{INPUT_LIMITS, Input, InputKind},
     outcome::CommandOutcome,
 };
 
@@ -28,10 +32,22 @@ pub struct Check {
     rejection: Option<InvalidMessage>,
 }
 
+/// Rules by which a message is checked.
+#[derive(Debug, Default)]
+pub struct CheckRules {
+    /// The factory that receives it; where absent, the one that the message names.
+    pub factory: Option<FactoryId>,
+    /// True where deviations that receivers take are faults.
+    pub is_strict: bool,
+    /// True where an object or array without headers is a payload.
+    pub takes_payload: bool,
+    /// The types of bare values.
+    pub meta_data: Option<DataSetMetaData>,
+}
+
 impl Check {
-    /// Checks a message for a factory, or for the factory it names; `strict` makes faults of
-    /// deviations that receivers take.
-    pub fn of(input: &Input, factory: Option<&FactoryId>, strict: bool) -> Self {
+    /// Checks a message.
+    pub fn of(input: &Input, rules: &CheckRules) -> Self {
         let mut check = Self {
             kind: input.kind.name(),
             faults: Vec::new(),
@@ -40,18 +56,13 @@ impl Check {
             rejection: None,
         };
         match input.kind {
-            InputKind::ToFactory | InputKind::NodeSet | InputKind::Unknown => {
-                let parsed = match factory {
-                    Some(factory) => validation::parse_platform_message(&input.bytes, factory),
-                    None => validation::parse_any_platform_message(&input.bytes),
-                };
-                match parsed {
-                    Ok(message) => check.message = Some(message),
-                    Err(rejection) => {
-                        check.faults.clone_from(&rejection.faults);
-                        check.rejection = Some(rejection);
-                    }
-                }
+            InputKind::PubSub => check.pubsub(input, rules),
+            InputKind::PubSubPart | InputKind::Payload if rules.takes_payload => {
+                check.pubsub(input, rules);
+            }
+            InputKind::PubSubPart => check.faults = missing_headers(&input.bytes),
+            InputKind::ToFactory | InputKind::NodeSet | InputKind::Unknown | InputKind::Payload => {
+                check.platform_message(input, rules)
             }
             InputKind::FromFactory => {
                 if let Err(rejection) = validation::parse_factory_message(&input.bytes) {
@@ -63,26 +74,45 @@ impl Check {
                     check.faults = rejection.faults;
                 }
             }
-            InputKind::PubSub => {
-                let leniency = if strict { Leniency::Strict } else { Leniency::Lenient };
-                match decode_described(&input.bytes, leniency, &()) {
-                    Ok(decoded) => check.diagnostics = decoded.diagnostics,
-                    Err(error) => check.faults = vec![pubsub_fault(&error)],
-                }
-                if strict {
-                    let deviations =
-                        std::mem::take(&mut check.diagnostics).into_iter().map(|diagnostic| {
-                            Fault {
-                                pointer: diagnostic.pointer,
-                                code: "DEVIATION".to_owned(),
-                                message: diagnostic.message,
-                            }
-                        });
-                    check.faults.extend(deviations);
-                }
-            }
         }
         check
+    }
+
+    fn platform_message(&mut self, input: &Input, rules: &CheckRules) {
+        let parsed = match &rules.factory {
+            Some(factory) => validation::parse_platform_message(&input.bytes, factory),
+            None => validation::parse_any_platform_message(&input.bytes),
+        };
+        match parsed {
+            Ok(message) => self.message = Some(message),
+            Err(rejection) => {
+                self.faults.clone_from(&rejection.faults);
+                self.rejection = Some(rejection);
+            }
+        }
+    }
+
+    fn pubsub(&mut self, input: &Input, rules: &CheckRules) {
+        let leniency = if rules.is_strict { Leniency::Strict } else { Leniency::Lenient };
+        let decoded = match &rules.meta_data {
+            Some(known) => decode_described(&input.bytes, leniency, known),
+            None => decode_described(&input.bytes, leniency, &()),
+        };
+        match decoded {
+            Ok(decoded) => self.diagnostics = decoded.diagnostics,
+            Err(error) => self.faults = vec![pubsub_fault(&error)],
+        }
+        if rules.is_strict {
+            // Bare values keep the standard: their types are in the metadata.
+            let (notes, deviations) =
+                std::mem::take(&mut self.diagnostics).into_iter().partition(Diagnostic::is_guess);
+            self.diagnostics = notes;
+            self.faults.extend(deviations.into_iter().map(|deviation: Diagnostic| Fault {
+                pointer: deviation.pointer,
+                code: "DEVIATION".to_owned(),
+                message: deviation.message,
+            }));
+        }
     }
 
     /// Valid where there is no fault; diagnostics do not count.
@@ -107,9 +137,11 @@ impl Check {
         Ok(self.outcome())
     }
 
-    /// Prints the acknowledgement that a connector would send.
+    /// Prints the acknowledgement that a connector would send. A rejection is by the factory that
+    /// receives the message, else by the one that it names.
     pub fn print_acknowledgement(
         &self,
+        input: &Input,
         factory: Option<&FactoryId>,
         out: &mut dyn Write,
     ) -> anyhow::Result<CommandOutcome> {
@@ -130,11 +162,11 @@ impl Check {
                 }
             }
             // Without a transport there is no id but ours to refer to.
-            (None, Some(rejection)) => rejection.into_acknowledgement(
-                new_id(),
-                factory.cloned().map_or_else(unnamed, Ok)?,
-                new_id(),
-            ),
+            (None, Some(rejection)) => {
+                let named = factory.cloned().or_else(|| validation::named_factory(&input.bytes));
+                let factory_id = named.map_or_else(unnamed, Ok)?;
+                rejection.into_acknowledgement(new_id(), factory_id, new_id())
+            }
             (None, None) => {
                 let result = if self.faults.is_empty() { "ACCEPTED" } else { "REJECTED" };
                 let text = json!({ "result": result, "faultList": self.faults });
@@ -146,6 +178,25 @@ impl Check {
         writeln!(out, "{}", serde_json::to_string_pretty(&message)?)?;
         Ok(self.outcome())
     }
+}
+
+/// Returns the fault of an input with some members of PubSub, but no header.
+fn missing_headers(bytes: &[u8]) -> Vec<Fault> {
+    let tape = Tape::read(bytes, INPUT_LIMITS);
+    let misspelt = |name: &'static str| {
+        let found = tape.as_ref().ok()?.root().misspelt(name)?;
+        Some((name, format!("The member {name} is missing; {found} differs from it in capitals.")))
+    };
+    let (name, message) = ["Messages", "Payload", "MessageType"]
+        .into_iter()
+        .find_map(misspelt)
+        .unwrap_or_else(|| {
+            let message = "The message has neither Messages (or MetaData or Status, with its \
+                           MessageType) nor an object as Payload; --payload takes it for a \
+                           payload itself.";
+            ("Messages", message.to_owned())
+        });
+    vec![Fault { pointer: format!("/{name}"), code: "MISSING_MEMBER".to_owned(), message }]
 }
 
 /// The fault that a connector would report for a PubSub message it cannot read.

@@ -21,7 +21,7 @@ use asi_model::{
 
 use crate::{
     access::{self, AccessCommand},
-    check::{Check, pubsub_fault},
+    check::{Check, CheckRules, pubsub_fault},
     explain,
     input::{Input, InputKind},
     ledger::{self, LedgerCommand},
@@ -44,6 +44,12 @@ pub enum AsiCommand {
         /// Refuse what deviates from the OPC UA standard, even where receivers take it.
         #[arg(long)]
         strict: bool,
+        /// Take an object or array without headers for the payload of a PubSub message.
+        #[arg(long)]
+        payload: bool,
+        /// The ua-metadata message with the types of bare values.
+        #[arg(long, value_name = "FILE")]
+        meta_data: Option<PathBuf>,
     },
     /// Write a PubSub message in another encoding.
     Convert {
@@ -66,6 +72,9 @@ pub enum AsiCommand {
         /// The ua-metadata message with units and meanings of a report's fields.
         #[arg(long, value_name = "FILE")]
         meta_data: Option<PathBuf>,
+        /// Take an object or array without headers for the payload of a PubSub message.
+        #[arg(long)]
+        payload: bool,
     },
     /// Check the account of what a factory disclosed.
     #[command(subcommand)]
@@ -100,19 +109,34 @@ pub enum NodesetCommand {
 /// Carries out a command.
 pub fn run(command: AsiCommand, out: &mut dyn Write) -> anyhow::Result<CommandOutcome> {
     match command {
-        AsiCommand::Validate { file, factory, json, strict } => {
+        AsiCommand::Validate { file, factory, json, strict, payload, meta_data } => {
             let input = Input::read(file.as_deref())?;
-            let check = Check::of(&input, factory.as_ref(), strict);
-            if json { check.print_acknowledgement(factory.as_ref(), out) } else { check.print(out) }
+            let rules = CheckRules {
+                factory,
+                is_strict: strict,
+                takes_payload: payload,
+                meta_data: read_meta_data(meta_data.as_deref())?,
+            };
+            let check = Check::of(&input, &rules);
+            if json {
+                check.print_acknowledgement(&input, rules.factory.as_ref(), out)
+            } else {
+                check.print(out)
+            }
         }
         AsiCommand::Convert { file, to, meta_data } => {
             let input = Input::read(file.as_deref())?;
             convert(&input, to, meta_data.as_deref(), out)
         }
         AsiCommand::Nodeset(command) => nodeset(command, out),
-        AsiCommand::Explain { file, meta_data } => {
+        AsiCommand::Explain { file, meta_data, payload } => {
             let input = Input::read(file.as_deref())?;
-            explain_message(&input, meta_data.as_deref(), out)
+            let rules = CheckRules {
+                takes_payload: payload,
+                meta_data: read_meta_data(meta_data.as_deref())?,
+                ..CheckRules::default()
+            };
+            explain_message(&input, &rules, out)
         }
         AsiCommand::Ledger(command) => ledger::run(command, out),
         AsiCommand::Access(command) => access::run(command, out),
@@ -213,23 +237,22 @@ fn rejected(rejection: &validation::InvalidMessage) -> anyhow::Result<CommandOut
 
 fn explain_message(
     input: &Input,
-    meta_data: Option<&Path>,
+    rules: &CheckRules,
     out: &mut dyn Write,
 ) -> anyhow::Result<CommandOutcome> {
-    let meta_data = read_meta_data(meta_data)?;
-    let check = Check::of(input, None, false);
+    let check = Check::of(input, rules);
     if check.outcome() == CommandOutcome::Invalid {
         return check.print(out);
     }
     match (&check.message, input.kind) {
         (Some(message), _) => explain::platform_message(message, out)?,
-        (None, InputKind::PubSub) => {
-            let decoded = match &meta_data {
+        (None, InputKind::PubSub | InputKind::PubSubPart | InputKind::Payload) => {
+            let decoded = match &rules.meta_data {
                 Some(known) => decode_described(&input.bytes, Leniency::Lenient, known),
                 None => decode_described(&input.bytes, Leniency::Lenient, &()),
             };
             let decoded = decoded.context("the message was valid a moment ago")?;
-            explain::pubsub_message(&decoded.message, meta_data.as_ref(), out)?;
+            explain::pubsub_message(&decoded.message, rules.meta_data.as_ref(), out)?;
             for diagnostic in &decoded.diagnostics {
                 writeln!(out, "note: {}: {}", diagnostic.pointer, diagnostic.message)?;
             }

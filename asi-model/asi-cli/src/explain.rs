@@ -261,9 +261,11 @@ pub fn members(message: &Value, out: &mut dyn Write) -> anyhow::Result<()> {
     while let Some((pointer, value)) = open.pop() {
         match value {
             Value::Object(members) if !members.is_empty() => {
-                open.extend(
-                    members.iter().rev().map(|(name, value)| (format!("{pointer}/{name}"), value)),
-                );
+                open.extend(members.iter().rev().map(|(name, value)| {
+                    // RFC 6901 §3.
+                    let name = name.replace('~', "~0").replace('/', "~1");
+                    (format!("{pointer}/{name}"), value)
+                }));
             }
             Value::Array(elements) if !elements.is_empty() => {
                 open.extend(

@@ -4,7 +4,7 @@ use std::{io::Read as _, path::Path};
 
 use anyhow::{Context as _, bail};
 use asi_model::{
-    json::{Kind as JsonKind, Limits, Tape},
+    json::{JsonNode, Kind as JsonKind, Limits, Tape},
     messages::REQUEST_BYTES_MAX,
 };
 
@@ -18,6 +18,10 @@ pub struct Input {
     pub kind: InputKind,
 }
 
+/// Reading of JSON inputs, as generous as any receiver's.
+pub const INPUT_LIMITS: Limits =
+    Limits { bytes_max: usize::MAX, depth_max: 100, tokens_max: 2_000_000 };
+
 /// Kinds of message, recognised by the members that every message of the kind has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InputKind {
@@ -29,6 +33,11 @@ pub enum InputKind {
     Network,
     /// An OPC UA PubSub message.
     PubSub,
+    /// Members of a PubSub message, but none that it begins with.
+    PubSubPart,
+    /// An object or array that may be the payload of a PubSub layout without headers, or anything
+    /// else.
+    Payload,
     /// A NodeSet2 document.
     NodeSet,
     /// No member of any kind was found.
@@ -42,7 +51,8 @@ impl InputKind {
             Self::ToFactory => "a message to a factory",
             Self::FromFactory => "a message from a factory",
             Self::Network => "an operation network",
-            Self::PubSub => "an OPC UA PubSub message",
+            Self::PubSub | Self::PubSubPart => "an OPC UA PubSub message",
+            Self::Payload => "an object or array without headers",
             Self::NodeSet => "an interface as NodeSet2",
             Self::Unknown => "a message of unknown kind",
         }
@@ -52,8 +62,7 @@ impl InputKind {
         if bytes.trim_ascii_start().starts_with(b"<") || bytes.starts_with(b"\xef\xbb\xbf<") {
             return Self::NodeSet;
         }
-        let limits = Limits { bytes_max: usize::MAX, depth_max: 100, tokens_max: 2_000_000 };
-        let Ok(tape) = Tape::read(bytes, limits) else { return Self::Unknown };
+        let Ok(tape) = Tape::read(bytes, INPUT_LIMITS) else { return Self::Unknown };
         let root = tape.root();
         match root.get("messageType").and_then(|node| node.text()).as_deref() {
             Some(
@@ -62,11 +71,50 @@ impl InputKind {
             ) => Self::FromFactory,
             Some(_) => Self::ToFactory,
             None if root.get("operationNetworkId").is_some() => Self::Network,
-            // Layouts without headers are bare payloads.
-            None if matches!(root.kind(), JsonKind::Object | JsonKind::Array) => Self::PubSub,
+            None if has_headers(root) => Self::PubSub,
+            None if has_part_of_pubsub(root) => Self::PubSubPart,
+            None if matches!(root.kind(), JsonKind::Object | JsonKind::Array) => Self::Payload,
             None => Self::Unknown,
         }
     }
+}
+
+/// True for a NetworkMessage, or DataSetMessages without NetworkMessage.
+fn has_headers(root: JsonNode<'_, '_>) -> bool {
+    let is_payload = |payload: JsonNode<'_, '_>| {
+        matches!(payload.kind(), JsonKind::Object | JsonKind::Null)
+            && payload.get("UaType").is_none()
+    };
+    let is_headed = |node: JsonNode<'_, '_>| {
+        let kind = node.get("MessageType").and_then(|kind| kind.text());
+        kind.is_some_and(|kind| kind.starts_with("ua-"))
+            || node.get("Messages").is_some()
+            || node.get("Payload").is_some_and(is_payload)
+    };
+    match root.kind() {
+        JsonKind::Array => root.elements().next().is_some() && root.elements().all(is_headed),
+        _ => is_headed(root),
+    }
+}
+
+/// True for an object with members of a PubSub message that no request has.
+fn has_part_of_pubsub(root: JsonNode<'_, '_>) -> bool {
+    // A request whose messageType is misspelt is a request all the same.
+    let kind = root.get("MessageType").and_then(|kind| kind.text());
+    let is_request = kind.is_some_and(|kind| !kind.starts_with("ua-"));
+    const NAMES: [&str; 8] = [
+        "Payload",
+        "MessageId",
+        "PublisherId",
+        "DataSetWriterId",
+        "DataSetWriterName",
+        "SequenceNumber",
+        "MetaDataVersion",
+        "MetaData",
+    ];
+    !is_request
+        && (NAMES.into_iter().any(|name| root.get(name).is_some())
+            || ["Messages", "Payload"].into_iter().any(|name| root.misspelt(name).is_some()))
 }
 
 impl Input {

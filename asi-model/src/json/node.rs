@@ -87,6 +87,13 @@ impl<'t, 'a> JsonNode<'t, 'a> {
         Members { tape: self.tape, at: self.index + 1, end }
     }
 
+    /// The name of a member of an object that differs from a name in nothing but capitals.
+    #[must_use]
+    pub fn misspelt(self, name: &str) -> Option<Cow<'a, str>> {
+        let is_alike = |found: &Cow<'a, str>| *found != name && found.eq_ignore_ascii_case(name);
+        self.members().filter_map(|(found, _)| found.text()).find(is_alike)
+    }
+
     /// The elements of an array; none for other kinds.
     #[must_use]
     pub fn elements(self) -> Elements<'t, 'a> {

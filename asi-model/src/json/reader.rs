@@ -11,6 +11,9 @@ use super::{
 /// Most repeated member names that are remembered.
 const DUPLICATES_MAX: usize = 64;
 
+/// U+FEFF in UTF-8. RFC 8259 §8.1 forbids it before JSON, and most receivers refuse it.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 pub(super) struct TapeReader<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -36,6 +39,9 @@ impl<'a> TapeReader<'a> {
     }
 
     pub(super) fn read(&mut self) -> Result<(), JsonError> {
+        if self.bytes.starts_with(BYTE_ORDER_MARK) {
+            return Err(self.unexpected("a value instead of the byte order mark (U+FEFF)"));
+        }
         self.skip_blanks();
         self.value()?;
         while let Some(&container) = self.open.last() {

@@ -192,6 +192,12 @@ mod tests {
     }
 
     #[test]
+    fn a_byte_order_mark_is_named() {
+        let error = read("\u{feff}{}").expect_err("refused").to_string();
+        assert_eq!(error, "expected a value instead of the byte order mark (U+FEFF) at byte 0");
+    }
+
+    #[test]
     fn repeated_names_are_found() {
         let many: Vec<String> = (0..20).map(|n| format!("\"k{n}\":0")).collect();
         for (text, expected) in [

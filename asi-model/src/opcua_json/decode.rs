@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::{
     decode_names::NamespaceTable,
     decode_scalar::{
-        boolean, bytes, date_time, default_scalar, diagnostic_info, float, guid, integer,
-        integer_64, localized_text, named_value, status_code, text,
+        boolean, bytes, date_time, default_scalar, diagnostic_info, float, foreign_status, guid,
+        integer, integer_64, localized_text, named_status, named_value, status_code, text,
     },
     decoded_value::DecodedValue,
     diagnostics::{Diagnostics, Leniency},
@@ -130,7 +130,7 @@ impl<'d> Decoder<'d> {
             return false;
         };
         let is_own = |name: &str| description.fields.iter().any(|field| &*field.name == name);
-        ["Type", "Body", "UaType", "Value", "Status"].into_iter().any(is_own)
+        ["Type", "Body", "UaType", "Value", "Status", "StatusCode"].into_iter().any(is_own)
             && node.members().all(|(name, _)| name.text().is_some_and(|name| is_own(&name)))
     }
 
@@ -176,7 +176,11 @@ impl<'d> Decoder<'d> {
         };
         Ok(DataValue {
             value,
-            status: shape.status.map_or(Ok(StatusCode::GOOD), status_code)?,
+            status: match (shape.status, shape.status_code) {
+                (Some(status), _) => named_status(status, &mut self.diagnostics)?,
+                (None, Some(status)) => foreign_status(status, &mut self.diagnostics)?,
+                (None, None) => StatusCode::GOOD,
+            },
             source_timestamp: shape.source_timestamp.map(date_time).transpose()?,
             source_picoseconds: self.picoseconds(shape.source_picoseconds)?,
             server_timestamp: shape.server_timestamp.map(date_time).transpose()?,
@@ -223,15 +227,17 @@ impl<'d> Decoder<'d> {
             Some(ua_type) => (ua_type, shape.value),
             None => (shape.type_id.unwrap_or(node), shape.body),
         };
-        let id: u64 = type_node.integer().ok_or_else(|| {
-            Mismatch::new(type_node, "the type must be the id of a built-in type, 0 to 25")
-        })?;
-        if id == 0 {
+        const EXPECTED: &str = "the type must be the id of a built-in type, 0 to 25";
+        let named = type_node.text().and_then(|name| name.parse::<BuiltInType>().ok());
+        if named.is_some() {
+            self.diagnostics.tolerate(type_node, EXPECTED)?;
+        }
+        let id = named.map(|known| u64::from(known.id())).or_else(|| type_node.integer());
+        if id == Some(0) {
             return Ok(Variant::Null);
         }
-        let built_in_type = BuiltInType::from_id(id).ok_or_else(|| {
-            Mismatch::new(type_node, "the type must be the id of a built-in type, 0 to 25")
-        })?;
+        let built_in_type =
+            id.and_then(BuiltInType::from_id).ok_or_else(|| Mismatch::new(type_node, EXPECTED))?;
         match body {
             None => Ok(Variant::Scalar(default_scalar(built_in_type))),
             Some(body) if body.kind() == Kind::Array => {

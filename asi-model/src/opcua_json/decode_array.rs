@@ -4,15 +4,13 @@ use std::{borrow::Cow, sync::Arc};
 
 use super::{
     decode::{Decoder, TypeHint},
+    diagnostics::GUESSED,
     mismatch::Mismatch,
 };
 use crate::{
     json::{JsonNode, Kind},
     values::{Array, BuiltInType, ExtensionBody, ExtensionObject, NodeId, Scalar, Variant},
 };
-
-const UNTYPED: &str =
-    "the value does not name its type and there is no metadata; its type is a guess";
 
 impl Decoder<'_> {
     pub(super) fn elements<'t, 'a>(
@@ -99,7 +97,7 @@ impl Decoder<'_> {
             Some(hint) => self.bare(node, hint),
             None if node.is_null() => Ok(Variant::Null),
             None => {
-                self.diagnostics.note(node, UNTYPED);
+                self.diagnostics.note(node, GUESSED);
                 Ok(self.guess(node))
             }
         }

@@ -67,13 +67,44 @@ pub(crate) fn status_code<'t, 'a>(node: JsonNode<'t, 'a>) -> Result<StatusCode, 
     const EXPECTED: &str = "expected a status code: a number, or an object with Code";
     let code = match node.kind() {
         Kind::Number => Some(node),
-        Kind::Object => node.get("Code"),
+        Kind::Object => match (node.get("Code"), node.get("Symbol").and_then(JsonNode::text)) {
+            // A name without its code is not Good by that.
+            (None, Some(symbol)) => {
+                return StatusCode::from_symbol(&symbol)
+                    .ok_or_else(|| Mismatch::new(node, EXPECTED));
+            }
+            (code, _) => code,
+        },
         Kind::Null => None,
         _ => return Err(Mismatch::new(node, EXPECTED)),
     };
     match code {
         None => Ok(StatusCode::GOOD),
         Some(code) => code.integer().map(StatusCode).ok_or_else(|| Mismatch::new(code, EXPECTED)),
+    }
+}
+
+/// The status of a data value in other spellings of foreign stacks: the member called `StatusCode`,
+/// as node-opcua and older OPC Publishers write it, or a symbolic name alone.
+pub(super) fn foreign_status<'t, 'a>(
+    node: JsonNode<'t, 'a>,
+    diagnostics: &mut Diagnostics,
+) -> Result<StatusCode, Mismatch<'t, 'a>> {
+    diagnostics.tolerate(node, "the status of a DataValue is called Status")?;
+    named_status(node, diagnostics)
+}
+
+/// The status of a data value, also as a symbolic name alone.
+pub(super) fn named_status<'t, 'a>(
+    node: JsonNode<'t, 'a>,
+    diagnostics: &mut Diagnostics,
+) -> Result<StatusCode, Mismatch<'t, 'a>> {
+    match node.text().and_then(|symbol| StatusCode::from_symbol(&symbol)) {
+        Some(status) => {
+            diagnostics.tolerate(node, "a status code must be a number or an object with Code")?;
+            Ok(status)
+        }
+        None => status_code(node),
     }
 }
 
@@ -160,7 +191,7 @@ pub(crate) fn integer<'t, 'a, T: std::str::FromStr>(
 }
 
 /// The number of an enumeration's value as people read it: `"AUTOMATIC_3"`.
-pub(super) fn named_value(node: JsonNode<'_, '_>) -> Option<i32> {
+pub(crate) fn named_value(node: JsonNode<'_, '_>) -> Option<i32> {
     let text = node.text()?;
     let (name, number) = text.rsplit_once('_')?;
     if name.is_empty() || number.starts_with('+') { None } else { number.parse().ok() }

@@ -24,6 +24,18 @@ pub struct Diagnostic {
     pub message: String,
 }
 
+/// A bare value without metadata, as 1.05 Verbose and raw data have it.
+pub(super) const GUESSED: &str =
+    "the value does not name its type and there is no metadata; its type is a guess";
+
+impl Diagnostic {
+    /// True for a value that keeps the standard, but whose type only metadata names.
+    #[must_use]
+    pub fn is_guess(&self) -> bool {
+        self.message == GUESSED
+    }
+}
+
 /// The deviations of one input, as strict as asked for.
 #[derive(Debug)]
 pub(crate) struct Diagnostics {

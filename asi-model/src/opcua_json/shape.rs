@@ -1,6 +1,9 @@
 //! Telling the forms of a value apart by the members of its object.
 
-use crate::json::{JsonNode, Kind};
+use crate::{
+    json::{JsonNode, Kind},
+    values::BuiltInType,
+};
 
 /// The members of an object that may be a variant or a data value.
 #[derive(Debug, Clone, Copy, Default)]
@@ -11,6 +14,8 @@ pub(super) struct Shape<'t, 'a> {
     pub(super) body: Option<JsonNode<'t, 'a>>,
     pub(super) dimensions: Option<JsonNode<'t, 'a>>,
     pub(super) status: Option<JsonNode<'t, 'a>>,
+    /// The status as foreign stacks call it.
+    pub(super) status_code: Option<JsonNode<'t, 'a>>,
     pub(super) source_timestamp: Option<JsonNode<'t, 'a>>,
     pub(super) source_picoseconds: Option<JsonNode<'t, 'a>>,
     pub(super) server_timestamp: Option<JsonNode<'t, 'a>>,
@@ -33,6 +38,7 @@ impl<'t, 'a> Shape<'t, 'a> {
                 "Value" => &mut shape.value,
                 "Dimensions" => &mut shape.dimensions,
                 "Status" => &mut shape.status,
+                "StatusCode" => &mut shape.status_code,
                 "SourceTimestamp" => &mut shape.source_timestamp,
                 // 1.04 spelled it with a capital S.
                 "SourcePicoseconds" | "SourcePicoSeconds" => &mut shape.source_picoseconds,
@@ -50,6 +56,7 @@ impl<'t, 'a> Shape<'t, 'a> {
 
     const fn has_quality(&self) -> bool {
         self.status.is_some()
+            || self.status_code.is_some()
             || self.source_timestamp.is_some()
             || self.server_timestamp.is_some()
             || self.source_picoseconds.is_some()
@@ -66,9 +73,14 @@ impl<'t, 'a> Shape<'t, 'a> {
         self.ua_type.is_some() && self.has_quality()
     }
 
-    /// True for `{"Type":…,"Body":…}` alone: a Variant of version 1.04.
+    /// True for `{"Type":…,"Body":…}` alone: a Variant of version 1.04. OPC Publisher also writes
+    /// the name of the type.
     pub(super) fn is_variant_104(&self) -> bool {
-        self.type_id.is_some_and(|node| node.kind() == Kind::Number)
+        let is_named = |node: JsonNode<'_, '_>| {
+            self.body.is_some()
+                && node.text().is_some_and(|name| name.parse::<BuiltInType>().is_ok())
+        };
+        self.type_id.is_some_and(|node| node.kind() == Kind::Number || is_named(node))
             && !self.has_others
             && !self.has_quality()
             && self.value.is_none()

@@ -16,6 +16,36 @@ fn read(text: &str, leniency: Leniency) -> Result<(DecodedValue, Vec<Diagnostic>
     decode_value(text.as_bytes(), leniency, &[], &[])
 }
 
+#[test]
+fn a_status_in_foreign_spellings_stays() {
+    let bad = StatusCode(0x8031_0000);
+    for (member, status, notes) in [
+        (r#""Status":2150694912"#, bad, 0),
+        (r#""Status":{"Code":2150694912}"#, bad, 0),
+        (r#""StatusCode":2150694912"#, bad, 1),
+        (r#""StatusCode":{"Code":2150694912,"Symbol":"BadNoCommunication"}"#, bad, 1),
+        // Names that the table does not know keep their severity.
+        (r#""Status":{"Symbol":"BadNoCommunication"}"#, StatusCode::BAD, 0),
+        (r#""StatusCode":"UncertainSubNormal""#, StatusCode::UNCERTAIN_SUB_NORMAL, 2),
+        (r#""Status":"GoodClamped""#, StatusCode::GOOD_CLAMPED, 1),
+        (r#""StatusCode":0"#, StatusCode::GOOD, 1),
+        // The standard's member wins.
+        (r#""StatusCode":0,"Status":2150694912"#, bad, 0),
+    ] {
+        for value in [r#""UaType":11,"Value":1.5"#, r#""Value":{"Type":11,"Body":1.5}"#] {
+            let text = format!("{{{value},{member}}}");
+            let (read, found) = read(&text, Leniency::Lenient).expect("a data value");
+            let expected = DataValue { value: 1.5.into(), status, ..DataValue::default() };
+            assert_eq!(read, DecodedValue::DataValue(expected), "{text}");
+            assert_eq!(found.len(), notes, "{text}: {found:?}");
+        }
+    }
+    for member in [r#""StatusCode":"worn""#, r#""StatusCode":true"#, r#""Status":{"Symbol":"x"}"#] {
+        let text = format!(r#"{{"UaType":11,"Value":1.5,{member}}}"#);
+        assert!(read(&text, Leniency::Lenient).is_err(), "{text}");
+    }
+}
+
 // The table of the comparison with foreign stacks, as far as it is about us.
 #[test]
 fn fixtures_are_accepted_noted_or_rejected() {

@@ -10,13 +10,97 @@ use crate::network::ConditionKind;
 pub(super) struct Latest {
     pub(super) start: Vec<Time>,
     pub(super) finish: Vec<Time>,
+    bounds: Vec<Bounds>,
+}
+
+/// The greatest times of an operation's ends.
+#[derive(Clone, Copy, Default)]
+struct Bounds {
+    start: Time,
+    finish: Time,
+    /// Bounds by the maximum gaps after predecessors, which stay where they are.
+    gap_start: GapBound,
+    gap_finish: GapBound,
+    /// The distance of the ends; `None` where nothing bounds the start, which may then be as early
+    /// as it likes.
+    duration: Option<i64>,
+}
+
+/// The least of several bounds, of which those by one predecessor can be left out.
+#[derive(Clone, Copy, Default)]
+struct GapBound {
+    /// The least, and the predecessor that it is by.
+    least: Option<(i64, usize)>,
+    /// The least by any other predecessor.
+    other: Time,
+}
+
+impl GapBound {
+    fn add(&mut self, time: i64, from: usize) {
+        match &mut self.least {
+            Some((least, by)) if *by == from => *least = time.min(*least),
+            Some((least, _)) if *least <= time => lower(&mut self.other, time),
+            least => {
+                self.other = least.map(|(time, _)| time);
+                *least = Some((time, from));
+            }
+        }
+    }
+
+    fn without(&self, from: Option<usize>) -> Time {
+        match self.least {
+            Some((_, by)) if Some(by) == from => self.other,
+            least => least.map(|(time, _)| time),
+        }
+    }
+}
+
+impl Bounds {
+    /// Adds the times that predecessors, as planned or at their earliest, and the maximum gaps after
+    /// them allow.
+    fn add_maximum_gaps(&mut self, graph: &Graph<'_>, earliest: &Earliest<'_, '_>, at: usize) {
+        for &index in &graph.incoming[at] {
+            let edge = &graph.edges[index];
+            let (by_finish, bounds_start) = ends(graph.relation(edge).relation_type);
+            let times = if by_finish { &earliest.finish } else { &earliest.start };
+            if let (Some(from), Some((maximum, _))) = (times[edge.from], edge.maximum_gap) {
+                let bound = if bounds_start { &mut self.gap_start } else { &mut self.gap_finish };
+                bound.add(from.saturating_add(maximum), edge.from);
+            }
+        }
+    }
+
+    /// The latest start and finish, where a predecessor moves along or none does.
+    fn latest(&self, moved: Option<usize>) -> (Time, Time) {
+        let (mut start, mut finish) = (self.start, self.finish);
+        if let Some(time) = self.gap_start.without(moved) {
+            lower(&mut start, time);
+        }
+        if let Some(time) = self.gap_finish.without(moved) {
+            lower(&mut finish, time);
+        }
+        let Some(duration) = self.duration else {
+            if let Some(finish) = finish {
+                lower(&mut start, finish);
+            }
+            return (start, finish);
+        };
+        if let Some(start) = start {
+            lower(&mut finish, start.saturating_add(duration));
+        }
+        (finish.map(|finish| finish.saturating_sub(duration)), finish)
+    }
 }
 
 impl Latest {
     /// Goes backward over the operations, from the last to the first.
     pub(super) fn of(graph: &Graph<'_>, earliest: &Earliest<'_, '_>) -> Self {
         let count = graph.network.operation_list.len();
-        let mut latest = Self { start: vec![None; count], finish: vec![None; count] };
+        let mut latest = Self {
+            start: vec![None; count],
+            finish: vec![None; count],
+            bounds: vec![Bounds::default(); count],
+        };
         let end = earliest.finish.iter().flatten().max().copied();
         for &at in graph.order.iter().rev() {
             let (earliest_start, earliest_finish) = (earliest.start[at], earliest.finish[at]);
@@ -24,29 +108,28 @@ impl Latest {
             if earliest_start.is_none() && earliest_finish.is_none() {
                 continue;
             }
-            let (start, mut finish) = latest.bounds(graph, at, end);
+            let mut bounds = latest.bounds(graph, at, end);
+            bounds.add_maximum_gaps(graph, earliest, at);
             // The length that the earliest times gave it: relations may hold its ends further apart
             // than its plan does.
-            let duration = match (earliest_start, earliest_finish) {
-                (Some(start), Some(finish)) => finish.saturating_sub(start),
-                _ => graph.duration[at].unwrap_or(0),
-            };
-            if let Some(start) = start {
-                lower(&mut finish, start.saturating_add(duration));
-            }
-            latest.finish[at] = finish;
-            latest.start[at] = finish.map(|finish| finish.saturating_sub(duration));
+            bounds.duration = earliest_start
+                .zip(earliest_finish)
+                .map(|(start, finish)| finish.saturating_sub(start));
+            (latest.start[at], latest.finish[at]) = bounds.latest(None);
+            latest.bounds[at] = bounds;
         }
         latest
     }
 
     /// The greatest start and finish that successors and conditions leave an operation.
-    fn bounds(&self, graph: &Graph<'_>, at: usize, end: Time) -> (Time, Time) {
+    fn bounds(&self, graph: &Graph<'_>, at: usize, end: Time) -> Bounds {
         let (mut start, mut finish): (Time, Time) = (None, end);
         for &index in &graph.outgoing[at] {
             let edge = &graph.edges[index];
             let (by_finish, bounds_start) = ends(graph.relation(edge).relation_type);
-            let bound = if bounds_start { self.start[edge.to] } else { self.finish[edge.to] };
+            // A successor that must follow soon follows a late operation as soon.
+            let (latest_start, latest_finish) = self.bounds[edge.to].latest(Some(at));
+            let bound = if bounds_start { latest_start } else { latest_finish };
             if let Some(bound) = bound {
                 let bound = bound.saturating_sub(edge.minimum_gap);
                 lower(if by_finish { &mut finish } else { &mut start }, bound);
@@ -65,7 +148,7 @@ impl Latest {
                 }
             }
         }
-        (start, finish)
+        Bounds { start, finish, ..Bounds::default() }
     }
 }
 

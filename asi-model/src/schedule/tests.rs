@@ -1,5 +1,7 @@
 //! Plans whose times are known by hand.
 
+mod slack;
+
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -245,46 +247,62 @@ fn is_feasible(operations: &[OperationDraw], relations: &[RelationDraw]) -> bool
     false
 }
 
+/// Random operations and relations between them without a cycle.
+fn draws() -> impl Strategy<Value = (Vec<OperationDraw>, Vec<RelationDraw>)> {
+    let operation = (0_u32..20, 0_u32..6, any::<bool>(), any::<bool>());
+    let conditions = proptest::collection::vec((0_usize..6, 0_u32..20), 0..3);
+    let relation = (0_usize..6, 0_usize..6, 0_usize..4, conditions);
+    let lists =
+        (proptest::collection::vec(operation, 2..6), proptest::collection::vec(relation, 0..7));
+    lists.prop_map(|(operations, relations)| {
+        let count = operations.len();
+        let relations = relations
+            .into_iter()
+            .map(|(a, b, relation_type, conditions)| {
+                let (a, b) = (a % count, b % count);
+                (a.min(b), a.max(b), relation_type, conditions)
+            })
+            .filter(|(from, to, ..)| from != to)
+            .collect();
+        (operations, relations)
+    })
+}
+
+/// The network of such a draw.
+fn drawn(operations: &[OperationDraw], relations: &[RelationDraw]) -> OperationNetwork {
+    let ids: Vec<String> = (0..operations.len()).map(|n| n.to_string()).collect();
+    let planned: Vec<_> = operations
+        .iter()
+        .zip(&ids)
+        .map(|(&(hour, length, has_start, has_end), id)| {
+            (id.as_str(), has_start.then_some(hour), has_end.then_some(hour + length))
+        })
+        .collect();
+    let related: Vec<_> = relations
+        .iter()
+        .map(|(from, to, relation_type, conditions)| {
+            let conditions: Vec<Value> = conditions
+                .iter()
+                .map(|(kind, number)| match kind {
+                    4 | 5 => json!({ "conditionId": "c", "conditionKind": KINDS[*kind],
+                        "duration": format!("PT{number}H") }),
+                    _ => json!({ "conditionId": "c", "conditionKind": KINDS[*kind],
+                        "time": format!("2026-01-01T{number:02}:00:00Z") }),
+                })
+                .collect();
+            (ids[*from].as_str(), ids[*to].as_str(), TYPES[*relation_type], json!(conditions))
+        })
+        .collect();
+    network(&planned, &related)
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2_000))]
 
     /// Conflicts are found where no times keep everything, and only there.
     #[test]
-    fn conflicts_are_exactly_what_cannot_hold(
-        operations in proptest::collection::vec((0_u32..20, 0_u32..6, any::<bool>(), any::<bool>()), 2..6),
-        relations in proptest::collection::vec(
-            (0_usize..6, 0_usize..6, 0_usize..4, proptest::collection::vec((0_usize..6, 0_u32..20), 0..3)), 0..7)
-    ) {
-        let count = operations.len();
-        let relations: Vec<RelationDraw> = relations
-            .into_iter()
-            .map(|(a, b, relation_type, conditions)| ((a % count).min(b % count), (a % count).max(b % count), relation_type, conditions))
-            .filter(|(from, to, ..)| from != to)
-            .collect();
-        let ids: Vec<String> = (0..count).map(|n| n.to_string()).collect();
-        let planned: Vec<_> = operations
-            .iter()
-            .zip(&ids)
-            .map(|(&(hour, length, has_start, has_end), id)| {
-                (id.as_str(), has_start.then_some(hour), has_end.then_some(hour + length))
-            })
-            .collect();
-        let related: Vec<_> = relations
-            .iter()
-            .map(|(from, to, relation_type, conditions)| {
-                let conditions: Vec<Value> = conditions
-                    .iter()
-                    .map(|(kind, number)| match kind {
-                        4 | 5 => json!({ "conditionId": "c", "conditionKind": KINDS[*kind],
-                            "duration": format!("PT{number}H") }),
-                        _ => json!({ "conditionId": "c", "conditionKind": KINDS[*kind],
-                            "time": format!("2026-01-01T{number:02}:00:00Z") }),
-                    })
-                    .collect();
-                (ids[*from].as_str(), ids[*to].as_str(), TYPES[*relation_type], json!(conditions))
-            })
-            .collect();
-        let conflicts = Schedule::of(&network(&planned, &related)).conflicts;
+    fn conflicts_are_exactly_what_cannot_hold((operations, relations) in draws()) {
+        let conflicts = Schedule::of(&drawn(&operations, &relations)).conflicts;
         prop_assert_eq!(conflicts.is_empty(), is_feasible(&operations, &relations), "{:?}", conflicts);
     }
 }

@@ -1,282 +1,98 @@
 //! The table of units: UNECE Recommendation 20 (and 21 for packages, with the leading X of
-//! Recommendation 20).
+//! Recommendation 20), a text with a line for each unit in the order of codes.
 //!
-//! The first unit of a quantity with factor 1 is its base unit. Units without a fixed relation
-//! are listed under [`Quantity::Other`] and [`Quantity::Packaging`] and do not convert.
+//! Nothing but the starts of the lines is kept beside the text. The first unit of a quantity with
+//! factor 1 is its base unit. Units without a fixed relation to others do not convert.
 
 use super::unit::{EngineeringUnit, Quantity};
 
-const fn unit(
-    quantity: Quantity,
-    code: &'static str,
-    display_name: &'static str,
-    description: &'static str,
-    factor: f64,
-    offset: f64,
-) -> EngineeringUnit {
-    EngineeringUnit { code, display_name, description, quantity, factor, offset }
+/// The lines, which `units/update.mjs` writes and describes.
+const TEXT: &str = include_str!("../../units/units.tsv");
+/// Number of units.
+pub(super) const COUNT: usize = count(TEXT.as_bytes());
+static STARTS: [u32; COUNT] = starts(TEXT.as_bytes());
+
+const fn count(text: &[u8]) -> usize {
+    let (mut at, mut lines) = (0, 0);
+    while at < text.len() {
+        if text[at] == b'\n' {
+            lines += 1;
+        }
+        at += 1;
+    }
+    lines
 }
 
-/// All units, grouped by quantity.
-#[rustfmt::skip]
-pub(super) const UNITS: &[EngineeringUnit] = &[
-    unit(Quantity::Length, "MTR", "m", "metre", 1.0, 0.0),
-    unit(Quantity::Length, "MMT", "mm", "millimetre", 0.001, 0.0),
-    unit(Quantity::Length, "CMT", "cm", "centimetre", 0.01, 0.0),
-    unit(Quantity::Length, "DMT", "dm", "decimetre", 0.1, 0.0),
-    unit(Quantity::Length, "KMT", "km", "kilometre", 1000.0, 0.0),
-    unit(Quantity::Length, "4H", "µm", "micrometre (micron)", 1e-06, 0.0),
-    unit(Quantity::Length, "C45", "nm", "nanometre", 1e-09, 0.0),
-    unit(Quantity::Length, "INH", "in", "inch", 0.0254, 0.0),
-    unit(Quantity::Length, "FOT", "ft", "foot", 0.3048, 0.0),
-    unit(Quantity::Length, "YRD", "yd", "yard", 0.9144, 0.0),
-    unit(Quantity::Length, "SMI", "mile", "mile (statute mile)", 1609.344, 0.0),
-    unit(Quantity::Length, "NMI", "n mile", "nautical mile", 1852.0, 0.0),
-    unit(Quantity::Area, "MTK", "m²", "square metre", 1.0, 0.0),
-    unit(Quantity::Area, "CMK", "cm²", "square centimetre", 0.0001, 0.0),
-    unit(Quantity::Area, "MMK", "mm²", "square millimetre", 1e-06, 0.0),
-    unit(Quantity::Area, "DMK", "dm²", "square decimetre", 0.01, 0.0),
-    unit(Quantity::Area, "KMK", "km²", "square kilometre", 1000000.0, 0.0),
-    unit(Quantity::Area, "HAR", "ha", "hectare", 10000.0, 0.0),
-    unit(Quantity::Area, "INK", "in²", "square inch", 0.00064516, 0.0),
-    unit(Quantity::Area, "FTK", "ft²", "square foot", 0.09290304, 0.0),
-    unit(Quantity::Area, "YDK", "yd²", "square yard", 0.83612736, 0.0),
-    unit(Quantity::Area, "ACR", "acre", "acre", 4046.8564224, 0.0),
-    unit(Quantity::Volume, "MTQ", "m³", "cubic metre", 1.0, 0.0),
-    unit(Quantity::Volume, "LTR", "l", "litre", 0.001, 0.0),
-    unit(Quantity::Volume, "MLT", "ml", "millilitre", 1e-06, 0.0),
-    unit(Quantity::Volume, "CLT", "cl", "centilitre", 1e-05, 0.0),
-    unit(Quantity::Volume, "DLT", "dl", "decilitre", 0.0001, 0.0),
-    unit(Quantity::Volume, "HLT", "hl", "hectolitre", 0.1, 0.0),
-    unit(Quantity::Volume, "4G", "µl", "microlitre", 1e-09, 0.0),
-    unit(Quantity::Volume, "CMQ", "cm³", "cubic centimetre", 1e-06, 0.0),
-    unit(Quantity::Volume, "MMQ", "mm³", "cubic millimetre", 1e-09, 0.0),
-    unit(Quantity::Volume, "DMQ", "dm³", "cubic decimetre", 0.001, 0.0),
-    unit(Quantity::Volume, "GLL", "gal (US)", "gallon (US)", 0.003785411784, 0.0),
-    unit(Quantity::Volume, "GLI", "gal (UK)", "gallon (UK)", 0.00454609, 0.0),
-    unit(Quantity::Volume, "INQ", "in³", "cubic inch", 1.6387064e-05, 0.0),
-    unit(Quantity::Volume, "FTQ", "ft³", "cubic foot", 0.028316846592, 0.0),
-    unit(Quantity::Mass, "KGM", "kg", "kilogram", 1.0, 0.0),
-    unit(Quantity::Mass, "GRM", "g", "gram", 0.001, 0.0),
-    unit(Quantity::Mass, "MGM", "mg", "milligram", 1e-06, 0.0),
-    unit(Quantity::Mass, "MC", "µg", "microgram", 1e-09, 0.0),
-    unit(Quantity::Mass, "TNE", "t", "tonne (metric ton)", 1000.0, 0.0),
-    unit(Quantity::Mass, "DTN", "dt", "decitonne", 100.0, 0.0),
-    unit(Quantity::Mass, "KTN", "kt", "kilotonne", 1000000.0, 0.0),
-    unit(Quantity::Mass, "LBR", "lb", "pound", 0.45359237, 0.0),
-    unit(Quantity::Mass, "ONZ", "oz", "ounce (avoirdupois)", 0.028349523125, 0.0),
-    unit(Quantity::Mass, "STN", "ton (US)", "ton (US)", 907.18474, 0.0),
-    unit(Quantity::Mass, "LTN", "ton (UK)", "ton (UK)", 1016.0469088, 0.0),
-    unit(Quantity::Time, "SEC", "s", "second [unit of time]", 1.0, 0.0),
-    unit(Quantity::Time, "C26", "ms", "millisecond", 0.001, 0.0),
-    unit(Quantity::Time, "B98", "µs", "microsecond", 1e-06, 0.0),
-    unit(Quantity::Time, "C47", "ns", "nanosecond", 1e-09, 0.0),
-    unit(Quantity::Time, "MIN", "min", "minute [unit of time]", 60.0, 0.0),
-    unit(Quantity::Time, "HUR", "h", "hour", 3600.0, 0.0),
-    unit(Quantity::Time, "DAY", "d", "day", 86400.0, 0.0),
-    unit(Quantity::Time, "WEE", "wk", "week", 604800.0, 0.0),
-    unit(Quantity::Frequency, "HTZ", "Hz", "hertz", 1.0, 0.0),
-    unit(Quantity::Frequency, "KHZ", "kHz", "kilohertz", 1000.0, 0.0),
-    unit(Quantity::Frequency, "MHZ", "MHz", "megahertz", 1000000.0, 0.0),
-    unit(Quantity::Frequency, "A86", "GHz", "gigahertz", 1000000000.0, 0.0),
-    unit(Quantity::Frequency, "RPS", "r/s", "revolutions per second", 1.0, 0.0),
-    unit(Quantity::Frequency, "RPM", "r/min", "revolutions per minute", 0.016666666666666666, 0.0),
-    unit(Quantity::Frequency, "C97", "s⁻¹", "reciprocal second", 1.0, 0.0),
-    unit(Quantity::Frequency, "C94", "min⁻¹", "reciprocal minute", 0.016666666666666666, 0.0),
-    unit(Quantity::Angle, "C81", "rad", "radian", 1.0, 0.0),
-    unit(Quantity::Angle, "C25", "mrad", "milliradian", 0.001, 0.0),
-    unit(Quantity::Angle, "B97", "µrad", "microradian", 1e-06, 0.0),
-    unit(Quantity::Angle, "DD", "°", "degree [unit of angle]", 0.017453292519943295, 0.0),
-    unit(Quantity::Angle, "D61", "'", "minute [unit of angle]", 0.0002908882086657216, 0.0),
-    unit(Quantity::Angle, "D62", "\"", "second [unit of angle]", 4.84813681109536e-06, 0.0),
-    unit(Quantity::Angle, "A91", "gon", "gon", 0.015707963267948967, 0.0),
-    unit(Quantity::AngularVelocity, "2A", "rad/s", "radian per second", 1.0, 0.0),
-    unit(Quantity::AngularVelocity, "E96", "°/s", "degree per second", 0.017453292519943295, 0.0),
-    unit(Quantity::Velocity, "MTS", "m/s", "metre per second", 1.0, 0.0),
-    unit(Quantity::Velocity, "C16", "mm/s", "millimetre per second", 0.001, 0.0),
-    unit(Quantity::Velocity, "2M", "cm/s", "centimetre per second", 0.01, 0.0),
-    unit(Quantity::Velocity, "2X", "m/min", "metre per minute", 0.016666666666666666, 0.0),
-    unit(Quantity::Velocity, "H81", "mm/min", "millimetre per minute", 1.6666666666666667e-05, 0.0),
-    unit(Quantity::Velocity, "KMH", "km/h", "kilometre per hour", 0.2777777777777778, 0.0),
-    unit(Quantity::Velocity, "KNT", "kn", "knot", 0.5144444444444445, 0.0),
-    unit(Quantity::Velocity, "HM", "mile/h", "mile per hour (statute mile)", 0.44704, 0.0),
-    unit(Quantity::Velocity, "FS", "ft/s", "foot per second", 0.3048, 0.0),
-    unit(Quantity::Velocity, "IU", "in/s", "inch per second", 0.0254, 0.0),
-    unit(Quantity::Acceleration, "MSK", "m/s²", "metre per second squared", 1.0, 0.0),
-    unit(Quantity::Acceleration, "A76", "Gal", "gal", 0.01, 0.0),
-    unit(Quantity::Force, "NEW", "N", "newton", 1.0, 0.0),
-    unit(Quantity::Force, "B47", "kN", "kilonewton", 1000.0, 0.0),
-    unit(Quantity::Force, "B73", "MN", "meganewton", 1000000.0, 0.0),
-    unit(Quantity::Force, "C20", "mN", "millinewton", 0.001, 0.0),
-    unit(Quantity::Force, "B92", "µN", "micronewton", 1e-06, 0.0),
-    unit(Quantity::Force, "B51", "kp", "kilopond", 9.80665, 0.0),
-    unit(Quantity::Force, "DU", "dyn", "dyne", 1e-05, 0.0),
-    unit(Quantity::Force, "C78", "lbf", "pound-force", 4.4482216152605, 0.0),
-    unit(Quantity::Torque, "NU", "N·m", "newton metre", 1.0, 0.0),
-    unit(Quantity::Torque, "B48", "kN·m", "kilonewton metre", 1000.0, 0.0),
-    unit(Quantity::Torque, "B74", "MN·m", "meganewton metre", 1000000.0, 0.0),
-    unit(Quantity::Torque, "D83", "mN·m", "millinewton metre", 0.001, 0.0),
-    unit(Quantity::Torque, "F88", "N·cm", "newton centimetre", 0.01, 0.0),
-    unit(Quantity::Pressure, "PAL", "Pa", "pascal", 1.0, 0.0),
-    unit(Quantity::Pressure, "A97", "hPa", "hectopascal", 100.0, 0.0),
-    unit(Quantity::Pressure, "KPA", "kPa", "kilopascal", 1000.0, 0.0),
-    unit(Quantity::Pressure, "MPA", "MPa", "megapascal", 1000000.0, 0.0),
-    unit(Quantity::Pressure, "A89", "GPa", "gigapascal", 1000000000.0, 0.0),
-    unit(Quantity::Pressure, "74", "mPa", "millipascal", 0.001, 0.0),
-    unit(Quantity::Pressure, "BAR", "bar", "bar [unit of pressure]", 100000.0, 0.0),
-    unit(Quantity::Pressure, "MBR", "mbar", "millibar", 100.0, 0.0),
-    unit(Quantity::Pressure, "PS", "lbf/in²", "pound-force per square inch", 6894.757293168361, 0.0),
-    unit(Quantity::Pressure, "ATM", "atm", "standard atmosphere", 101325.0, 0.0),
-    unit(Quantity::Pressure, "ATT", "at", "technical atmosphere", 98066.5, 0.0),
-    unit(Quantity::Pressure, "UA", "Torr", "torr", 133.32236842105263, 0.0),
-    unit(Quantity::Pressure, "HN", "mm Hg", "conventional millimetre of mercury", 133.322387415, 0.0),
-    unit(Quantity::Pressure, "C56", "N/mm²", "newton per square millimetre", 1000000.0, 0.0),
-    unit(Quantity::Pressure, "C55", "N/m²", "newton per square metre", 1.0, 0.0),
-    unit(Quantity::Energy, "JOU", "J", "joule", 1.0, 0.0),
-    unit(Quantity::Energy, "C15", "mJ", "millijoule", 0.001, 0.0),
-    unit(Quantity::Energy, "KJO", "kJ", "kilojoule", 1000.0, 0.0),
-    unit(Quantity::Energy, "3B", "MJ", "megajoule", 1000000.0, 0.0),
-    unit(Quantity::Energy, "GV", "GJ", "gigajoule", 1000000000.0, 0.0),
-    unit(Quantity::Energy, "WHR", "W·h", "watt hour", 3600.0, 0.0),
-    unit(Quantity::Energy, "KWH", "kW·h", "kilowatt hour", 3600000.0, 0.0),
-    unit(Quantity::Energy, "MWH", "MW·h", "megawatt hour", 3600000000.0, 0.0),
-    unit(Quantity::Energy, "GWH", "GW·h", "gigawatt hour", 3600000000000.0, 0.0),
-    unit(Quantity::Energy, "A53", "eV", "electronvolt", 1.602176634e-19, 0.0),
-    unit(Quantity::Energy, "D70", "cal", "calorie (international table)", 4.1868, 0.0),
-    unit(Quantity::Energy, "E14", "kcal", "kilocalorie (international table)", 4186.8, 0.0),
-    unit(Quantity::Energy, "BTU", "Btu", "British thermal unit (international table)", 1055.05585262, 0.0),
-    unit(Quantity::Power, "WTT", "W", "watt", 1.0, 0.0),
-    unit(Quantity::Power, "C31", "mW", "milliwatt", 0.001, 0.0),
-    unit(Quantity::Power, "D80", "µW", "microwatt", 1e-06, 0.0),
-    unit(Quantity::Power, "KWT", "kW", "kilowatt", 1000.0, 0.0),
-    unit(Quantity::Power, "MAW", "MW", "megawatt", 1000000.0, 0.0),
-    unit(Quantity::Power, "A90", "GW", "gigawatt", 1000000000.0, 0.0),
-    unit(Quantity::Power, "HJ", "PS", "metric horse power", 735.49875, 0.0),
-    unit(Quantity::ApparentPower, "D46", "V·A", "volt - ampere", 1.0, 0.0),
-    unit(Quantity::ApparentPower, "KVA", "kV·A", "kilovolt - ampere", 1000.0, 0.0),
-    unit(Quantity::ApparentPower, "MVA", "MV·A", "megavolt - ampere", 1000000.0, 0.0),
-    unit(Quantity::ReactivePower, "D44", "var", "var", 1.0, 0.0),
-    unit(Quantity::ReactivePower, "KVR", "kvar", "kilovar", 1000.0, 0.0),
-    unit(Quantity::ReactivePower, "MAR", "Mvar", "megavar", 1000000.0, 0.0),
-    unit(Quantity::Current, "AMP", "A", "ampere", 1.0, 0.0),
-    unit(Quantity::Current, "4K", "mA", "milliampere", 0.001, 0.0),
-    unit(Quantity::Current, "B84", "µA", "microampere", 1e-06, 0.0),
-    unit(Quantity::Current, "C39", "nA", "nanoampere", 1e-09, 0.0),
-    unit(Quantity::Current, "B22", "kA", "kiloampere", 1000.0, 0.0),
-    unit(Quantity::Voltage, "VLT", "V", "volt", 1.0, 0.0),
-    unit(Quantity::Voltage, "2Z", "mV", "millivolt", 0.001, 0.0),
-    unit(Quantity::Voltage, "D82", "µV", "microvolt", 1e-06, 0.0),
-    unit(Quantity::Voltage, "KVT", "kV", "kilovolt", 1000.0, 0.0),
-    unit(Quantity::Voltage, "B78", "MV", "megavolt", 1000000.0, 0.0),
-    unit(Quantity::Resistance, "OHM", "Ω", "ohm", 1.0, 0.0),
-    unit(Quantity::Resistance, "E45", "mΩ", "milliohm", 0.001, 0.0),
-    unit(Quantity::Resistance, "B94", "µΩ", "microohm", 1e-06, 0.0),
-    unit(Quantity::Resistance, "B49", "kΩ", "kiloohm", 1000.0, 0.0),
-    unit(Quantity::Resistance, "B75", "MΩ", "megaohm", 1000000.0, 0.0),
-    unit(Quantity::Capacitance, "FAR", "F", "farad", 1.0, 0.0),
-    unit(Quantity::Capacitance, "C10", "mF", "millifarad", 0.001, 0.0),
-    unit(Quantity::Capacitance, "4O", "µF", "microfarad", 1e-06, 0.0),
-    unit(Quantity::Capacitance, "C41", "nF", "nanofarad", 1e-09, 0.0),
-    unit(Quantity::Capacitance, "4T", "pF", "picofarad", 1e-12, 0.0),
-    unit(Quantity::Inductance, "81", "H", "henry", 1.0, 0.0),
-    unit(Quantity::Inductance, "C14", "mH", "millihenry", 0.001, 0.0),
-    unit(Quantity::Inductance, "B90", "µH", "microhenry", 1e-06, 0.0),
-    unit(Quantity::Inductance, "C43", "nH", "nanohenry", 1e-09, 0.0),
-    unit(Quantity::Charge, "COU", "C", "coulomb", 1.0, 0.0),
-    unit(Quantity::Charge, "AMH", "A·h", "ampere hour", 3600.0, 0.0),
-    unit(Quantity::Charge, "E09", "mA·h", "milliampere hour", 3.6, 0.0),
-    unit(Quantity::Charge, "TAH", "kA·h", "kiloampere hour (thousand ampere hour)", 3600000.0, 0.0),
-    unit(Quantity::MagneticFlux, "WEB", "Wb", "weber", 1.0, 0.0),
-    unit(Quantity::MagneticFlux, "C33", "mWb", "milliweber", 0.001, 0.0),
-    unit(Quantity::MagneticFluxDensity, "D33", "T", "tesla", 1.0, 0.0),
-    unit(Quantity::MagneticFluxDensity, "C29", "mT", "millitesla", 0.001, 0.0),
-    unit(Quantity::MagneticFluxDensity, "D81", "µT", "microtesla", 1e-06, 0.0),
-    unit(Quantity::Conductance, "SIE", "S", "siemens", 1.0, 0.0),
-    unit(Quantity::Conductance, "C27", "mS", "millisiemens", 0.001, 0.0),
-    unit(Quantity::Conductance, "B53", "kS", "kilosiemens", 1000.0, 0.0),
-    unit(Quantity::Temperature, "KEL", "K", "kelvin", 1.0, 0.0),
-    unit(Quantity::Temperature, "CEL", "°C", "degree Celsius", 1.0, 273.15),
-    unit(Quantity::Temperature, "FAH", "°F", "degree Fahrenheit", 0.5555555555555556, 255.3722222222222),
-    unit(Quantity::Luminosity, "CDL", "cd", "candela", 1.0, 0.0),
-    unit(Quantity::Illuminance, "LUX", "lx", "lux", 1.0, 0.0),
-    unit(Quantity::Illuminance, "KLX", "klx", "kilolux", 1000.0, 0.0),
-    unit(Quantity::LuminousFlux, "LUM", "lm", "lumen", 1.0, 0.0),
-    unit(Quantity::VolumeFlow, "MQS", "m³/s", "cubic metre per second", 1.0, 0.0),
-    unit(Quantity::VolumeFlow, "MQH", "m³/h", "cubic metre per hour", 0.0002777777777777778, 0.0),
-    unit(Quantity::VolumeFlow, "G51", "l/s", "litre per second", 0.001, 0.0),
-    unit(Quantity::VolumeFlow, "L2", "l/min", "litre per minute", 1.6666666666666667e-05, 0.0),
-    unit(Quantity::VolumeFlow, "E32", "l/h", "litre per hour", 2.7777777777777776e-07, 0.0),
-    unit(Quantity::VolumeFlow, "LD", "l/d", "litre per day", 1.1574074074074074e-08, 0.0),
-    unit(Quantity::VolumeFlow, "41", "ml/min", "millilitre per minute", 1.6666666666666667e-08, 0.0),
-    unit(Quantity::VolumeFlow, "2J", "cm³/s", "cubic centimetre per second", 1e-06, 0.0),
-    unit(Quantity::MassFlow, "KGS", "kg/s", "kilogram per second", 1.0, 0.0),
-    unit(Quantity::MassFlow, "F31", "kg/min", "kilogram per minute", 0.016666666666666666, 0.0),
-    unit(Quantity::MassFlow, "E93", "kg/h", "kilogram per hour", 0.0002777777777777778, 0.0),
-    unit(Quantity::DynamicViscosity, "C65", "Pa·s", "pascal second", 1.0, 0.0),
-    unit(Quantity::DynamicViscosity, "C24", "mPa·s", "millipascal second", 0.001, 0.0),
-    unit(Quantity::DynamicViscosity, "89", "P", "poise", 0.1, 0.0),
-    unit(Quantity::DynamicViscosity, "C7", "cP", "centipoise", 0.001, 0.0),
-    unit(Quantity::KinematicViscosity, "91", "St", "stokes", 0.0001, 0.0),
-    unit(Quantity::KinematicViscosity, "4C", "cSt", "centistokes", 1e-06, 0.0),
-    unit(Quantity::KinematicViscosity, "S4", "m²/s", "square metre per second", 1.0, 0.0),
-    unit(Quantity::Density, "KMQ", "kg/m³", "kilogram per cubic metre", 1.0, 0.0),
-    unit(Quantity::Density, "23", "g/cm³", "gram per cubic centimetre", 1000.0, 0.0),
-    unit(Quantity::Density, "GL", "g/l", "gram per litre", 1.0, 0.0),
-    unit(Quantity::Density, "M1", "mg/l", "milligram per litre", 0.001, 0.0),
-    unit(Quantity::Density, "B35", "kg/l", "kilogram per litre", 1000.0, 0.0),
-    unit(Quantity::Density, "GP", "mg/m³", "milligram per cubic metre", 1e-06, 0.0),
-    unit(Quantity::Density, "GQ", "µg/m³", "microgram per cubic metre", 1e-09, 0.0),
-    unit(Quantity::AreaDensity, "GM", "g/m²", "gram per square metre", 0.001, 0.0),
-    unit(Quantity::AreaDensity, "28", "kg/m²", "kilogram per square metre", 1.0, 0.0),
-    unit(Quantity::Ratio, "C62", "1", "one", 1.0, 0.0),
-    unit(Quantity::Ratio, "P1", "%", "percent", 0.01, 0.0),
-    unit(Quantity::Ratio, "NX", "‰", "per mille", 0.001, 0.0),
-    unit(Quantity::Ratio, "59", "ppm", "part per million", 1e-06, 0.0),
-    unit(Quantity::Ratio, "61", "ppb", "part per billion (US)", 1e-09, 0.0),
-    unit(Quantity::Count, "H87", "piece", "piece", 1.0, 0.0),
-    unit(Quantity::Count, "EA", "each", "each", 1.0, 0.0),
-    unit(Quantity::Count, "PR", "pair", "pair", 2.0, 0.0),
-    unit(Quantity::Count, "DZN", "doz", "dozen", 12.0, 0.0),
-    unit(Quantity::Count, "GRO", "gr", "gross", 144.0, 0.0),
-    unit(Quantity::Count, "CEN", "hundred", "hundred", 100.0, 0.0),
-    unit(Quantity::Count, "MIL", "thousand", "thousand", 1000.0, 0.0),
-    unit(Quantity::Count, "MIO", "10⁶", "million", 1000000.0, 0.0),
-    unit(Quantity::Count, "B7", "cycle", "cycle", 1.0, 0.0),
-    unit(Quantity::Amount, "C34", "mol", "mole", 1.0, 0.0),
-    unit(Quantity::Amount, "C18", "mmol", "millimole", 0.001, 0.0),
-    unit(Quantity::Amount, "B45", "kmol", "kilomole", 1000.0, 0.0),
-    unit(Quantity::Stiffness, "4P", "N/m", "newton per metre", 1.0, 0.0),
-    unit(Quantity::Stiffness, "F47", "N/mm", "newton per millimetre", 1000.0, 0.0),
-    unit(Quantity::DataAmount, "A99", "bit", "bit", 1.0, 0.0),
-    unit(Quantity::DataAmount, "C37", "kbit", "kilobit", 1000.0, 0.0),
-    unit(Quantity::DataAmount, "AD", "byte", "byte", 8.0, 0.0),
-    unit(Quantity::DataAmount, "2P", "kB", "kilobyte", 8000.0, 0.0),
-    unit(Quantity::DataAmount, "4L", "MB", "megabyte", 8000000.0, 0.0),
-    unit(Quantity::DataAmount, "E34", "GB", "gigabyte", 8000000000.0, 0.0),
-    unit(Quantity::Level, "2N", "dB", "decibel", 1.0, 0.0),
-    unit(Quantity::Acidity, "Q30", "pH", "pH (potential of Hydrogen)", 1.0, 0.0),
-    unit(Quantity::Packaging, "SET", "set", "set", 1.0, 0.0),
-    unit(Quantity::Packaging, "LO", "lot", "lot [unit of procurement]", 1.0, 0.0),
-    unit(Quantity::Packaging, "AB", "bulk pack", "bulk pack", 1.0, 0.0),
-    unit(Quantity::Packaging, "NMP", "pack", "number of packs", 1.0, 0.0),
-    unit(Quantity::Packaging, "XBX", "box", "box", 1.0, 0.0),
-    unit(Quantity::Packaging, "XCT", "carton", "carton", 1.0, 0.0),
-    unit(Quantity::Packaging, "XPX", "pallet", "pallet", 1.0, 0.0),
-    unit(Quantity::Packaging, "XPK", "package", "package", 1.0, 0.0),
-    unit(Quantity::Packaging, "XBG", "bag", "bag", 1.0, 0.0),
-    unit(Quantity::Packaging, "XSA", "sack", "sack", 1.0, 0.0),
-    unit(Quantity::Packaging, "XDR", "drum", "drum", 1.0, 0.0),
-    unit(Quantity::Packaging, "XCR", "crate", "crate", 1.0, 0.0),
-    unit(Quantity::Packaging, "XRO", "roll", "roll", 1.0, 0.0),
-    unit(Quantity::Other, "D53", "W/(m·K)", "watt per metre kelvin", 1.0, 0.0),
-    unit(Quantity::Other, "D54", "W/m²", "watt per square metre", 1.0, 0.0),
-    unit(Quantity::Other, "D50", "V/m", "volt per metre", 1.0, 0.0),
-    unit(Quantity::Other, "B11", "J/(kg·K)", "joule per kilogram kelvin", 1.0, 0.0),
-    unit(Quantity::Other, "LH", "labour hour", "labour hour", 1.0, 0.0),
-    unit(Quantity::Other, "MON", "month", "month", 1.0, 0.0),
-    unit(Quantity::Other, "ANN", "year", "year", 1.0, 0.0),
-    unit(Quantity::Other, "2B", "rad/s²", "radian per second squared", 1.0, 0.0),
-    unit(Quantity::Other, "BQL", "Bq", "becquerel", 1.0, 0.0),
-    unit(Quantity::Other, "A95", "Gy", "gray", 1.0, 0.0),
-    unit(Quantity::Other, "D13", "Sv", "sievert", 1.0, 0.0),
-];
+#[expect(clippy::cast_possible_truncation, reason = "the text is shorter than 4 GiB")]
+const fn starts(text: &[u8]) -> [u32; COUNT] {
+    let mut starts = [0; COUNT];
+    let (mut at, mut line) = (0, 1);
+    while line < COUNT {
+        if text[at] == b'\n' {
+            starts[line] = at as u32 + 1;
+            line += 1;
+        }
+        at += 1;
+    }
+    starts
+}
+
+/// A line of the table.
+#[derive(Clone, Copy)]
+pub(super) struct UnitRow {
+    pub(super) code: &'static str,
+    pub(super) alias: &'static str,
+    name: &'static str,
+    symbol: &'static str,
+    /// Quantity, factor and offset; empty where the unit converts into no other.
+    conversion: &'static str,
+}
+
+impl UnitRow {
+    /// The line at a position below [`COUNT`].
+    pub(super) fn at(position: usize) -> Self {
+        let line = &TEXT[STARTS[position] as usize..];
+        let mut columns = line.lines().next().unwrap_or_default().splitn(5, '\t');
+        let mut next = || columns.next().unwrap_or_default();
+        Self { code: next(), alias: next(), name: next(), symbol: next(), conversion: next() }
+    }
+
+    /// The line of a code.
+    pub(super) fn of(code: &str) -> Option<Self> {
+        let (mut low, mut high) = (0, COUNT);
+        while low < high {
+            let middle = usize::midpoint(low, high);
+            let row = Self::at(middle);
+            match row.code.cmp(code) {
+                std::cmp::Ordering::Less => low = middle + 1,
+                std::cmp::Ordering::Greater => high = middle,
+                std::cmp::Ordering::Equal => return Some(row),
+            }
+        }
+        None
+    }
+
+    /// The symbol, or the name of a unit without one.
+    pub(super) const fn display_name(&self) -> &'static str {
+        if self.symbol.is_empty() { self.name } else { self.symbol }
+    }
+
+    pub(super) const fn has_symbol(&self) -> bool {
+        !self.symbol.is_empty()
+    }
+
+    pub(super) fn unit(&self) -> EngineeringUnit {
+        let mut columns = self.conversion.split('\t');
+        let quantity = columns.next().and_then(Quantity::from_name).unwrap_or(Quantity::Other);
+        let mut number =
+            |otherwise| columns.next().and_then(|n| n.parse().ok()).unwrap_or(otherwise);
+        EngineeringUnit {
+            code: self.code,
+            display_name: self.display_name(),
+            description: self.name,
+            quantity,
+            factor: number(1.0),
+            offset: number(0.0),
+        }
+    }
+}

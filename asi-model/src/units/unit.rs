@@ -16,9 +16,25 @@ pub struct EngineeringUnit {
     pub(super) offset: f64,
 }
 
-/// Physical or counted quantities.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Quantity {
+macro_rules! quantities {
+    ($($name:ident),* $(,)?) => {
+        /// Physical or counted quantities.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum Quantity { $($name),* }
+
+        impl Quantity {
+            /// The quantity that the table of units calls so.
+            pub(super) fn from_name(name: &str) -> Option<Self> {
+                $(if name == stringify!($name) {
+                    return Some(Self::$name);
+                })*
+                None
+            }
+        }
+    };
+}
+
+quantities! {
     Length,
     Area,
     Volume,

@@ -54,7 +54,7 @@ pub(super) fn check(relation: &OperationRelation, pointer: &str, reader: &mut Re
         let origin = format!("{pointer}/conditionList/{index}");
         // Read from a text, this was judged where the text is; an unreadable bound is no missing
         // one.
-        if reader.faults.is_empty() {
+        if !reader.has_text {
             let (has_time, has_duration) = (condition.time.is_some(), condition.duration.is_some());
             check_bound(condition.condition_kind, has_time, has_duration, &origin, reader);
         }

@@ -78,11 +78,10 @@ fn acknowledgement(reader: &mut Reader, root: JsonNode<'_, '_>) -> Acknowledgeme
             if !reader.is_object(node, "A fault") {
                 return None;
             }
-            Some(Fault {
-                pointer: reader.required(node, "pointer", Reader::text)?,
-                code: reader.required(node, "code", Reader::name)?,
-                message: reader.required(node, "message", Reader::text)?,
-            })
+            let pointer = reader.required(node, "pointer", Reader::text);
+            let code = reader.required(node, "code", Reader::name);
+            let message = reader.required(node, "message", Reader::text);
+            Some(Fault { pointer: pointer?, code: code?, message: message? })
         }),
     }
 }

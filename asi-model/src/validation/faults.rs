@@ -167,6 +167,11 @@ impl Faults {
         self.push("", code, message);
     }
 
+    /// True where a fault at such a place is listed, or may be among those that are not.
+    pub(super) fn concern(&self, is_such: impl Fn(&str) -> bool) -> bool {
+        self.unlisted > 0 || self.list.iter().any(|fault| is_such(&fault.pointer))
+    }
+
     pub(super) const fn is_empty(&self) -> bool {
         self.list.is_empty()
     }

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     ids::{FactoryId, OperationId},
-    json::JsonNode,
+    json::{JsonNode, Kind},
     network::{
         ConditionKind, Operation, OperationKind, OperationNetwork, OperationRelation,
         RelationCondition, RelationType,
@@ -35,6 +35,10 @@ pub(super) fn read(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<Operat
         return None;
     }
     not_empty(reader, node, "operationList");
+    let is_listed = |list: JsonNode<'_, '_>| {
+        list.kind() == Kind::Array && list.elements().count() <= OPERATIONS_MAX
+    };
+    reader.has_unreadable_operations = !node.get("operationList").is_some_and(is_listed);
     Some(OperationNetwork {
         operation_network_id: reader.required_id(node, "operationNetworkId"),
         name: reader.optional(node, "name", Reader::name),
@@ -51,7 +55,13 @@ pub(super) fn read(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<Operat
 
 fn relation(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<OperationRelation> {
     if !reader.is_object(node, "An operation relation") {
-        return None;
+        return Some(OperationRelation {
+            operation_relation_id: reader.placeholder(),
+            relation_type: RelationType::FinishToStart,
+            predecessor_operation_id: reader.placeholder(),
+            successor_operation_id: reader.placeholder(),
+            condition_list: Vec::new(),
+        });
     }
     Some(OperationRelation {
         operation_relation_id: reader.required_id(node, "operationRelationId"),
@@ -66,7 +76,12 @@ fn relation(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<OperationRela
 
 fn condition(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<RelationCondition> {
     if !reader.is_object(node, "A condition") {
-        return None;
+        return Some(RelationCondition {
+            condition_id: reader.placeholder(),
+            condition_kind: ConditionKind::StartNoEarlierThan,
+            time: None,
+            duration: None,
+        });
     }
     let kind = reader
         .required(node, "conditionKind", |reader, node| reader.choice(node, &CONDITION_KINDS));
@@ -95,9 +110,6 @@ pub(super) fn check(
     part_of: Option<&FactoryId>,
     reader: &mut Reader,
 ) {
-    if reader.has_left_out {
-        return;
-    }
     check_ids(network, pointer, reader);
     let operations: HashMap<&OperationId, usize> = network
         .operation_list
@@ -122,8 +134,22 @@ pub(super) fn check(
         conditions::check(relation, &pointer, reader);
     }
     let is_acyclic = acyclic::check(network, &operations, pointer, reader);
-    if is_acyclic && reader.faults.is_empty() {
+    if is_acyclic && !reader.faults.concern(|place| is_about_times(place, pointer)) {
         conditions::check_feasible(network, pointer, reader);
+    }
+}
+
+/// True for the place of a fault that makes the time frames uncertain: in the relations, or at the
+/// id or a planned time of an operation.
+fn is_about_times(place: &str, network: &str) -> bool {
+    let Some(place) = place.strip_prefix(network) else { return false };
+    let mut names = place.split('/').skip(1);
+    match (names.next(), names.next(), names.next()) {
+        (Some("operationList"), Some(_), Some(member)) => {
+            ["operationId", "plannedStart", "plannedEnd"].contains(&member)
+        }
+        (Some("operationList" | "operationRelationList") | None, ..) => true,
+        _ => false,
     }
 }
 
@@ -292,7 +318,8 @@ fn check_known(
     reader: &mut Reader,
 ) {
     // Where an operation's id could not be read, it may be the one meant.
-    if reader.unreadable_ids == 0 && !operations.contains_key(id) {
+    let is_uncertain = reader.has_unreadable_operations || reader.is_placeholder(id.as_str());
+    if !is_uncertain && !operations.contains_key(id) {
         let message = format!("The network has no operation {id}; add it, or a stub of it.");
         reader.faults.push(pointer(), FaultCode::UnknownOperation, message);
     }

@@ -2,16 +2,19 @@
 
 use super::{LIST_MAX, reader::Reader, report_format};
 use crate::{
+    ids::OperationId,
     json::JsonNode,
     network::{EquipmentRequirement, Operation, OperationKind},
 };
 
 pub(super) fn operation(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<Operation> {
     if !reader.is_object(node, "An operation") {
-        return None;
+        return Some(unreadable(reader));
     }
+    let operation_id: OperationId = reader.required_id(node, "operationId");
+    reader.has_unreadable_operations |= reader.is_placeholder(operation_id.as_str());
     Some(Operation {
-        operation_id: reader.required_id(node, "operationId"),
+        operation_id,
         kind: kind(reader, node),
         name: reader.optional(node, "name", Reader::name),
         description: reader.optional(node, "description", Reader::text),
@@ -34,6 +37,25 @@ pub(super) fn operation(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<O
             report_format::request,
         ),
     })
+}
+
+/// An operation that stands for something else in the list.
+fn unreadable(reader: &mut Reader) -> Operation {
+    reader.has_unreadable_operations = true;
+    Operation {
+        operation_id: reader.placeholder(),
+        kind: OperationKind::Production { product_id: None },
+        name: None,
+        description: None,
+        stub: false,
+        owning_factory_id: None,
+        planned_start: None,
+        planned_end: None,
+        planned_quantity: None,
+        quantity_unit: None,
+        equipment_requirement_list: Vec::new(),
+        dynamic_data_request_list: Vec::new(),
+    }
 }
 
 fn kind(reader: &mut Reader, node: JsonNode<'_, '_>) -> OperationKind {
@@ -65,7 +87,13 @@ fn kind(reader: &mut Reader, node: JsonNode<'_, '_>) -> OperationKind {
 
 fn equipment(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<EquipmentRequirement> {
     if !reader.is_object(node, "An equipment requirement") {
-        return None;
+        return Some(EquipmentRequirement {
+            equipment_requirement_id: reader.placeholder(),
+            equipment_type: String::new(),
+            capability: None,
+            quantity: None,
+            asset_id: None,
+        });
     }
     Some(EquipmentRequirement {
         equipment_requirement_id: reader.required_id(node, "equipmentRequirementId"),

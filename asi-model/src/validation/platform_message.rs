@@ -71,10 +71,7 @@ fn operation_network(
     let factory_id = factory_id(reader, root, expected);
     let collaboration_id = reader.required_id(root, "collaborationId");
     let revision = revision(reader, root);
-    let unreadable_before = reader.unreadable_ids;
     let operation_network = reader.required(root, "operationNetwork", network::read)?;
-    // Only unreadable ids of the network spoil the check of its references.
-    reader.unreadable_ids -= unreadable_before;
     network::check(&operation_network, "/operationNetwork", Some(&factory_id), reader);
     Some(OperationNetworkMessage {
         message_id,
@@ -106,13 +103,17 @@ fn writer_receipt(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<WriterR
     if !reader.is_object(node, "A receipt") {
         return None;
     }
+    let data_set_writer_id = writer_id(reader, node);
+    let epoch = number(reader, node, "epoch");
+    let through_sequence = number(reader, node, "throughSequence");
+    let missing_list = reader.optional_list(node, "missingList", RECEIPTS_MAX, |reader, node| {
+        reader.integer(node, "a number from 0 to 4294967295")
+    });
     Some(WriterReceipt {
-        data_set_writer_id: writer_id(reader, node)?,
-        epoch: number(reader, node, "epoch")?,
-        through_sequence: number(reader, node, "throughSequence")?,
-        missing_list: reader.optional_list(node, "missingList", RECEIPTS_MAX, |reader, node| {
-            reader.integer(node, "a number from 0 to 4294967295")
-        }),
+        data_set_writer_id: data_set_writer_id?,
+        epoch: epoch?,
+        through_sequence: through_sequence?,
+        missing_list,
     })
 }
 

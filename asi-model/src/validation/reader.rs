@@ -1,7 +1,8 @@
 //! Reading members of JSON objects into types, noting every fault and going on.
 //!
-//! A placeholder takes the position of an identifier that cannot be read, so that the rest is
-//! checked all the same; a message with faults never leaves the validation.
+//! A placeholder takes the position of an identifier or of a whole list element that cannot be read,
+//! so that the rest is checked all the same, at the positions of the text; a message with faults
+//! never leaves the validation.
 
 use std::str::FromStr;
 
@@ -13,18 +14,27 @@ use crate::{
     values::DateTime,
 };
 
+/// Beginning of placeholders, before their number.
+const PLACEHOLDER: &str = "unreadable-";
+
 /// The faults so far, and what could not be read at all.
 #[derive(Debug, Default)]
 pub(super) struct Reader {
     pub(super) faults: Faults,
+    /// True where the message is read from a text, whose members are judged where they stand.
+    pub(super) has_text: bool,
+    /// True where operations could not be read, or not their identifiers: others may mean them.
+    pub(super) has_unreadable_operations: bool,
     /// Number of identifiers with placeholders.
-    pub(super) unreadable_ids: usize,
-    /// True where list elements had to be left out, so that positions no longer agree with the
-    /// text.
-    pub(super) has_left_out: bool,
+    unreadable_ids: usize,
 }
 
 impl Reader {
+    /// A reader of a message that comes as text.
+    pub(super) fn of_text() -> Self {
+        Self { has_text: true, ..Self::default() }
+    }
+
     /// Notes a fault at a node.
     pub(super) fn fault(
         &mut self,
@@ -53,7 +63,6 @@ impl Reader {
     pub(super) fn is_object(&mut self, node: JsonNode<'_, '_>, what: &str) -> bool {
         let is_object = node.kind() == Kind::Object;
         if !is_object {
-            self.has_left_out = true;
             self.fault(
                 node,
                 FaultCode::WrongType,
@@ -78,11 +87,13 @@ impl Reader {
             }
             None => {
                 let pointer = format!("{}/{name}", object.pointer());
-                self.faults.push(
-                    pointer,
-                    FaultCode::MissingMember,
-                    format!("The member {name} is missing."),
-                );
+                let message = match object.misspelt(name) {
+                    Some(found) => format!(
+                        "The member {name} is missing; {found} differs from it in capitals."
+                    ),
+                    None => format!("The member {name} is missing."),
+                };
+                self.faults.push(pointer, FaultCode::MissingMember, message);
                 None
             }
         }
@@ -134,7 +145,6 @@ impl Reader {
             return self.wrong_type(node, "an array");
         }
         if node.elements().count() > count_max {
-            self.has_left_out = true;
             self.fault(
                 node,
                 FaultCode::TooManyElements,
@@ -177,13 +187,23 @@ impl Reader {
     ) -> T {
         match self.required(object, name, |reader, node| reader.id(node)) {
             Some(id) => id,
-            None => {
-                self.unreadable_ids += 1;
-                format!("unreadable-{}", self.unreadable_ids)
-                    .parse()
-                    .expect("the placeholder matches the patterns of all identifiers")
-            }
+            None => self.placeholder(),
         }
+    }
+
+    /// An identifier that takes the position of one that cannot be read.
+    pub(super) fn placeholder<T: FromStr<Err = InvalidId>>(&mut self) -> T {
+        self.unreadable_ids += 1;
+        format!("{PLACEHOLDER}{}", self.unreadable_ids)
+            .parse()
+            .expect("the placeholder matches the patterns of all identifiers")
+    }
+
+    /// True for an identifier that could not be read.
+    pub(super) fn is_placeholder(&self, id: &str) -> bool {
+        id.strip_prefix(PLACEHOLDER)
+            .and_then(|number| number.parse::<usize>().ok())
+            .is_some_and(|number| (1..=self.unreadable_ids).contains(&number))
     }
 
     fn bounded_text(&mut self, node: JsonNode<'_, '_>, chars_max: usize) -> Option<String> {

@@ -32,7 +32,7 @@ const FREQUENCY_UNITS: [(&str, UpdateFrequencyUnit); 5] = [
 
 pub(super) fn request(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<DynamicDataRequest> {
     if !reader.is_object(node, "A dynamic data request") {
-        return None;
+        return Some(unreadable(reader));
     }
     let format = reader.required(node, "reportDataFormat", format);
     Some(DynamicDataRequest {
@@ -64,9 +64,30 @@ pub(super) fn request(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<Dyn
         update_frequency_unit: reader.optional(node, "updateFrequencyUnit", |reader, node| {
             reader.choice(node, &FREQUENCY_UNITS)
         }),
-        report_data_format: format
-            .unwrap_or(ReportDataFormat { report_name: String::new(), report_field_list: vec![] }),
+        report_data_format: format.unwrap_or_else(no_format),
     })
+}
+
+/// A request that stands for something else in the list.
+fn unreadable(reader: &mut Reader) -> DynamicDataRequest {
+    DynamicDataRequest {
+        dynamic_data_request_id: reader.placeholder(),
+        dynamic_data_request_publisher_id: None,
+        requester_id: reader.placeholder(),
+        recipient_list: Vec::new(),
+        purpose: String::new(),
+        valid_from: None,
+        valid_until: None,
+        description: None,
+        buffer_id: None,
+        update_frequency: None,
+        update_frequency_unit: None,
+        report_data_format: no_format(),
+    }
+}
+
+const fn no_format() -> ReportDataFormat {
+    ReportDataFormat { report_name: String::new(), report_field_list: Vec::new() }
 }
 
 fn format(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<ReportDataFormat> {
@@ -89,7 +110,14 @@ fn format(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<ReportDataForma
 
 fn field(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<ReportField> {
     if !reader.is_object(node, "A report field") {
-        return None;
+        return Some(ReportField {
+            name: reader.placeholder(),
+            field_type: FieldType(BuiltInType::Variant),
+            value_rank: VALUE_RANK_SCALAR,
+            description: None,
+            unit: None,
+            semantic: None,
+        });
     }
     let field_type = reader.required(node, "type", field_type);
     let semantic = reader.optional(node, "semantic", |reader, node| {

@@ -1,5 +1,7 @@
 //! Every kind of fault, with its pointer.
 
+mod at_once;
+
 use serde_json::{Value, json};
 
 use super::*;
@@ -134,7 +136,7 @@ fn fields_are_checked() {
     check(&format!("{FIELDS}/0/type"), json!("UInt64"), &[]);
     check(
         &format!("{FIELDS}/0/unit"),
-        json!("FURLONG"),
+        json!("SMOOT"),
         &[(&format!("{FIELDS}/0/unit"), "UNKNOWN_UNIT")],
     );
     check(

@@ -38,6 +38,19 @@ macro_rules! codes {
                     _ => None,
                 }
             }
+
+            /// The code with this symbolic name; where this table does not know the name, the code of
+            /// its severity alone. `None` for what is no such name.
+            #[must_use]
+            pub fn from_symbol(name: &str) -> Option<Self> {
+                match name {
+                    $(stringify!($symbol) => Some(Self::$constant),)*
+                    _ if name.starts_with("Bad") => Some(Self::BAD),
+                    _ if name.starts_with("Uncertain") => Some(Self::UNCERTAIN),
+                    _ if name.starts_with("Good") => Some(Self::GOOD),
+                    _ => None,
+                }
+            }
         }
     };
 }

@@ -5,6 +5,7 @@
 mod allocations;
 mod corpus;
 mod foreign;
+mod foreign_messages;
 mod linear;
 mod networks;
 mod round_trip;

@@ -128,6 +128,109 @@ fn the_acknowledgement_is_printed() {
     assert_eq!(again.code, 0, "{}", again.out);
 }
 
+/// The example of a request with a text in place of another.
+fn changed_request(from: &str, to: &str) -> String {
+    let text = std::fs::read_to_string(example("operation-network.json")).unwrap();
+    assert!(text.contains(from));
+    text.replacen(from, to, 1)
+}
+
+#[test]
+fn what_is_no_message_is_refused() {
+    let misspelt = changed_request("\"messageType\"", "\"MessageType\"");
+    let batch = r#"[{"MessageType":"ua-data","Messages":[]}]"#;
+    for (input, expected) in [
+        ("{}", "/messageType: The member messageType is missing. [MISSING_MEMBER]"),
+        ("[]", "A message must be an object, but is an array. [WRONG_TYPE]"),
+        (
+            r#"{"messagetype":"withdraw"}"#,
+            "/messageType: The member messageType is missing; messagetype differs from it in capitals.",
+        ),
+        (
+            &misspelt,
+            "/messageType: The member messageType is missing; MessageType differs from it in capitals.",
+        ),
+        (r#"{"MessageId":"1","PublisherId":"p"}"#, "/Messages: The message has neither Messages"),
+        (
+            r#"{"MessageId":"1","messages":[]}"#,
+            "/Messages: The member Messages is missing; messages differs from it in capitals.",
+        ),
+        (
+            r#"{"MessageType":"order","Messages":[]}"#,
+            "/MessageType: the MessageType of a message with Messages must be ua-data",
+        ),
+        (
+            r#"{"DataSetWriterId":1,"Payload":5}"#,
+            "/Messages: The message has neither Messages (or MetaData or Status, with its MessageType) \
+             nor an object as Payload; --payload takes it for a payload itself. [MISSING_MEMBER]",
+        ),
+        (batch, "/0: NetworkMessages must not be in an array"),
+        (r#"{"body":{"Messages":[]},"enqueuedTime":"now"}"#, "/messageType: The member"),
+        ("\u{feff}{}", "the byte order mark (U+FEFF) at byte 0. [NOT_JSON]"),
+        ("\u{feff}{\"MessageType\":\"ua-data\"}", "the byte order mark (U+FEFF)"),
+    ] {
+        let run = asi(&["validate"], input);
+        assert_eq!(run.code, 1, "{input}: {}", run.out);
+        assert!(run.out.contains(expected), "{input}: {}", run.out);
+        // What a connector answers says the same.
+        let answer = asi(&["validate", "--json"], input);
+        let answered: serde_json::Value = serde_json::from_str(&answer.out).unwrap();
+        assert_eq!((answer.code, &answered["result"]), (1, &"REJECTED".into()), "{input}");
+        assert_ne!(answered["faultList"], serde_json::json!([]));
+    }
+    let samples = example("../tests/foreign-messages/opc-publisher.samples.json");
+    assert_eq!(asi(&["validate", samples.to_str().unwrap()], "").code, 1);
+    // A layout without headers has nothing to be recognised by.
+    for (arguments, code) in [
+        (vec!["validate"], 1),
+        (vec!["validate", "--payload"], 0),
+        (vec!["explain", "--payload"], 0),
+    ] {
+        let run = asi(&arguments, r#"{"temperature":{"Type":11,"Body":21.5}}"#);
+        assert_eq!(run.code, code, "{arguments:?}: {}", run.out);
+    }
+}
+
+#[test]
+fn a_rejection_is_by_the_factory_that_is_named() {
+    let text = changed_request("\"revision\": 3", "\"revision\": \"x\"");
+    for (arguments, expected) in [
+        (vec!["validate", "--json"], "FOR_MUC"),
+        (vec!["validate", "--json", "--factory", "LOG_NUE"], "LOG_NUE"),
+    ] {
+        let run = asi(&arguments, &text);
+        let message: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+        assert_eq!((run.code, &message["factoryId"]), (1, &expected.into()), "{}", run.out);
+    }
+    let run = asi(&["validate", "--json"], "{}");
+    assert!(run.out.contains("\"factoryId\": \"unknown\""), "{}", run.out);
+}
+
+#[test]
+fn bare_values_are_no_deviation() {
+    let (verbose, known) = (path("ua-data.1.05-verbose.json"), path("ua-metadata.1.05.json"));
+    let run = asi(&["validate", "--strict", &verbose], "");
+    assert_eq!(run.code, 0, "{}", run.out);
+    assert!(run.out.contains("its type is a guess"), "{}", run.out);
+    let run = asi(&["validate", "--strict", "--meta-data", &known, &verbose], "");
+    assert_eq!(run.code, 0, "{}", run.out);
+    assert!(!run.out.contains("progressStatus:"), "{}", run.out);
+    // Metadata also shows what does not fit it.
+    let text = std::fs::read_to_string(&verbose).unwrap().replace("\"1\"", "\"one\"");
+    assert_eq!(asi(&["validate", "--strict"], &text).code, 0);
+    let run = asi(&["validate", "--strict", "--meta-data", &known], &text);
+    assert_eq!(run.code, 1, "{}", run.out);
+    assert!(run.out.contains("/Messages/0/Payload/progressStatus: "), "{}", run.out);
+}
+
+#[test]
+fn pointers_of_an_explanation_are_escaped() {
+    let gap = std::fs::read_to_string(example("gap.json")).unwrap();
+    let gap = gap.replacen('{', r#"{"a/b~c":1,"#, 1);
+    let run = asi(&["explain"], &gap);
+    assert!(run.out.contains("/a~1b~0c: 1\n"), "{} {}", run.out, run.err);
+}
+
 #[test]
 fn encodings_convert_into_each_other() {
     let digicor: serde_json::Value =

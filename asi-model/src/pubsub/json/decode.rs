@@ -7,7 +7,10 @@ use super::{
 use crate::{
     json::{JsonError, JsonNode, Kind, Tape},
     opcua_json::{Decoder, Diagnostic, LIMITS, Leniency, Mismatch, decode_scalar::date_time},
-    pubsub::{MetaDataLookup, NetworkMessage, PubSubMessage, PubSubState, StatusMessage},
+    pubsub::{
+        DataSetMessageKind, MetaDataLookup, NetworkMessage, PubSubMessage, PubSubState,
+        StatusMessage,
+    },
 };
 
 /// A message, and what was noteworthy about it.
@@ -82,6 +85,13 @@ fn message<'t, 'a, 'd>(
     match root.kind() {
         // A layout without NetworkMessage header: one or several DataSetMessages or payloads.
         Kind::Array => {
+            // OPC Publisher batches them so; receivers know a message by its own id.
+            if let Some(whole) = root.elements().find(|element| element.get("Messages").is_some()) {
+                return Err(Mismatch::new(
+                    whole,
+                    "NetworkMessages must not be in an array: each is a message of its own",
+                ));
+            }
             let messages = decode_message::data_set_messages(root, decoder, lookup, None)?;
             Ok(PubSubMessage::Data(NetworkMessage { messages, ..NetworkMessage::default() }))
         }
@@ -115,11 +125,17 @@ fn object<'t, 'a, 'd>(
             };
             Err(Mismatch::new(root, missing))
         }
-        Some(other) if other.starts_with("ua-") && !decode_message::is_data_set_message(root) => {
+        Some(other)
+            if other.starts_with("ua-") && DataSetMessageKind::from_name(other).is_none() =>
+        {
             Ok(PubSubMessage::Other {
                 message_type: other.into(),
                 message_id: message_id(root, decoder)?,
             })
+        }
+        Some(_) if root.get("Messages").is_some() => {
+            let kind = root.get("MessageType").unwrap_or(root);
+            Err(Mismatch::new(kind, "the MessageType of a message with Messages must be ua-data"))
         }
         _ => {
             let message = decode_message::data_set_message(root, decoder, lookup, None)?;

@@ -44,6 +44,13 @@ pub(super) fn publisher_id<'t, 'a>(
     }
 }
 
+/// The id of a DataSetWriter: a number, or its digits in quotes as the first text of 1.04 had it.
+pub(super) fn writer_id<'t, 'a>(node: JsonNode<'t, 'a>) -> Result<u16, Mismatch<'t, 'a>> {
+    let digits = node.text().filter(|text| text.bytes().all(|byte| byte.is_ascii_digit()));
+    let from_text = digits.and_then(|digits| digits.parse().ok());
+    from_text.map_or_else(|| integer(node, "a DataSetWriterId from 0 to 65535"), Ok)
+}
+
 /// A text member, if it is there.
 pub(super) fn optional_text<'t, 'a>(
     root: JsonNode<'t, 'a>,

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use super::decode_members::{message_id, meta_data_version, optional_text, publisher_id};
+use super::decode_members::{
+    message_id, meta_data_version, optional_text, publisher_id, writer_id,
+};
 use crate::{
     json::{JsonNode, Kind},
     opcua_json::{
@@ -44,10 +46,20 @@ pub(super) fn data_set_messages<'t, 'a, 'd>(
     publisher_id: Option<&str>,
 ) -> Result<Vec<DataSetMessage>, Mismatch<'t, 'a>> {
     match node.kind() {
-        Kind::Array => node
-            .elements()
-            .map(|element| data_set_message(element, decoder, lookup, publisher_id))
-            .collect(),
+        Kind::Array => {
+            let mut messages = Vec::new();
+            for element in node.elements() {
+                if let Some(kind) = unknown_kind(element) {
+                    // Receivers ignore what they do not know (OPC 10000-14 §7.2.5.1).
+                    let message = "the MessageType is none of a DataSetMessage; \
+                                   the DataSetMessage is left out";
+                    decoder.diagnostics.note(kind, message);
+                } else {
+                    messages.push(data_set_message(element, decoder, lookup, publisher_id)?);
+                }
+            }
+            Ok(messages)
+        }
         _ => Ok(vec![data_set_message(node, decoder, lookup, publisher_id)?]),
     }
 }
@@ -59,6 +71,14 @@ pub(super) fn is_data_set_message(node: JsonNode<'_, '_>) -> bool {
         || node.get("Payload").is_some_and(|payload| {
             matches!(payload.kind(), Kind::Object | Kind::Null) && payload.get("UaType").is_none()
         })
+}
+
+/// The MessageType of an object with a DataSetMessage header, where it is none that is known.
+fn unknown_kind<'t, 'a>(node: JsonNode<'t, 'a>) -> Option<JsonNode<'t, 'a>> {
+    let member = node.get("MessageType")?;
+    let name = member.text()?;
+    let is_header = name.starts_with("ua-") || is_data_set_message(node);
+    (is_header && DataSetMessageKind::from_name(&name).is_none()).then_some(member)
 }
 
 pub(super) fn data_set_message<'t, 'a, 'd>(
@@ -120,15 +140,12 @@ fn header<'t, 'a>(
         }
     }
     if payload.is_none() && message.kind != DataSetMessageKind::KeepAlive {
-        return Err(Mismatch::new(node, "Payload is missing"));
+        return Err(match node.get("Payload") {
+            Some(null) => Mismatch::new(null, "Payload is null; only a keep-alive has none"),
+            None => Mismatch::new(node, "Payload is missing"),
+        });
     }
     Ok(payload)
-}
-
-/// A number; a numeric string as the first text of 1.04 had it.
-fn writer_id<'t, 'a>(node: JsonNode<'t, 'a>) -> Result<u16, Mismatch<'t, 'a>> {
-    let from_text = node.text().and_then(|text| text.parse().ok());
-    from_text.map_or_else(|| integer(node, "a DataSetWriterId from 0 to 65535"), Ok)
 }
 
 fn fields<'t, 'a>(

@@ -4,17 +4,19 @@ use std::{collections::HashMap, sync::Arc};
 
 use uuid::Uuid;
 
-use super::decode_members::{message_id, meta_data_version, optional_text, publisher_id};
+use super::decode_members::{
+    message_id, meta_data_version, optional_text, publisher_id, writer_id,
+};
 use crate::{
     json::{JsonNode, Kind},
     opcua_json::{
         Decoder, Mismatch,
-        decode_scalar::{date_time, guid, integer, integer_64, localized_text, text},
+        decode_scalar::{date_time, guid, integer, integer_64, localized_text, named_value, text},
     },
     pubsub::{DataSetMetaData, FieldMetaData, MetaDataMessage, PubSubMessage},
     values::{
-        BuiltInType, EnumType, EnumValue, LocalizedText, NodeId, SimpleType, StructureField,
-        StructureKind, StructureType,
+        BuiltInType, EnumType, EnumValue, LocalizedText, Namespace, NodeId, SimpleType,
+        StructureField, StructureKind, StructureType,
     },
 };
 
@@ -32,14 +34,12 @@ pub(super) fn message<'t, 'a>(
     let writer = root
         .get("DataSetWriterId")
         .ok_or_else(|| Mismatch::new(root, "DataSetWriterId is missing"))?;
-    let from_text = writer.text().and_then(|text| text.parse().ok());
     let meta_data =
         root.get("MetaData").ok_or_else(|| Mismatch::new(root, "MetaData is missing"))?;
     Ok(PubSubMessage::MetaData(Box::new(MetaDataMessage {
         message_id: message_id(root, decoder)?,
         publisher_id: publisher_id(root)?,
-        data_set_writer_id: from_text
-            .map_or_else(|| integer(writer, "a DataSetWriterId from 0 to 65535"), Ok)?,
+        data_set_writer_id: writer_id(writer)?,
         writer_group_name: optional_text(root, "WriterGroupName")?,
         data_set_writer_name: optional_text(root, "DataSetWriterName")?,
         timestamp: root.get("Timestamp").map(date_time).transpose()?,
@@ -75,9 +75,7 @@ fn data_set<'t, 'a>(
     if node.kind() != Kind::Object {
         return Err(Mismatch::new(node, "MetaData must be an object"));
     }
-    let namespaces: Vec<Arc<str>> = list(node, "Namespaces", FIELDS_MAX)?
-        .map(|uri| text(uri).map(Arc::from))
-        .collect::<Result<_, _>>()?;
+    let namespaces = namespaces(node, decoder)?;
     // Ids in the metadata use its own namespaces.
     let mut known = DataSetMetaData {
         name: optional_text(node, "Name")?.unwrap_or_default(),
@@ -119,6 +117,27 @@ fn data_set<'t, 'a>(
     decoder.diagnostics.append(local.diagnostics);
     known.namespaces = namespaces;
     Ok(known)
+}
+
+/// The namespaces from index 1 on (OPC 10000-5 §12.31: that of OPC UA, index 0, is not listed).
+/// Some publishers list all namespaces of their server; then the first is index 0.
+fn namespaces<'t, 'a>(
+    node: JsonNode<'t, 'a>,
+    decoder: &mut Decoder<'_>,
+) -> Result<Vec<Arc<str>>, Mismatch<'t, 'a>> {
+    let mut namespaces = Vec::new();
+    for (position, uri) in list(node, "Namespaces", FIELDS_MAX)?.enumerate() {
+        let text = text(uri)?;
+        if position == 0 && Namespace::uri(&text) == Namespace::Ua {
+            decoder.diagnostics.tolerate(
+                uri,
+                "the namespace of OPC UA is not listed; what follows begins with index 1",
+            )?;
+        } else {
+            namespaces.push(text.into());
+        }
+    }
+    Ok(namespaces)
 }
 
 fn description<'t, 'a>(node: JsonNode<'t, 'a>) -> Result<Option<LocalizedText>, Mismatch<'t, 'a>> {
@@ -258,7 +277,10 @@ fn structure_type<'t, 'a>(
         node.get("StructureDefinition").ok_or_else(|| missing("StructureDefinition"))?;
     let kind = match definition
         .get("StructureType")
-        .map(|kind| integer::<u8>(kind, "0 to 4"))
+        .map(|kind| match named_value(kind) {
+            Some(number) => Ok(u8::try_from(number).unwrap_or(u8::MAX)),
+            None => integer::<u8>(kind, "0 to 4"),
+        })
         .transpose()?
     {
         None | Some(0 | 3) => StructureKind::Plain,
