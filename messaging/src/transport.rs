@@ -13,6 +13,8 @@ pub use mqtt::read_mqtt;
 
 use crate::config::{BrokerUrl, LinkConfig, LinkError, Login};
 
+#[cfg(test)]
+pub(crate) use connection::OutcomeFuture;
 pub(crate) use connection::{
     BrokerOutcome, Connection, ConnectionFault, DeliveryToken, EndpointFault, MessageReceiver,
     MessageSender, Transport,

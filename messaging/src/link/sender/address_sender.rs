@@ -48,7 +48,7 @@ pub(super) struct AddressSender {
 /// Order to a sender task.
 enum SendOrder {
     Send(Box<SpoolRow>),
-    /// What comes from here on was read after the recall.
+    /// End of the turning away: rows from here on were read after the recall.
     SendOn,
 }
 
