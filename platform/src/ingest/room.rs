@@ -178,7 +178,7 @@ mod tests {
             message_id: format!("m{number}").parse().expect("an id"),
             message_type: "ua-data".into(),
             received_at: DateTime::from_ticks(i64::from(number)),
-            body: "x".repeat(800).into(),
+            body: "x".repeat(800),
         };
         let messages: Vec<_> = ids.map(message).collect();
         let mut work = store.begin().await.expect("begun");
