@@ -35,8 +35,7 @@ pub enum InputKind {
     PubSub,
     /// Members of a PubSub message, but none that it begins with.
     PubSubPart,
-    /// An object or array that may be the payload of a PubSub layout without headers, or anything
-    /// else.
+    /// An object or array without headers, perhaps the payload of a PubSub layout.
     Payload,
     /// A NodeSet2 document.
     NodeSet,

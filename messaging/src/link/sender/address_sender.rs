@@ -24,7 +24,7 @@ pub(super) enum SenderEvent {
     /// what is left of that one waits in the spool, and nothing may pass it.
     Recalled {
         id: RowId,
-        /// True for the first one; the task sends on once it is called on by [`AddressSender::send_on`].
+        /// True for the first one; rows that are handed over after [`AddressSender::send_on`] are sent again.
         is_first: bool,
     },
     /// The task has ended; the `unsent` rows have no outcome and count as not sent.
@@ -42,14 +42,9 @@ pub(super) struct SenderContext {
 
 /// Handle of the task that sends to one address.
 pub(super) struct AddressSender {
-    orders: mpsc::Sender<SendOrder>,
-}
-
-/// Order to a sender task.
-enum SendOrder {
-    Send(Box<SpoolRow>),
-    /// End of the turning away: rows from here on were read after the recall.
-    SendOn,
+    rows: mpsc::Sender<(SpoolRow, u64)>,
+    /// Number of recalls so far. Each row is handed over with it, so that the task knows what was read before one.
+    recalls: u64,
 }
 
 impl AddressSender {
@@ -59,40 +54,38 @@ impl AddressSender {
         address: LogicalAddress,
         terminus: Terminus,
     ) -> Self {
-        // One more for a call to send on.
-        let (orders, waiting) = mpsc::channel(context.queue_max + 1);
+        let (rows, waiting) = mpsc::channel(context.queue_max);
         let worker = Worker {
             waiting,
             store: Arc::clone(&context.store),
             events: context.events.clone(),
             unsettled: HashSet::new(),
             outcomes: FuturesUnordered::new(),
-            turns_away: false,
+            turned_away: None,
         };
         tasks.spawn(worker.run(Arc::clone(&context.connection), address, terminus));
-        Self { orders }
+        Self { rows, recalls: 0 }
     }
 
     /// Hands a row over. Returns false when the task is ending, so that the row was not sent.
     pub(super) fn send(&self, row: SpoolRow) -> bool {
-        self.orders.try_send(SendOrder::Send(Box::new(row))).is_ok()
+        self.rows.try_send((row, self.recalls)).is_ok()
     }
 
-    /// Ends the turning away of rows: those that are sent from here on were read after the recall.
-    pub(super) fn send_on(&self) {
-        // Fails while the task is ending; another one turns nothing away.
-        let _ = self.orders.try_send(SendOrder::SendOn);
+    /// Ends the turning away of rows: those that are handed over from here on were read after the recall.
+    pub(super) const fn send_on(&mut self) {
+        self.recalls += 1;
     }
 }
 
 struct Worker {
-    waiting: mpsc::Receiver<SendOrder>,
+    waiting: mpsc::Receiver<(SpoolRow, u64)>,
     store: Arc<dyn SpoolStore>,
     events: mpsc::Sender<SenderEvent>,
     unsettled: HashSet<RowId>,
     outcomes: FuturesUnordered<BoxFuture<'static, (RowId, Result<BrokerOutcome, EndpointFault>)>>,
-    /// True behind a message that was recalled.
-    turns_away: bool,
+    /// Recalls with which the row was handed over that was recalled last: all rows with as many were read before.
+    turned_away: Option<u64>,
 }
 
 impl Worker {
@@ -109,10 +102,8 @@ impl Worker {
         // The endpoint is dropped by now, so no outcome can arrive any more.
         self.waiting.close();
         let mut unsent: Vec<_> = self.unsettled.drain().collect();
-        while let Some(order) = self.waiting.recv().await {
-            if let SendOrder::Send(row) = order {
-                unsent.push(row.id);
-            }
+        while let Some((row, _)) = self.waiting.recv().await {
+            unsent.push(row.id);
         }
         let _ = self.events.send(SenderEvent::Ended { address, fault, unsent }).await;
     }
@@ -125,11 +116,10 @@ impl Worker {
                 // Outcomes first: they make room for the rows that wait.
                 biased;
                 Some((id, outcome)) = self.outcomes.next() => self.on_outcome(id, outcome?).await,
-                order = self.waiting.recv() => match order {
-                    Some(SendOrder::Send(row)) => self.send(sender, *row).await?,
-                    Some(SendOrder::SendOn) => self.turns_away = false,
-                    None => return Ok(()),
-                },
+                row = self.waiting.recv() => {
+                    let Some((row, recalls)) = row else { return Ok(()) };
+                    self.send(sender, row, recalls).await?;
+                }
                 () = tokio::time::sleep(IDLE_MAX), if is_idle => return Ok(()),
             }
         }
@@ -139,11 +129,13 @@ impl Worker {
         &mut self,
         sender: &mut dyn MessageSender,
         mut row: SpoolRow,
+        recalls: u64,
     ) -> Result<(), EndpointFault> {
         // At the last moment: a report can be recalled while its row waits in the queue.
-        let is_behind = self.turns_away && !is_volatile(row.id);
-        if is_behind || !self.store.may_leave(&row) {
-            let is_first = !std::mem::replace(&mut self.turns_away, true);
+        let is_behind = self.turned_away == Some(recalls);
+        if (is_behind && !is_volatile(row.id)) || !self.store.may_leave(&row) {
+            self.turned_away = Some(recalls);
+            let is_first = !is_behind;
             let _ = self.events.send(SenderEvent::Recalled { id: row.id, is_first }).await;
             return Ok(());
         }
@@ -247,7 +239,7 @@ mod tests {
 
     #[tokio::test]
     async fn nothing_passes_a_message_that_was_recalled() {
-        let (orders, waiting) = mpsc::channel(16);
+        let (rows, waiting) = mpsc::channel(16);
         let (events, mut reported) = mpsc::channel(16);
         let spool = MemorySpool::new(AcceptedReports::Leave);
         let store = Arc::new(Recalling { spool, recalled: Mutex::new(Some(RowId(2))) });
@@ -257,11 +249,11 @@ mod tests {
             events,
             unsettled: HashSet::new(),
             outcomes: FuturesUnordered::new(),
-            turns_away: false,
+            turned_away: None,
         };
         let sent = Arc::<Mutex<Vec<String>>>::default();
         let mut broker = Accepting(Arc::clone(&sent));
-        let task = AddressSender { orders };
+        let mut task = AddressSender { rows, recalls: 0 };
         for id in [1, 2, 3, 4] {
             assert!(task.send(row(id)));
         }

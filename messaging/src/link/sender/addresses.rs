@@ -130,8 +130,8 @@ impl Addresses {
     }
 
     /// Calls the task of an address on to send again, after a row was recalled.
-    pub(super) fn send_on(&self, address: &LogicalAddress) {
-        if let Some(sender) = self.states.get(address).and_then(|state| state.sender.as_ref()) {
+    pub(super) fn send_on(&mut self, address: &LogicalAddress) {
+        if let Some(sender) = self.states.get_mut(address).and_then(|state| state.sender.as_mut()) {
             sender.send_on();
         }
     }
