@@ -1,4 +1,5 @@
-import { expect, test, type BrowserContext, type Page, type Route } from '@playwright/test'
+import { expect, test, type BrowserContext, type Page } from '@playwright/test'
+import { NetworkPlug } from './network-plug.ts'
 import { api, change, connector, signedIn, signIn, type Site } from './world.ts'
 
 /** An operator at a machine, created for this run. */
@@ -61,22 +62,16 @@ async function isKept(page: Page): Promise<boolean> {
   })
 }
 
-/**
- * Cuts the network of a tablet. A browser applies its own switch to a document that is just being loaded a moment late, in
- * which a request could leave: what the page asks the connector is therefore cut as well.
- */
-async function goOffline(context: BrowserContext): Promise<void> {
-  await context.route(requests, cut)
+/** Pulls the network of a tablet, whose browser notices it, too. */
+async function goOffline(plug: NetworkPlug, context: BrowserContext): Promise<void> {
+  plug.pull()
   await context.setOffline(true)
 }
 
-async function goOnline(context: BrowserContext): Promise<void> {
-  await context.unroute(requests, cut)
+async function goOnline(plug: NetworkPlug, context: BrowserContext): Promise<void> {
+  plug.putBack()
   await context.setOffline(false)
 }
-
-const requests = '**/api/**'
-const cut = (route: Route): Promise<void> => route.abort('internetdisconnected')
 
 test('an operator works on without a network, and everything arrives once', async ({ browser }) => {
   test.setTimeout(180_000)
@@ -95,7 +90,8 @@ test('an operator works on without a network, and everything arrives once', asyn
     viewport: { width: 1180, height: 820 },
   })
   const page = await context.newPage()
-  await signIn(page, operator)
+  const plug = await NetworkPlug.to(connector.url)
+  await signIn(page, { ...operator, url: plug.url })
   const card = page.locator(`[data-operation="${operation.operationId}"]`)
   const waiting = page.locator('[data-waiting]')
   await expect(card).toBeVisible()
@@ -105,7 +101,7 @@ test('an operator works on without a network, and everything arrives once', asyn
   const one = card.getByRole('button', { name: 'One more good piece' })
 
   await test.step('what is entered without a network is counted on the page and shown as waiting', async () => {
-    await goOffline(context)
+    await goOffline(plug, context)
     await card.getByRole('button', { name: isRunning ? 'Done' : /^(Start|Go on)$/ }).click()
     for (let piece = 0; piece < 3; piece += 1) await one.click()
     await expect(waiting).toHaveAttribute('data-waiting', '4')
@@ -122,13 +118,14 @@ test('an operator works on without a network, and everything arrives once', asyn
     await one.click()
     await expect(waiting).toContainText('5 entries are kept on this device.')
     await expect(good).toHaveText(counted(4))
+    expect(await entries(engineer, operation), 'nothing has left the tablet').toEqual([])
   })
 
   await test.step('back on the network each arrives once, with the time at which it was entered', async () => {
     // The browser's clock may be some milliseconds ahead of this one.
     await page.waitForTimeout(250)
     const back = new Date().toISOString()
-    await goOnline(context)
+    await goOnline(plug, context)
     await expect(waiting).toHaveAttribute('data-waiting', '0', { timeout: 30_000 })
     await expect(waiting).toContainText('Everything you entered has arrived.')
     await expect(good).toHaveText(counted(4))
@@ -166,7 +163,7 @@ test('an operator works on without a network, and everything arrives once', asyn
 
   await test.step('who has to sign in again meanwhile loses nothing either', async () => {
     await context.unroute('**/api/v1/operator/entries')
-    await goOffline(context)
+    await goOffline(plug, context)
     await one.click()
     await one.click()
     await expect(waiting).toHaveAttribute('data-waiting', '2')
@@ -175,7 +172,7 @@ test('an operator works on without a network, and everything arrives once', asyn
       role: 'OPERATOR',
       password,
     })
-    await goOnline(context)
+    await goOnline(plug, context)
     await expect(page.getByRole('button', { name: 'Sign in' })).toBeVisible({ timeout: 30_000 })
     expect(await entries(engineer, operation), 'the old session delivers nothing').toHaveLength(6)
     await page.getByLabel('User name').fill(operator.userName)
@@ -192,5 +189,6 @@ test('an operator works on without a network, and everything arrives once', asyn
     'who was removed is signed out',
   ).toBeVisible({ timeout: 30_000 })
   await context.close()
+  await plug.close()
   await engineer.context().close()
 })
