@@ -18,7 +18,7 @@ pub use disclosure::{
 };
 pub use from_factory::{
     Acknowledgement, AcknowledgementResult, Decision, DecisionTarget, FactoryMessage, Fault, Gap,
-    GapCause, MappingState, ValueSource,
+    GapCause, MappingState, ReceiptRequest, ValueSource, WriterSequences,
 };
 pub use lease::{Lease, LeaseParty, LeaseRequest, LeaseResult};
 pub use ledger::{LedgerCheckpoint, LedgerCheckpointResult, LedgerCosignature, ledger_log_origin};

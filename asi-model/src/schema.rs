@@ -14,7 +14,7 @@ use crate::{
     messages::{
         Acknowledgement, AssetOffer, AssetRequest, Comment, Decision, Gap, Lease, LeaseRequest,
         LedgerCheckpoint, LedgerCosignature, OperationNetworkMessage, PastRelease, Receipt,
-        SignedRevocation, Withdraw,
+        ReceiptRequest, SignedRevocation, Withdraw,
     },
     network::OperationNetwork,
 };
@@ -39,6 +39,7 @@ pub fn all() -> Vec<(&'static str, Value)> {
         ("revocation.schema.json", message::<SignedRevocation>("revocation")),
         ("ledger-checkpoint.schema.json", message::<LedgerCheckpoint>("ledger-checkpoint")),
         ("past-release.schema.json", message::<PastRelease>("past-release")),
+        ("receipt-request.schema.json", message::<ReceiptRequest>("receipt-request")),
         ("network.schema.json", document::<OperationNetwork>("network")),
         ("ua-data.schema.json", pubsub::data()),
         ("ua-metadata.schema.json", pubsub::meta_data()),

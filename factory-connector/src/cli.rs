@@ -19,7 +19,7 @@ use daemon::{
     Confidential, configuration, data_directory,
     lifecycle::Lifecycle,
     telemetry,
-    web::session::{PasswordHash, PasswordPolicy},
+    web::session::{PasswordHashing, PasswordPolicy},
 };
 use factory_connector::{
     clock::now,
@@ -215,7 +215,7 @@ async fn manage_users(command: UsersCommand, config: &ConnectorConfig) -> anyhow
         UsersCommand::Set { user, role } => {
             let password = from_input().context("reading the password")?;
             let password = Confidential::from(password.trim_end_matches(['\r', '\n']).to_owned());
-            let hash = PasswordHash::of(&password, PasswordPolicy::default())?;
+            let hash = PasswordHashing::default().hash(password, PasswordPolicy::default()).await?;
             let user = User { user_name: user, role, password_hash: hash.as_str().to_owned() };
             session.users().put(&user, now()).await?;
             session.second_factors().remove(&user.user_name).await?;

@@ -284,6 +284,17 @@ mod tests {
     }
 
     #[test]
+    fn cookies_are_for_tls_where_browsers_come_by_it() {
+        let web = WebConfig::default();
+        assert!(!web.is_secure());
+        let proxied = WebConfig { public_url: Some("https://plant.example".into()), ..web.clone() };
+        assert!(proxied.is_secure(), "a proxy speaks TLS");
+        let files = TlsFiles { certificate: "cert.pem".into(), key: "key.pem".into() };
+        let served = WebConfig { tls: Some(files), ..web };
+        assert!(served.is_secure() && served.public_url(served.listen).starts_with("https://"));
+    }
+
+    #[test]
     fn an_open_page_without_tls_is_a_fault() {
         let mut config = ConnectorConfig::default();
         assert!(config.faults().is_empty());

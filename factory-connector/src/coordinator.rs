@@ -17,6 +17,7 @@ mod maintenance;
 mod outcomes;
 mod outputs;
 mod publish_effects;
+mod receipt_requests;
 mod unit_of_work;
 mod witnessing;
 

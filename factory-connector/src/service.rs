@@ -21,7 +21,7 @@ use daemon::{
     web::{
         health::Readiness,
         server::{listen, serve},
-        session::{PasswordHash, PasswordHashing, PasswordPolicy, random_token},
+        session::{PasswordHashing, PasswordPolicy, random_token},
     },
 };
 use link::OpenedLink;
@@ -329,8 +329,8 @@ async fn ensure_first_user(
         Some(password) => (password.clone(), false),
         None => (Confidential::from(random_token()), true),
     };
-    let hash = PasswordHash::of(&password, PasswordPolicy::default())
-        .context("admin.password is refused")?;
+    let hash = PasswordHashing::default().hash(password.clone(), PasswordPolicy::default()).await;
+    let hash = hash.context("admin.password is refused")?;
     let user = User {
         user_name: config.admin.user_name.clone(),
         role: Role::Engineer,

@@ -6,6 +6,7 @@
 //! is lost. Reading goes through repositories that borrow a [`StoreSession`], a connection of its
 //! own, and never waits for a transaction.
 
+mod announced_gaps;
 mod carried_fields;
 mod comments;
 mod commit;
@@ -50,16 +51,17 @@ mod users;
 mod write_connection;
 mod writers;
 
+pub use announced_gaps::AnnouncedGaps;
 pub use comments::{Comments, StoredComment};
 pub use connector_state::writes::SourceRow;
 use connector_state::{
     Snapshot, StoredBudgets, StoredLedger, StoredMappings, StoredNetwork, StoredPolicies, Writes,
     writes::{
-        AnchorRow, CarriedFieldRow, CheckpointRow, CommentRow, ConsentRow, ControlRow,
-        DeadLetterRow, DocumentRow, FieldRow, FieldValueRow, FormerDisclosureRow, NetworkRow,
-        NewReport, PastDecisionRow, PolicyWrites, PreviewRow, RecipientPolicyRow, RemovedEntries,
-        ReportMove, RevocationRow, RuleDecisionRow, ShadowRow, TemplateRow, VersionRow, WaitingRow,
-        WriterRow,
+        AnchorRow, AnnouncedGapRow, CarriedFieldRow, CheckpointRow, CommentRow, ConsentRow,
+        ControlRow, DeadLetterRow, DocumentRow, FieldRow, FieldValueRow, FormerDisclosureRow,
+        GapWrites, NetworkRow, NewReport, PastDecisionRow, PolicyWrites, PreviewRow,
+        RecipientPolicyRow, RemovedEntries, ReportMove, RevocationRow, RuleDecisionRow, ShadowRow,
+        TemplateRow, VersionRow, WaitingRow, WriterRow,
     },
 };
 pub use control_messages::ControlMessage;

@@ -13,7 +13,7 @@ use asi_model::messages::WriterReceipt;
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct SequenceSet {
     through: Option<u32>,
-    /// First and last of each missing range; ordered, apart, and below `through`.
+    /// First and last of each missing range; ordered, apart, and not above `through`.
     missing: Vec<(u32, u32)>,
     /// Highest number of the coarse range that there was; absent where all ranges are exact.
     coarse_through: Option<u32>,
@@ -137,6 +137,17 @@ impl SequenceSet {
         }
         self.merge_oldest();
         new
+    }
+
+    /// Notes that the numbers up to this one were given: those that did not arrive are missing.
+    pub fn expect_through(&mut self, number: u32) {
+        let next = self.through.map_or(0, |through| u64::from(through) + 1);
+        if u64::from(number) < next {
+            return;
+        }
+        self.missing.push((u32::try_from(next).unwrap_or(u32::MAX), number));
+        self.through = Some(number);
+        self.merge_oldest();
     }
 
     /// Merges old ranges with what lies between them, down to the bound. What is coarse grows upwards: so
@@ -276,6 +287,21 @@ mod tests {
         );
         assert_eq!(set.missing().len(), RANGES_MAX - 1);
         assert!(!set.is_uncertain(1));
+    }
+
+    #[test]
+    fn numbers_that_were_given_and_did_not_arrive_are_missing() {
+        let mut set = of(&[0, 1]);
+        set.expect_through(1);
+        assert_eq!((set.through(), set.missing_count()), (Some(1), 0), "nothing new");
+        set.expect_through(4);
+        let receipt = set.receipt(1, 2).expect("not empty");
+        assert_eq!((receipt.through_sequence, receipt.missing_list), (4, vec![2, 3, 4]));
+        assert!(set.add(4) && !set.contains(3) && set.add(5));
+        assert_eq!((set.through(), set.missing()), (Some(5), &[(2, 3)][..]));
+        let mut set = SequenceSet::new();
+        set.expect_through(u32::MAX);
+        assert_eq!((set.missing_count(), set.add_range(0, u32::MAX)), (1 << 32, 1 << 32));
     }
 
     proptest! {

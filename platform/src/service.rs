@@ -342,3 +342,19 @@ async fn watch_link(mut states: watch::Receiver<LinkState>, application: Applica
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cookie_is_for_tls_where_browsers_come_by_it() {
+        let config = PlatformConfig::default();
+        for (url, name) in [
+            ("https://verbund.example", "__Host-verbund_platform_8080"),
+            ("http://localhost:8080", "verbund_platform_8080"),
+        ] {
+            assert_eq!(session_config(&config, url, 8080).cookie_name(), name);
+        }
+    }
+}

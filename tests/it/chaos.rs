@@ -24,7 +24,6 @@ async fn nothing_is_lost_or_doubled_whatever_is_killed() {
         kills: 30,
         at_least_kills: 1,
         may_lack_faults: may_lack_faults(),
-        has_outages: true,
     };
     chaos::run(SEED, length, BrokerKind::Embedded, false).await.unwrap();
 }
@@ -49,9 +48,6 @@ async fn nothing_is_lost_beside(broker: BrokerKind) {
         kills: 20,
         at_least_kills: 1,
         may_lack_faults: may_lack_faults(),
-        // In one of six runs with an outage beside Mosquitto, a receipt of reports whose consent had ended was lost:
-        // these are not sent again, and stay sent. `make chaos BROKER=mosquitto` plays outages.
-        has_outages: broker != BrokerKind::Mosquitto,
     };
     chaos::run(SEED, length, broker, false).await.unwrap();
 }

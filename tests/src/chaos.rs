@@ -54,8 +54,6 @@ pub struct Length {
     pub at_least_kills: u32,
     /// Faults that this machine cannot cause are left out, instead of failing the run.
     pub may_lack_faults: bool,
-    /// True where the line is away for longer than peers wait for each other.
-    pub has_outages: bool,
 }
 
 /// Time for everything to work again after a round. A peer that is gone without a word is
@@ -122,7 +120,7 @@ async fn play(
     stage.strike(Fault::KillAll).await?;
     let comments = CommentTraffic::begin(&stage.world.places, &stage.comments_hurry.subscribe())?;
     let controls = ControlTraffic::begin(&stage.world.places)?;
-    let mut plan = Plan::new(seed, length.has_outages);
+    let mut plan = Plan::new(seed);
     let start = Instant::now();
     let mut number = 0;
     while start.elapsed() < length.span && stage.kills < length.kills {
@@ -160,7 +158,7 @@ async fn play(
         stage.kills,
         length.at_least_kills
     );
-    let missed = stage.missed(length.has_outages);
+    let missed = stage.missed();
     anyhow::ensure!(missed.is_empty(), "the run had no {}", missed.join(" and no "));
     Ok(())
 }
@@ -264,14 +262,12 @@ async fn nothing_waits(stage: &Stage, factory: &str, connector: &Api) -> anyhow:
     let mut quiet_since = Instant::now();
     while quiet_since.elapsed() < QUIET {
         let backlog: Value = connector.get("/api/v1/spool").await?;
-        // What was taken back on its way is not sent again, so that a broker may have lost it for good.
-        let open = match stage.set_back.is_empty() {
-            true => 0,
-            false => stores::revoked_on_the_way(folder, factory).await?,
-        };
-        if backlog["waiting"] != 0 || backlog["sent"].as_i64() > Some(open) {
+        let gaps = stores::unsettled_gaps(folder, factory).await?;
+        if backlog["waiting"] != 0 || backlog["sent"] != 0 || gaps != 0 {
             if deadline.has_passed() {
-                let fault = format!("not everything was receipted within {RECOVERY:?}: {backlog}");
+                let fault = format!(
+                    "not everything was receipted within {RECOVERY:?}: {backlog}, {gaps} gaps"
+                );
                 return Err(breach(&[fault]));
             }
             quiet_since = Instant::now();
@@ -300,14 +296,14 @@ async fn judge(stage: &Stage, said: &[Comment], taken: Option<Taken>) -> anyhow:
     if letters > 0 {
         findings.faults.push(format!("{letters} messages could not be used"));
     }
-    let Findings { left, arrived, given_up, unknown, replayed, faults } = findings;
+    let Findings { left, arrived, given_up, replayed, faults } = findings;
     if !faults.is_empty() {
         return Err(breach(&faults));
     }
     anyhow::ensure!(left > 0 && !said.is_empty(), "nothing left at all");
     let controls = taken.map_or(Ok(String::new()), Taken::said)?;
     Ok(format!(
-        "{left} reports left, {arrived} arrived ({replayed} of them replayed), {given_up} were given up, {unknown} revoked on their way and lost with a broker's store, {repeats} repeats discarded, \
+        "{left} reports left, {arrived} arrived ({replayed} of them replayed), {given_up} were given up, {repeats} repeats discarded, \
          {} set back by a lost broker store; {} comments taken, {} of them on their way to a broker that lost its store{controls}",
         stage.set_back.len(),
         said.len(),

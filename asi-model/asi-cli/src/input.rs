@@ -66,7 +66,7 @@ impl InputKind {
         match root.get("messageType").and_then(|node| node.text()).as_deref() {
             Some(
                 "acknowledgement" | "decision" | "gap" | "asset-offer" | "lease-request"
-                | "revocation" | "ledger-checkpoint" | "past-release",
+                | "revocation" | "ledger-checkpoint" | "past-release" | "receipt-request",
             ) => Self::FromFactory,
             Some(_) => Self::ToFactory,
             None if root.get("operationNetworkId").is_some() => Self::Network,

@@ -43,6 +43,8 @@ pub enum FactoryMessage {
     LedgerCheckpoint(LedgerCheckpoint),
     /// Reports of the past are shown to one more recipient.
     PastRelease(PastRelease),
+    /// The connector asks which of its reports the platform holds.
+    ReceiptRequest(ReceiptRequest),
 }
 
 impl FactoryMessage {
@@ -59,6 +61,7 @@ impl FactoryMessage {
             Self::Revocation(_) => "revocation",
             Self::LedgerCheckpoint(_) => "ledger-checkpoint",
             Self::PastRelease(_) => "past-release",
+            Self::ReceiptRequest(_) => "receipt-request",
         }
     }
 
@@ -75,6 +78,7 @@ impl FactoryMessage {
             Self::Revocation(m) => &m.message_id,
             Self::LedgerCheckpoint(m) => &m.message_id,
             Self::PastRelease(m) => &m.message_id,
+            Self::ReceiptRequest(m) => &m.message_id,
         }
     }
 
@@ -91,6 +95,7 @@ impl FactoryMessage {
             Self::Revocation(m) => &m.factory_id,
             Self::LedgerCheckpoint(m) => &m.factory_id,
             Self::PastRelease(m) => &m.factory_id,
+            Self::ReceiptRequest(m) => &m.factory_id,
         }
     }
 }
@@ -246,4 +251,33 @@ pub enum GapCause {
     Withdrawn,
     /// The engineer revoked the consent.
     Revoked,
+}
+
+/// Question which of these writers' reports the platform holds, answered with a receipt.
+///
+/// A report that was sent and whose consent ended since is not sent again, and neither is a gap that was
+/// announced: where a broker loses the receipt, or the announcement, nothing else would prompt the
+/// platform.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+#[serde(rename_all = "camelCase")]
+pub struct ReceiptRequest {
+    /// Unique per message.
+    pub message_id: MessageId,
+    pub factory_id: FactoryId,
+    /// The writers, at most 500.
+    pub writer_list: Vec<WriterSequences>,
+}
+
+/// Sequence numbers that a writer has given in an epoch. Those of them that the platform neither holds
+/// nor has been announced as a gap are missing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+#[serde(rename_all = "camelCase")]
+pub struct WriterSequences {
+    pub data_set_writer_id: u16,
+    /// Its epoch (MajorVersion).
+    pub epoch: u32,
+    /// The last number that is asked about; the first is zero.
+    pub through_sequence: u32,
 }

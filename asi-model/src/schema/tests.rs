@@ -82,7 +82,7 @@ fn check_readable(name: &str, message_type: &str, bytes: &[u8], instance: &Value
             assert_eq!(serde_json::from_slice::<PlatformMessage>(&again).expect(name), message);
         }
         "acknowledgement" | "decision" | "gap" | "asset-offer" | "lease-request" | "revocation"
-        | "ledger-checkpoint" | "past-release" => {
+        | "ledger-checkpoint" | "past-release" | "receipt-request" => {
             let message = validation::parse_factory_message(bytes).expect(name);
             let again = serde_json::to_vec(&message).expect("writable");
             assert_eq!(validation::parse_factory_message(&again).as_ref(), Ok(&message));

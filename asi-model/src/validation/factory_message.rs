@@ -3,7 +3,7 @@
 use super::{
     LIST_MAX,
     disclosure::disclosure,
-    lists::recipients,
+    lists::{not_empty, recipients},
     message_members::{
         ASSET_KINDS, comment, epoch, factory_id, kinds, message_type, number, revision, writer_id,
     },
@@ -15,7 +15,7 @@ use crate::{
     messages::{
         Acknowledgement, AcknowledgementResult, AssetKind, AssetOffer, Decision, DecisionTarget,
         FactoryMessage, Fault, Gap, GapCause, LeaseRequest, LedgerCheckpoint, MappingState,
-        SignedRevocation,
+        ReceiptRequest, SignedRevocation, WriterSequences,
     },
 };
 
@@ -26,7 +26,7 @@ pub(super) fn factory_message(
     if !reader.is_object(root, "A message") {
         return None;
     }
-    const TYPES: [&str; 9] = [
+    const TYPES: [&str; 10] = [
         "acknowledgement",
         "decision",
         "gap",
@@ -36,6 +36,7 @@ pub(super) fn factory_message(
         "revocation",
         "ledger-checkpoint",
         "past-release",
+        "receipt-request",
     ];
     Some(match message_type(reader, root, &TYPES)? {
         "acknowledgement" => FactoryMessage::Acknowledgement(acknowledgement(reader, root)),
@@ -46,6 +47,7 @@ pub(super) fn factory_message(
         "revocation" => FactoryMessage::Revocation(revocation(reader, root)),
         "ledger-checkpoint" => FactoryMessage::LedgerCheckpoint(ledger_checkpoint(reader, root)),
         "past-release" => FactoryMessage::PastRelease(past_release(reader, root)?),
+        "receipt-request" => FactoryMessage::ReceiptRequest(receipt_request(reader, root)),
         _ => FactoryMessage::AssetOffer(AssetOffer {
             message_id: reader.required_id(root, "messageId"),
             factory_id: factory_id(reader, root, None),
@@ -143,6 +145,30 @@ fn gap(reader: &mut Reader, root: JsonNode<'_, '_>) -> Gap {
             .required(root, "cause", |reader, node| reader.choice(node, &CAUSES))
             .unwrap_or(GapCause::Coalesced),
     }
+}
+
+fn receipt_request(reader: &mut Reader, root: JsonNode<'_, '_>) -> ReceiptRequest {
+    let request = ReceiptRequest {
+        message_id: reader.required_id(root, "messageId"),
+        factory_id: factory_id(reader, root, None),
+        writer_list: reader.list(root, "writerList", LIST_MAX, writer_sequences),
+    };
+    not_empty(reader, root, "writerList");
+    request
+}
+
+fn writer_sequences(reader: &mut Reader, node: JsonNode<'_, '_>) -> Option<WriterSequences> {
+    if !reader.is_object(node, "A writer") {
+        return None;
+    }
+    let data_set_writer_id = writer_id(reader, node);
+    let epoch = number(reader, node, "epoch");
+    let through_sequence = number(reader, node, "throughSequence");
+    Some(WriterSequences {
+        data_set_writer_id: data_set_writer_id?,
+        epoch: epoch?,
+        through_sequence: through_sequence?,
+    })
 }
 
 fn revocation(reader: &mut Reader, root: JsonNode<'_, '_>) -> SignedRevocation {

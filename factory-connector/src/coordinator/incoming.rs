@@ -10,7 +10,7 @@ use asi_model::{
 };
 use connector_state::use_cases::{
     comments::receive_comment,
-    deliver::record_receipt,
+    deliver::{ReceiptedRows, record_receipt},
     receive::{self, ReceivedMessage},
     revise,
 };
@@ -139,7 +139,9 @@ async fn record(work: &mut UnitOfWork, receipt: Receipt, now: DateTime) -> Resul
             effect
                 .reopen_receipted(&receipted.iter().map(|waiting| waiting.row).collect::<Vec<_>>());
         }
-        let changes = record_receipt(&mut work.state, &effect, &rows, now);
+        let gaps = work.store.read().announced_gaps().of_writer(id, writer.epoch).await?;
+        let rows = ReceiptedRows { reports: &rows, gaps: &gaps };
+        let changes = record_receipt(&mut work.state, &writer, &effect, rows, now);
         work.pending.merge(changes);
     }
     Ok(())

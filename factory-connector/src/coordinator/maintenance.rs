@@ -16,7 +16,7 @@ use connector_state::{
 use messaging::spool::{ReportRow, RowId, coalesce, expire, overdue};
 use tokio::time::Instant;
 
-use super::unit_of_work::UnitOfWork;
+use super::{receipt_requests::ReceiptRequests, unit_of_work::UnitOfWork};
 use crate::{clock::now, config::RetentionLimits, store::StoreError};
 
 /// Pause between rounds, and so the inaccuracy of keep-alives and checkpoints.
@@ -40,6 +40,7 @@ pub(super) struct MaintenanceSchedule {
     next_log_checkpoint: Instant,
     /// Number of the last report whose values were examined by retention.
     emptied_through: i64,
+    receipt_requests: ReceiptRequests,
 }
 
 impl Default for MaintenanceSchedule {
@@ -51,6 +52,7 @@ impl Default for MaintenanceSchedule {
             next_retention: now + INTERVAL,
             next_log_checkpoint: now + LOG_CHECKPOINT_INTERVAL,
             emptied_through: 0,
+            receipt_requests: ReceiptRequests::default(),
         }
     }
 }
@@ -89,7 +91,11 @@ pub(super) async fn run_maintenance(
     }
     if instant >= schedule.next_spool {
         schedule.next_spool = instant + SPOOL_INTERVAL;
-        limit_spool(work, now).await?;
+        let waiting = work.store.read().reports().oldest(ROWS_MAX).await?;
+        limit_spool(work, &waiting, now).await?;
+        if is_link_up(work) {
+            schedule.receipt_requests.ask(work, &waiting, now).await?;
+        }
     }
     if instant >= schedule.next_retention {
         schedule.next_retention = instant + RETENTION_INTERVAL;
@@ -156,8 +162,11 @@ async fn retain(
 }
 
 /// Drops reports that are too old or too many, and sends those again that were not receipted.
-async fn limit_spool(work: &mut UnitOfWork, now: DateTime) -> Result<(), StoreError> {
-    let waiting = work.store.read().reports().oldest(ROWS_MAX).await?;
+async fn limit_spool(
+    work: &mut UnitOfWork,
+    waiting: &[WaitingRow],
+    now: DateTime,
+) -> Result<(), StoreError> {
     if waiting.is_empty() {
         return Ok(());
     }
@@ -169,15 +178,15 @@ async fn limit_spool(work: &mut UnitOfWork, now: DateTime) -> Result<(), StoreEr
         row.created_at += time_step_of(&work.state, row.data_set_writer_id);
     }
     let expired = expire(&aged, age_max, now.into());
-    drop_chosen(work, &chosen(&waiting, &expired.rows), GapCause::Expired, now);
+    drop_chosen(work, &chosen(waiting, &expired.rows), GapCause::Expired, now);
     let bytes = work.store.read().reports().spooled_bytes().await?;
     let excess = bytes.checked_sub(work.config.spool.bytes_max);
     if let Some(excess) = excess.filter(|excess| *excess > 0) {
         let newest: HashSet<RowId> = work.store.read().reports().newest_of_writers().await?;
         let removal = coalesce(&rows, &newest, excess);
-        drop_chosen(work, &chosen(&waiting, &removal.rows), GapCause::Coalesced, now);
+        drop_chosen(work, &chosen(waiting, &removal.rows), GapCause::Coalesced, now);
     }
-    resend_overdue(work, &waiting, &rows, now);
+    resend_overdue(work, waiting, &rows, now);
     Ok(())
 }
 
@@ -205,6 +214,10 @@ fn resend_overdue(
     if !late.is_empty() {
         work.pending.merge(resend_reports(late));
     }
+}
+
+fn is_link_up(work: &UnitOfWork) -> bool {
+    work.outputs.link.as_ref().is_some_and(|link| link.state().borrow().is_up())
 }
 
 fn chosen(waiting: &[WaitingRow], ids: &[RowId]) -> Vec<WaitingRow> {

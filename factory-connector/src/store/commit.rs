@@ -3,11 +3,11 @@
 use rusqlite::Connection;
 
 use super::{
-    DocumentKind, PolicyWrites, Writes, carried_fields, comments, consents, control_messages,
-    dead_letters, fields, former_disclosures, identity, ledger, mapping_templates,
-    mapping_versions, networks, operator_entries, past_decisions, policy_documents, previews,
-    received_messages, recipient_policies, reports, revocations, rule_decisions, shadow_mappings,
-    sources, writers,
+    DocumentKind, PolicyWrites, Writes, announced_gaps, carried_fields, comments, consents,
+    control_messages, dead_letters, fields, former_disclosures, identity, ledger,
+    mapping_templates, mapping_versions, networks, operator_entries, past_decisions,
+    policy_documents, previews, received_messages, recipient_policies, reports, revocations,
+    rule_decisions, shadow_mappings, sources, writers,
 };
 
 /// Writes the rows of every noun.
@@ -57,6 +57,7 @@ fn write_spool(connection: &Connection, writes: &Writes) -> rusqlite::Result<()>
     reports::write(connection, &writes.reports.queued)?;
     reports::apply_moves(connection, &writes.reports.moves)?;
     reports::empty_values(connection, &writes.reports.emptied)?;
+    announced_gaps::write(connection, &writes.reports.gaps)?;
     control_messages::write(connection, &writes.controls.queued)?;
     control_messages::remove(connection, &writes.controls.done)?;
     control_messages::park(connection, &writes.controls.parked)?;

@@ -28,6 +28,7 @@ const MIGRATIONS: &[(i64, &str, &str)] = &[
     (60, "second factors", include_str!("../../migrations/0060_second_factors.sql")),
     (61, "sealed second factors", include_str!("../../migrations/0061_sealed_second_factors.sql")),
     (62, "passkeys", include_str!("../../migrations/0062_passkeys.sql")),
+    (63, "announced gaps", include_str!("../../migrations/0063_announced_gaps.sql")),
 ];
 
 /// Brings the tables up to date.

@@ -1,6 +1,6 @@
 //! Enumerations that columns store by name.
 
-use asi_model::messages::{MappingState, ValueSource};
+use asi_model::messages::{GapCause, MappingState, ValueSource};
 
 /// Enumeration with a name for each variant, as tables store it.
 ///
@@ -25,6 +25,19 @@ impl Named for MappingState {
             Self::Pending => "PENDING",
             Self::Mapped => "MAPPED",
             Self::Refused => "REFUSED",
+        }
+    }
+}
+
+impl Named for GapCause {
+    const ALL: &'static [Self] = &[Self::Coalesced, Self::Expired, Self::Withdrawn, Self::Revoked];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Coalesced => "COALESCED",
+            Self::Expired => "EXPIRED",
+            Self::Withdrawn => "WITHDRAWN",
+            Self::Revoked => "REVOKED",
         }
     }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use sqlx::{Sqlite, SqliteConnection, SqlitePool, pool::PoolConnection};
 
 use super::{
+    announced_gaps::AnnouncedGaps,
     comments::Comments,
     dead_letters::DeadLetters,
     enrolments::Enrolments,
@@ -182,6 +183,11 @@ impl StoreSession {
     /// Passkeys of people.
     pub fn passkeys(&mut self) -> Passkeys<'_> {
         Passkeys(self.connection())
+    }
+
+    /// Gaps that were announced and that no receipt covered so far.
+    pub fn announced_gaps(&mut self) -> AnnouncedGaps<'_> {
+        AnnouncedGaps(self.connection())
     }
 
     /// Decisions whether recipients see the past.

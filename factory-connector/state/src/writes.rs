@@ -1,6 +1,7 @@
 //! Write set: everything that one transaction stores.
 
 mod fields;
+mod gaps;
 mod ledger;
 mod mappings;
 mod merge;
@@ -13,6 +14,7 @@ mod sources;
 pub use fields::{
     ConsentRow, FieldRow, FieldValueRow, FieldWrites, FormerDisclosureRow, PreviewRow,
 };
+pub use gaps::{AnnouncedGapRow, GapWrites};
 pub use ledger::{AnchorRow, CheckpointRow, LedgerWrites, RemovedEntries, RevocationRow};
 pub use mappings::{MappingWrites, ShadowRow, TemplateRow, VersionRow};
 pub use messages::{CommentRow, DeadLetterRow, MessageWrites, NetworkRow};

@@ -22,7 +22,8 @@ pub fn gaps_of(rows: &[ReportRow]) -> Vec<SequenceGap> {
 }
 
 /// Joins sequence numbers, each with its writer and epoch, given in any order.
-pub(crate) fn join(mut sequences: Vec<(u16, u32, u32)>) -> Vec<SequenceGap> {
+#[must_use]
+pub fn join(mut sequences: Vec<(u16, u32, u32)>) -> Vec<SequenceGap> {
     sequences.sort_unstable();
     sequences.dedup();
     let mut gaps: Vec<SequenceGap> = Vec::new();

@@ -24,7 +24,7 @@ mod removal;
 mod row;
 
 pub use backlog::Backlog;
-pub use gap::{SequenceGap, gaps_of};
+pub use gap::{SequenceGap, gaps_of, join};
 pub use lanes::{LaneScheduler, NextLane, ReplayShare};
 pub use outcome::{RowOutcome, SendOutcome};
 pub use receipts::{OverduePolicy, ReceiptEffect, apply_receipt, overdue};

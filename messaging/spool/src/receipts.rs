@@ -105,7 +105,9 @@ impl Default for OverduePolicy {
 }
 
 impl OverduePolicy {
-    fn timeout_after(&self, sent_count: u32) -> Duration {
+    /// Returns the wait after so many sendings.
+    #[must_use]
+    pub fn timeout_after(&self, sent_count: u32) -> Duration {
         let doublings = sent_count.saturating_sub(1).min(16);
         self.receipt_timeout.saturating_mul(1 << doublings).min(self.receipt_timeout_max)
     }

@@ -152,6 +152,10 @@ impl From<ChangeError> for Problem {
                 "This needs the role of a planner in the organisation that asks or drew it, or an administrator.",
             ),
             ChangeError::Taken => taken("network"),
+            ChangeError::Reserved => Self::conflict(
+                "ID_RESERVED",
+                "Ids that end in @ and an organisation are for that organisation. Choose another.",
+            ),
             ChangeError::OtherCollaboration => Self::conflict(
                 "OTHER_COLLABORATION",
                 "A network with this id belongs to another collaboration.",

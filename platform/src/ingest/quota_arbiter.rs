@@ -159,6 +159,10 @@ fn writers_of(content: &Content) -> BTreeSet<(u16, u32)> {
         }
         Content::Factory(message) => match &**message {
             FactoryMessage::Gap(gap) => BTreeSet::from([(gap.data_set_writer_id, gap.epoch)]),
+            FactoryMessage::ReceiptRequest(request) => {
+                let asked = request.writer_list.iter();
+                asked.map(|writer| (writer.data_set_writer_id, writer.epoch)).collect()
+            }
             _ => BTreeSet::new(),
         },
         _ => BTreeSet::new(),

@@ -59,6 +59,9 @@ pub async fn put(
     let id = &change.network.operation_network_id;
     let before = work.networks().lookup(&Scope::Platform, id).await?;
     let shown = work.networks().lookup(&author.scope, id).await?;
+    if shown.is_none() && is_reserved_for_another(id, author) {
+        return Err(ChangeError::Reserved);
+    }
     if before.is_some() && shown.is_none() {
         return Err(ChangeError::Taken);
     }
@@ -79,6 +82,15 @@ pub async fn put(
         }
         (before, _) => draw(work, change.network, before, &collaboration, &terms).await,
     }
+}
+
+/// Returns true for an id that ends in `@` and an organisation which is not the author's: such ids are for
+/// that organisation alone, so that nobody takes them in advance or learns by trying which are in use.
+/// Whether there is such a network or organisation makes no difference.
+fn is_reserved_for_another(id: &OperationNetworkId, author: &Author) -> bool {
+    let owner = id.as_str().rsplit_once('@').and_then(|(_, owner)| owner.parse().ok());
+    let owner: Option<OrganisationId> = owner;
+    !author.is_administrator && owner.is_some() && owner != author.organisation_id
 }
 
 /// Draws a network where there is none in force. A withdrawn one stays with its owner.

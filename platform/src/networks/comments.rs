@@ -80,9 +80,18 @@ pub async fn add_comment(
         operation_network_id: id.clone(),
         dynamic_data_request_id: comment.dynamic_data_request_id.clone(),
         field_name: comment.field_name.clone(),
-        author_id: comment.author_id.clone(),
+        author_id: with_organisation(&comment.author_id, author),
         text: comment.text.clone(),
     });
     work.outgoing().add(&outgoing(&comment.factory_id, &message, author.now)).await?;
     Ok(event)
+}
+
+/// Returns a person's name with the organisation, which the platform vouches for: a plant knows the people of
+/// no other company.
+fn with_organisation(user: &str, author: &Author) -> String {
+    match &author.organisation_id {
+        Some(organisation) => format!("{user}@{organisation}"),
+        None => user.to_owned(),
+    }
 }

@@ -39,6 +39,9 @@ pub enum ChangeError {
     /// The id belongs to a network that the author does not see.
     #[error("the id is taken")]
     Taken,
+    /// The id is for another organisation.
+    #[error("the id is for another organisation")]
+    Reserved,
     /// The network belongs to another collaboration.
     #[error("the network belongs to another collaboration")]
     OtherCollaboration,

@@ -26,7 +26,7 @@ pub struct NewComment {
     pub dynamic_data_request_id: Option<DynamicDataRequestId>,
     /// The field that the comment is about.
     pub field_name: Option<FieldName>,
-    /// User name of the author, as the sending side states it.
+    /// User name of the author; where a factory states it, with the factory: `engineer@FOR_MUC`.
     pub author_id: String,
     /// True if it came from the factory's connector.
     pub is_from_factory: bool,
@@ -47,7 +47,7 @@ pub struct CommentEntry {
     pub dynamic_data_request_id: Option<DynamicDataRequestId>,
     /// The field that the comment is about.
     pub field_name: Option<FieldName>,
-    /// User name of the author, as the sending side states it.
+    /// User name of the author; where a factory states it, with the factory: `engineer@FOR_MUC`.
     pub author_id: String,
     /// True if it came from the factory's connector.
     pub is_from_factory: bool,

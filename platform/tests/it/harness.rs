@@ -53,6 +53,11 @@ impl World {
         Self::start_with(true, "public_url = \"http://localhost:8080\"\n", "").await
     }
 
+    /// Starts as behind a proxy that speaks TLS.
+    pub async fn start_behind_tls() -> Self {
+        Self::start_with(true, "public_url = \"https://verbund.example\"\n", "").await
+    }
+
     /// Starts with a broker in a process of its own, as the platform has it by default.
     pub async fn start_with_broker_process() -> Self {
         Self::start_with(false, "", "").await

@@ -223,7 +223,7 @@ async fn comments_go_both_ways() {
     let heard = munich.receive("comment", |_| true).await;
     assert_eq!(
         (&heard["text"], &heard["authorId"]),
-        (&json!("When do you start?"), &json!("acme-aero-planner"))
+        (&json!("When do you start?"), &json!("acme-aero-planner@acme-aero"))
     );
     munich.send(
         "comment",

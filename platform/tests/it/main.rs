@@ -31,6 +31,7 @@ mod revoked_access;
 mod rights;
 mod rubbish;
 mod second_factor;
+mod sessions;
 mod sight;
 mod signatures;
 mod store;

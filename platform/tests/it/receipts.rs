@@ -49,6 +49,29 @@ async fn receipts_name_missing_reports_until_they_come_or_are_announced() {
     .await;
 }
 
+/// A receipt was lost, and nothing comes of the writers any more.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_connector_asks_which_reports_are_held() {
+    let world = World::start().await;
+    let (_, buyer, munich, _hamburg) = story::accepted(&world).await;
+    munich.send("ua-data", &story::report("m0", 0, 1));
+    munich.receive("receipt", |receipt| entry(receipt)["throughSequence"] == 0).await;
+    story::value_is(&buyer, "1").await;
+    let asked = |writer: u16, through: u32| json!({ "dataSetWriterId": writer, "epoch": 608_926_829, "throughSequence": through });
+    munich.send(
+        "receipt-request",
+        &json!({ "messageType": "receipt-request", "messageId": "q1", "factoryId": "FOR_MUC",
+        "writerList": [asked(1, 2), asked(7, 1)] }),
+    );
+    let receipt = munich.receive("receipt", |receipt| entry(receipt)["throughSequence"] == 2).await;
+    let said = |index: usize| {
+        let entry = &receipt["receiptList"][index];
+        (entry["dataSetWriterId"].clone(), entry["missingList"].clone())
+    };
+    assert_eq!(said(0), (json!(1), json!([1, 2])));
+    assert_eq!(said(1), (json!(7), json!([0, 1])), "nothing ever came of this one");
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn the_factory_owner_and_recipients_see_its_writers_and_nobody_else_does() {
     let world = World::start().await;

@@ -188,6 +188,47 @@ async fn a_request_id_is_never_used_by_another_member_again() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_network_of_another_collaboration_is_taken_and_no_more_is_said() {
+    let world = World::start().await;
+    let admin = chain::drawn(&world).await;
+    let before = seen(&admin).await;
+    let ships = json!({ "collaborationId": "ships", "name": "Ships", "members": ["stranger"] });
+    admin.post("/collaborations", ships).await.expect_ok();
+    let stranger = planner(&world, "stranger").await;
+    let body = json!({ "collaborationId": "ships", "operationNetwork": chain::network() });
+    let answer = stranger.put(&network_path(), body).await;
+    let problem = answer.expect_problem(409, "ALREADY_EXISTS");
+    assert_eq!(problem["detail"], "There is a network with this id already.");
+    assert_eq!(seen(&admin).await, before);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_id_of_an_organisation_is_for_it_alone_and_nobody_learns_whether_it_is_in_use() {
+    let world = World::start().await;
+    let admin = chain::drawn(&world).await;
+    let ships = json!({ "collaborationId": "ships", "name": "Ships", "members": ["stranger"] });
+    admin.post("/collaborations", ships).await.expect_ok();
+    let (buyer, stranger) = (planner(&world, "acme-aero").await, planner(&world, "stranger").await);
+    let put = async |api: &Api, collaboration: &str, id: &str| {
+        let mut network = chain::network();
+        network["operationNetworkId"] = json!(id);
+        for operation in network["operationList"].as_array_mut().expect("a list") {
+            operation["dynamicDataRequestList"] = json!([]);
+        }
+        let body = json!({ "collaborationId": collaboration, "operationNetwork": network });
+        api.put(&format!("/operation-networks/{}", id.replace('@', "%40")), body).await
+    };
+    put(&buyer, "order", "1@acme-aero").await.expect_ok();
+    let used = put(&stranger, "ships", "1@acme-aero").await.expect_problem(409, "ID_RESERVED");
+    let free = put(&stranger, "ships", "2@acme-aero").await.expect_problem(409, "ID_RESERVED");
+    let nobody = put(&stranger, "ships", "2@nobody-at-all").await;
+    let nobody = nobody.expect_problem(409, "ID_RESERVED");
+    assert_eq!((&used["detail"], &used["detail"]), (&free["detail"], &nobody["detail"]));
+    put(&buyer, "order", "2@acme-aero").await.expect_ok();
+    put(&buyer, "order", "1@acme-aero").await.expect_ok();
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn an_id_that_collides_with_something_hidden_is_refused_plainly() {
     let world = World::start().await;
     chain::drawn(&world).await;

@@ -124,6 +124,34 @@ fn part_of(view: &Value, factory: &str) -> Value {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_comment_of_a_factory_is_shown_as_the_factory_s_and_not_as_its_author_s() {
+    let world = World::start().await;
+    let admin = chain::drawn(&world).await;
+    let munich = chain::munich(&world, &admin).await;
+    let path = format!("{}/comments", network_path());
+    let buyer = planner(&world, "acme-aero").await;
+    let mine = json!({ "factoryId": "FOR_MUC", "text": "of the buyer" });
+    buyer.post(&path, mine).await.expect_ok();
+    munich.send(
+        "comment",
+        &json!({ "messageType": "comment", "messageId": "c1", "factoryId": "FOR_MUC",
+            "operationNetworkId": NETWORK, "authorId": "\u{202e}acme-aero\u{200b}-planner",
+            "text": "as if of the buyer" }),
+    );
+    let page = eventually("both", || async {
+        let page = buyer.get(&path).await.expect_ok();
+        if texts(&page).len() == 2 { Ok(page) } else { Err(page.to_string()) }
+    })
+    .await;
+    let said = |index: usize| {
+        let comment = &page["items"][index];
+        (comment["authorId"].clone(), comment["isFromFactory"].clone())
+    };
+    assert_eq!(said(0), (json!("acme-aero-planner"), json!(false)));
+    assert_eq!(said(1), (json!("acme-aero-planner@FOR_MUC"), json!(true)));
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn comments_are_for_those_who_talk() {
     let world = World::start().await;
     let admin = chain::drawn(&world).await;

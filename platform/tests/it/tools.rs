@@ -1,10 +1,11 @@
 //! Tools on the broker.
 
+use reqwest::Method;
 use serde_json::json;
 
 use crate::{
     connector::Peer,
-    harness::World,
+    harness::{World, eventually},
     story::{self, NETWORK},
 };
 
@@ -62,4 +63,29 @@ async fn a_tool_asks_over_the_broker_and_gets_the_reports_it_may_have() {
         messages.iter().map(|part| part["Payload"]["progressStatus"]["Body"].clone()).collect();
     assert_eq!(values, ["3", "7"], "{forwarded}");
     story::value_is(&buyer, "3").await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_tool_that_sends_faster_than_its_share_waits_and_a_factory_does_not() {
+    let world = World::start().await;
+    let (admin, buyer, munich, _hamburg) = story::accepted(&world).await;
+    let tool =
+        json!({ "toolId": "Scheduling", "organisationId": "acme-aero", "name": "Scheduling" });
+    admin.post("/tools", tool).await.expect_ok();
+    let credential = admin.post("/tools/Scheduling/credentials", json!({})).await.expect_ok();
+    let tool = Peer::tool(&credential, "Scheduling");
+    for number in 0..400 {
+        tool.send_bytes("data-request", None, format!("no JSON {number}").as_bytes());
+    }
+    eventually("it has used its share up", || async {
+        let answer = admin.client.call(Method::GET, "/metrics", None).await.expect("an answer");
+        let line = "verbund_share_refusals_total{share=\"messages\",who=\"Scheduling\"}";
+        if answer.text.contains(line) { Ok(()) } else { Err(answer.text) }
+    })
+    .await;
+    munich.send("ua-data", &story::report("m0", 0, 3));
+    story::value_is(&buyer, "3").await;
+    let letters = admin.get("/dead-letters?limit=500").await.expect_ok();
+    let read = letters["items"].as_array().expect("a list").len();
+    assert!(read < 400, "the rest still waits: {read} of 400 were read");
 }

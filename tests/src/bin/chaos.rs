@@ -43,8 +43,7 @@ async fn main() -> ExitCode {
     let Arguments { minutes, seed, kills, at_least_kills, broker, may_lack_faults, keep } =
         Arguments::parse();
     let span = Duration::from_secs(minutes * 60);
-    let has_outages = true;
-    let length = Length { span, kills, at_least_kills, may_lack_faults, has_outages };
+    let length = Length { span, kills, at_least_kills, may_lack_faults };
     match chaos::run(seed.unwrap_or_else(rand::random), length, broker, keep).await {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

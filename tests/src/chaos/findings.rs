@@ -20,8 +20,6 @@ pub(super) struct Findings {
     pub arrived: usize,
     /// Number of reports that were given up, and announced so.
     pub given_up: usize,
-    /// Number of reports that a broker lost with its store, and whose consent had ended: they are not sent again.
-    pub unknown: usize,
     /// Number of reports that came with the backlog after an outage.
     pub replayed: usize,
     /// Breaches of what is promised.
@@ -54,7 +52,7 @@ pub(super) async fn of_factory(
     let arrived = stores::arrived(folder, factory).await?;
     let announced: BTreeSet<_> = stores::gaps(folder, factory).await?.into_iter().collect();
     let given_up = stores::given_up(folder, factory).await?;
-    let (mut faults, mut unknown) = (Vec::new(), 0);
+    let mut faults = Vec::new();
 
     let held: BTreeMap<_, _> = arrived.iter().map(|(key, report)| (key, report)).collect();
     if held.len() != arrived.len() {
@@ -63,10 +61,6 @@ pub(super) async fn of_factory(
     for (key, report) in &left {
         match held.get(key) {
             None if announced.contains(key) => {}
-            // Never sent, and the broker lost the word that it will not be.
-            None if report.state == "DONE" && stage.lost_gaps.contains(key) => unknown += 1,
-            // Neither side knows more of it: nobody may send it again.
-            None if report.is_revoked && stage.set_back.contains(key) => unknown += 1,
             None => faults.push(format!("{} is lost: {key:?}", report.state)),
             Some(_) if report.state == "PARKED" => {
                 faults.push(format!("rejected and yet held: {key:?}"))
@@ -96,7 +90,6 @@ pub(super) async fn of_factory(
     }
 
     findings.faults.extend(faults);
-    findings.unknown += unknown;
     findings.given_up += announced.len();
     findings.left += left.len();
     findings.arrived += arrived.len();

@@ -57,8 +57,6 @@ pub enum Fault {
 
 /// Length of an outage: a connector looks every ten seconds whether its spool is too large.
 const OUTAGE: Duration = Duration::from_secs(14);
-/// Length of what is played in place of an outage.
-const SHORT_STALL: Duration = Duration::from_secs(3);
 /// Seconds that clocks are off.
 const OFFSETS: [i32; 6] = [-5_400, -300, -2, 2, 300, 10_800];
 
@@ -158,19 +156,16 @@ pub struct Strike {
 /// An endless source of rounds.
 pub struct Plan {
     random: ChaCha8Rng,
-    /// Fault that is played as an outage.
-    outage: Fault,
     /// Faults that the next round has whatever is drawn.
     always: Vec<Fault>,
 }
 
 impl Plan {
-    /// Makes the plan of a seed. Without outages there are short stalls in their place.
+    /// Makes the plan of a seed.
     #[must_use]
-    pub fn new(seed: u64, has_outages: bool) -> Self {
+    pub fn new(seed: u64) -> Self {
         let random = ChaCha8Rng::seed_from_u64(seed);
-        let outage = if has_outages { Fault::Outage(OUTAGE) } else { Fault::Stall(SHORT_STALL) };
-        let mut plan = Self { random, outage, always: Vec::new() };
+        let mut plan = Self { random, always: Vec::new() };
         plan.always = plan.rare_faults();
         plan
     }
@@ -185,7 +180,7 @@ impl Plan {
             _ => Fault::ConnectorClock(factory, offset),
         };
         let whose = *[MUNICH, HAMBURG, PLATFORM].choose(&mut self.random).unwrap_or(&MUNICH);
-        vec![clock, self.outage, Fault::FullDisk(whose, self.span(3_000))]
+        vec![clock, Fault::Outage(OUTAGE), Fault::FullDisk(whose, self.span(3_000))]
     }
 
     /// Returns the faults of the next round; after each round everything must work again.
@@ -240,7 +235,7 @@ impl Plan {
             63..66 => Fault::KillAll,
             66..72 => Fault::Cut,
             72..74 => Fault::Stall(self.span(3_000)),
-            74 => self.outage,
+            74 => Fault::Outage(OUTAGE),
             75..78 => Fault::HalfOpen(self.span(3_000)),
             78..81 => Fault::Slow(self.span(3_000)),
             81..83 => Fault::LoseBrokerStore,
@@ -262,8 +257,7 @@ mod tests {
 
     #[test]
     fn a_seed_is_a_plan() {
-        let (mut one, mut same, mut other) =
-            (Plan::new(7, true), Plan::new(7, true), Plan::new(8, true));
+        let (mut one, mut same, mut other) = (Plan::new(7), Plan::new(7), Plan::new(8));
         let rounds: Vec<_> = (0..40).map(|_| one.round()).collect();
         assert_eq!(rounds, (0..40).map(|_| same.round()).collect::<Vec<_>>());
         assert_ne!(rounds, (0..40).map(|_| other.round()).collect::<Vec<_>>());

@@ -43,9 +43,6 @@ pub(super) struct Stage {
     /// Reports that the broker may have had when it lost its store: they arrive later, out of their
     /// order.
     pub set_back: BTreeSet<stores::ReportKey>,
-    /// Reports that were given up, whose announcement the broker may have had when it lost its store: no
-    /// side knows more of them.
-    pub lost_gaps: BTreeSet<stores::ReportKey>,
     /// Decisions and receipts that the broker may have had when it lost its store.
     pub lost_controls: LostControls,
     /// Times in which connectors may miss values.
@@ -96,7 +93,6 @@ impl Stage {
             disks,
             clocks: BTreeMap::new(),
             set_back: BTreeSet::new(),
-            lost_gaps: BTreeSet::new(),
             lost_controls: LostControls::default(),
             disturbed: Disturbances::default(),
             lost_comments: BTreeSet::new(),
@@ -145,7 +141,7 @@ impl Stage {
     }
 
     /// Returns the kinds of faults that every run has to have, that this machine can cause, and that did not strike.
-    pub fn missed(&self, has_outages: bool) -> Vec<&'static str> {
+    pub fn missed(&self) -> Vec<&'static str> {
         let has_any =
             |kinds: &[&str]| kinds.iter().any(|kind| self.counts.get(kind).is_some_and(|n| *n > 0));
         let wanted = [
@@ -154,7 +150,7 @@ impl Stage {
                 !self.clocks.is_empty(),
                 &["connector clock", "platform clock"][..],
             ),
-            ("outage", has_outages, &["outage"]),
+            ("outage", true, &["outage"]),
             ("full disk", !self.disks.is_empty(), &["full disk"][..]),
         ];
         let missed = wanted.into_iter().filter(|(_, can_be, kinds)| *can_be && !has_any(kinds));
@@ -247,7 +243,6 @@ impl Stage {
                 for factory in [MUNICH, HAMBURG] {
                     self.set_back.extend(stores::unreceipted_reports(&folder, factory).await?);
                 }
-                self.lost_gaps.extend(stores::queued_gaps(&folder).await?);
                 self.lost_controls.add(&folder).await?;
                 self.lost_comments.extend(comments::on_the_way(&folder).await?);
                 if fault == Fault::OldBrokerStore {

@@ -38,8 +38,6 @@ pub(super) struct Comment {
 pub(super) struct Left {
     /// WAITING, SENT, PARKED or DONE.
     pub state: String,
-    /// The consent ended after it was sent, so that it is not sent again.
-    pub is_revoked: bool,
     /// Number of partners it was for.
     pub recipients: usize,
     pub content: Content,
@@ -91,10 +89,10 @@ pub(super) async fn unreceipted_reports(
         .collect())
 }
 
-/// Returns the number of reports that were sent, have no receipt, and are not sent again since their consent ended.
-pub(super) async fn revoked_on_the_way(folder: &Path, factory: &str) -> anyhow::Result<i64> {
+/// Returns the number of gaps that were announced and that no receipt covered so far.
+pub(super) async fn unsettled_gaps(folder: &Path, factory: &str) -> anyhow::Result<i64> {
     let mut store = open(&connector_store(folder, factory)).await?;
-    let sql = "SELECT count(*) AS count FROM report WHERE state = 'SENT' AND is_revoked = 1";
+    let sql = "SELECT count(*) AS count FROM announced_gap";
     Ok(sqlx::query(sql).fetch_one(&mut store).await?.get("count"))
 }
 
@@ -152,34 +150,6 @@ pub(super) async fn queued(folder: &Path) -> anyhow::Result<Vec<(String, Vec<u8>
     Ok(rows.iter().map(|row| (row.get("name"), row.get("body"))).collect())
 }
 
-/// Returns the reports whose announcement as given up waits in a queue of the broker.
-pub(super) async fn queued_gaps(folder: &Path) -> anyhow::Result<Vec<ReportKey>> {
-    let mut keys = Vec::new();
-    for (queue, body) in queued(folder).await? {
-        let Ok(message) = serde_json::from_slice::<Value>(&body) else { continue };
-        if message["messageType"] != "gap" {
-            continue;
-        }
-        let number = |name: &str| message[name].as_u64().and_then(|n| u32::try_from(n).ok());
-        let (Some(writer), Some(epoch), Some(first), Some(last), Some(factory)) = (
-            number("dataSetWriterId"),
-            number("epoch"),
-            number("firstSequence"),
-            number("lastSequence"),
-            message["factoryId"].as_str(),
-        ) else {
-            anyhow::bail!("a gap of {queue} cannot be read: {message}");
-        };
-        keys.extend((first..=last).map(|sequence| ReportKey {
-            factory: factory.to_owned(),
-            writer: writer.into(),
-            epoch: epoch.into(),
-            sequence: sequence.into(),
-        }));
-    }
-    Ok(keys)
-}
-
 /// Doubles every message that waits at the broker.
 pub(super) async fn double_queued(folder: &Path) -> anyhow::Result<()> {
     let file = folder.join("platform/broker.sqlite");
@@ -209,7 +179,7 @@ pub(super) async fn left(
 ) -> anyhow::Result<BTreeMap<ReportKey, Left>> {
     let mut store = open(&connector_store(folder, factory)).await?;
     let rows = sqlx::query(
-        "SELECT writer_id, epoch, sequence, state, is_revoked, recipients, body FROM report ORDER BY id",
+        "SELECT writer_id, epoch, sequence, state, recipients, body FROM report ORDER BY id",
     )
     .fetch_all(&mut store)
     .await?;
@@ -226,7 +196,6 @@ pub(super) async fn left(
                 .with_context(|| format!("the body of {key:?}"))?;
             let left = Left {
                 state: row.get("state"),
-                is_revoked: row.get::<i64, _>("is_revoked") != 0,
                 recipients: recipients.as_array().map_or(0, Vec::len),
                 content: Content::of_message(&body)
                     .with_context(|| format!("the body of {key:?}"))?,

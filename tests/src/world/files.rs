@@ -106,6 +106,10 @@ listen = "127.0.0.1:{twin}"
 [twin.security]
 trust_unknown_certificates = true
 
+# Where a broker loses its store, what waits for a receipt is asked for after this time; a run need not wait a minute.
+[spool]
+resend_after_s = 10
+
 [admin]
 user_name = "{ENGINEER}"
 password = "{PASSWORD}"

@@ -59,3 +59,42 @@ async fn a_receipted_report_that_cannot_be_sent_again_is_announced_as_a_gap() {
     assert_eq!(waiting(&running, &made).await, [0]);
     running.close().await;
 }
+
+/// Returns the gaps of which no receipt came so far: first and last number.
+async fn unsettled_gaps(running: &Running, made: &Report) -> Vec<(u32, u32)> {
+    let (writer, epoch) = (made.writer as u16, made.epoch as u32);
+    let mut session = running.session().await;
+    let gaps = session.announced_gaps().of_writer(writer, epoch).await.expect("read");
+    gaps.iter().map(|row| (row.gap.first_sequence, row.gap.last_sequence)).collect()
+}
+
+#[tokio::test]
+async fn an_announcement_that_was_lost_comes_again_with_its_cause() {
+    let running = Running::with_two_open_fields().await;
+    for number in 1..=3 {
+        running.enter_both(number).await;
+    }
+    let rows = running.fetch(Lane::Reports).await;
+    running.accept(&rows[..1]).await;
+    let made = reports(&rows[0])[0].clone();
+    running.revoke(None).await;
+    let lost = running.fetch(Lane::Control).await;
+    running.accept(&lost).await;
+    assert_eq!(unsettled_gaps(&running, &made).await, [(1, 2)]);
+    running.receipt(&made, 0).await;
+    assert_eq!(unsettled_gaps(&running, &made).await, [(1, 2)], "it is about the report alone");
+
+    // As the platform answers the question about the numbers through 2.
+    running.receipt_without(&made, 2, &[1, 2]).await;
+    let again = gaps(&running).await;
+    let facts = |gap: &Value| {
+        [&gap["firstSequence"], &gap["lastSequence"], &gap["cause"]].map(Value::clone)
+    };
+    assert_eq!(
+        again.iter().map(facts).collect::<Vec<_>>(),
+        [[json!(1), json!(2), json!("REVOKED")]]
+    );
+    running.receipt(&made, 2).await;
+    assert_eq!(unsettled_gaps(&running, &made).await, Vec::<(u32, u32)>::new());
+    running.close().await;
+}

@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 
 use asi_model::{
     DateTime, MessageId,
-    messages::{FactoryMessage, Gap, GapCause},
+    messages::{FactoryMessage, Gap, GapCause, ReceiptRequest, WriterReceipt, WriterSequences},
 };
 use ledger::Event;
-use spool::{ReceiptEffect, RowId, RowOutcome, SendOutcome, SequenceGap, gaps_of};
+use spool::{ReceiptEffect, RowId, RowOutcome, SendOutcome, SequenceGap, gaps_of, join};
 
 use crate::{
     ChangeSet, ConnectorState, LogRecord,
-    writes::{DeadLetterRow, ReportMove, WaitingRow},
+    writes::{AnnouncedGapRow, DeadLetterRow, ReportMove, WaitingRow},
 };
 
 /// Reports that left, each with the id of the message that carried it.
@@ -83,15 +83,27 @@ fn record_sent(
     changes.writes.reports.moves.push(ReportMove::Sent { reports, at });
 }
 
-/// Records what a receipt says about one writer; `rows` are all reports that the spool has of the
-/// writer in the receipt's epoch.
+/// Reports and gaps of one writer and epoch that a receipt is about.
+#[derive(Debug, Clone, Copy)]
+pub struct ReceiptedRows<'r> {
+    /// All reports that the spool has of them.
+    pub reports: &'r [WaitingRow],
+    /// The gaps that no receipt covered so far.
+    pub gaps: &'r [AnnouncedGapRow],
+}
+
+/// Records what a receipt says about one writer.
 pub fn record_receipt(
     state: &mut ConnectorState,
+    receipt: &WriterReceipt,
     effect: &ReceiptEffect,
-    rows: &[WaitingRow],
+    ReceiptedRows { reports: rows, gaps }: ReceiptedRows<'_>,
     now: DateTime,
 ) -> ChangeSet {
     let mut changes = ChangeSet::default();
+    if !gaps.is_empty() {
+        changes.writes.reports.gaps.receipts.push(receipt.clone());
+    }
     let with_ids = |ids: &[RowId]| -> Vec<WaitingRow> {
         rows.iter().filter(|waiting| ids.contains(&waiting.row.id)).cloned().collect()
     };
@@ -115,7 +127,49 @@ pub fn record_receipt(
         changes.effects.link.is_spool_rewound = true;
         changes.writes.reports.moves.push(ReportMove::Reopened(numbers(&effect.reopen)));
     }
-    announce(state, &mut changes, &effect.lost, GapCause::Expired, now);
+    for (cause, lost) in by_cause(&effect.lost, gaps) {
+        announce(state, &mut changes, &lost, cause, now);
+    }
+    changes
+}
+
+/// Returns lost sequence numbers with the cause that was announced of them. What the spool removed long
+/// ago was stored somewhere once: it has expired.
+fn by_cause(
+    lost: &[SequenceGap],
+    announced: &[AnnouncedGapRow],
+) -> Vec<(GapCause, Vec<SequenceGap>)> {
+    let cause_of = |number: u32| {
+        let known = announced
+            .iter()
+            .find(|row| (row.gap.first_sequence..=row.gap.last_sequence).contains(&number));
+        known.map_or(GapCause::Expired, |row| row.cause)
+    };
+    let numbers = |gap: &SequenceGap| {
+        let (writer, epoch) = (gap.data_set_writer_id, gap.epoch);
+        (gap.first_sequence..=gap.last_sequence).map(move |number| (writer, epoch, number))
+    };
+    let of_cause = |cause| {
+        let all = lost.iter().flat_map(numbers);
+        (cause, join(all.filter(|(.., number)| cause_of(*number) == cause).collect()))
+    };
+    use GapCause::{Coalesced, Expired, Revoked, Withdrawn};
+    [Expired, Coalesced, Withdrawn, Revoked].map(of_cause).into()
+}
+
+/// Asks the platform which reports of these writers it holds.
+pub fn ask_for_receipts(
+    state: &mut ConnectorState,
+    writers: Vec<WriterSequences>,
+    now: DateTime,
+) -> ChangeSet {
+    let mut changes = ChangeSet::default();
+    let message = FactoryMessage::ReceiptRequest(ReceiptRequest {
+        message_id: state.ids.next_message_id(),
+        factory_id: state.config.factory_id.clone(),
+        writer_list: writers,
+    });
+    state.send(&mut changes, &message, None, now);
     changes
 }
 
@@ -218,6 +272,8 @@ fn announce(
             cause,
         });
         state.send(changes, &message, None, now);
+        let announced = AnnouncedGapRow { gap: *gap, cause, announced_at: now };
+        changes.writes.reports.gaps.announced.push(announced);
     }
 }
 

@@ -7,6 +7,7 @@ use disclosure::ReportBody;
 use ledger::SALT_BYTES;
 use spool::ReportRow;
 
+use super::GapWrites;
 use crate::ControlBody;
 
 /// Rows about data set writers.
@@ -63,14 +64,17 @@ pub struct ReportWrites {
     pub moves: Vec<ReportMove>,
     /// Numbers of the reports whose values retention empties.
     pub emptied: Vec<i64>,
+    /// Gaps that were announced, until a receipt covers them.
+    pub gaps: GapWrites,
 }
 
 impl ReportWrites {
     pub(super) fn merge(&mut self, later: Self) {
-        let Self { queued, moves, emptied } = later;
+        let Self { queued, moves, emptied, gaps } = later;
         self.queued.extend(queued);
         self.moves.extend(moves);
         self.emptied.extend(emptied);
+        self.gaps.merge(gaps);
     }
 }
 

@@ -206,6 +206,47 @@ async fn a_user_and_its_organisation_have_a_bounded_number_of_links_and_others_d
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn what_the_links_of_a_user_leave_unsettled_is_bounded_and_others_do_not_feel_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start_with(folder.path(), |config| {
+        config.limits.unsettled_bytes_per_user_max = 2_500;
+        config.auto_created = vec![pattern("tool.*.reports")];
+    })
+    .await;
+    let sender = TestLink::start(&broker.url(), "platform", &[]);
+    for tool in ["t1", "t2", "t3"] {
+        broker.declare(&format!("tool.{tool}.reports")).await;
+        for number in 0..10 {
+            let message = envelope(format!("{tool}-{number}"), vec![b'x'; 1_000]);
+            sender.send(&format!("tool.{tool}.reports"), message);
+        }
+    }
+    let ready = |tool: &str| broker.ready(&format!("tool.{tool}.reports"));
+    eventually("all wait", || ready("t1") + ready("t2") + ready("t3") == 30).await;
+    for name in ["one", "two"] {
+        let user = BrokerUser::with_secret(SECRET.as_bytes());
+        broker.users.put(name, user.may_consume(pattern("tool.*.reports")));
+    }
+    let slow = [("one", "t1"), ("one", "t2"), ("two", "t3")].map(|(user, tool)| {
+        let queue = format!("tool.{tool}.reports");
+        let link = TestLink::start(&broker.url(), user, &[&queue]);
+        *link.inbox.delay.lock() = Duration::from_secs(60);
+        link
+    });
+    eventually("both users have some", || ready("t1") < 10 && ready("t2") < 10 && ready("t3") < 10)
+        .await;
+    tokio::time::sleep(Duration::from_millis(500)).await;
+    let of_one = 20 - ready("t1") - ready("t2");
+    assert!((2..=4).contains(&of_one), "{of_one} messages of 1 000 bytes over two links");
+    let of_two = 10 - ready("t3");
+    assert!((2..=4).contains(&of_two), "{of_two} messages");
+    for link in slow.into_iter().chain([sender]) {
+        link.stop().await;
+    }
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_user_has_a_bounded_number_of_sessions_over_all_its_connections() {
     let folder = tempfile::tempdir().expect("a folder");
     let broker = TestBroker::start_with(folder.path(), |config| {

@@ -1,10 +1,10 @@
 //! Messages of factories other than reports: acknowledgements, decisions, gaps, comments, offers.
 
 use asi_model::{
-    FieldKey, RequestKey,
+    FactoryId, FieldKey, RequestKey,
     messages::{
         Acknowledgement, AcknowledgementResult, Comment, Decision, DecisionTarget, FactoryMessage,
-        Gap, MappingState, SignedRevocation,
+        Gap, MappingState, ReceiptRequest, SignedRevocation,
     },
 };
 use messaging::LogicalAddress;
@@ -35,6 +35,7 @@ pub(super) async fn apply(
             return decision(unit, address, incoming, message).await.map(Some);
         }
         FactoryMessage::Gap(message) => gap(unit, message).await?,
+        FactoryMessage::ReceiptRequest(request) => receipt_request(unit, request).await?,
         FactoryMessage::Comment(message) => comment(unit, address, incoming, message).await?,
         FactoryMessage::AssetOffer(offer) => {
             unit.work.meta_data().put_offer(offer, incoming.received_at).await?;
@@ -76,7 +77,7 @@ async fn comment(
         factory_id: comment.factory_id.clone(),
         dynamic_data_request_id: comment.dynamic_data_request_id.clone(),
         field_name: comment.field_name.clone(),
-        author_id: comment.author_id.chars().take(AUTHOR_CHARS_MAX).collect(),
+        author_id: stated_author(&comment.author_id, &comment.factory_id),
         is_from_factory: true,
         text: comment.text.chars().take(TEXT_CHARS_MAX).collect(),
         created_at: incoming.received_at,
@@ -85,6 +86,18 @@ async fn comment(
     let event = networks::comment_added(unit.work, id, &new.comment_id).await?;
     unit.effects.notifications.push(event);
     Ok(())
+}
+
+/// Returns an author as a factory states it, with the factory: the platform vouches for that alone. What is
+/// not shown or turns the direction of a text is left out, or one name could look like another.
+fn stated_author(name: &str, factory: &FactoryId) -> String {
+    let is_shown = |sign: &char| {
+        let is_invisible = matches!(sign, '\u{200B}'..='\u{200F}' | '\u{202A}'..='\u{202E}'
+            | '\u{2060}'..='\u{2069}' | '\u{FEFF}');
+        !sign.is_control() && !is_invisible
+    };
+    let name: String = name.chars().filter(is_shown).take(AUTHOR_CHARS_MAX).collect();
+    format!("{name}@{factory}")
 }
 
 /// Stores the signed receipt of a revocation for those who received the values. Its text is not
@@ -209,6 +222,21 @@ async fn gap(unit: &mut IngestUnit<'_>, gap: &Gap) -> Result<(), StoreError> {
     }
     if !is_within {
         unit.effects.refused(GAPS, &gap.factory_id);
+    }
+    Ok(())
+}
+
+/// Lets the next receipts name the writers that a connector asks about, with everything that is missing
+/// of them.
+async fn receipt_request(
+    unit: &mut IngestUnit<'_>,
+    request: &ReceiptRequest,
+) -> Result<(), StoreError> {
+    for asked in &request.writer_list {
+        let writer =
+            unit.writer(&request.factory_id, asked.data_set_writer_id, asked.epoch).await?;
+        writer.sequences.expect_through(asked.through_sequence);
+        writer.needs_receipt = true;
     }
     Ok(())
 }

@@ -28,7 +28,8 @@ pub struct Example {
 /// codes that its dead letter may have; none where it speaks of the sender's own alone.
 pub fn refusals(kind: &str) -> &'static [&'static str] {
     match kind {
-        "acknowledgement" | "decision/asset" | "gap" | "asset-offer" | "lease-request" => &[],
+        "acknowledgement" | "decision/asset" | "gap" | "asset-offer" | "lease-request"
+        | "receipt-request" => &[],
         "decision" | "revocation" | "past-release" => &["FOREIGN_REQUEST"],
         "comment" => &["FOREIGN_REQUEST", "UNKNOWN_NETWORK"],
         "ledger-checkpoint" => &["INVALID_CHECKPOINT"],
