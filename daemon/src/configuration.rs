@@ -5,6 +5,9 @@
 //! by two underscores. Where the wanted type is a text, the variable is taken literally; else it is
 //! read as a TOML value (`true`, `12`, `["a", "b"]`). Unknown keys are refused: a misspelt limit
 //! must not silently be the default.
+//!
+//! Credentials of the service manager with such a name (systemd, `LoadCredentialEncrypted=`) lie over
+//! both: so every secret of the file can be sealed to its machine.
 
 mod document;
 mod fault;
@@ -13,7 +16,10 @@ mod shown;
 pub use fault::{ConfigurationError, ConfigurationFault, Origin};
 pub use shown::{Setting, shown};
 
-use std::{os::unix::fs::MetadataExt as _, path::Path};
+use std::{
+    os::unix::fs::MetadataExt as _,
+    path::{Path, PathBuf},
+};
 
 use document::Document;
 use serde::de::DeserializeOwned;
@@ -34,9 +40,34 @@ pub fn load<T: DeserializeOwned>(
     env_prefix: &str,
 ) -> Result<T, ConfigurationError> {
     let text = read(path)?;
-    let config = parse(path, &text, env_prefix, std::env::vars())?;
+    let folder = std::env::var_os("CREDENTIALS_DIRECTORY").map(PathBuf::from);
+    let credentials = credentials(folder.as_deref(), env_prefix)?;
+    let config = parse(path, &text, env_prefix, std::env::vars().chain(credentials))?;
     path.map_or(Ok(()), |path| check_readers(path, &text, env_prefix))?;
     Ok(config)
+}
+
+/// Reads the credentials that carry the prefix, without the line feed that ends a file.
+fn credentials(
+    folder: Option<&Path>,
+    env_prefix: &str,
+) -> Result<Vec<(String, String)>, ConfigurationError> {
+    let Some(folder) = folder else { return Ok(Vec::new()) };
+    let prefix = format!("{env_prefix}_");
+    let at = |path: &Path| {
+        let path = path.to_owned();
+        move |source| ConfigurationError::ReadFile { path, source }
+    };
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(at(folder))? {
+        let path = entry.map_err(at(folder))?.path();
+        let Some(name) = path.file_name().and_then(|name| name.to_str()) else { continue };
+        if name.starts_with(&prefix) {
+            let text = std::fs::read_to_string(&path).map_err(at(&path))?;
+            found.push((name.to_owned(), text.trim_end_matches(['\r', '\n']).to_owned()));
+        }
+    }
+    Ok(found)
 }
 
 /// Refuses a file with secrets that every user of the machine may read.
@@ -215,6 +246,27 @@ mod tests {
     fn broken_syntax_names_the_line() {
         let error = check("factory_id = \"A\"\n[web\n", &[]).expect_err("broken");
         assert!(error.contains("example.toml:2"), "{error}");
+    }
+
+    #[test]
+    fn a_credential_of_the_service_manager_lies_over_file_and_environment() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let write = |name: &str, text: &str| {
+            std::fs::write(folder.path().join(name), text).expect("written");
+        };
+        write("VERBUND_PASSWORD", "sealed\n");
+        write("VERBUND_SOURCES", "{ press = { endpoint = \"opc.tcp://press:4840\" } }");
+        write("verbund-sealing-key", "of another reader");
+        let found = credentials(Some(folder.path()), "VERBUND").expect("read");
+        let variables = [("VERBUND_PASSWORD".to_owned(), "of the environment".to_owned())];
+        let text = "factory_id = \"A\"\npassword = \"of the file\"\n";
+        let example: Example =
+            parse(None, text, "VERBUND", variables.into_iter().chain(found)).expect("valid");
+        assert_eq!(example.password.expose(), "sealed");
+        assert_eq!(example.sources["press"].endpoint, "opc.tcp://press:4840");
+        assert!(credentials(None, "VERBUND").expect("none").is_empty());
+        let missing = folder.path().join("missing");
+        assert!(credentials(Some(&missing), "VERBUND").is_err());
     }
 
     #[test]

@@ -96,6 +96,8 @@ fn every_attack_has_a_test_and_every_mutant_its_attack() {
     let document = fs::read_to_string(root().join("docs/attacks.md")).unwrap();
     let tests = tests();
     let mut mutants = BTreeSet::new();
+    let (document, edges) = document.split_once("\n## At the edges\n").expect("both parts");
+    assert_edges(edges, &tests);
     let rows = document.lines().filter(|line| line.starts_with("| ") && !line.contains("Mutant"));
     let mut count = 0;
     for row in rows {
@@ -121,6 +123,31 @@ fn every_attack_has_a_test_and_every_mutant_its_attack() {
             assert!(is_named, "docs/attacks.md does not name {patch}");
         }
     }
+}
+
+/// Each row names tests that exist, and probes that are played; each probe is named.
+fn assert_edges(table: &str, tests: &BTreeSet<String>) {
+    let source = fs::read_to_string(root().join("tests/src/probes/attacks.rs")).unwrap();
+    let mut unnamed: BTreeSet<&str> = source.split('"').skip(1).step_by(2).collect();
+    unnamed.retain(|text| text.contains(' '));
+    unnamed.extend(["siege", "downloads that nobody reads"]);
+    let probes = unnamed.clone();
+    assert!(probes.len() > 20, "{probes:?}");
+    let rows: Vec<_> = table.lines().filter(|line| line.starts_with("| ")).skip(1).collect();
+    assert!(rows.len() > 25, "{} attacks were read", rows.len());
+    for row in rows {
+        let [attack, proofs, played] = row.split(" | ").collect::<Vec<_>>()[..] else {
+            panic!("three cells: {row}")
+        };
+        let proofs = quoted(proofs);
+        let missing: Vec<_> = proofs.iter().filter(|proof| !tests.contains(*proof)).collect();
+        assert!(!proofs.is_empty() && missing.is_empty(), "{attack}: {missing:?}");
+        for probe in quoted(played) {
+            assert!(probes.contains(probe.as_str()), "{attack}: there is no probe {probe:?}");
+            unnamed.remove(probe.as_str());
+        }
+    }
+    assert!(unnamed.is_empty(), "docs/attacks.md names no attack for {unnamed:?}");
 }
 
 #[test]

@@ -125,14 +125,13 @@ async fn handle_message(
 }
 
 async fn record(work: &mut UnitOfWork, receipt: Receipt, now: DateTime) -> Result<(), StoreError> {
-    let sent_before = time::OffsetDateTime::from(now) - UNDER_WAY;
     for writer in receipt.receipt_list {
         let moves = &work.pending.writes().reports.moves;
         let (id, epoch) = (writer.data_set_writer_id, Some(writer.epoch));
         // As they are after the moves of this transaction, which the store does not know yet.
         let rows = reports_of(&mut work.store, moves, id, epoch).await?;
         let reports: Vec<ReportRow> = rows.iter().map(|waiting| waiting.row).collect();
-        let mut effect = apply_receipt(&writer, &reports, sent_before);
+        let mut effect = apply_receipt(&writer, &reports, now.into(), UNDER_WAY);
         let lost: Vec<u32> = effect.lost_sequences().collect();
         if !lost.is_empty() {
             let receipted = work.store.read().reports().receipted(id, writer.epoch, &lost).await?;

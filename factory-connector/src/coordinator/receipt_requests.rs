@@ -50,7 +50,7 @@ impl ReceiptRequests {
         let policy = work.config.spool.overdue();
         let timeout = micros(policy.receipt_timeout);
         let before = DateTime::from_unix_micros(now.unix_micros().saturating_sub(timeout));
-        let gaps = work.store.read().announced_gaps().oldest(before, GAPS_MAX).await?;
+        let gaps = work.store.read().announced_gaps().oldest(before, now, GAPS_MAX).await?;
         let writers = self.due(&policy, unsettled(&policy, waiting, &gaps, now), Instant::now());
         if !writers.is_empty() {
             work.pending.merge(ask_for_receipts(&mut work.state, writers, now));

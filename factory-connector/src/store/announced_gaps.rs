@@ -34,18 +34,21 @@ impl AnnouncedGaps<'_> {
         all(self.0, query, READ, gap).await
     }
 
-    /// Reads the oldest that were announced before this time, at most so many.
+    /// Reads the oldest that were announced before a time, at most so many. One that was announced after
+    /// `now` was so before the clock was set back, and is among them.
     ///
     /// # Errors
     /// [`StoreError`].
     pub async fn oldest(
         &mut self,
         before: DateTime,
+        now: DateTime,
         limit: u32,
     ) -> Result<Vec<AnnouncedGapRow>, StoreError> {
-        let sql = "SELECT * FROM announced_gap WHERE announced_at < ?
+        let sql = "SELECT * FROM announced_gap WHERE announced_at < ? OR announced_at > ?
                    ORDER BY announced_at LIMIT ?";
-        let query = query(sql).bind(before.unix_micros()).bind(i64::from(limit));
+        let query =
+            query(sql).bind(before.unix_micros()).bind(now.unix_micros()).bind(i64::from(limit));
         all(self.0, query, READ, gap).await
     }
 }

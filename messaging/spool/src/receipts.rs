@@ -54,14 +54,16 @@ impl ReceiptEffect {
 
 /// Applies a receipt to `rows`, which must be *all* rows in the spool of that writer and epoch.
 ///
-/// A row counts as missing only when it was sent before `sent_before` (usually some seconds ago): a
-/// younger one may still be on its way. Rows that were never sent are never receipted: a receipt
+/// A row counts as missing only when it was not sent within `under_way` before `now` (usually some
+/// seconds): a younger one may still be on its way. One that was sent in the future was sent before the
+/// clock was set back, and counts. Rows that were never sent are never receipted: a receipt
 /// that claims them belongs to an earlier writer of the same id, and the row is sent.
 #[must_use]
 pub fn apply_receipt(
     receipt: &WriterReceipt,
     rows: &[ReportRow],
-    sent_before: OffsetDateTime,
+    now: OffsetDateTime,
+    under_way: Duration,
 ) -> ReceiptEffect {
     let missing: HashSet<u32> = receipt.missing_list.iter().copied().collect();
     let mut effect = ReceiptEffect::default();
@@ -73,7 +75,7 @@ pub fn apply_receipt(
         present.insert(row.sequence);
         let Some(sent_at) = row.sent_at else { continue };
         if missing.contains(&row.sequence) {
-            if sent_at < sent_before {
+            if sent_at > now || sent_at < now - under_way {
                 effect.resend.push(row.id);
             }
         } else if row.sequence <= receipt.through_sequence {

@@ -177,7 +177,8 @@ fn spawn(folder: &Path, ports: &Ports) -> Child {
     let path = |name: &str| folder.join(name);
     let configuration = format!(
         "listeners.tcp.1 = 127.0.0.1:{}\nload_definitions = {}\nlog.console = true\nlog.file = false\n\
-         vm_memory_high_watermark.absolute = 512MB\ndisk_free_limit.absolute = 50MB\nnum_acceptors.tcp = 2\n",
+         vm_memory_high_watermark.absolute = 512MB\ndisk_free_limit.absolute = 50MB\nnum_acceptors.tcp = 2\n\
+         raft.wal_max_size_bytes = 2097152\nraft.segment_max_entries = 32\n",
         ports.amqp,
         path("definitions.json").display()
     );

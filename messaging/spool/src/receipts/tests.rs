@@ -30,32 +30,43 @@ fn receipted_rows_are_removed_and_missing_ones_sent_again() {
         reopen: Vec::new(),
         lost: Vec::new(),
     };
-    assert_eq!(apply_receipt(&receipt(2, &[1]), &rows, later), effect);
+    assert_eq!(apply_receipt(&receipt(2, &[1]), &rows, later, Duration::ZERO), effect);
 }
 
 #[test]
 fn a_row_that_was_just_sent_does_not_count_as_missing() {
-    let effect = apply_receipt(&receipt(2, &[1]), &[sent(2, 1)], moment());
+    let effect = apply_receipt(&receipt(2, &[1]), &[sent(2, 1)], moment(), Duration::ZERO);
     assert_eq!(effect, ReceiptEffect::default());
+    let under_way = Duration::from_secs(5);
+    let after = |wait| apply_receipt(&receipt(2, &[1]), &[sent(2, 1)], moment() + wait, under_way);
+    assert_eq!(after(under_way), ReceiptEffect::default());
+    assert_eq!(after(under_way + Duration::from_millis(1)).resend, [RowId(2)]);
+}
+
+#[test]
+fn a_row_sent_before_the_clock_was_set_back_counts_as_missing() {
+    let now = moment() - Duration::from_secs(300);
+    let effect = apply_receipt(&receipt(2, &[1]), &[sent(2, 1)], now, Duration::from_secs(5));
+    assert_eq!(effect.resend, [RowId(2)]);
 }
 
 #[test]
 fn rows_of_another_epoch_or_never_sent_stay() {
     let mut other = sent(1, 0);
     other.epoch = 2;
-    let effect = apply_receipt(&receipt(9, &[]), &[other, row(2, 7, 1)], moment());
+    let effect = apply_receipt(&receipt(9, &[]), &[other, row(2, 7, 1)], moment(), Duration::ZERO);
     assert_eq!(effect, ReceiptEffect::default());
 }
 
 #[test]
 fn missing_sequence_numbers_without_a_row_are_lost() {
-    let effect = apply_receipt(&receipt(9, &[3, 4, 7, 8]), &[sent(1, 8)], moment());
+    let effect = apply_receipt(&receipt(9, &[3, 4, 7, 8]), &[sent(1, 8)], moment(), Duration::ZERO);
     assert_eq!(effect.lost, [gap(3, 4), gap(7, 7)]);
 }
 
 #[test]
 fn missing_rows_that_the_store_still_has_wait_again() {
-    let mut effect = apply_receipt(&receipt(9, &[3, 4, 7]), &[], moment());
+    let mut effect = apply_receipt(&receipt(9, &[3, 4, 7]), &[], moment(), Duration::ZERO);
     effect.reopen_receipted(&[sent(11, 4), sent(12, 7)]);
     assert_eq!((effect.lost, effect.reopen), (vec![gap(3, 3)], vec![RowId(11), RowId(12)]));
 }
@@ -158,7 +169,7 @@ proptest! {
         for round in 0..=losses.len() + 1 {
             exchange.send(|sequence| losses.get(round).is_some_and(|l| l[sequence as usize]));
             if let Some(receipt) = exchange.receipt() {
-                let effect = apply_receipt(&receipt, &exchange.rows, exchange.now);
+                let effect = apply_receipt(&receipt, &exchange.rows, exchange.now, Duration::ZERO);
                 for row in &exchange.rows {
                     let has_arrived = exchange.arrived.contains(&row.sequence);
                     prop_assert!(!effect.receipted.contains(&row.id) || has_arrived, "{:?}", row);
