@@ -40,6 +40,6 @@ pub use shop_floor_model::{
     SourceId, UnitName, VariableList,
 };
 pub use status::{
-    ChosenEndpoint, InputProblem, ServerLimits, SourceProblem, SourceProblemKind, SourceState,
-    SourceStatus,
+    ChosenEndpoint, CoarseInput, GrantedIntervals, InputProblem, ServerLimits, SourceProblem,
+    SourceProblemKind, SourceState, SourceStatus,
 };

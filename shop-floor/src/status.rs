@@ -38,6 +38,37 @@ pub struct SourceStatus {
     pub endpoint: Option<ChosenEndpoint>,
     /// The server's limits as it declares them.
     pub limits: Option<ServerLimits>,
+    /// The intervals that the server granted the subscriptions of the session.
+    pub granted: Option<GrantedIntervals>,
+    /// Inputs of which single changes may not arrive, each with the reason; the first 1000.
+    pub coarse: Vec<CoarseInput>,
+}
+
+/// Intervals that a server granted (OPC 10000-4 §5.14.2.2), in milliseconds. What it grants rules, whatever
+/// was requested.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct GrantedIntervals {
+    /// Time between two messages with changes; a change arrives this much later at most.
+    pub publishing_ms: u64,
+    /// Time between two signs of life while nothing changes.
+    pub keep_alive_ms: u64,
+    /// Silence after which the connection is given up.
+    pub silence_ms_max: u64,
+}
+
+/// Input of which single changes may not arrive: the newest value does.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct CoarseInput {
+    pub input: InputKey,
+    pub node_id: NodeId,
+    /// Time between two samples that the server granted, in milliseconds; absent where its queue suffices.
+    pub sampling_ms: Option<f64>,
+    /// Number of changes that the server's queue holds between two messages; absent where it suffices.
+    pub queue_size: Option<u32>,
+    /// Number of times in this session that the server said that its queue overflowed.
+    pub overflows: u64,
 }
 
 /// Progress of a session towards live values.

@@ -78,6 +78,15 @@ pub struct MachineConfig {
     /// Most subscriptions of one session. 0: plenty.
     #[serde(default)]
     pub subscriptions_per_session_max: u32,
+    /// Least publishing interval that is granted, in milliseconds, as controllers have it. 0: any.
+    #[serde(default)]
+    pub publishing_interval_ms_min: u32,
+    /// Least sampling interval that is granted, in milliseconds. 0: any.
+    #[serde(default)]
+    pub sampling_interval_ms_min: u32,
+    /// Most changes that the queue of an item holds. 0: plenty.
+    #[serde(default)]
+    pub queue_size_max: u32,
     #[serde(default)]
     pub security: SecurityConfig,
 }
@@ -202,6 +211,9 @@ impl MachineConfig {
             relay: true,
             items_per_subscription_max: 0,
             subscriptions_per_session_max: 0,
+            publishing_interval_ms_min: 0,
+            sampling_interval_ms_min: 0,
+            queue_size_max: 0,
             security: SecurityConfig::default(),
         }
     }

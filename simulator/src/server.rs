@@ -193,6 +193,15 @@ fn assemble(
     if config.subscriptions_per_session_max > 0 {
         subscriptions.max_subscriptions_per_session = config.subscriptions_per_session_max as usize;
     }
+    if config.publishing_interval_ms_min > 0 {
+        subscriptions.min_publishing_interval_ms = config.publishing_interval_ms_min.into();
+    }
+    if config.sampling_interval_ms_min > 0 {
+        subscriptions.min_sampling_interval_ms = config.sampling_interval_ms_min.into();
+    }
+    if config.queue_size_max > 0 {
+        subscriptions.max_monitored_item_queue_size = config.queue_size_max as usize;
+    }
     let builder = builder
         .application_name(format!("{name} (simulated)"))
         .application_uri(format!("urn:verbund:simulator:server:{name}"))

@@ -47,16 +47,16 @@ impl DeliveryAudit {
         if Instant::now() < self.next {
             return Ok(false);
         }
-        self.next = Instant::now() + self.interval;
-        let Some(older_than) = Instant::now().checked_sub(self.interval) else { return Ok(false) };
+        // A server that publishes rarely may not have sent what it shows on read.
+        let interval = self.interval.max(sink.silence_limit_max());
+        self.next = Instant::now() + interval;
+        let Some(older_than) = Instant::now().checked_sub(interval) else { return Ok(false) };
         let start = if self.suspects.is_empty() { self.position } else { self.suspects_start() };
         let (notified, position) = sink.last_notified(start, INPUTS_PER_ROUND, older_than);
         self.position = position;
         let notified: Vec<_> = notified
             .into_iter()
-            .filter(|last| {
-                last.at.elapsed() > self.interval + 2 * subscriptions.sampling_of(last.input)
-            })
+            .filter(|last| last.at.elapsed() > interval + 2 * subscriptions.sampling_of(last.input))
             .filter_map(|last| Some((subscriptions.node_of(last.input)?, last)))
             .collect();
         let nodes: Vec<NodeId> = notified.iter().map(|(node, _)| node.clone()).collect();

@@ -6,7 +6,7 @@
 mod item_slots;
 
 use std::{
-    collections::HashSet,
+    collections::{HashMap, HashSet},
     sync::{
         Arc,
         atomic::{AtomicBool, AtomicUsize, Ordering},
@@ -44,13 +44,20 @@ pub(super) struct NotificationSink {
     slots: Mutex<ItemSlots>,
     live: AtomicUsize,
     is_closed: AtomicBool,
-    /// Time of each subscription's last message, by listener index; `None` while it has no items
-    /// and the server owes no message.
-    last_messages: Mutex<Vec<Option<Instant>>>,
+    /// Subscriptions by listener index.
+    listeners: Mutex<Vec<Listener>>,
     /// Woken when a structure arrived that needs the server's data types.
     pub(super) types_needed: Notify,
     /// Woken when the server ended a subscription.
     pub(super) subscription_ended: Notify,
+}
+
+/// Subscription as far as its messages are concerned.
+#[derive(Debug, Default)]
+struct Listener {
+    /// Time of its last message; `None` while it has no items and the server owes no message.
+    last_message: Option<Instant>,
+    silence_limit: Duration,
 }
 
 impl NotificationSink {
@@ -68,7 +75,7 @@ impl NotificationSink {
             slots: Mutex::new(ItemSlots::new()),
             live: AtomicUsize::new(0),
             is_closed: AtomicBool::new(false),
-            last_messages: Mutex::default(),
+            listeners: Mutex::default(),
             types_needed: Notify::new(),
             subscription_ended: Notify::new(),
         }
@@ -79,30 +86,58 @@ impl NotificationSink {
         self.live.load(Ordering::Relaxed)
     }
 
+    /// Returns the inputs of which the server's queue overflowed, with the number of times.
+    pub(super) fn overflows(&self) -> HashMap<InputKey, u64> {
+        self.slots.lock().overflows()
+    }
+
     pub(super) fn live_inputs(&self) -> HashSet<InputKey> {
         self.slots.lock().live_inputs()
     }
 
     /// Returns the listener index of a new subscription.
     pub(super) fn add_listener(&self) -> usize {
-        let mut last_messages = self.last_messages.lock();
-        last_messages.push(None);
-        last_messages.len() - 1
+        let mut listeners = self.listeners.lock();
+        listeners.push(Listener::default());
+        listeners.len() - 1
+    }
+
+    /// Sets the silence after which a subscription is given up.
+    pub(super) fn set_silence_limit(&self, listener: usize, limit: Duration) {
+        self.listeners.lock()[listener].silence_limit = limit;
+    }
+
+    /// Returns the longest silence after which a subscription is given up; zero while there is none.
+    pub(super) fn silence_limit_max(&self) -> Duration {
+        let listeners = self.listeners.lock();
+        listeners.iter().map(|listener| listener.silence_limit).max().unwrap_or_default()
     }
 
     /// Starts to measure the silence of a subscription.
     pub(super) fn expect_messages(&self, listener: usize) {
-        self.last_messages.lock()[listener].get_or_insert_with(Instant::now);
+        self.listeners.lock()[listener].last_message.get_or_insert_with(Instant::now);
     }
 
-    /// Returns the longest silence of a subscription with items; `None` while there is none.
-    pub(super) fn silence(&self) -> Option<Duration> {
-        self.last_messages.lock().iter().flatten().map(Instant::elapsed).max()
+    /// Returns true while a server owes messages: a subscription has items.
+    pub(super) fn expects_messages(&self) -> bool {
+        self.listeners.lock().iter().any(|listener| listener.last_message.is_some())
+    }
+
+    /// Returns the silence of a subscription that has been silent for longer than its limit.
+    pub(super) fn exceeded_silence(&self) -> Option<Duration> {
+        let listeners = self.listeners.lock();
+        let silences = listeners.iter().filter_map(|listener| {
+            let silence = listener.last_message?.elapsed();
+            (silence > listener.silence_limit).then_some(silence)
+        });
+        silences.max()
     }
 
     /// Measures the silence of all subscriptions from now on.
     pub(super) fn reset_silence(&self) {
-        self.last_messages.lock().iter_mut().flatten().for_each(|at| *at = Instant::now());
+        let mut listeners = self.listeners.lock();
+        let waited_for = listeners.iter_mut().filter_map(|one| one.last_message.as_mut());
+        waited_for.for_each(|at| *at = Instant::now());
     }
 
     /// Returns a client handle for a new item of an input.
@@ -168,7 +203,9 @@ impl NotificationSink {
             // strings are shared; only arrays and structures are copied.
             slot.last = Some(value.clone());
             slot.awaits_type = !types_settled && is_undecoded(&value);
-            overflows += u64::from(value.status.0 & OVERFLOW_BITS == OVERFLOW_BITS);
+            let has_overflown = u64::from(value.status.0 & OVERFLOW_BITS == OVERFLOW_BITS);
+            slot.overflows += has_overflown;
+            overflows += has_overflown;
             if slot.awaits_type {
                 needs_types = true;
             } else {
@@ -208,7 +245,7 @@ impl OnSubscriptionNotificationCore for SubscriptionListener {
     ) {
         let sink = &self.sink;
         // Any publish response is a sign of life, with or without data.
-        sink.last_messages.lock()[self.index] = Some(Instant::now());
+        sink.listeners.lock()[self.index].last_message = Some(Instant::now());
         sink.activity.record(0);
         for notification in message.notification_data.into_iter().flatten() {
             let notification = match DataChanges::take(notification) {

@@ -4,6 +4,7 @@
 use std::{
     collections::{HashMap, HashSet},
     sync::Arc,
+    time::Duration,
 };
 
 use asi_model::values::{DateTime, StatusCode};
@@ -15,11 +16,12 @@ use super::{
     activity::ActivityCounters, connection::Connection, notification_sink::NotificationSink,
 };
 use crate::{
-    ChosenEndpoint, InputKey, InputProblem, MonitorRequest, ServerLimits, SourceConfig, SourceId,
-    SourceProblem, SourceState, SourceStatus, clock, context::SourceContext,
+    ChosenEndpoint, CoarseInput, GrantedIntervals, InputKey, InputProblem, MonitorRequest,
+    ServerLimits, SourceConfig, SourceId, SourceProblem, SourceState, SourceStatus, clock,
+    context::SourceContext,
 };
 
-/// Most inputs named in [`SourceStatus::not_live`].
+/// Most inputs named in [`SourceStatus::not_live`] and [`SourceStatus::coarse`].
 const NOT_LIVE_MAX: usize = 1000;
 
 pub(crate) struct SourceRecord {
@@ -53,6 +55,16 @@ struct TaskStatus {
     sink: Option<Arc<NotificationSink>>,
     input_problems: HashMap<InputKey, (StatusCode, String)>,
     findable: usize,
+    granted: Option<GrantedIntervals>,
+    /// Inputs whose queue is too short for what may come between two publishings.
+    overruns: HashMap<InputKey, GrantedItem>,
+}
+
+/// Sampling interval and queue of a monitored item as the server revised them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct GrantedItem {
+    pub(super) sampling_ms: f64,
+    pub(super) queue_size: u32,
 }
 
 impl SourceRecord {
@@ -76,6 +88,8 @@ impl SourceRecord {
                 sink: None,
                 input_problems: HashMap::new(),
                 findable: 0,
+                granted: None,
+                overruns: HashMap::new(),
             }),
         }
     }
@@ -192,6 +206,8 @@ impl SourceRecord {
         status.limits = Some(connection.limits());
         status.sink = Some(sink);
         status.input_problems.clear();
+        status.granted = None;
+        status.overruns.clear();
         drop(status);
         *self.connection.write() = Some(connection);
     }
@@ -201,6 +217,34 @@ impl SourceRecord {
         let mut status = self.status.lock();
         status.sink = None;
         status.input_problems.clear();
+    }
+
+    /// Sets what the server granted a subscription; of several, the slowest is shown.
+    pub(super) fn set_granted(
+        &self,
+        publishing: Duration,
+        keep_alive: Duration,
+        silence: Duration,
+    ) {
+        let ms = |duration: Duration| u64::try_from(duration.as_millis()).unwrap_or(u64::MAX);
+        let mut status = self.status.lock();
+        let known = status.granted;
+        let slowest =
+            |now: Duration, of: fn(GrantedIntervals) -> u64| ms(now).max(known.map_or(0, of));
+        status.granted = Some(GrantedIntervals {
+            publishing_ms: slowest(publishing, |known| known.publishing_ms),
+            keep_alive_ms: slowest(keep_alive, |known| known.keep_alive_ms),
+            silence_ms_max: slowest(silence, |known| known.silence_ms_max),
+        });
+    }
+
+    /// Sets or removes the intervals of an input whose queue is too short for them.
+    pub(super) fn set_overrun(&self, input: InputKey, granted: Option<GrantedItem>) {
+        let mut status = self.status.lock();
+        match granted {
+            Some(granted) => status.overruns.insert(input, granted),
+            None => status.overruns.remove(&input),
+        };
     }
 
     /// Sets the number of inputs with a known browse path.
@@ -219,6 +263,7 @@ impl SourceRecord {
     /// Returns the status of the source with all its evidence.
     pub(crate) fn status(&self) -> SourceStatus {
         let (inputs, not_live) = self.not_live();
+        let coarse = self.coarse();
         let status = self.status.lock();
         SourceStatus {
             source_id: self.id.clone(),
@@ -236,7 +281,35 @@ impl SourceRecord {
             clock_ahead_ms: status.clock_ahead_ms,
             endpoint: status.endpoint.clone(),
             limits: status.limits,
+            granted: status.granted,
+            coarse,
         }
+    }
+
+    /// Returns the first of the inputs of which single changes may not arrive.
+    fn coarse(&self) -> Vec<CoarseInput> {
+        let (sink, overruns) = {
+            let status = self.status.lock();
+            (status.sink.clone(), status.overruns.clone())
+        };
+        let overflows = sink.map(|sink| sink.overflows()).unwrap_or_default();
+        if overruns.is_empty() && overflows.is_empty() {
+            return Vec::new();
+        }
+        let requests = self.requests.lock();
+        let coarse = requests.by_input.values().filter_map(|request| {
+            let granted = overruns.get(&request.input);
+            let overflows = overflows.get(&request.input).copied().unwrap_or_default();
+            let is_coarse = granted.is_some() || overflows > 0;
+            is_coarse.then(|| CoarseInput {
+                input: request.input,
+                node_id: request.node_id.clone(),
+                sampling_ms: granted.map(|granted| granted.sampling_ms),
+                queue_size: granted.map(|granted| granted.queue_size),
+                overflows,
+            })
+        });
+        coarse.take(NOT_LIVE_MAX).collect()
     }
 
     /// Returns the number of requested inputs, and the first of those without a value, with the

@@ -99,7 +99,7 @@ pub(super) async fn run_session(
     }
 }
 
-/// Waits until the server has been silent for too long. While items are created any response is a
+/// Waits until a subscription has been silent for longer than what the server granted explains. While items are created any response is a
 /// sign of life, because that keeps servers busy; else each subscription must send its keep-alives.
 async fn exceeded_silence(
     connection: &Connection,
@@ -111,9 +111,9 @@ async fn exceeded_silence(
     tick.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Skip);
     loop {
         tick.tick().await;
-        let Some(silence) = sink.silence() else { continue };
+        let Some(silence) = sink.exceeded_silence() else { continue };
         let responds = is_busy.load(Ordering::Relaxed) && connection.silence() <= max;
-        if silence > max && !responds {
+        if !responds {
             let message = format!("Nothing was heard for {:.1} s.", silence.as_secs_f64());
             return SourceProblem::new(Kind::Stalled, message);
         }
@@ -281,7 +281,7 @@ impl<'a> SourceSession<'a> {
         &mut self,
         memory: &mut SourceMemory,
     ) -> Result<Option<SourceProblem>, ShopFloorError> {
-        if self.sink.silence().is_none()
+        if !self.sink.expects_messages()
             && self.state_checked_at.elapsed() > self.config.silence_max() / 2
         {
             self.state_checked_at = Instant::now();

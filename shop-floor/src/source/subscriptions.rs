@@ -1,6 +1,7 @@
 //! Monitored items of one session, kept as callers request them within the server's limits.
 
 mod create;
+mod grant;
 mod item_request;
 mod items;
 mod pool;
@@ -46,7 +47,12 @@ impl Subscriptions {
         Self {
             items: Items::new(Arc::clone(&record), changes),
             publishing_interval: config.publishing_interval(),
-            pool: SubscriptionPool::new(connection.clone(), Arc::clone(&sink), config),
+            pool: SubscriptionPool::new(
+                connection.clone(),
+                Arc::clone(&sink),
+                Arc::clone(&record),
+                config,
+            ),
             items_per_request: per_request(connection.limits().items_per_call_max),
             record,
             connection,
@@ -138,7 +144,7 @@ impl Subscriptions {
         memory: &mut SourceMemory,
     ) -> Result<(), ShopFloorError> {
         let creation = ItemCreation {
-            source: &self.record.id,
+            record: &self.record,
             connection: &self.connection,
             sink: &self.sink,
             publishing_ms: self.publishing_interval.as_secs_f64() * 1000.0,

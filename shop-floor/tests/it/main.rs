@@ -3,6 +3,7 @@
 #![allow(clippy::disallowed_methods, reason = "tests run by the machine's clock")]
 
 mod browse;
+mod controllers;
 mod foreign;
 mod hostile;
 mod monitor;

@@ -1,7 +1,7 @@
 //! Monitored items of a session by their client handles, with the last value of each.
 
 use std::{
-    collections::{HashSet, VecDeque},
+    collections::{HashMap, HashSet, VecDeque},
     time::{Duration, Instant},
 };
 
@@ -26,6 +26,8 @@ pub(super) struct ItemSlot {
     pub(super) last_at: Instant,
     /// The last value is a structure of unknown type and was not sent to the consumer.
     pub(super) awaits_type: bool,
+    /// Number of times that the server said that its queue overflowed.
+    pub(super) overflows: u64,
 }
 
 /// Last value that was notified for an item.
@@ -44,7 +46,8 @@ impl ItemSlots {
     /// Returns a client handle for a new item of an input.
     pub(super) fn reserve(&mut self, input: InputKey) -> u32 {
         let now = Instant::now();
-        let slot = Some(ItemSlot { input, last: None, last_at: now, awaits_type: false });
+        let slot =
+            Some(ItemSlot { input, last: None, last_at: now, awaits_type: false, overflows: 0 });
         let is_usable = |(at, _): &(Instant, u32)| now.duration_since(*at) > HANDLE_QUARANTINE;
         if self.released.front().is_some_and(is_usable) {
             let (_, handle) = self.released.pop_front().expect("the front was just seen");
@@ -79,6 +82,11 @@ impl ItemSlots {
     pub(super) fn live_inputs(&self) -> HashSet<InputKey> {
         let live = self.slots.iter().flatten().filter(|slot| slot.last.is_some());
         live.map(|slot| slot.input).collect()
+    }
+
+    pub(super) fn overflows(&self) -> HashMap<InputKey, u64> {
+        let overflown = self.slots.iter().flatten().filter(|slot| slot.overflows > 0);
+        overflown.map(|slot| (slot.input, slot.overflows)).collect()
     }
 
     /// Returns handles and inputs whose values await a data type; they no longer do.

@@ -17,16 +17,19 @@ use super::{
     pool::SubscriptionPool,
 };
 use crate::{
-    MonitorRequest, ShopFloorError, SourceId,
+    MonitorRequest, ShopFloorError,
     source::{
-        connection::Connection, memory::SourceMemory, notification_sink::NotificationSink,
+        connection::Connection,
+        memory::SourceMemory,
+        notification_sink::NotificationSink,
+        record::{GrantedItem, SourceRecord},
         services::translate,
     },
 };
 
 /// One run that creates items, with all that it reads and changes.
 pub(super) struct ItemCreation<'a> {
-    pub(super) source: &'a SourceId,
+    pub(super) record: &'a SourceRecord,
     pub(super) connection: &'a Connection,
     pub(super) sink: &'a NotificationSink,
     pub(super) publishing_ms: f64,
@@ -53,7 +56,7 @@ struct MissingNode {
 
 /// Outcome of one item in a request.
 enum ItemOutcome {
-    Created { item_id: u32, handle: u32 },
+    Created { item_id: u32, handle: u32, intervals: GrantedItem },
     Refused(StatusCode),
 }
 
@@ -113,7 +116,7 @@ impl ItemCreation<'_> {
                 }
                 Err(error) if item_request::is_too_large(&error) && *self.items_per_request > 1 => {
                     *self.items_per_request = (count / 2).max(1);
-                    tracing::info!(source.id = %self.source, chunk = *self.items_per_request,
+                    tracing::info!(source.id = %self.record.id, chunk = *self.items_per_request,
                         %error, "A server cannot take so many items at once; fewer are sent.");
                     requeue(queue, chunk);
                     continue;
@@ -146,9 +149,10 @@ impl ItemCreation<'_> {
     ) -> Result<Vec<ItemOutcome>, ShopFloorError> {
         let reserve = |request: &MonitorRequest| self.sink.reserve(request.input);
         let handles: Vec<_> = chunk.iter().map(|item| reserve(&item.attempt.request)).collect();
+        let grant = self.pool.grant(index);
         let requests = chunk.iter().zip(&handles).map(|(item, handle)| {
             let options = &item.attempt.request.options;
-            item_request::new(item.node_id.clone(), options, *handle, self.publishing_ms)
+            item_request::new(item.node_id.clone(), options, *handle, self.publishing_ms, grant)
         });
         let session = self.connection.session();
         // Past the session's own list of items, which would store all of them a second time.
@@ -165,7 +169,11 @@ impl ItemCreation<'_> {
         let outcomes = created.into_iter().zip(handles).map(|(item, handle)| {
             let status = item.result.status_code;
             if status.is_good() {
-                ItemOutcome::Created { item_id: item.result.monitored_item_id, handle }
+                let intervals = GrantedItem {
+                    sampling_ms: item.result.revised_sampling_interval,
+                    queue_size: item.result.revised_queue_size,
+                };
+                ItemOutcome::Created { item_id: item.result.monitored_item_id, handle, intervals }
             } else {
                 self.sink.release(handle);
                 ItemOutcome::Refused(status)
@@ -185,8 +193,9 @@ impl ItemCreation<'_> {
         let mut is_full = false;
         for (item, outcome) in chunk.into_iter().zip(outcomes) {
             match outcome {
-                ItemOutcome::Created { item_id, handle } => {
+                ItemOutcome::Created { item_id, handle, intervals } => {
                     self.pool.add_item(index);
+                    self.note_overrun(index, &item.attempt.request, intervals);
                     self.items.add_monitored(item.attempt.request, index, item_id, handle);
                 }
                 ItemOutcome::Refused(StatusCode::BadTooManyMonitoredItems) => {
@@ -210,6 +219,14 @@ impl ItemCreation<'_> {
         }
     }
 
+    /// Records an input of which changes are lost if its value changes as often as it is sampled.
+    fn note_overrun(&self, index: usize, request: &MonitorRequest, granted: GrantedItem) {
+        let GrantedItem { sampling_ms, queue_size } = granted;
+        let grant = self.pool.grant(index);
+        self.record
+            .set_overrun(request.input, grant.overruns(sampling_ms, queue_size).then_some(granted));
+    }
+
     /// Finds missing nodes at their browse paths; the others are refused.
     async fn find_by_path(
         &mut self,
@@ -230,7 +247,7 @@ impl ItemCreation<'_> {
         {
             if let Some(node_id) = targets.into_iter().next() {
                 let requested = attempt.request.node_id.clone();
-                tracing::info!(source.id = %self.source, node.id = %requested, path = %path,
+                tracing::info!(source.id = %self.record.id, node.id = %requested, path = %path,
                     "A node was found again at its browse path under another id.");
                 self.memory.add_relocated(requested, node_id.clone());
                 queue.push_back(PendingItem { attempt, node_id, is_found_by_path: true });

@@ -5,22 +5,20 @@ use opcua_stack::opcua::types::{
     NodeId, QualifiedName, ReadValueId, StatusCode,
 };
 
+use super::grant::SubscriptionGrant;
 use crate::{
     MonitorOptions, ShopFloorError,
     monitor_options::{numeric_range, sampling_interval_ms},
 };
 
-/// Longest queue requested when the options have none.
-const QUEUE_MAX: u32 = 100;
-/// Length of the queue of an item that is sampled on every change.
-const QUEUE_ON_CHANGE: u32 = 10;
-
-/// Returns the request for an item under a client handle; the interval is in milliseconds.
+/// Returns the request for an item under a client handle, in a subscription with this grant; the interval is
+/// in milliseconds.
 pub(super) fn new(
     node_id: NodeId,
     options: &MonitorOptions,
     handle: u32,
     publishing_ms: f64,
+    grant: SubscriptionGrant,
 ) -> MonitoredItemCreateRequest {
     let sampling_interval = sampling_interval_ms(options, publishing_ms);
     MonitoredItemCreateRequest {
@@ -35,21 +33,10 @@ pub(super) fn new(
             client_handle: handle,
             sampling_interval,
             filter: ExtensionObject::null(),
-            queue_size: options
-                .queue_size
-                .unwrap_or_else(|| queue_size(sampling_interval, publishing_ms)),
+            queue_size: options.queue_size.unwrap_or_else(|| grant.queue_size(sampling_interval)),
             discard_oldest: true,
         },
     }
-}
-
-/// Returns the queue length that holds all changes between two publishings.
-fn queue_size(sampling_ms: f64, publishing_ms: f64) -> u32 {
-    if sampling_ms <= 0.0 {
-        return QUEUE_ON_CHANGE;
-    }
-    let changes = (publishing_ms / sampling_ms).ceil().clamp(1.0, f64::from(QUEUE_MAX) - 1.0);
-    changes as u32 + 1
 }
 
 /// Returns true for an error after which a request with fewer items may succeed.
@@ -67,27 +54,5 @@ pub(super) fn is_too_large(error: &ShopFloorError) -> bool {
         ),
         ShopFloorError::Timeout(_) => true,
         _ => false,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn queues_hold_all_changes_between_two_publishings() {
-        for (sampling, publishing, expected) in [
-            (100.0, 100.0, 2),
-            (10.0, 100.0, 11),
-            (0.0, 20.0, 10),
-            (1.0, 60_000.0, 100),
-            (1000.0, 20.0, 2),
-        ] {
-            assert_eq!(
-                queue_size(sampling, publishing),
-                expected,
-                "{sampling} ms in {publishing} ms"
-            );
-        }
     }
 }

@@ -4,21 +4,23 @@ use std::{sync::Arc, time::Duration};
 
 use opcua_stack::limits;
 
+use super::grant::SubscriptionGrant;
 use crate::{
     ShopFloorError, SourceConfig,
     source::{
         connection::Connection,
         notification_sink::{NotificationSink, SubscriptionListener},
+        record::SourceRecord,
     },
 };
-
-/// Least time without publish requests after which a server deletes a subscription.
-const SUBSCRIPTION_LIFETIME: Duration = Duration::from_secs(30);
 
 pub(super) struct SubscriptionPool {
     connection: Connection,
     sink: Arc<NotificationSink>,
+    record: Arc<SourceRecord>,
     config: SourceConfig,
+    /// Publishing interval that the server granted before, so that others are requested at it.
+    granted_interval: Option<Duration>,
     subscriptions: Vec<Subscription>,
     /// The server takes no more items.
     is_server_full: bool,
@@ -28,6 +30,7 @@ struct Subscription {
     id: u32,
     /// Index of its listener in the notification sink.
     listener: usize,
+    grant: SubscriptionGrant,
     items: usize,
     capacity: usize,
     /// Most items that may still fit, after the server refused a request with more.
@@ -38,9 +41,18 @@ impl SubscriptionPool {
     pub(super) fn new(
         connection: Connection,
         sink: Arc<NotificationSink>,
+        record: Arc<SourceRecord>,
         config: SourceConfig,
     ) -> Self {
-        Self { connection, sink, config, subscriptions: Vec::new(), is_server_full: false }
+        Self {
+            connection,
+            sink,
+            record,
+            config,
+            granted_interval: None,
+            subscriptions: Vec::new(),
+            is_server_full: false,
+        }
     }
 
     pub(super) fn is_server_full(&self) -> bool {
@@ -57,6 +69,11 @@ impl SubscriptionPool {
         self.subscriptions[index].id
     }
 
+    /// Returns what the server granted a subscription.
+    pub(super) fn grant(&self, index: usize) -> SubscriptionGrant {
+        self.subscriptions[index].grant
+    }
+
     /// Returns the number of items that may fit into a subscription.
     pub(super) fn room(&self, index: usize) -> usize {
         let subscription = &self.subscriptions[index];
@@ -70,36 +87,24 @@ impl SubscriptionPool {
         if let Some(index) = self.subscriptions.iter().position(has_room) {
             return Ok(Some(index));
         }
-        let interval = self.config.publishing_interval();
-        let count = |duration: Duration| {
-            (duration.as_secs_f64() / interval.as_secs_f64()).ceil().max(1.0) as u32
-        };
-        let keep_alive_count = count(self.config.silence_max() / 3);
-        // A lifetime shorter than three keep-alives is not allowed (OPC 10000-4 §5.14.2).
-        let lifetime_count = count(SUBSCRIPTION_LIFETIME).max(keep_alive_count.saturating_mul(3));
         let listener = self.sink.add_listener();
-        let created = self.connection.session().create_subscription(
-            interval,
-            lifetime_count,
-            keep_alive_count,
-            0,
-            0,
-            true,
-            SubscriptionListener::new(Arc::clone(&self.sink), listener),
-        );
-        match self.connection.request(created).await {
-            Ok(id) => {
+        match self.create(listener).await {
+            Ok((id, grant)) => {
+                let silence_limit = grant.silence_limit(self.config.silence_max());
+                self.sink.set_silence_limit(listener, silence_limit);
+                self.granted_interval = Some(grant.interval);
+                self.record.set_granted(grant.interval, grant.keep_alive(), silence_limit);
                 let limit = self.connection.limits().items_per_subscription_max;
                 let limit =
                     limit.and_then(|limit| usize::try_from(limit).ok()).unwrap_or(usize::MAX);
                 let capacity = limits::ITEMS_PER_SUBSCRIPTION.min(limit).max(1);
-                let room_guess = usize::MAX;
                 self.subscriptions.push(Subscription {
                     id,
                     listener,
+                    grant,
                     items: 0,
                     capacity,
-                    room_guess,
+                    room_guess: usize::MAX,
                 });
                 Ok(Some(self.subscriptions.len() - 1))
             }
@@ -111,6 +116,50 @@ impl SubscriptionPool {
             }
             Err(error) => Err(error),
         }
+    }
+
+    /// Creates a subscription. One whose signs of life would come much more rarely than is wanted, because
+    /// the server publishes more slowly than was requested, is created once more at the interval that the
+    /// server granted: not all servers can modify one.
+    async fn create(&self, listener: usize) -> Result<(u32, SubscriptionGrant), ShopFloorError> {
+        let silence_max = self.config.silence_max();
+        let interval = self.granted_interval.unwrap_or_else(|| self.config.publishing_interval());
+        let (id, grant) = self.request(listener, interval).await?;
+        if grant.interval == interval || !grant.is_quieter_than_wanted(silence_max) {
+            return Ok((id, grant));
+        }
+        let deleted = self.connection.session().delete_subscription(id);
+        match self.connection.request(deleted).await {
+            Ok(_) | Err(ShopFloorError::Refused { .. }) => {}
+            Err(error) => return Err(error),
+        }
+        self.request(listener, grant.interval).await
+    }
+
+    async fn request(
+        &self,
+        listener: usize,
+        interval: Duration,
+    ) -> Result<(u32, SubscriptionGrant), ShopFloorError> {
+        let request = SubscriptionGrant::request(interval, self.config.silence_max());
+        let session = self.connection.session();
+        let created = session.create_subscription(
+            request.interval,
+            request.lifetime_count(),
+            request.keep_alive_count,
+            0,
+            0,
+            true,
+            SubscriptionListener::new(Arc::clone(&self.sink), listener),
+        );
+        let id = self.connection.request(created).await?;
+        let state = session.subscription_state().lock();
+        let grant = state.get(id).map_or(request, |known| SubscriptionGrant {
+            // Zero would be "as fast as possible", which no server means.
+            interval: known.publishing_interval().max(Duration::from_millis(1)),
+            keep_alive_count: known.max_keep_alive_count().max(1),
+        });
+        Ok((id, grant))
     }
 
     pub(super) fn add_item(&mut self, index: usize) {
