@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # Feeds random input to every edge of the programs and prints what came of it.
 #
-#   tools/fuzz.sh SECONDS|HOURSh [TARGET...]
+#   tools/fuzz.sh SECONDS|HOURSh|keep [TARGET...]
 #
 # Each folder `fuzz` of a package has targets for libFuzzer and, below `corpus/TARGET`, what former runs found worth
 # keeping; the tests of the package replay it. A target that takes more than 256 MB has found something: an input
 # has 4 KB at most. A target gets SECONDS, or its part of HOURS; as many run at a time as
-# there are processors. New inputs go to target/fuzz/corpus, and what broke a target to target/fuzz/found. Needs the
+# there are processors. `keep` stores what was grown, short inputs that together reach all that all of them reach,
+# as `corpus/TARGET.base64`, a line each; a run begins with them. New inputs go to target/fuzz/corpus, and what broke a target to target/fuzz/found. Needs the
 # Rust and C++ compilers only: the instrumentation is by stable options of the compiler.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -33,6 +34,39 @@ for manifest in asi-model/fuzz platform/broker/fuzz opcua-stack/fuzz mapping-eng
 done
 [ ${#targets[@]} != 0 ] || { echo "No target is called $*." >&2; exit 2; }
 
+# Stores what was grown beside the committed corpus.
+keep() {
+  local folder=$1 name=$2 merged=$root/target/fuzz/merged/$2
+  rm -rf "$merged" && mkdir -p "$merged"
+  "$CARGO_TARGET_DIR/$host/release/$name" -merge=1 -max_len=300 -rss_limit_mb=2048 "$merged" "$root/target/fuzz/corpus/$name" \
+    "$root/$folder/corpus/$name" >"$root/target/fuzz/$name.merge.log" 2>&1
+  for input in "$merged"/*; do base64 -w0 "$input" && echo; done | LC_ALL=C sort >"$root/$folder/corpus/$name.base64"
+  echo "$name: $(wc -l <"$root/$folder/corpus/$name.base64") inputs kept"
+}
+
+# Lets a run begin with what was kept.
+unpack() {
+  local folder=$1 name=$2 corpus=$root/target/fuzz/corpus/$2 number=0
+  mkdir -p "$corpus"
+  [ -z "$(ls -A "$corpus")" ] || return 0
+  while read -r line; do
+    number=$((number + 1))
+    base64 -d <<<"$line" >"$corpus/kept-$number"
+  done <"$root/$folder/corpus/$name.base64"
+}
+
+if [ "$seconds" = keep ]; then
+  for target in "${targets[@]}"; do
+    # shellcheck disable=SC2086
+    keep $target
+  done
+  exit
+fi
+for target in "${targets[@]}"; do
+  # shellcheck disable=SC2086
+  unpack $target
+done
+
 if [[ $seconds == *h ]]; then
   seconds=$((${seconds%h} * 3600 * $(nproc) / ${#targets[@]}))
 fi
@@ -48,6 +82,8 @@ play() {
   local count most
   count=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
   most=$(sed -n 's/^stat::peak_rss_mb: *//p' "$log")
+  # A target that plays nothing finds nothing.
+  [ "${count:-0}" -ge 1000 ] || [ "$result" != "nothing found" ] || result="FOUND: only ${count:-no} inputs"
   echo "$name: ${count:-no} inputs, at most ${most:-unknown} MB: $result"
   [ "$result" = "nothing found" ]
 }

@@ -200,7 +200,12 @@ impl Accounts for StoredAccounts {
         digest: &str,
     ) -> Result<bool, AccountsError> {
         in_transaction!(self, work => {
-            work.second_factors().use_recovery_code(user_name, digest).await?
+            let is_used = work.second_factors().use_recovery_code(user_name, digest).await?;
+            if is_used {
+                let change = AccountChange { by: user_name, operation: "signIn" };
+                self.record(&mut work, change, user_name, "recovery-codes").await?;
+            }
+            is_used
         })
     }
 

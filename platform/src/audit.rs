@@ -2,8 +2,18 @@
 //!
 //! What a person or program changes it changes in a [`RecordedWork`], which commits together with its
 //! entry or not at all. The API has a [`RecordingStore`] and no other way to write.
+//!
+//! An operation that changed nothing is recorded once an hour for each person, operation and subject:
+//! with more, a person could push the record of what was changed out by repeating what changes nothing.
 
-use std::ops::{Deref, DerefMut};
+use std::{
+    collections::HashMap,
+    ops::{Deref, DerefMut},
+    sync::Arc,
+};
+
+use asi_model::DateTime;
+use parking_lot::Mutex;
 
 use crate::{
     clock::{Clock, new_opaque_id},
@@ -19,13 +29,39 @@ use crate::{
 pub struct RecordingStore {
     store: Store,
     clock: Clock,
+    repeats: Arc<Mutex<Repeats>>,
+}
+
+/// Time within which an operation that changes nothing is recorded once, in steps of 100 ns.
+const REPEAT_TICKS: i64 = 3600 * 10_000_000;
+/// Most operations that are remembered. Beyond, all are forgotten, and recorded once more.
+const REPEATS_MAX: usize = 10_000;
+
+/// Operations that changed nothing, with the times of their entries, by agent, operation and subject.
+#[derive(Debug, Default)]
+struct Repeats(HashMap<(String, &'static str, String), DateTime>);
+
+impl Repeats {
+    /// Returns true where the same is on record of the last hour.
+    fn is_on_record(&self, key: &(String, &'static str, String), now: DateTime) -> bool {
+        let passed = self.0.get(key).map(|at| now.ticks().saturating_sub(at.ticks()));
+        // A clock that was set back is no reason to record less.
+        passed.is_some_and(|passed| (0..REPEAT_TICKS).contains(&passed))
+    }
+
+    fn put(&mut self, key: (String, &'static str, String), now: DateTime) {
+        if self.0.len() >= REPEATS_MAX {
+            self.0.clear();
+        }
+        self.0.insert(key, now);
+    }
 }
 
 impl RecordingStore {
     /// Records what is changed in this store.
     #[must_use]
-    pub const fn new(store: Store, clock: Clock) -> Self {
-        Self { store, clock }
+    pub fn new(store: Store, clock: Clock) -> Self {
+        Self { store, clock, repeats: Arc::default() }
     }
 
     /// Begins a unit of work for an operation of an agent. `operation` is its id in the description of
@@ -39,7 +75,9 @@ impl RecordingStore {
         operation: &'static str,
     ) -> Result<RecordedWork, StoreError> {
         let work = self.store.begin().await?;
-        Ok(RecordedWork { work, agent: agent.into(), operation, clock: self.clock.clone() })
+        let (agent, clock) = (agent.into(), self.clock.clone());
+        let repeats = Arc::clone(&self.repeats);
+        Ok(RecordedWork { work, agent, operation, clock, repeats })
     }
 
     /// Begins a unit of work that only reads, on one consistent state.
@@ -77,10 +115,12 @@ pub struct RecordedWork {
     agent: AuditAgent,
     operation: &'static str,
     clock: Clock,
+    repeats: Arc<Mutex<Repeats>>,
 }
 
 impl RecordedWork {
-    /// Makes the work permanent, with the entry of who did it to what.
+    /// Makes the work permanent, with the entry of who did it to what. Of what changed nothing an entry of
+    /// the last hour is enough.
     ///
     /// # Errors
     /// [`StoreError::Statement`]; then neither has happened.
@@ -89,16 +129,26 @@ impl RecordedWork {
         subject: AuditSubject,
         outcome: AuditOutcome,
     ) -> Result<(), StoreError> {
+        let now = self.clock.now();
+        let key = (self.agent.name.clone(), self.operation, subject.path.clone());
+        let is_unchanged = outcome == AuditOutcome::Unchanged;
+        if is_unchanged && self.repeats.lock().is_on_record(&key, now) {
+            return self.work.commit().await;
+        }
         let entry = NewAuditEntry {
             entry_id: new_opaque_id(),
-            recorded_at: self.clock.now(),
+            recorded_at: now,
             agent: &self.agent,
             operation: self.operation,
             subject: &subject,
             outcome,
         };
         self.work.audit().add(&entry).await?;
-        self.work.commit().await
+        self.work.commit().await?;
+        if is_unchanged {
+            self.repeats.lock().put(key, now);
+        }
+        Ok(())
     }
 
     /// Names the agent where it becomes known within the work, as the factory of a token.
@@ -137,5 +187,30 @@ pub struct CommandLine;
 impl From<CommandLine> for AuditAgent {
     fn from(_: CommandLine) -> Self {
         Self { kind: AuditAgentKind::Command, name: "platform".to_owned(), organisation_id: None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(seconds: i64) -> DateTime {
+        DateTime::from_unix_micros(seconds * 1_000_000)
+    }
+
+    #[test]
+    fn what_changed_nothing_is_recorded_once_an_hour() {
+        let mut repeats = Repeats::default();
+        let key = |path: &str| ("ann".to_owned(), "putNetwork", path.to_owned());
+        assert!(!repeats.is_on_record(&key("a"), at(0)));
+        repeats.put(key("a"), at(0));
+        assert!(repeats.is_on_record(&key("a"), at(3599)));
+        assert!(!repeats.is_on_record(&key("b"), at(1)), "another subject");
+        assert!(!repeats.is_on_record(&key("a"), at(3600)));
+        assert!(!repeats.is_on_record(&key("a"), at(-1)), "the clock was set back");
+        for number in 0..=REPEATS_MAX {
+            repeats.put(key(&number.to_string()), at(0));
+        }
+        assert!(repeats.0.len() <= REPEATS_MAX);
     }
 }

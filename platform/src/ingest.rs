@@ -11,6 +11,7 @@ mod apply;
 mod dead_letter;
 mod decode;
 mod heartbeats;
+mod known_meta_data;
 mod lease_arbiter;
 mod pace;
 mod quota_arbiter;

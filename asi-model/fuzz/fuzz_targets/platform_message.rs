@@ -2,30 +2,7 @@
 //! scheduled.
 #![no_main]
 
-use asi_model::{
-    difference::difference,
-    instance::{self, Instance},
-    messages::PlatformMessage,
-    node_set,
-    schedule::Schedule,
-    split,
-    validation::{parse_any_platform_message, parse_network},
-};
-use libfuzzer_sys::fuzz_target;
+#[path = "../inputs/platform_message.rs"]
+mod platform_message;
 
-fuzz_target!(|bytes: &[u8]| {
-    let _ = parse_network(bytes);
-    match parse_any_platform_message(bytes) {
-        Err(rejection) => assert!(!rejection.faults.is_empty() && rejection.faults.len() <= 101),
-        Ok(message) => {
-            let PlatformMessage::OperationNetwork(request) = &message else { return };
-            let network = &request.operation_network;
-            let _ = Schedule::of(network);
-            let part = split::factory_part(network, &request.factory_id);
-            let _ = difference(network, &part);
-            assert!(difference(network, network).is_empty());
-            let nodes = instance::node_set(&Instance::new(request));
-            assert!(node_set::read(node_set::write(&nodes).as_bytes()).is_ok());
-        }
-    }
-});
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| platform_message::platform_message(bytes));

@@ -1,51 +1,54 @@
-//! The fuzz targets' committed inputs, replayed in every run: no panic, and what is read is read
-//! alike once written.
+//! The inputs of the fuzz targets, replayed in every run.
 
-use std::path::Path;
+#[path = "../../fuzz/inputs/factory_message.rs"]
+mod factory_message;
+#[path = "../../fuzz/inputs/node_set.rs"]
+mod node_set;
+#[path = "../../fuzz/inputs/platform_message.rs"]
+mod platform_message;
+#[path = "../../fuzz/inputs/pubsub.rs"]
+mod pubsub;
+#[path = "../../fuzz/inputs/texts.rs"]
+mod texts;
+#[path = "../../fuzz/inputs/value.rs"]
+mod value;
 
-use asi_model::{
-    instance, node_set,
-    opcua_json::{DataEncoding, DecodedValue, Leniency, decode_value, encode_variant},
-    pubsub::json::{Encoding, decode, encode_message},
-    validation::{parse_any_platform_message, parse_factory_message},
-};
-
-#[test]
-fn the_corpus_replays() {
-    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus");
-    let mut count = 0;
-    for target in std::fs::read_dir(corpus).unwrap() {
-        for input in std::fs::read_dir(target.unwrap().path()).unwrap() {
-            let bytes = std::fs::read(input.unwrap().path()).unwrap();
-            replay(&bytes);
-            count += 1;
-        }
+fn replay(target: &str, play: impl Fn(&[u8])) {
+    let package = env!("CARGO_MANIFEST_DIR");
+    let inputs = testkit::corpus::inputs(package, target);
+    assert!(inputs.len() >= 2, "{} inputs of {target}", inputs.len());
+    for input in inputs.into_iter().chain(testkit::corpus::grown(package, target)) {
+        play(&input);
+        play(&input[..input.len() / 2]);
     }
-    assert!(count > 100, "{count} inputs");
 }
 
-fn replay(bytes: &[u8]) {
-    let _ = parse_factory_message(bytes);
-    if let Ok(message) = parse_any_platform_message(bytes) {
-        let text = serde_json::to_vec(&message).unwrap();
-        assert_eq!(parse_any_platform_message(&text), Ok(message));
-    }
-    if let Ok(nodes) = node_set::read(bytes) {
-        let _ = instance::to_json(&nodes, "m");
-        assert!(node_set::read(node_set::write(&nodes).as_bytes()).is_ok());
-    }
-    if let Ok((DecodedValue::Variant(value), _)) = decode_value(bytes, Leniency::Lenient, &[], &[])
-    {
-        let text = encode_variant(&value, DataEncoding::Reversible104);
-        let again = decode_value(&text, Leniency::Lenient, &[], &[]).unwrap().0;
-        let (DecodedValue::Variant(again) | DecodedValue::Bare(again)) = again else {
-            panic!("a variant")
-        };
-        // As text, since NaN is no equal of itself.
-        assert_eq!(encode_variant(&again, DataEncoding::Reversible104), text);
-    }
-    if let Ok(decoded) = decode(bytes) {
-        let text = encode_message(&decoded.message, Encoding::Digicor);
-        assert!(decode(&text).is_ok());
-    }
+#[test]
+fn the_corpus_of_factory_messages_replays() {
+    replay("factory_message", factory_message::factory_message);
+}
+
+#[test]
+fn the_corpus_of_platform_messages_replays() {
+    replay("platform_message", platform_message::platform_message);
+}
+
+#[test]
+fn the_corpus_of_node_sets_replays() {
+    replay("node_set", node_set::node_set);
+}
+
+#[test]
+fn the_corpus_of_pubsub_messages_replays() {
+    replay("pubsub", pubsub::pubsub);
+}
+
+#[test]
+fn the_corpus_of_values_replays() {
+    replay("value", value::value);
+}
+
+#[test]
+fn the_corpus_of_texts_replays() {
+    replay("texts", |bytes| texts::texts(&String::from_utf8_lossy(bytes)));
 }

@@ -6,7 +6,7 @@ use script_protocol::ScriptLimits;
 use serde::{Deserialize, Serialize};
 
 /// User without rights on any system.
-const NOBODY: u32 = 65_534;
+pub(super) const NOBODY: u32 = 65_534;
 
 /// JavaScript engine. Each is a worker binary of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -14,7 +14,7 @@ use tokio::{
 };
 
 use super::{
-    config::ScriptConfig,
+    config::{NOBODY, ScriptConfig},
     status::{WorkerPlace, WorkerWalls, refusal},
 };
 
@@ -63,13 +63,23 @@ impl Process {
         let own_user = (host_user.is_root() && config.user_id != 0).then_some(config.user_id);
         let mut child = match spawn(&path, own_user) {
             // As from a folder that is the connector's alone: its other walls stand.
-            Err(error) if own_user.is_some() && error.kind() == io::ErrorKind::PermissionDenied => {
+            Err(error)
+                if own_user == Some(NOBODY) && error.kind() == io::ErrorKind::PermissionDenied =>
+            {
                 tracing::warn!(
                     user.id = own_user,
                     file = %path.display(),
                     "The user of script workers may not run this file; they run as the connector's user."
                 );
                 spawn(&path, None)
+            }
+            // A user that was chosen is meant: nothing runs as another one instead.
+            Err(error) if own_user.is_some() && error.kind() == io::ErrorKind::PermissionDenied => {
+                let reason = format!(
+                    "the user of script workers may not run {}: let others read and run it and its folders",
+                    path.display()
+                );
+                Err(io::Error::new(error.kind(), reason))
             }
             spawned => spawned,
         }

@@ -112,6 +112,9 @@ pub async fn replay(
     let is_taken = match (kind, app.broker_access.broker()) {
         ("broker", Some(broker)) => {
             let number = number.parse().map_err(|_| not_found())?;
+            // The broker's own store has it: what is on record here is that it was tried, before it is.
+            let work = app.store.begin(&who.principal, "replayDeadLetter").await?;
+            work.commit(subject_of(&id), AuditOutcome::Done).await?;
             let count = broker
                 .replay_dead_letters(&[number])
                 .await
@@ -119,9 +122,6 @@ pub async fn replay(
             if count == 0 {
                 return Err(not_found());
             }
-            // The broker's own store has it: what is on record here is that it was tried.
-            let work = app.store.begin(&who.principal, "replayDeadLetter").await?;
-            work.commit(subject_of(&id), AuditOutcome::Done).await?;
             true
         }
         ("ingest", _) => replay_own(&app, &who.principal, number.parse().map_err(|_| not_found())?)

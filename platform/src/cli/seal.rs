@@ -2,7 +2,12 @@
 
 use clap::Subcommand;
 use daemon::{data_directory, sealing};
-use platform::{config::PlatformConfig, store::Store};
+use platform::{
+    audit::{CommandLine, RecordingStore},
+    clock::Clock,
+    config::PlatformConfig,
+    store::{AuditOutcome, AuditSubject, Store},
+};
 
 use super::output::print;
 
@@ -23,11 +28,15 @@ pub(super) async fn run(command: SealCommand, config: &PlatformConfig) -> anyhow
     let sealer = config.sealer();
     data_directory::create(&config.data_directory, config.allow_shared_data_directory)?;
     let mut store = Store::open(&config.database_path()).await?;
+    let recording = RecordingStore::new(store.clone(), Clock::system());
     if let SealCommand::Rotate = command {
+        // Before the act, which has transactions of its own: what was tried is on record, however it ends.
+        record(&recording, "rotateSealingKey", "sealing-key").await?;
         let count = sealing::rotate(&mut store, &sealer).await?;
         let path = sealer.place().path().display();
         return print(&format!("{count} secret(s) are sealed with a new key, which is in {path}."));
     }
+    record(&recording, "forgetSecrets", "secrets").await?;
     let forgotten = sealing::forget(&mut store, &sealer).await?;
     if forgotten.is_empty() {
         return print("Every secret opens; nothing was removed.");
@@ -39,4 +48,10 @@ pub(super) async fn run(command: SealCommand, config: &PlatformConfig) -> anyhow
         ))?;
     }
     Ok(())
+}
+
+async fn record(store: &RecordingStore, operation: &'static str, path: &str) -> anyhow::Result<()> {
+    let work = store.begin(CommandLine, operation).await?;
+    let subject = AuditSubject { path: path.to_owned(), concerned: None };
+    Ok(work.commit(subject, AuditOutcome::Done).await?)
 }

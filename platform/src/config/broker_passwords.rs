@@ -70,6 +70,11 @@ impl ExternalBrokerConfig {
             let cause = cause.map(|cause| format!(": {cause}")).unwrap_or_default();
             faults.push(format!("broker.external.password_file: {error}{cause}"));
         }
+        let is_short = |own: &Confidential<String>| own.expose().len() < CHARACTERS_MIN;
+        if self.password.as_ref().is_some_and(is_short) {
+            let short = BrokerPasswordError::Short { user_name: self.user_name.clone() };
+            faults.push(format!("broker.external.password: {short}"));
+        }
         for account in &self.accounts {
             if account.password.expose().len() < CHARACTERS_MIN {
                 let short = BrokerPasswordError::Short { user_name: account.user_name.clone() };

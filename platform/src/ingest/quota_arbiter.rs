@@ -34,7 +34,8 @@ const META_DATA: Quota = Quota {
     share: "meta_data",
     what: "writers with metadata",
     rows_max: 10_000,
-    bytes_max: 64 * 1024 * 1024,
+    // The description of a structure takes some eight times its JSON in memory.
+    bytes_max: 16 * 1024 * 1024,
 };
 const OFFERS: Quota = Quota {
     share: "offers",

@@ -1,11 +1,8 @@
 //! The task that writes what arrives, and the handle that brings it.
 
-use std::{collections::HashMap, sync::Arc, time::Duration};
+use std::{sync::Arc, time::Duration};
 
-use asi_model::{
-    FactoryId,
-    pubsub::{DataSetMetaData, MetaDataLookup, PubSubMessage, json::decode},
-};
+use asi_model::pubsub::{PubSubMessage, json::decode};
 use async_trait::async_trait;
 use daemon::web::shares::count_refusal;
 use messaging::{Delivery, LogicalAddress, Settlement};
@@ -17,6 +14,7 @@ use super::{
     apply::Applier,
     decode::{Incoming, decode as understand},
     heartbeats::Heartbeats,
+    known_meta_data::MetaDataTable,
     pace::Pace,
     quota_arbiter::QUOTA_EXCEEDED,
     room::{Room, RoomConfig},
@@ -40,9 +38,6 @@ const DECODED_INLINE_BYTES_MAX: usize = 64 * 1024;
 const BATCHES_WAITING_MAX: usize = 64;
 /// Batches written in one transaction.
 const BATCHES_PER_WORK_MAX: usize = 32;
-
-/// The metadata of all writers; replaced as a whole, so that decoding holds no lock.
-type MetaDataTable = HashMap<(FactoryId, u16), DataSetMetaData>;
 
 /// Rules of the ingest.
 #[derive(Debug, Clone)]
@@ -108,12 +103,12 @@ impl Ingest {
         clock: Clock,
     ) -> Result<(Self, IngestHandle), StoreError> {
         // Writers send metadata once, and reports that arrive after a restart need it.
-        let mut table = MetaDataTable::new();
+        let mut table = MetaDataTable::default();
         for (factory, body) in store.read().await?.meta_data().list().await? {
             if let Ok(PubSubMessage::MetaData(message)) =
                 decode(body.as_bytes()).map(|decoded| decoded.message)
             {
-                table.insert((factory, message.data_set_writer_id), message.meta_data);
+                table.put(factory, message.data_set_writer_id, message.meta_data);
             }
         }
         let meta_data = Arc::new(RwLock::new(Arc::new(table)));
@@ -249,7 +244,9 @@ impl Ingest {
         if !effects.meta_data.is_empty() {
             // A copy: those who decode at the moment hold the table as it was.
             let mut table = (**self.meta_data.read()).clone();
-            table.extend(effects.meta_data);
+            for ((factory, writer), meta_data) in effects.meta_data {
+                table.put(factory, writer, meta_data);
+            }
             *self.meta_data.write() = Arc::new(table);
         }
         self.live.publish(effects.notifications);
@@ -334,7 +331,7 @@ impl IngestHandle {
         let bytes: usize = deliveries.iter().map(|delivery| delivery.envelope.body.len()).sum();
         let decoded_address = address.clone();
         let decode_all = move || -> Vec<Incoming> {
-            let known = KnownMetaData { factory: decoded_address.factory_id(), table: &table };
+            let known = table.of(decoded_address.factory_id());
             deliveries
                 .iter()
                 .map(|delivery| understand(&decoded_address, delivery, &known, &signing))
@@ -364,18 +361,6 @@ impl IngestHandle {
             return Vec::new();
         }
         answer.await.unwrap_or_default()
-    }
-}
-
-/// The metadata of one factory's writers.
-struct KnownMetaData<'t> {
-    factory: Option<&'t FactoryId>,
-    table: &'t MetaDataTable,
-}
-
-impl MetaDataLookup for KnownMetaData<'_> {
-    fn meta_data(&self, _publisher: Option<&str>, writer: Option<u16>) -> Option<&DataSetMetaData> {
-        self.table.get(&(self.factory?.clone(), writer?))
     }
 }
 

@@ -315,3 +315,16 @@ async fn what_one_organisation_does_pushes_out_no_entry_of_another() {
     let subjects: Vec<String> = all(&store).await.into_iter().map(|entry| entry.subject).collect();
     assert_eq!(subjects, ["quiet/1", "busy/5", "busy/6", "busy/7"]);
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_change_that_changes_nothing_is_recorded_once() {
+    let world = World::start().await;
+    let (admin, buyer, _munich, _hamburg) = story::accepted(&world).await;
+    let before = lines(&admin).await.len();
+    for _ in 0..20 {
+        story::put_network(&buyer, story::network()).await;
+    }
+    let after = lines(&admin).await;
+    assert_eq!(after.len(), before + 1, "{after:?}");
+    assert!(after[before].ends_with("UNCHANGED"), "{after:?}");
+}

@@ -72,7 +72,7 @@ impl Validator {
         match known.check(&leaf, is_trusted) {
             Err(CertificateError::Unknown) if self.trust_unknown => {
                 tracing::warn!(
-                    certificate.subject = %leaf.subject(),
+                    certificate.subject = %shown(&leaf.subject().to_string()),
                     "DEVELOPMENT SETTING: the twin accepts a certificate that nobody approved."
                 );
             }
@@ -188,7 +188,7 @@ impl CertificateValidator for Validator {
         let result = result.and(if fits { Ok(()) } else { Err(CertificateError::KeyLength) });
         result.map_err(|error| {
             tracing::warn!(
-                certificate.subject = certificate.subject_name(),
+                certificate.subject = %shown(&certificate.subject_name()),
                 certificate.thumbprint = certificate.thumbprint().as_hex_string(),
                 peer.address = bearer.address.map(tracing::field::display),
                 reason = %error,
@@ -288,6 +288,13 @@ fn remove(path: &Path) {
     if let Err(error) = fs::remove_file(path) {
         tracing::warn!(%error, path = %path.display(), "An old rejected certificate could not be removed.");
     }
+}
+
+/// Longest part of a subject in the log: strangers choose it.
+const SUBJECT_CHARS_MAX: usize = 200;
+
+fn shown(subject: &str) -> String {
+    subject.chars().take(SUBJECT_CHARS_MAX).collect()
 }
 
 #[cfg(test)]

@@ -5,14 +5,10 @@ mod decode;
 #[path = "../../fuzz/inputs/session.rs"]
 mod session;
 
-use std::path::Path;
+const PACKAGE: &str = env!("CARGO_MANIFEST_DIR");
 
 fn corpus(target: &str) -> Vec<Vec<u8>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(target);
-    let inputs = std::fs::read_dir(folder).expect("a corpus");
-    let inputs: Vec<_> = inputs
-        .map(|input| std::fs::read(input.expect("an entry").path()).expect("an input"))
-        .collect();
+    let inputs = testkit::corpus::inputs(PACKAGE, target);
     assert!(inputs.len() >= 10, "{} inputs of {target}", inputs.len());
     inputs
 }
@@ -31,6 +27,7 @@ fn the_corpus_of_frames_replays() {
             }
         }
     }
+    testkit::corpus::grown(PACKAGE, "decode").iter().for_each(|input| decode::decode(input));
 }
 
 #[test]
@@ -39,4 +36,5 @@ fn the_corpus_of_sessions_replays() {
         session::session(&input);
         session::session(&input[..input.len() / 2]);
     }
+    testkit::corpus::grown(PACKAGE, "session").iter().for_each(|input| session::session(input));
 }

@@ -21,8 +21,10 @@ pub(super) fn choose<'a>(
         let Some(policy) = policy_of(endpoint) else { return false };
         let mode = mode_of(endpoint.security_mode);
         match choice {
+            // The list of endpoints comes without protection: who takes the encrypted ones out of it must
+            // not get values that are signed alone, which everybody on the network reads.
             SecurityChoice::Strongest => {
-                policy != SecurityPolicy::None && mode != MessageSecurity::None
+                policy != SecurityPolicy::None && mode == MessageSecurity::SignAndEncrypt
             }
             SecurityChoice::None => policy == SecurityPolicy::None,
             SecurityChoice::Exactly { policy: chosen_policy, mode: chosen_mode } => {
@@ -35,7 +37,7 @@ pub(super) fn choose<'a>(
         let names: Vec<_> = offered.iter().map(offer_name).collect();
         let hint = match choice {
             SecurityChoice::Strongest => {
-                "only unprotected or outdated endpoints; choose \"none\" to accept that"
+                "no endpoint with encryption that is not outdated; choose one of these to accept that"
             }
             SecurityChoice::None => "no unprotected endpoint",
             SecurityChoice::Exactly { .. } => "no endpoint with the wanted policy and mode",
@@ -182,6 +184,7 @@ mod tests {
         check(&offered, SecurityChoice::None, &Identity::Anonymous, Some("None None"));
         check(&offered, exactly(MessageSecurity::Sign), &user, Some("Basic256Sha256 Sign"));
         check(&offered[..2], SecurityChoice::Strongest, &user, Option::None);
+        check(&offered[..3], SecurityChoice::Strongest, &user, Option::None);
         check(&offered[4..], SecurityChoice::Strongest, &user, Option::None);
     }
 

@@ -14,7 +14,8 @@ export const sources: typeof English = {
     idHint: 'Buchstaben, Ziffern, - und _. Später nicht mehr zu ändern.',
     endpointUrl: 'Adresse',
     security: 'Sicherheit',
-    securityStrongest: 'Die stärkste, die der Server anbietet',
+    securityStrongest: 'Die stärkste Verschlüsselung, die der Server anbietet',
+    securitySigned: 'Signiert, nicht verschlüsselt (Basic256Sha256)',
     securityNone: 'Keine (nur in einem vertrauten Netz)',
     securityExactly: 'Wie eingerichtet',
     identity: 'Anmelden als',
@@ -27,6 +28,18 @@ export const sources: typeof English = {
     passwordUnprotectedHint:
       'Jeder im Netz kann es lesen. Ohne dies wird es nicht gesendet, und die Quelle bleibt unverbunden.',
     publishingInterval: 'Sendeintervall (ms)',
+    publishingIntervalHint: 'Was gewünscht wird. Viele Steuerungen gewähren 100 bis 1000 ms.',
+    silence: 'Aufgegeben nach Stille von (ms)',
+    silenceHint: 'Ein langsamerer Server bekommt die Zeit, die er für ein Lebenszeichen braucht.',
+    granted: 'Der Server gewährt',
+    grantedIntervals: (publishing: string, keepAlive: string, silence: string) =>
+      `Änderungen alle ${publishing} ms, ein Lebenszeichen alle ${keepAlive} ms; aufgegeben nach ${silence} ms`,
+    coarse: 'Eingänge, denen einzelne Änderungen fehlen können',
+    coarseHint:
+      'Der neueste Wert kommt immer an. Änderungen zwischen zwei Nachrichten vielleicht nicht.',
+    coarseQueue: (queue: string, sampling: string) =>
+      `Der Server hebt zwischen zwei Nachrichten ${queue} Änderungen auf und sieht alle ${sampling} ms nach.`,
+    coarseOverflows: (count: string) => `Er hat ${count}-mal Änderungen verworfen.`,
     state: {
       connected: 'Verbunden',
       subscribing: 'Abonniert',

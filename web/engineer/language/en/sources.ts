@@ -11,7 +11,8 @@ export const sources = {
     idHint: 'Letters, digits, - and _. It cannot be changed later.',
     endpointUrl: 'Address',
     security: 'Security',
-    securityStrongest: 'The strongest that the server offers',
+    securityStrongest: 'The strongest encryption that the server offers',
+    securitySigned: 'Signed, not encrypted (Basic256Sha256)',
     securityNone: 'None (only on a trusted network)',
     securityExactly: 'As configured',
     identity: 'Sign in as',
@@ -24,6 +25,17 @@ export const sources = {
     passwordUnprotectedHint:
       'Everybody on the network can read it. Without this it is not sent, and the source stays unconnected.',
     publishingInterval: 'Publishing interval (ms)',
+    publishingIntervalHint: 'What is asked for. Many controllers grant 100 to 1000 ms.',
+    silence: 'Given up after silence of (ms)',
+    silenceHint: 'A slower server is given the time that it takes for a sign of life.',
+    granted: 'The server grants',
+    grantedIntervals: (publishing: string, keepAlive: string, silence: string) =>
+      `changes every ${publishing} ms, a sign of life every ${keepAlive} ms; given up after ${silence} ms`,
+    coarse: 'Inputs that may miss single changes',
+    coarseHint: 'The newest value always arrives. Changes between two messages may not.',
+    coarseQueue: (queue: string, sampling: string) =>
+      `The server keeps ${queue} changes between two messages and looks every ${sampling} ms.`,
+    coarseOverflows: (count: string) => `It has dropped changes ${count} times.`,
     state: {
       connected: 'Connected',
       subscribing: 'Subscribing',
