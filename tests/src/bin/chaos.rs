@@ -29,9 +29,12 @@ struct Arguments {
     /// The broker: embedded, rabbitmq or mosquitto.
     #[arg(long, default_value = "embedded")]
     broker: BrokerKind,
-    /// Leaves out the faults that this machine cannot cause, instead of failing.
+    /// Leaves out full disks, which only root can mount, instead of failing.
     #[arg(long)]
-    may_lack_faults: bool,
+    may_lack_disks: bool,
+    /// Leaves out clocks that jump, which libfaketime makes, instead of failing.
+    #[arg(long)]
+    may_lack_clocks: bool,
     /// Keeps the folder for a look at logs and data.
     #[arg(long)]
     keep: bool,
@@ -40,10 +43,16 @@ struct Arguments {
 #[tokio::main]
 async fn main() -> ExitCode {
     rustls::crypto::ring::default_provider().install_default().ok();
-    let Arguments { minutes, seed, kills, at_least_kills, broker, may_lack_faults, keep } =
-        Arguments::parse();
-    let span = Duration::from_secs(minutes * 60);
-    let length = Length { span, kills, at_least_kills, may_lack_faults };
+    let arguments = Arguments::parse();
+    let length = Length {
+        span: Duration::from_secs(arguments.minutes * 60),
+        kills: arguments.kills,
+        at_least_kills: arguments.at_least_kills,
+        rounds_at_least: 2,
+        may_lack_disks: arguments.may_lack_disks,
+        may_lack_clocks: arguments.may_lack_clocks,
+    };
+    let Arguments { seed, broker, keep, .. } = arguments;
     match chaos::run(seed.unwrap_or_else(rand::random), length, broker, keep).await {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

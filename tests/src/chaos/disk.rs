@@ -68,6 +68,16 @@ impl Drop for Disk {
     }
 }
 
+/// Words by which programs say that their disk is full.
+const COMPLAINTS: [&str; 3] = ["disk is full", "disk I/O error", "No space left"];
+
+/// Returns the number of lines of a log that complain about a full disk.
+pub(super) fn full_disk_complaints(log: &Path) -> usize {
+    let text = std::fs::read(log).unwrap_or_default();
+    let text = String::from_utf8_lossy(&text);
+    text.lines().filter(|line| COMPLAINTS.iter().any(|words| line.contains(words))).count()
+}
+
 fn used_blocks(folder: &Path) -> anyhow::Result<u64> {
     let now = rustix::fs::statvfs(folder).context("looking at the file system")?;
     Ok(now.f_blocks - now.f_bfree)

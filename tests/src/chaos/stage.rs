@@ -14,7 +14,7 @@ use super::{
     clock::Clock,
     comments,
     control::LostControls,
-    disk::Disk,
+    disk::{Disk, full_disk_complaints},
     disturbances::{self, Disturbances},
     line::{Condition, Line},
     plan::{ClockOffset, Fault, PLATFORM},
@@ -23,12 +23,21 @@ use super::{
 use crate::{
     demo::{self, Cast},
     frame_order::{HAMBURG, MUNICH},
-    harness::{Daemon, Steps, say},
+    harness::{Daemon, Deadline, Steps, say},
     world::{BrokerKind, ExternalBroker, Places, World},
 };
 
 /// Size of a spool, in bytes, that has no room for the values of an outage.
 const SMALL_SPOOL: &str = "32768";
+
+/// Name of the jumps back of a connector's clock, beside the number of all jumps.
+const SET_BACK: &str = "connector clock set back";
+/// Seconds by which a clock is set back at least: more than what a network brings out of order.
+const SET_BACK_MIN_S: i32 = 60;
+/// Time after which a disk is given free though its program did not notice that it was full.
+const DISK_IS_FELT: Duration = Duration::from_secs(10);
+/// Time in which a platform that was just started has its broker.
+const BROKER_STARTS: Duration = Duration::from_secs(10);
 
 /// Time before a fault in which many comments are on their way.
 const HURRY: Duration = Duration::from_millis(250);
@@ -128,37 +137,40 @@ impl Stage {
         Ok(())
     }
 
-    /// Returns what has to be done so that every fault can be caused.
-    pub fn lacking(&self) -> Vec<String> {
-        let mut lacking = Vec::new();
-        if self.disks.len() < 3 {
-            lacking.push("run as root, which mounts the disks that will be full".to_owned());
-        }
-        if self.clocks.len() < 3 {
-            lacking.push("install libfaketime, by which clocks jump".to_owned());
-        }
-        lacking
+    /// Returns what has to be done so that disks can be full.
+    pub fn lacking_disks(&self) -> Option<&'static str> {
+        (self.disks.len() < 3).then_some("run as root, which mounts the disks that will be full")
+    }
+
+    /// Returns what has to be done so that clocks can jump.
+    pub fn lacking_clocks(&self) -> Option<&'static str> {
+        (self.clocks.len() < 3).then_some("install libfaketime, by which clocks jump")
     }
 
     /// Returns the kinds of faults that every run has to have, that this machine can cause, and that did not strike.
     pub fn missed(&self) -> Vec<&'static str> {
-        let has_any =
-            |kinds: &[&str]| kinds.iter().any(|kind| self.counts.get(kind).is_some_and(|n| *n > 0));
+        let has_clock = |whose| self.clocks.contains_key(whose);
+        let has_disk = |whose| self.disks.contains_key(whose);
+        let is_external = self.world.external.is_some();
         let wanted = [
-            (
-                "jump of a clock",
-                !self.clocks.is_empty(),
-                &["connector clock", "platform clock"][..],
-            ),
-            ("outage", true, &["outage"]),
-            ("full disk", !self.disks.is_empty(), &["full disk"][..]),
+            (SET_BACK, has_clock(MUNICH) && has_clock(HAMBURG)),
+            ("platform clock", has_clock(PLATFORM)),
+            ("full disk of the platform", has_disk(PLATFORM)),
+            ("full disk of a factory", has_disk(MUNICH) && has_disk(HAMBURG)),
+            ("outage", true),
+            ("cut", true),
+            ("restart broker", is_external),
+            ("kill broker", !is_external),
+            ("broker store lost", !is_external),
         ];
-        let missed = wanted.into_iter().filter(|(_, can_be, kinds)| *can_be && !has_any(kinds));
-        missed.map(|(name, ..)| name).collect()
+        let is_missed = |kind: &str| self.counts.get(kind).is_none_or(|count| *count == 0);
+        let missed = wanted.into_iter().filter(|(kind, can_be)| *can_be && is_missed(kind));
+        missed.map(|(kind, _)| kind).collect()
     }
 
-    /// Lets it happen; when this returns, everything has been started again and the line is clear.
-    pub async fn strike(&mut self, fault: Fault) -> anyhow::Result<()> {
+    /// Lets it happen; when this returns, everything has been started again and the line is clear. Returns false where
+    /// it could not be caused, or nobody noticed.
+    pub async fn strike(&mut self, fault: Fault) -> anyhow::Result<bool> {
         if fault.kills() > 0 || matches!(fault, Fault::FullDisk(..)) {
             self.comments_hurry.send_replace(true);
             tokio::time::sleep(HURRY).await;
@@ -166,12 +178,15 @@ impl Stage {
         let from = disturbances::now();
         let is_caused = self.cause(fault).await?;
         self.comments_hurry.send_replace(false);
-        if is_caused {
+        // A disk that was full may have cost values though its program did not say so.
+        if is_caused || matches!(fault, Fault::FullDisk(..)) {
             self.disturbed.struck(fault, from);
+        }
+        if is_caused {
             *self.counts.entry(fault.kind()).or_default() += 1;
             self.kills += fault.kills();
         }
-        Ok(())
+        Ok(is_caused)
     }
 
     /// Returns false where there is nothing to strike.
@@ -179,7 +194,7 @@ impl Stage {
         match fault {
             Fault::KillConnector(factory) => self.connector(factory)?.restart()?,
             Fault::KillPlatform => self.world.platform.restart()?,
-            Fault::KillBroker => return Ok(self.world.platform.kill_children() > 0),
+            Fault::KillBroker => return Ok(self.kill_broker().await),
             Fault::KillMachines(factory) => self.world.factory(factory)?.simulator.restart()?,
             Fault::KillAll => {
                 for daemon in self.world.daemons() {
@@ -208,10 +223,7 @@ impl Stage {
             Fault::ConnectorClock(who, offset) => return self.jump(who, offset),
             Fault::PlatformClock(offset) => return self.jump(PLATFORM, offset),
             Fault::FullDisk(whose, span) => {
-                let Some(disk) = self.disks.get(whose) else { return Ok(false) };
-                disk.fill()?;
-                tokio::time::sleep(span).await;
-                disk.free()?;
+                return self.full_disk(whose, span).await;
             }
             Fault::PauseConnector(factory, span) => {
                 return pause(self.connector(factory)?, span).await;
@@ -229,9 +241,50 @@ impl Stage {
 
     fn jump(&mut self, who: &'static str, offset: ClockOffset) -> anyhow::Result<bool> {
         let Some(clock) = self.clocks.get_mut(who) else { return Ok(false) };
-        let is_other = clock.set(offset)?;
+        let jump_s = clock.set(offset)?;
         let program = if who == PLATFORM { &self.world.platform } else { self.connector(who)? };
-        Ok(is_other && Clock::is_followed_by(program))
+        let is_caused = jump_s != 0 && Clock::is_followed_by(program);
+        if is_caused && who != PLATFORM && jump_s <= -SET_BACK_MIN_S {
+            *self.counts.entry(SET_BACK).or_default() += 1;
+        }
+        Ok(is_caused)
+    }
+
+    /// Kills the broker alone, as soon as the platform has started it.
+    async fn kill_broker(&self) -> bool {
+        let deadline = Deadline::after(BROKER_STARTS);
+        while self.world.platform.kill_children() == 0 {
+            if deadline.has_passed() {
+                return false;
+            }
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+        true
+    }
+
+    /// Keeps a disk full for a while, and on until its program says so. A store that has room in its own files
+    /// notices late.
+    async fn full_disk(&mut self, whose: &'static str, span: Duration) -> anyhow::Result<bool> {
+        let Some(disk) = self.disks.get(whose) else { return Ok(false) };
+        let program = match whose {
+            PLATFORM => &self.world.platform,
+            _ => {
+                let factory = self.world.factories.iter().find(|factory| factory.id == whose);
+                factory.and_then(|factory| factory.connector.as_ref()).context("a connector")?
+            }
+        };
+        let complaints = || full_disk_complaints(program.log());
+        let before = complaints();
+        disk.fill()?;
+        tokio::time::sleep(span).await;
+        let deadline = Deadline::after(DISK_IS_FELT.saturating_sub(span));
+        while complaints() == before && !deadline.has_passed() {
+            // What was given back meanwhile is taken again.
+            disk.fill().ok();
+            tokio::time::sleep(Duration::from_millis(100)).await;
+        }
+        disk.free()?;
+        Ok(complaints() > before)
     }
 
     async fn broker_store(&mut self, fault: Fault) -> anyhow::Result<()> {
