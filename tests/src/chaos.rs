@@ -16,6 +16,7 @@ mod disk;
 mod disturbances;
 mod findings;
 mod line;
+mod observed;
 mod plan;
 mod rolled_back;
 mod stage;
@@ -261,6 +262,7 @@ async fn received(platform: &Api, factory: &str) -> anyhow::Result<BTreeMap<Stri
 
 /// Lets the last values through: nothing new is made, and nothing waits any more.
 async fn drain(stage: &mut Stage) -> anyhow::Result<String> {
+    stage.machines_stopped = Some(disturbances::now());
     for factory in &mut stage.world.factories {
         factory.simulator.stop(Duration::from_secs(15))?;
     }

@@ -18,7 +18,7 @@ use super::{
     disturbances::{self, Disturbances},
     line::{Condition, Line},
     plan::{ClockOffset, Fault, PLATFORM},
-    stores,
+    stores::{self, given_up},
 };
 use crate::{
     demo::{self, Cast},
@@ -36,6 +36,8 @@ const SET_BACK: &str = "connector clock set back";
 const SET_BACK_MIN_S: i32 = 60;
 /// Time after which a disk is given free though its program did not notice that it was full.
 const DISK_IS_FELT: Duration = Duration::from_secs(10);
+/// Time after an outage in which the small spool gives up what it has no room for.
+const SPOOL_IS_FULL: Duration = Duration::from_secs(20);
 /// Time in which a platform that was just started has its broker.
 const BROKER_STARTS: Duration = Duration::from_secs(10);
 
@@ -64,6 +66,8 @@ pub(super) struct Stage {
     pub counts: BTreeMap<&'static str, u32>,
     /// Number of programs that were killed.
     pub kills: u32,
+    /// Time at which the machines were asked to stop, in ticks.
+    pub machines_stopped: Option<i64>,
     /// Programs that ended by themselves and were started again, as a supervisor does.
     pub ended: u32,
 }
@@ -108,6 +112,7 @@ impl Stage {
             comments_hurry: watch::Sender::new(false),
             counts: BTreeMap::new(),
             kills: 0,
+            machines_stopped: None,
             ended: 0,
         };
         let cast = demo::play(&mut stage.world, steps).await?;
@@ -205,9 +210,8 @@ impl Stage {
                 }
             }
             Fault::Cut => self.line.cut(),
-            Fault::Stall(span) | Fault::Outage(span) => {
-                self.through(Condition::Stalled, span).await
-            }
+            Fault::Stall(span) => self.through(Condition::Stalled, span).await,
+            Fault::Outage(span) => return self.outage(span).await,
             Fault::Slow(span) => self.through(Condition::Thin, span).await,
             Fault::HalfOpen(span) => {
                 self.through(Condition::Swallowing, span).await;
@@ -237,6 +241,23 @@ impl Stage {
         self.line.set(condition);
         tokio::time::sleep(span).await;
         self.line.set(Condition::Clear);
+    }
+
+    /// Keeps the line silent for a while, and on until the small spool was too small for what waits. A connector that
+    /// has just started looks at it later.
+    async fn outage(&self, span: Duration) -> anyhow::Result<bool> {
+        let folder = &self.world.places.folder;
+        let before = given_up::overflows(folder, HAMBURG).await?;
+        self.line.set(Condition::Stalled);
+        tokio::time::sleep(span).await;
+        let deadline = Deadline::after(SPOOL_IS_FULL);
+        let mut now = before;
+        while now <= before && !deadline.has_passed() {
+            now = given_up::overflows(folder, HAMBURG).await?;
+            tokio::time::sleep(Duration::from_millis(100)).await;
+        }
+        self.line.set(Condition::Clear);
+        Ok(now > before)
     }
 
     fn jump(&mut self, who: &'static str, offset: ClockOffset) -> anyhow::Result<bool> {

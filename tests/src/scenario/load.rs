@@ -23,6 +23,13 @@ pub(crate) const STEPS: &str = "steps";
 /// Field with the count of a machine.
 pub(crate) const COUNTED: &str = "counted";
 
+/// Field whose consent ends and comes back all the time, at the first request to each factory.
+pub(crate) const TOGGLED: &str = "measured";
+/// Text that a script makes of a value.
+const SCRIPTED: &str = "scripted";
+/// Fields of each request that are mapped.
+pub(crate) const FIELDS: [&str; 4] = [TOGGLED, STEPS, SCRIPTED, COUNTED];
+
 /// Asks both factories for values that change with every cycle of the machines, and maps them.
 pub(crate) async fn put_on(cast: &Cast, places: &Places) -> anyhow::Result<String> {
     let [in_munich, in_hamburg] = places.counters.context("a world with counters")?;
@@ -34,7 +41,7 @@ pub(crate) async fn put_on(cast: &Cast, places: &Places) -> anyhow::Result<Strin
         connector.post::<Value>("/api/v1/sources", &source).await?;
         let refused: Vec<_> = (0..REFUSED_FIELDS).map(|n| (format!("refused{n}"), 12)).collect();
         ask(&cast.platform, factory, &refused_request(factory), &refused).await?;
-        let fields = [(TOGGLED, 11), (STEPS, 9), ("scripted", 12), (COUNTED, 8)];
+        let fields = [(TOGGLED, 11), (STEPS, 9), (SCRIPTED, 12), (COUNTED, 8)];
         let fields = fields.map(|(name, built_in_type)| (name.to_owned(), built_in_type));
         for number in 0..REQUESTS {
             ask(&cast.platform, factory, &request_id(factory, number), &fields).await?;
@@ -112,8 +119,6 @@ pub(crate) fn toggle(factory: &str, disclosure: Value) -> (String, Value) {
     (format!("{path}/decision"), decision)
 }
 
-const TOGGLED: &str = "measured";
-
 /// Returns machine and key of a variable that changes all the time.
 fn power(factory: &str) -> (&'static str, &'static str) {
     if factory == MUNICH { ("MillingCell1", "Spindle.Power") } else { ("Press1", "Ram.Force") }
@@ -139,7 +144,7 @@ async fn decide(connector: &Api, factory: &str, number: usize) -> anyhow::Result
     let decisions = [
         (TOGGLED, mapped(power, "Double", json!([]), json!({}))),
         (STEPS, mapped(power, "Double", script(count), apart)),
-        ("scripted", mapped(power, "Double", script("value => `at ${value}`"), json!({}))),
+        (SCRIPTED, mapped(power, "Double", script("value => `at ${value}`"), json!({}))),
         (COUNTED, mapped((COUNTERS, &counter), "Int64", json!([]), often)),
     ];
     for (field, decision) in decisions {
