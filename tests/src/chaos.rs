@@ -126,7 +126,7 @@ async fn play(
     // The clocks are only followed after a start.
     stage.strike(Fault::KillAll).await?;
     let comments = CommentTraffic::begin(&stage.world.places, &stage.comments_hurry.subscribe())?;
-    let controls = ControlTraffic::begin(&stage.world.places)?;
+    let controls = ControlTraffic::begin(&stage.world.places, length.span)?;
     let start = Instant::now();
     let mut number = 0;
     while goes_on(stage, length, number, start) {
@@ -313,7 +313,7 @@ async fn judge(stage: &Stage, said: &[Comment], taken: Option<Taken>) -> anyhow:
     let folder = &stage.world.places.folder;
     let mut findings = Findings::default();
     for factory in [MUNICH, HAMBURG] {
-        findings::of_factory(stage, factory, &mut findings).await?;
+        findings::of_factory(stage, factory, taken.as_ref(), &mut findings).await?;
         if taken.is_some() {
             findings.of_machines(stage, factory).await?;
         }
@@ -331,7 +331,7 @@ async fn judge(stage: &Stage, said: &[Comment], taken: Option<Taken>) -> anyhow:
         return Err(breach(&faults));
     }
     anyhow::ensure!(left > 0 && !said.is_empty(), "nothing left at all");
-    let controls = taken.map_or(Ok(String::new()), Taken::said)?;
+    let controls = taken.as_ref().map_or(Ok(String::new()), Taken::said)?;
     Ok(format!(
         "{left} reports left, {arrived} arrived ({replayed} of them replayed), {given_up} were given up, {repeats} repeats discarded, \
          {} set back by a lost broker store; {} comments taken, {} of them on their way to a broker that lost its store{controls}",

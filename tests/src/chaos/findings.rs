@@ -5,7 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use anyhow::Context as _;
 
 use super::{
-    control, counted,
+    control::{self, Taken},
+    counted,
     stage::Stage,
     stores::{self, ReportKey, given_up},
 };
@@ -48,6 +49,7 @@ pub(super) fn breach(faults: &[String]) -> anyhow::Error {
 pub(super) async fn of_factory(
     stage: &Stage,
     factory: &str,
+    taken: Option<&Taken>,
     findings: &mut Findings,
 ) -> anyhow::Result<()> {
     let folder = &stage.world.places.folder;
@@ -83,7 +85,7 @@ pub(super) async fn of_factory(
     let held_gaps = announced.keys().filter(|key| held.contains_key(key));
     faults.extend(held_gaps.map(|key| format!("announced as given up, and is held: {key:?}")));
     faults.extend(holes(left.keys()));
-    faults.extend(control::faults(folder, factory, &stage.lost_controls).await?);
+    faults.extend(control::faults(folder, factory, &stage.lost_controls, taken).await?);
     faults.extend(disorder(&arrived, &stage.set_back));
     let recipients: usize = left.values().map(|report| report.recipients).sum();
     let entries = stores::ledger_entries(folder, factory).await?;

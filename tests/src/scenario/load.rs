@@ -39,7 +39,7 @@ pub(crate) async fn put_on(cast: &Cast, places: &Places) -> anyhow::Result<Strin
         let source = json!({ "sourceId": COUNTERS, "name": COUNTERS, "endpointUrl": format!("opc.tcp://127.0.0.1:{port}"),
                              "security": { "choice": "none" } });
         connector.post::<Value>("/api/v1/sources", &source).await?;
-        let refused: Vec<_> = (0..REFUSED_FIELDS).map(|n| (format!("refused{n}"), 12)).collect();
+        let refused: Vec<_> = (0..REFUSED_FIELDS).map(|n| (refused_field(n), 12)).collect();
         ask(&cast.platform, factory, &refused_request(factory), &refused).await?;
         let fields = [(TOGGLED, 11), (STEPS, 9), (SCRIPTED, 12), (COUNTED, 8)];
         let fields = fields.map(|(name, built_in_type)| (name.to_owned(), built_in_type));
@@ -90,19 +90,23 @@ async fn ask(
     platform.post::<Value>(&path, &body).await.map(drop)
 }
 
-/// Fields of a further request to each factory, all of which are refused sooner or later.
-const REFUSED_FIELDS: u64 = 200;
+/// Fields of a further request to each factory, each of which is refused once.
+pub(crate) const REFUSED_FIELDS: u64 = 200;
 
-fn refused_request(factory: &str) -> String {
+/// Returns the id of the request that has them.
+pub(crate) fn refused_request(factory: &str) -> String {
     format!("ReqRefused-{factory}")
 }
 
-/// Returns path and body of a decision that refuses one of many fields.
-pub(crate) fn refuse(factory: &str, number: u64) -> (String, Value) {
-    let field = format!("refused{}", number % REFUSED_FIELDS);
-    let path = story::field_path(operation(factory), &refused_request(factory), &field);
-    let decision = json!({ "mappingState": "REFUSED", "reason": format!("Refusal {number}") });
-    (format!("{path}/decision"), decision)
+/// Returns the name of one of them.
+pub(crate) fn refused_field(number: u64) -> String {
+    format!("refused{number}")
+}
+
+/// Returns path and body of a decision that refuses a field.
+pub(crate) fn refuse(factory: &str, field: &str, reason: &str) -> (String, Value) {
+    let path = story::field_path(operation(factory), &refused_request(factory), field);
+    (format!("{path}/decision"), json!({ "mappingState": "REFUSED", "reason": reason }))
 }
 
 /// Returns the key of a field whose decision changes while others stay as they are.
