@@ -15,6 +15,7 @@ mod counted;
 mod disk;
 mod disturbances;
 mod findings;
+mod flow;
 mod line;
 mod observed;
 mod plan;
@@ -22,15 +23,13 @@ mod rolled_back;
 mod stage;
 mod stores;
 
-use std::{
-    collections::BTreeMap,
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
 use comments::CommentTraffic;
 use control::{ControlTraffic, Taken};
 pub use copied::copied;
 use findings::{Findings, breach};
+use flow::{RECOVERY, flows};
 pub use plan::{Fault, Plan, Strike};
 pub use rolled_back::rolled_back;
 use serde_json::Value;
@@ -61,9 +60,6 @@ pub struct Length {
     pub may_lack_clocks: bool,
 }
 
-/// Time for everything to work again after a round. A peer that is gone without a word is
-/// noticed after the link's own patience, and a login throttle or a backoff may add to it.
-const RECOVERY: Duration = Duration::from_secs(120);
 /// Rounds that are added at most so that each fault strikes that every run has to have.
 const ROUNDS_MORE: u32 = 3;
 /// Time without anything waiting that counts as the end.
@@ -210,56 +206,6 @@ async fn round(
     Ok(failed)
 }
 
-/// Waits until newer reports of each busy writer of both factories arrive.
-async fn flows(stage: &mut Stage) -> anyhow::Result<()> {
-    stage.supervise()?;
-    let mut platform = stage.world.platform_api().await?;
-    let mut before = Vec::new();
-    for factory in [MUNICH, HAMBURG] {
-        before.push((factory, received(&platform, factory).await?));
-    }
-    let deadline = Instant::now() + RECOVERY;
-    for (factory, before) in before {
-        loop {
-            // A clock that jumps ends sessions, too.
-            let Ok(now) = received(&platform, factory).await else {
-                anyhow::ensure!(Instant::now() < deadline, "no answer about {factory}");
-                platform = stage.world.platform_api().await?;
-                continue;
-            };
-            let is_silent = |request: &&String| {
-                let count = |counts: &BTreeMap<String, u64>| counts.get(*request).copied();
-                count(&now).unwrap_or_default() < count(&before).unwrap_or_default() + 2
-            };
-            let requests = load::requests(factory);
-            let silent: Vec<&String> = requests.iter().filter(is_silent).collect();
-            if silent.is_empty() {
-                break;
-            }
-            if Instant::now() > deadline {
-                let fault = format!("no reports of {factory} to {silent:?} for {RECOVERY:?}");
-                return Err(breach(&[fault]));
-            }
-            stage.supervise()?;
-            tokio::time::sleep(Duration::from_millis(50)).await;
-        }
-    }
-    Ok(())
-}
-
-/// Returns the number of reports that the platform has of each request to a factory.
-async fn received(platform: &Api, factory: &str) -> anyhow::Result<BTreeMap<String, u64>> {
-    let answer: Value = platform.get(&format!("/api/v1/factories/{factory}/writers")).await?;
-    let mut counts = BTreeMap::new();
-    for writer in answer["items"].as_array().into_iter().flatten() {
-        if let Some(request) = writer["dynamicDataRequestId"].as_str() {
-            let count = writer["received"].as_u64().unwrap_or_default();
-            *counts.entry(request.to_owned()).or_default() += count;
-        }
-    }
-    Ok(counts)
-}
-
 /// Lets the last values through: nothing new is made, and nothing waits any more.
 async fn drain(stage: &mut Stage) -> anyhow::Result<String> {
     stage.machines_stopped = Some(disturbances::now());
@@ -311,7 +257,7 @@ async fn nothing_waits(stage: &Stage, factory: &str, connector: &Api) -> anyhow:
 /// it was put under faults.
 async fn judge(stage: &Stage, said: &[Comment], taken: Option<Taken>) -> anyhow::Result<String> {
     let folder = &stage.world.places.folder;
-    let mut findings = Findings::default();
+    let mut findings = Findings { faults: stage.faults.clone(), ..Findings::default() };
     for factory in [MUNICH, HAMBURG] {
         findings::of_factory(stage, factory, taken.as_ref(), &mut findings).await?;
         if taken.is_some() {

@@ -22,8 +22,9 @@ const JUDGED_MIN: i64 = 12;
 const EDGE_MAX: i64 = 10 * TICKS_A_SECOND;
 /// Ticks for which one disturbance may cost a field.
 const LOST_MAX: i64 = 30 * TICKS_A_SECOND;
-/// Ticks by which the time of a count may differ from when the machine counted it.
-const OFF_MAX: i64 = 2 * TICKS_A_SECOND;
+/// Ticks by which the time of a count may differ from when the machine counted it: a report has the newest time of all
+/// its values, and a count may come late. Clocks that are set differ by more.
+const OFF_MAX: i64 = 60 * TICKS_A_SECOND;
 
 /// Values of a counter, each with its first time at the machine.
 type Counts = BTreeMap<i64, i64>;
@@ -56,7 +57,7 @@ pub(super) fn faults(
                 lacking.into_iter().filter(|span| !is_free(span) && !is_excused(*span, disturbed));
             found.extend(lacking.map(|span| (name, lacks(span, end))));
         }
-        found.extend(off(&reports).map(|fault| (load::COUNTED, fault)));
+        found.extend(off(&reports.counts(load::COUNTED)).map(|fault| (load::COUNTED, fault)));
         found.extend(set_back(&reports, full_disks).map(|fault| (load::STEPS, fault)));
         faults.extend(found.into_iter().map(|(name, fault)| format!("{request}, {name}: {fault}")));
     }
@@ -124,16 +125,14 @@ fn holes(counts: &Counts, disturbed: &[Span]) -> (Vec<String>, i64) {
 }
 
 /// Returns what counts were reported with another time than that at which a machine counts them: it counts evenly.
-fn off(reports: &Observed<'_>) -> Option<String> {
-    let offset =
-        |(count, time): &(i64, i64)| time - count * COUNTED_EACH_MS * (TICKS_A_SECOND / 1000);
-    let mut offsets: Vec<i64> = reports.steps_of(load::COUNTED).iter().map(offset).collect();
+fn off(counts: &Counts) -> Option<String> {
+    let each = COUNTED_EACH_MS * (TICKS_A_SECOND / 1000);
+    let mut offsets: Vec<i64> = counts.iter().map(|(count, time)| time - count * each).collect();
     offsets.sort_unstable();
     let usual = *offsets.get(offsets.len() / 2)?;
     let wrong = offsets.iter().filter(|offset| (*offset - usual).abs() > OFF_MAX).count();
-    (wrong > 0).then(|| {
-        format!("{wrong} of {} reports have another time of the count than its own", offsets.len())
-    })
+    (wrong > 0)
+        .then(|| format!("{wrong} of {} counts have another time than their own", offsets.len()))
 }
 
 /// Returns where the state of a script went back. After a full disk a connector goes on with the state that it has

@@ -9,8 +9,6 @@ use crate::frame_order::{HAMBURG, MUNICH};
 
 /// Ticks in which sessions and subscriptions are made again after a disturbance.
 const SETTLING: i64 = 5 * TICKS_A_SECOND;
-/// Ticks before a program was found to have ended in which it may have ended.
-const UNNOTICED: i64 = 180 * TICKS_A_SECOND;
 /// Ticks of 100 ns.
 pub(super) const TICKS_A_SECOND: i64 = 10_000_000;
 
@@ -59,9 +57,9 @@ impl Disturbances {
         }
     }
 
-    /// Notes that a factory's program has ended by itself.
-    pub fn ended(&mut self, factory: &'static str) {
-        self.put(factory, now() - UNNOTICED);
+    /// Notes that a factory's program has ended by itself, since it was seen to run.
+    pub fn ended(&mut self, factory: &'static str, from: i64) {
+        self.put(factory, from);
     }
 
     /// Makes some of one factory.

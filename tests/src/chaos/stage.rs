@@ -4,7 +4,7 @@ use std::{
     collections::{BTreeMap, BTreeSet},
     net::{Ipv4Addr, SocketAddr},
     path::PathBuf,
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use anyhow::Context as _;
@@ -41,6 +41,9 @@ const SPOOL_IS_FULL: Duration = Duration::from_secs(20);
 /// Time in which a platform that was just started has its broker.
 const BROKER_STARTS: Duration = Duration::from_secs(10);
 
+/// Time after a full disk in which its program may still give up.
+const END_AFTER_FULL_DISK: Duration = Duration::from_secs(30);
+
 /// Time before a fault in which many comments are on their way.
 const HURRY: Duration = Duration::from_millis(250);
 
@@ -66,6 +69,12 @@ pub(super) struct Stage {
     pub counts: BTreeMap<&'static str, u32>,
     /// Number of programs that were killed.
     pub kills: u32,
+    /// Breaches of what is promised that showed on the way.
+    pub faults: Vec<String>,
+    /// Time at which each disk was last full.
+    full_until: BTreeMap<&'static str, Instant>,
+    /// Time at which all programs were last seen to run, in ticks.
+    supervised_at: i64,
     /// Time at which the machines were asked to stop, in ticks.
     pub machines_stopped: Option<i64>,
     /// Programs that ended by themselves and were started again, as a supervisor does.
@@ -112,6 +121,9 @@ impl Stage {
             comments_hurry: watch::Sender::new(false),
             counts: BTreeMap::new(),
             kills: 0,
+            faults: Vec::new(),
+            full_until: BTreeMap::new(),
+            supervised_at: disturbances::now(),
             machines_stopped: None,
             ended: 0,
         };
@@ -176,6 +188,7 @@ impl Stage {
     /// Lets it happen; when this returns, everything has been started again and the line is clear. Returns false where
     /// it could not be caused, or nobody noticed.
     pub async fn strike(&mut self, fault: Fault) -> anyhow::Result<bool> {
+        self.supervise()?;
         if fault.kills() > 0 || matches!(fault, Fault::FullDisk(..)) {
             self.comments_hurry.send_replace(true);
             tokio::time::sleep(HURRY).await;
@@ -305,6 +318,7 @@ impl Stage {
             tokio::time::sleep(Duration::from_millis(100)).await;
         }
         disk.free()?;
+        self.full_until.insert(whose, Instant::now());
         Ok(complaints() > before)
     }
 
@@ -333,22 +347,26 @@ impl Stage {
         self.world.factory(factory)?.connector.as_mut().context("the connector was started")
     }
 
-    /// Starts what has ended by itself. A program may give up where its disk is full; its
-    /// supervisor starts it again.
+    /// Starts what has ended by itself. A program may give up where its disk is full, and a while after; its supervisor
+    /// starts it again. Otherwise that is a fault.
     pub fn supervise(&mut self) -> anyhow::Result<()> {
+        let since = std::mem::replace(&mut self.supervised_at, disturbances::now());
         for daemon in self.world.daemons() {
-            if let Some(status) = daemon.ended()? {
-                say(&format!(
-                    "    {} ended by itself with {status}:\n{}",
-                    daemon.name(),
-                    daemon.log_tail(6)
-                ));
-                daemon.restart()?;
-                self.ended += 1;
-                for factory in [MUNICH, HAMBURG] {
-                    if daemon.name().ends_with(factory) {
-                        self.disturbed.ended(factory);
-                    }
+            let Some(status) = daemon.ended()? else { continue };
+            let name = daemon.name().to_owned();
+            say(&format!("    {name} ended by itself with {status}:\n{}", daemon.log_tail(6)));
+            daemon.restart()?;
+            self.ended += 1;
+            let may_end = self.full_until.iter().any(|(whose, until)| {
+                let is_its_disk = name == *whose || name == format!("connector-{whose}");
+                is_its_disk && until.elapsed() < END_AFTER_FULL_DISK
+            });
+            if !may_end {
+                self.faults.push(format!("{name} ended by itself with {status}"));
+            }
+            for factory in [MUNICH, HAMBURG] {
+                if name.ends_with(factory) {
+                    self.disturbed.ended(factory, since);
                 }
             }
         }

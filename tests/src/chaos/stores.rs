@@ -16,6 +16,7 @@ use sqlx::{
 };
 
 use super::content::{Content, shown_fields};
+use crate::frame_order::{HAMBURG, MUNICH};
 
 /// One DataSetMessage of a factory.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -275,16 +276,19 @@ pub(super) async fn comments(
     Ok((here.iter().map(comment).collect(), there.iter().map(comment).collect()))
 }
 
-/// Number of repeats that the platform has discarded, and of messages it could not use.
+/// Number of repeats that the platform has discarded, and of messages that it or a connector could not use.
 pub(super) async fn repeats_and_dead_letters(folder: &Path) -> anyhow::Result<(u64, u64)> {
     let mut store = open(&platform_store(folder)).await?;
     let repeats = sqlx::query("SELECT coalesce(sum(duplicates), 0) AS count FROM data_set_writer")
         .fetch_one(&mut store)
         .await?;
-    let letters =
-        sqlx::query("SELECT count(*) AS count FROM dead_letter").fetch_one(&mut store).await?;
-    Ok((
-        u64::try_from(repeats.get::<i64, _>("count"))?,
-        u64::try_from(letters.get::<i64, _>("count"))?,
-    ))
+    let mut letters = 0;
+    for file in
+        [platform_store(folder), connector_store(folder, MUNICH), connector_store(folder, HAMBURG)]
+    {
+        let mut store = open(&file).await?;
+        let sql = "SELECT count(*) AS count FROM dead_letter";
+        letters += sqlx::query(sql).fetch_one(&mut store).await?.get::<i64, _>("count");
+    }
+    Ok((u64::try_from(repeats.get::<i64, _>("count"))?, u64::try_from(letters)?))
 }

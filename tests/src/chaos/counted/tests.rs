@@ -172,5 +172,8 @@ fn a_status_or_time_that_a_machine_did_not_give_is_seen() {
         left.content.fields.insert(load::COUNTED.to_owned(), count);
     };
     let faults = changed(90..94, &[span(0, COUNT / 2)], shifted);
-    assert!(faults.iter().any(|fault| fault.contains("another time of the count")), "{faults:?}");
+    assert!(
+        faults.iter().any(|fault| fault.contains("have another time than their own")),
+        "{faults:?}"
+    );
 }
