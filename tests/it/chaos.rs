@@ -18,6 +18,7 @@ fn short(kills: u32) -> Length {
         span: Duration::from_secs(15),
         kills,
         at_least_kills: 1,
+        at_least_faults: 12,
         rounds_at_least: 2,
         // Full disks are mounted, which only root may do. Who is root has all faults, or the run fails.
         may_lack_disks: !is_root,

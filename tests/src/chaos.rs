@@ -52,6 +52,8 @@ pub struct Length {
     pub kills: u32,
     /// A run with fewer kills proves less than was asked for, and fails.
     pub at_least_kills: u32,
+    /// A run with fewer faults fails likewise.
+    pub at_least_faults: u32,
     /// Rounds that are played whatever is over before. The first two have what every run has to have.
     pub rounds_at_least: u32,
     /// Full disks are left out where this user may not mount, instead of failing the run.
@@ -158,7 +160,8 @@ fn summary(stage: &Stage, length: Length, number: u32, took: Duration) -> anyhow
     let counts: Vec<_> =
         stage.counts.iter().map(|(kind, count)| format!("{kind} {count}")).collect();
     say(&format!(
-        "\n{} kills in {number} rounds, {:.0} s; {}; {} programs ended by themselves.",
+        "\n{} faults, {} kills in {number} rounds, {:.0} s; {}; {} programs ended by themselves.",
+        stage.faults_struck(),
         stage.kills,
         took.as_secs_f64(),
         counts.join(", "),
@@ -169,6 +172,12 @@ fn summary(stage: &Stage, length: Length, number: u32, took: Duration) -> anyhow
         "{} kills in the whole run, at least {} were asked for: let it go on for longer",
         stage.kills,
         length.at_least_kills
+    );
+    anyhow::ensure!(
+        stage.faults_struck() >= length.at_least_faults,
+        "{} faults in the whole run, at least {} were asked for: let it go on for longer",
+        stage.faults_struck(),
+        length.at_least_faults
     );
     let missed = stage.missed();
     anyhow::ensure!(missed.is_empty(), "the run had no {}", missed.join(" and no "));

@@ -26,6 +26,9 @@ struct Arguments {
     /// Fails when there were fewer kills in the end.
     #[arg(long, default_value_t = 0)]
     at_least_kills: u32,
+    /// Fails when there were fewer faults in the end.
+    #[arg(long, default_value_t = 0)]
+    at_least_faults: u32,
     /// The broker: embedded, rabbitmq or mosquitto.
     #[arg(long, default_value = "embedded")]
     broker: BrokerKind,
@@ -48,6 +51,7 @@ async fn main() -> ExitCode {
         span: Duration::from_secs(arguments.minutes * 60),
         kills: arguments.kills,
         at_least_kills: arguments.at_least_kills,
+        at_least_faults: arguments.at_least_faults,
         rounds_at_least: 2,
         may_lack_disks: arguments.may_lack_disks,
         may_lack_clocks: arguments.may_lack_clocks,

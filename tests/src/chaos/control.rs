@@ -38,7 +38,7 @@ pub(super) struct ControlTraffic {
     people: Vec<tokio::task::JoinHandle<Taken>>,
 }
 
-/// What the programs answered as taken.
+/// Changes that the programs answered as taken.
 #[derive(Debug, Default)]
 pub(super) struct Taken {
     decisions: u64,

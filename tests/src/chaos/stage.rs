@@ -185,6 +185,11 @@ impl Stage {
         missed.map(|(kind, _)| kind).collect()
     }
 
+    /// Returns the number of all faults that struck.
+    pub fn faults_struck(&self) -> u32 {
+        self.counts.iter().filter(|(kind, _)| **kind != SET_BACK).map(|(_, count)| count).sum()
+    }
+
     /// Lets it happen; when this returns, everything has been started again and the line is clear. Returns false where
     /// it could not be caused, or nobody noticed.
     pub async fn strike(&mut self, fault: Fault) -> anyhow::Result<bool> {
