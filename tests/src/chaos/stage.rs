@@ -14,7 +14,7 @@ use super::{
     clock::Clock,
     comments,
     control::LostControls,
-    disk::{Disk, full_disk_complaints},
+    disk::Disk,
     disturbances::{self, Disturbances},
     line::{Condition, Line},
     plan::{ClockOffset, Fault, PLATFORM},
@@ -34,8 +34,6 @@ const SMALL_SPOOL: &str = "32768";
 const SET_BACK: &str = "connector clock set back";
 /// Seconds by which a clock is set back at least: more than what a network brings out of order.
 const SET_BACK_MIN_S: i32 = 60;
-/// Time after which a disk is given free though its program did not notice that it was full.
-const DISK_IS_FELT: Duration = Duration::from_secs(10);
 /// Time after an outage in which the small spool gives up what it has no room for.
 const SPOOL_IS_FULL: Duration = Duration::from_secs(20);
 /// Time in which a platform that was just started has its broker.
@@ -54,8 +52,8 @@ pub(super) struct Stage {
     // Unmounted after the programs above are gone.
     disks: BTreeMap<&'static str, Disk>,
     clocks: BTreeMap<&'static str, Clock>,
-    /// Reports that the broker may have had when it lost its store: they arrive later, out of their
-    /// order.
+    /// Reports that the broker may have had when it lost its store, or refused when its disk was full: they arrive
+    /// later, out of their order.
     pub set_back: BTreeSet<stores::ReportKey>,
     /// Decisions and receipts that the broker may have had when it lost its store.
     pub lost_controls: LostControls,
@@ -312,19 +310,27 @@ impl Stage {
                 factory.and_then(|factory| factory.connector.as_ref()).context("a connector")?
             }
         };
-        let complaints = || full_disk_complaints(program.log());
-        let before = complaints();
-        disk.fill()?;
-        tokio::time::sleep(span).await;
-        let deadline = Deadline::after(DISK_IS_FELT.saturating_sub(span));
-        while complaints() == before && !deadline.has_passed() {
-            // What was given back meanwhile is taken again.
-            disk.fill().ok();
-            tokio::time::sleep(Duration::from_millis(100)).await;
+        let is_felt = disk.fill_until_felt(program.log(), span).await?;
+        // A broker without a disk refuses messages, whose reports come after those that it takes later.
+        let mut refused = Vec::new();
+        if whose == PLATFORM {
+            refused = self.unreceipted().await?;
         }
         disk.free()?;
+        if whose == PLATFORM {
+            refused.extend(self.unreceipted().await?);
+        }
+        self.set_back.extend(refused);
         self.full_until.insert(whose, Instant::now());
-        Ok(complaints() > before)
+        Ok(is_felt)
+    }
+
+    /// Returns the reports of both factories that the platform has not receipted.
+    async fn unreceipted(&self) -> anyhow::Result<Vec<stores::ReportKey>> {
+        let folder = &self.world.places.folder;
+        let mut reports = stores::unreceipted_reports(folder, MUNICH).await?;
+        reports.extend(stores::unreceipted_reports(folder, HAMBURG).await?);
+        Ok(reports)
     }
 
     async fn broker_store(&mut self, fault: Fault) -> anyhow::Result<()> {
@@ -333,9 +339,8 @@ impl Stage {
         match fault {
             Fault::DoubleQueued => stores::double_queued(&folder).await?,
             _ => {
-                for factory in [MUNICH, HAMBURG] {
-                    self.set_back.extend(stores::unreceipted_reports(&folder, factory).await?);
-                }
+                let lost = self.unreceipted().await?;
+                self.set_back.extend(lost);
                 self.lost_controls.add(&folder).await?;
                 self.lost_comments.extend(comments::on_the_way(&folder).await?);
                 if fault == Fault::OldBrokerStore {
