@@ -57,6 +57,11 @@ pub(super) fn faults(
                 lacking.into_iter().filter(|span| !is_free(span) && !is_excused(*span, disturbed));
             found.extend(lacking.map(|span| (name, lacks(span, end))));
         }
+        // A connector notices that its machines are gone, and says so.
+        let ends_well = reports.ends_well(load::COUNTED);
+        found.extend(
+            ends_well.then(|| (load::COUNTED, "it is good after the machines stopped".to_owned())),
+        );
         found.extend(off(&reports.counts(load::COUNTED)).map(|fault| (load::COUNTED, fault)));
         found.extend(set_back(&reports, full_disks).map(|fault| (load::STEPS, fault)));
         faults.extend(found.into_iter().map(|(name, fault)| format!("{request}, {name}: {fault}")));

@@ -38,6 +38,12 @@ impl<'l> Observed<'l> {
         self.0.first().map_or(0, |(time, _)| *time)
     }
 
+    /// True where the last one has a good value of a field.
+    pub fn ends_well(&self, name: &str) -> bool {
+        let field = self.0.last().and_then(|(_, content)| content.fields.get(name));
+        field.is_some_and(is_good)
+    }
+
     /// Returns the values of a field that counts, with their times, in the order of the reports.
     pub fn steps_of(&self, name: &str) -> Vec<(i64, i64)> {
         let fields = self.0.iter().filter_map(|(_, content)| content.fields.get(name));

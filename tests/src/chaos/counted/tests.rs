@@ -19,16 +19,17 @@ fn field(value: Value, time: i64) -> FieldContent {
     FieldContent { value, status: "Good".to_owned(), source_time: Some(time) }
 }
 
-/// Returns reports of all requests, of which each has all fields.
+/// Returns reports of all requests, of which each has all fields. The last one says that the machines are gone.
 fn all() -> All {
     let mut all = BTreeMap::new();
     for (writer, request) in (0..).zip(load::requests(MUNICH)) {
-        for sequence in 0..COUNT {
+        for sequence in 0..=COUNT {
             let time = sequence * EACH;
             let fields = load::FIELDS.map(|name| {
                 let is_count = name == load::COUNTED || name == load::STEPS;
                 let value = if is_count { json!(sequence.to_string()) } else { json!(1.5) };
-                (name.to_owned(), field(value, time))
+                let gone = FieldContent { status: "Bad".to_owned(), ..field(Value::Null, time) };
+                (name.to_owned(), if sequence == COUNT { gone } else { field(value, time) })
             });
             let content = Content {
                 request: request.clone(),
@@ -166,6 +167,11 @@ fn a_status_or_time_that_a_machine_did_not_give_is_seen() {
     };
     assert_eq!(changed(90..94, &[], bad).len(), 1);
     assert_eq!(changed(90..94, &[span(91, 92)], bad), [""; 0]);
+    let good = |left: &mut Left| {
+        left.content.fields.insert(load::COUNTED.to_owned(), field(Value::Null, COUNT * EACH));
+    };
+    let faults = changed(COUNT..COUNT + 1, &[], good);
+    assert!(faults.iter().any(|fault| fault.contains("good after the machines")), "{faults:?}");
     let shifted = |left: &mut Left| {
         let mut count = of(left, load::COUNTED);
         count.source_time = count.source_time.map(|time| time - 300 * TICKS_A_SECOND);
