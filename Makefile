@@ -107,9 +107,9 @@ bench: prerequisites-test foreign web ## latency and throughput of the whole pat
 	$(CARGO) build --locked --release $(PROGRAMS) --bin bench --bin asi
 	target/release/bench
 
-chaos: prerequisites-test web ## kills, cuts, lost stores, clocks, full disks: MINUTES=30 SEED=n BROKER=rabbitmq; fails below KILLS=n; proves nothing lost or doubled
+chaos: prerequisites-test web ## kills, cuts, lost stores, clocks, full disks: MINUTES=30 SEED=n BROKER=rabbitmq; fails below KILLS=n or FAULTS=n; proves nothing lost or doubled
 	$(CARGO) build --locked $(PROGRAMS) --bin chaos
-	target/debug/chaos --minutes $(or $(MINUTES),5) $(if $(SEED),--seed $(SEED)) $(if $(KILLS),--at-least-kills $(KILLS)) $(if $(BROKER),--broker $(BROKER))
+	target/debug/chaos --minutes $(or $(MINUTES),5) $(if $(SEED),--seed $(SEED)) $(if $(KILLS),--at-least-kills $(KILLS)) $(if $(FAULTS),--at-least-faults $(FAULTS)) $(if $(BROKER),--broker $(BROKER))
 
 mutants: prerequisites-test web ## breaks one guarantee of delivery after the other; chaos has to find each: MINUTES=5 SEED=7
 	tests/mutants/run.sh $(or $(MINUTES),5) $(or $(SEED),7)

@@ -3,7 +3,7 @@
 #
 #   tests/mutants/run.sh [MINUTES] [SEED] [NAME...]
 #
-# Each patch here is one mutant. The tree must be clean; it is clean again afterwards, whatever happens.
+# Each patch here is one mutant. Its first line may say by what it has to be found: "Fault: REGEX". The tree must be clean; it is clean again afterwards, whatever happens.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 minutes=${1:-5} seed=${2:-7}
@@ -25,15 +25,21 @@ fi
 survivors=()
 for name in "${names[@]}"; do
   patch=tests/mutants/$name.patch log=target/mutants/$name.log
-  git apply "$patch"
+  git apply "$patch" || { echo "$name: does not apply"; survivors+=("$name"); continue; }
   trap 'git apply --reverse "$patch"' EXIT
+  fault=$(sed -n '1s/^Fault: //p' "$patch")
   # With the features of the whole workspace, as `make test` builds it: only what the patch changes is built again.
-  cargo build --quiet --locked --workspace --bins
+  if ! cargo build --quiet --locked --workspace --bins; then
+    result="does not compile"
   # A fault that the run reports is a mutant found; a run that broke off elsewhere proves nothing.
-  if target/debug/chaos --minutes "$minutes" --seed "$seed" >"$log" 2>&1; then
+  elif target/debug/chaos --minutes "$minutes" --seed "$seed" >"$log" 2>&1; then
     result=survived
   elif grep -qE '^[0-9]+ faults:|: [0-9]+ faults:' "$log"; then
-    result="found: $(grep -oE '[0-9]+ faults:.*' "$log" | head -1) $(grep -A1 -E '[0-9]+ faults:' "$log" | tail -1 | cut -c1-120)"
+    if [ -n "$fault" ] && ! grep -qE "$fault" "$log"; then
+      result="not found by \"$fault\": $(grep -A1 -E '[0-9]+ faults:' "$log" | tail -1 | cut -c1-120)"
+    else
+      result="found: $(grep -oE '[0-9]+ faults:.*' "$log" | head -1) $(grep -A1 -E '[0-9]+ faults:' "$log" | tail -1 | cut -c1-120)"
+    fi
   else
     result="not judged: $(tail -1 "$log" | cut -c1-160)"
   fi

@@ -15,21 +15,21 @@ mod counted;
 mod disk;
 mod disturbances;
 mod findings;
+mod flow;
 mod line;
+mod observed;
 mod plan;
 mod rolled_back;
 mod stage;
 mod stores;
 
-use std::{
-    collections::BTreeMap,
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
 use comments::CommentTraffic;
 use control::{ControlTraffic, Taken};
 pub use copied::copied;
 use findings::{Findings, breach};
+use flow::{RECOVERY, flows};
 pub use plan::{Fault, Plan, Strike};
 pub use rolled_back::rolled_back;
 use serde_json::Value;
@@ -52,13 +52,18 @@ pub struct Length {
     pub kills: u32,
     /// A run with fewer kills proves less than was asked for, and fails.
     pub at_least_kills: u32,
-    /// Faults that this machine cannot cause are left out, instead of failing the run.
-    pub may_lack_faults: bool,
+    /// A run with fewer faults fails likewise.
+    pub at_least_faults: u32,
+    /// Rounds that are played whatever is over before. The first two have what every run has to have.
+    pub rounds_at_least: u32,
+    /// Full disks are left out where this user may not mount, instead of failing the run.
+    pub may_lack_disks: bool,
+    /// Clocks that jump are left out where libfaketime is missing, instead of failing the run.
+    pub may_lack_clocks: bool,
 }
 
-/// Time for everything to work again after a round. A peer that is gone without a word is
-/// noticed after the link's own patience, and a login throttle or a backoff may add to it.
-const RECOVERY: Duration = Duration::from_secs(120);
+/// Rounds that are added at most so that each fault strikes that every run has to have.
+const ROUNDS_MORE: u32 = 3;
 /// Time without anything waiting that counts as the end.
 const QUIET: Duration = Duration::from_secs(5);
 
@@ -71,16 +76,16 @@ pub async fn run(seed: u64, length: Length, broker: BrokerKind, keep: bool) -> a
     say(&format!("Chaos with seed {seed}, in {}", folder.path().display()));
     let mut steps = Steps::default();
     let (mut stage, cast) = Stage::set(folder.path().to_owned(), broker, &mut steps).await?;
-    let lacking = stage.lacking();
-    anyhow::ensure!(
-        lacking.is_empty() || length.may_lack_faults,
-        "{}; or leave these faults out with --may-lack-faults",
-        lacking.join("; ")
-    );
-    if !lacking.is_empty() {
-        say(&format!("  Left out on this machine: {}", lacking.join("; ")));
+    let lacking = [
+        (stage.lacking_disks(), length.may_lack_disks, "--may-lack-disks"),
+        (stage.lacking_clocks(), length.may_lack_clocks, "--may-lack-clocks"),
+    ];
+    for (lacking, may_lack, option) in lacking {
+        let Some(lacking) = lacking else { continue };
+        anyhow::ensure!(may_lack, "{lacking}; or leave these faults out with {option}");
+        say(&format!("  Left out on this machine: {lacking}"));
     }
-    let outcome = play(&mut stage, &cast, &mut steps, seed, length).await;
+    let outcome = play(&mut stage, &cast, &mut steps, &mut Plan::new(seed, broker), length).await;
     if outcome.is_err() {
         for daemon in stage.world.daemons() {
             say(&format!("\n--- the end of {}:\n{}", daemon.log().display(), daemon.log_tail(15)));
@@ -112,26 +117,23 @@ async fn play(
     stage: &mut Stage,
     cast: &Cast,
     steps: &mut Steps,
-    seed: u64,
+    plan: &mut Plan,
     length: Length,
 ) -> anyhow::Result<()> {
     steps.run("every writer is kept busy", load::put_on(cast, &stage.world.places)).await?;
     // The clocks are only followed after a start.
     stage.strike(Fault::KillAll).await?;
     let comments = CommentTraffic::begin(&stage.world.places, &stage.comments_hurry.subscribe())?;
-    let controls = ControlTraffic::begin(&stage.world.places)?;
-    let mut plan = Plan::new(seed);
+    let controls = ControlTraffic::begin(&stage.world.places, length.span)?;
     let start = Instant::now();
     let mut number = 0;
-    while start.elapsed() < length.span && stage.kills < length.kills {
+    while goes_on(stage, length, number, start) {
         number += 1;
-        let mut strikes = plan.round();
-        if stage.world.external.is_some() {
-            for strike in &mut strikes {
-                strike.fault = strike.fault.beside_external_broker();
-            }
+        let strikes = plan.round();
+        let failed = round(stage, steps, number, &strikes).await?;
+        if !stage.missed().is_empty() {
+            plan.owe(failed);
         }
-        round(stage, steps, number, &strikes).await?;
     }
     let (said, taken) = (comments.end().await?, controls.end().await?);
     steps.run("the machines stop, and what waits arrives", drain(stage)).await?;
@@ -143,10 +145,23 @@ async fn play(
             judge(stage, &said, Some(taken)),
         )
         .await?;
+    summary(stage, length, number, took)
+}
+
+/// Returns whether another round is played. What every run has to have gets more rounds where it could not be caused.
+fn goes_on(stage: &Stage, length: Length, number: u32, start: Instant) -> bool {
+    let is_short = number < length.rounds_at_least
+        || (number < length.rounds_at_least + ROUNDS_MORE && !stage.missed().is_empty());
+    is_short || (start.elapsed() < length.span && stage.kills < length.kills)
+}
+
+/// Prints what was played, and fails where that is less than was asked for.
+fn summary(stage: &Stage, length: Length, number: u32, took: Duration) -> anyhow::Result<()> {
     let counts: Vec<_> =
         stage.counts.iter().map(|(kind, count)| format!("{kind} {count}")).collect();
     say(&format!(
-        "\nSeed {seed}: {} kills in {number} rounds, {:.0} s; {}; {} programs ended by themselves.",
+        "\n{} faults, {} kills in {number} rounds, {:.0} s; {}; {} programs ended by themselves.",
+        stage.faults_struck(),
         stage.kills,
         took.as_secs_f64(),
         counts.join(", "),
@@ -158,100 +173,70 @@ async fn play(
         stage.kills,
         length.at_least_kills
     );
+    anyhow::ensure!(
+        stage.faults_struck() >= length.at_least_faults,
+        "{} faults in the whole run, at least {} were asked for: let it go on for longer",
+        stage.faults_struck(),
+        length.at_least_faults
+    );
     let missed = stage.missed();
     anyhow::ensure!(missed.is_empty(), "the run had no {}", missed.join(" and no "));
     Ok(())
 }
 
+/// Plays a round. Returns the faults that could not be caused, or that nobody noticed.
 async fn round(
     stage: &mut Stage,
     steps: &mut Steps,
     number: u32,
     strikes: &[Strike],
-) -> anyhow::Result<()> {
+) -> anyhow::Result<Vec<Fault>> {
     let faults: Vec<_> = strikes.iter().map(|strike| strike.fault.to_string()).collect();
+    let mut failed = Vec::new();
     steps
         .run(&format!("round {number}: {}", faults.join(", ")), async {
             for strike in strikes {
                 tokio::time::sleep(strike.pause).await;
-                stage.strike(strike.fault).await?;
+                if !stage.strike(strike.fault).await? {
+                    failed.push(strike.fault);
+                }
             }
             let quiet = Instant::now();
             flows(stage).await?;
-            Ok(format!("values flow after {:.1} s", quiet.elapsed().as_secs_f64()))
+            let names: Vec<_> = failed.iter().map(ToString::to_string).collect();
+            let without = if names.is_empty() { "" } else { "; without effect: " };
+            Ok(format!(
+                "values flow after {:.1} s{without}{}",
+                quiet.elapsed().as_secs_f64(),
+                names.join(", ")
+            ))
         })
-        .await
-}
-
-/// Waits until newer reports of each busy writer of both factories arrive.
-async fn flows(stage: &mut Stage) -> anyhow::Result<()> {
-    stage.supervise()?;
-    let mut platform = stage.world.platform_api().await?;
-    let mut before = Vec::new();
-    for factory in [MUNICH, HAMBURG] {
-        before.push((factory, received(&platform, factory).await?));
-    }
-    let deadline = Instant::now() + RECOVERY;
-    for (factory, before) in before {
-        loop {
-            // A clock that jumps ends sessions, too.
-            let Ok(now) = received(&platform, factory).await else {
-                anyhow::ensure!(Instant::now() < deadline, "no answer about {factory}");
-                platform = stage.world.platform_api().await?;
-                continue;
-            };
-            let is_silent = |request: &&String| {
-                let count = |counts: &BTreeMap<String, u64>| counts.get(*request).copied();
-                count(&now).unwrap_or_default() < count(&before).unwrap_or_default() + 2
-            };
-            let requests = load::requests(factory);
-            let silent: Vec<&String> = requests.iter().filter(is_silent).collect();
-            if silent.is_empty() {
-                break;
-            }
-            if Instant::now() > deadline {
-                let fault = format!("no reports of {factory} to {silent:?} for {RECOVERY:?}");
-                return Err(breach(&[fault]));
-            }
-            stage.supervise()?;
-            tokio::time::sleep(Duration::from_millis(50)).await;
-        }
-    }
-    Ok(())
-}
-
-/// Returns the number of reports that the platform has of each request to a factory.
-async fn received(platform: &Api, factory: &str) -> anyhow::Result<BTreeMap<String, u64>> {
-    let answer: Value = platform.get(&format!("/api/v1/factories/{factory}/writers")).await?;
-    let mut counts = BTreeMap::new();
-    for writer in answer["items"].as_array().into_iter().flatten() {
-        if let Some(request) = writer["dynamicDataRequestId"].as_str() {
-            let count = writer["received"].as_u64().unwrap_or_default();
-            *counts.entry(request.to_owned()).or_default() += count;
-        }
-    }
-    Ok(counts)
+        .await?;
+    Ok(failed)
 }
 
 /// Lets the last values through: nothing new is made, and nothing waits any more.
 async fn drain(stage: &mut Stage) -> anyhow::Result<String> {
+    stage.machines_stopped = Some(disturbances::now());
     for factory in &mut stage.world.factories {
         factory.simulator.stop(Duration::from_secs(15))?;
     }
-    for factory in [MUNICH, HAMBURG] {
-        let connector = stage.world.connector_api(factory).await?;
-        story::link_is_up(&connector).await?;
-        nothing_waits(stage, factory, &connector).await?;
-    }
+    let munich = stage.world.connector_api(MUNICH).await?;
+    let hamburg = stage.world.connector_api(HAMBURG).await?;
+    both_are_empty(stage, &munich, &hamburg).await?;
     let platform = stage.world.platform_api().await?;
     let unanswered = control::parts_are_answered(&platform, RECOVERY).await?;
     unanswered.map_or(Ok(()), |fault| Err(breach(&[fault])))?;
-    for factory in [MUNICH, HAMBURG] {
-        // An answer to a part may have brought decisions with it.
-        let connector = stage.world.connector_api(factory).await?;
-        nothing_waits(stage, factory, &connector).await?;
-    }
+    // An answer to a part may have brought decisions with it.
+    both_are_empty(stage, &munich, &hamburg).await?;
     Ok(String::new())
+}
+
+async fn both_are_empty(stage: &Stage, munich: &Api, hamburg: &Api) -> anyhow::Result<()> {
+    story::link_is_up(munich).await?;
+    story::link_is_up(hamburg).await?;
+    let both = (nothing_waits(stage, MUNICH, munich), nothing_waits(stage, HAMBURG, hamburg));
+    tokio::try_join!(both.0, both.1).map(drop)
 }
 
 /// Waits until the spool stays empty: clients notice lost machines one after the other, and each
@@ -281,9 +266,9 @@ async fn nothing_waits(stage: &Stage, factory: &str, connector: &Api) -> anyhow:
 /// it was put under faults.
 async fn judge(stage: &Stage, said: &[Comment], taken: Option<Taken>) -> anyhow::Result<String> {
     let folder = &stage.world.places.folder;
-    let mut findings = Findings::default();
+    let mut findings = Findings { faults: stage.faults.clone(), ..Findings::default() };
     for factory in [MUNICH, HAMBURG] {
-        findings::of_factory(stage, factory, &mut findings).await?;
+        findings::of_factory(stage, factory, taken.as_ref(), &mut findings).await?;
         if taken.is_some() {
             findings.of_machines(stage, factory).await?;
         }
@@ -301,7 +286,7 @@ async fn judge(stage: &Stage, said: &[Comment], taken: Option<Taken>) -> anyhow:
         return Err(breach(&faults));
     }
     anyhow::ensure!(left > 0 && !said.is_empty(), "nothing left at all");
-    let controls = taken.map_or(Ok(String::new()), Taken::said)?;
+    let controls = taken.as_ref().map_or(Ok(String::new()), Taken::said)?;
     Ok(format!(
         "{left} reports left, {arrived} arrived ({replayed} of them replayed), {given_up} were given up, {repeats} repeats discarded, \
          {} set back by a lost broker store; {} comments taken, {} of them on their way to a broker that lost its store{controls}",

@@ -26,12 +26,18 @@ struct Arguments {
     /// Fails when there were fewer kills in the end.
     #[arg(long, default_value_t = 0)]
     at_least_kills: u32,
+    /// Fails when there were fewer faults in the end.
+    #[arg(long, default_value_t = 0)]
+    at_least_faults: u32,
     /// The broker: embedded, rabbitmq or mosquitto.
     #[arg(long, default_value = "embedded")]
     broker: BrokerKind,
-    /// Leaves out the faults that this machine cannot cause, instead of failing.
+    /// Leaves out full disks, which only root can mount, instead of failing.
     #[arg(long)]
-    may_lack_faults: bool,
+    may_lack_disks: bool,
+    /// Leaves out clocks that jump, which libfaketime makes, instead of failing.
+    #[arg(long)]
+    may_lack_clocks: bool,
     /// Keeps the folder for a look at logs and data.
     #[arg(long)]
     keep: bool,
@@ -40,10 +46,17 @@ struct Arguments {
 #[tokio::main]
 async fn main() -> ExitCode {
     rustls::crypto::ring::default_provider().install_default().ok();
-    let Arguments { minutes, seed, kills, at_least_kills, broker, may_lack_faults, keep } =
-        Arguments::parse();
-    let span = Duration::from_secs(minutes * 60);
-    let length = Length { span, kills, at_least_kills, may_lack_faults };
+    let arguments = Arguments::parse();
+    let length = Length {
+        span: Duration::from_secs(arguments.minutes * 60),
+        kills: arguments.kills,
+        at_least_kills: arguments.at_least_kills,
+        at_least_faults: arguments.at_least_faults,
+        rounds_at_least: 2,
+        may_lack_disks: arguments.may_lack_disks,
+        may_lack_clocks: arguments.may_lack_clocks,
+    };
+    let Arguments { seed, broker, keep, .. } = arguments;
     match chaos::run(seed.unwrap_or_else(rand::random), length, broker, keep).await {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

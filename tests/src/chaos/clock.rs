@@ -35,13 +35,13 @@ impl Clock {
         Ok(Some(clock))
     }
 
-    /// Lets it jump; the program sees it within a second. Returns false where it has this offset already.
+    /// Lets it jump; the program sees it within a second. Returns by how many seconds.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn set(&mut self, offset: ClockOffset) -> anyhow::Result<bool> {
+    pub fn set(&mut self, offset: ClockOffset) -> anyhow::Result<i32> {
         self.write(offset)?;
-        Ok(std::mem::replace(&mut self.offset, offset) != offset)
+        Ok(offset.0 - std::mem::replace(&mut self.offset, offset).0)
     }
 
     /// True for a program that was started with the library.

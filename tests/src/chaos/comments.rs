@@ -26,6 +26,9 @@ const LONG_PAUSE: Duration = Duration::from_secs(2);
 /// Most comments of an author; below the quota of a person on a network.
 const COMMENTS_MAX: usize = 1900;
 
+/// Comments of one side, and how often each is held.
+type Counts = BTreeMap<Comment, usize>;
+
 /// Authors who comment until they are stopped.
 pub(super) struct CommentTraffic {
     stop: CancellationToken,
@@ -158,13 +161,13 @@ pub(super) async fn faults(
     for factory in [MUNICH, HAMBURG] {
         let (here, there) = stores::comments(folder, factory).await?;
         let (here, there) = (counted(here), counted(there));
-        for comment in
-            accepted.iter().filter(|comment| comment.factory == factory && !lost.contains(comment))
-        {
-            if !here.contains_key(comment) || !there.contains_key(comment) {
-                faults.push(format!("a comment is lost: {comment:?}"));
+        for comment in accepted.iter().filter(|comment| comment.factory == factory) {
+            let sender = if comment.is_from_factory { &here } else { &there };
+            if !sender.contains_key(comment) {
+                faults.push(format!("a comment was taken, and is not stored: {comment:?}"));
             }
         }
+        faults.extend(lost_ones(&here, &there, lost));
         let twice = here.iter().chain(&there).filter(|(_, count)| **count > 1);
         faults.extend(
             twice.map(|(comment, count)| format!("a comment is held {count} times: {comment:?}")),
@@ -173,10 +176,45 @@ pub(super) async fn faults(
     Ok(faults)
 }
 
-fn counted(comments: Vec<Comment>) -> BTreeMap<Comment, usize> {
+/// Returns the comments that one side alone has. One that was stored and not answered before its program was killed
+/// has to arrive like others.
+fn lost_ones(here: &Counts, there: &Counts, lost: &BTreeSet<Comment>) -> Vec<String> {
+    let one_side = |side: &Counts, other: &Counts| -> Vec<Comment> {
+        side.keys().filter(|comment| !other.contains_key(*comment)).cloned().collect()
+    };
+    let all = one_side(here, there).into_iter().chain(one_side(there, here));
+    all.filter(|comment| !lost.contains(comment))
+        .map(|comment| format!("a comment is lost: {comment:?}"))
+        .collect()
+}
+
+fn counted(comments: Vec<Comment>) -> Counts {
     let mut counts = BTreeMap::new();
     for comment in comments {
         *counts.entry(comment).or_default() += 1;
     }
     counts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame_order::MUNICH;
+
+    #[test]
+    fn a_comment_on_one_side_alone_is_lost() {
+        let comment = |text: &str| Comment {
+            factory: MUNICH.to_owned(),
+            is_from_factory: true,
+            text: text.to_owned(),
+        };
+        let side = |texts: [&str; 2]| counted(texts.map(comment).to_vec());
+        let lost = |here, there, lost: &[Comment]| {
+            lost_ones(&side(here), &side(there), &lost.iter().cloned().collect()).len()
+        };
+        assert_eq!(lost(["1", "2"], ["1", "2"], &[]), 0);
+        assert_eq!(lost(["1", "2"], ["1", "1"], &[]), 1);
+        assert_eq!(lost(["1", "1"], ["1", "2"], &[]), 1);
+        assert_eq!(lost(["1", "2"], ["1", "1"], &[comment("2")]), 0);
+    }
 }

@@ -1,14 +1,19 @@
 //! Decisions, revocations and revisions of the network while things go wrong: each has to arrive at the other side,
 //! as it was last taken.
 
-use std::{collections::BTreeSet, path::Path, time::Duration};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+    time::{Duration, Instant},
+};
 
+use asi_model::DateTime;
 use serde_json::{Value, json};
 use tokio_util::sync::CancellationToken;
 
 use super::stores::{
     self,
-    control::{Controls, FieldId},
+    control::{Controls, FieldId, Side},
 };
 use crate::{
     frame_order::{COLLABORATION, HAMBURG, MUNICH, NETWORK},
@@ -33,12 +38,15 @@ pub(super) struct ControlTraffic {
     people: Vec<tokio::task::JoinHandle<Taken>>,
 }
 
-/// Number of what was taken.
-#[derive(Debug, Default, Clone, Copy)]
+/// Changes that the programs answered as taken.
+#[derive(Debug, Default)]
 pub(super) struct Taken {
-    pub decisions: u64,
-    pub revocations: u64,
-    pub revisions: u64,
+    decisions: u64,
+    revisions: u64,
+    /// Reasons of the refusals, by factory and field.
+    refusals: BTreeMap<(&'static str, FieldId), String>,
+    /// Factory and id of each.
+    revocations: BTreeSet<(&'static str, String)>,
 }
 
 impl Taken {
@@ -46,11 +54,34 @@ impl Taken {
     ///
     /// # Errors
     /// When one of them is zero: then the run proves nothing about it.
-    pub fn said(self) -> anyhow::Result<String> {
-        let Self { decisions, revocations, revisions } = self;
-        let is_any = decisions > 0 && revocations > 0 && revisions > 0;
-        anyhow::ensure!(is_any, "not all of decisions, revocations, revisions: {self:?}");
-        Ok(format!("; {decisions} decisions, {revocations} revocations, {revisions} revisions"))
+    pub fn said(&self) -> anyhow::Result<String> {
+        let Self { decisions, revisions, refusals, revocations } = self;
+        let (refusals, revocations) = (refusals.len(), revocations.len());
+        let is_any = *decisions > 0 && refusals > 0 && revocations > 0 && *revisions > 0;
+        anyhow::ensure!(is_any, "not all of decisions, refusals, revocations, revisions: {self:?}");
+        Ok(format!(
+            "; {decisions} decisions, {refusals} refusals, {revocations} revocations, {revisions} revisions"
+        ))
+    }
+
+    /// Returns what a factory's connector answered as taken, and has not stored.
+    fn missing(&self, factory: &str, here: &Side) -> Vec<String> {
+        let of_factory = |whose: &str| whose == factory;
+        let refusals = self.refusals.iter().filter(|((whose, _), _)| of_factory(whose));
+        let refusals = refusals.filter_map(|((_, field), reason)| {
+            let found = here.decisions.get(field);
+            let is_same = found.and_then(|found| found.reason.as_ref()) == Some(reason);
+            (!is_same).then(|| {
+                format!(
+                    "{factory}: {field:?} is decided otherwise than was taken: {reason}, {found:?}"
+                )
+            })
+        });
+        let revocations = self.revocations.iter().filter(|(whose, _)| of_factory(whose));
+        let revocations = revocations.filter(|(_, id)| !here.revocations.contains(id));
+        let revocations = revocations
+            .map(|(_, id)| format!("{factory}: revocation {id} was taken, and is not stored"));
+        refusals.chain(revocations).collect()
     }
 }
 
@@ -68,8 +99,8 @@ struct Person {
 }
 
 impl ControlTraffic {
-    /// Starts an engineer at each factory, and the buyer.
-    pub fn begin(places: &Places) -> anyhow::Result<Self> {
+    /// Starts an engineer at each factory, and the buyer. Refusals are spread over the length of the run.
+    pub fn begin(places: &Places, span: Duration) -> anyhow::Result<Self> {
         let stop = CancellationToken::new();
         let person = |port: u16, user| {
             let api = Api::new(format!("http://127.0.0.1:{port}"))?;
@@ -79,7 +110,7 @@ impl ControlTraffic {
             vec![tokio::spawn(revise(person(places.platform_web, ADMIN)?, stop.clone()))];
         for factory in [MUNICH, HAMBURG] {
             let engineer = person(places.factory(factory)?.connector_web, ENGINEER)?;
-            people.push(tokio::spawn(decide(engineer, factory, stop.clone())));
+            people.push(tokio::spawn(decide(engineer, factory, span, stop.clone())));
         }
         Ok(Self { stop, people })
     }
@@ -91,46 +122,64 @@ impl ControlTraffic {
         for person in self.people {
             let taken = person.await?;
             all.decisions += taken.decisions;
-            all.revocations += taken.revocations;
             all.revisions += taken.revisions;
+            all.refusals.extend(taken.refusals);
+            all.revocations.extend(taken.revocations);
         }
         Ok(all)
     }
 }
 
 impl Person {
-    /// Posts or puts, signed in. Returns whether it was taken.
-    async fn does(&mut self, is_put: bool, path: &str, body: &Value) -> bool {
+    /// Posts or puts, signed in. Returns the answer where it was taken.
+    async fn does(&mut self, is_put: bool, path: &str, body: &Value) -> Option<Value> {
         // A program that starts again has forgotten its sessions.
         if !self.is_signed_in && self.api.sign_in(self.user, PASSWORD).await.is_err() {
-            return false;
+            return None;
         }
         let answer: anyhow::Result<Value> = match is_put {
             true => self.api.put(path, body).await,
             false => self.api.post(path, body).await,
         };
         self.is_signed_in = answer.is_ok();
-        self.is_signed_in
+        answer.ok()
     }
 }
 
-/// Opens and revokes a field by turns, each time with another policy, and refuses others one after the other.
-async fn decide(mut engineer: Person, factory: &'static str, stop: CancellationToken) -> Taken {
+/// Opens and revokes a field by turns, each time with another policy, and refuses others one after the other, each once:
+/// what is lost of it does not come with a later decision.
+async fn decide(
+    mut engineer: Person,
+    factory: &'static str,
+    span: Duration,
+    stop: CancellationToken,
+) -> Taken {
     let mut taken = Taken::default();
+    let refusal_each = span / u32::try_from(load::REFUSED_FIELDS).unwrap_or(u32::MAX);
+    let start = Instant::now();
+    let mut refused = 0;
     for number in 0_u64.. {
+        let is_due = refused < load::REFUSED_FIELDS
+            && start.elapsed() >= refusal_each * u32::try_from(refused).unwrap_or(u32::MAX);
         if number % REVOCATION_EACH == REVOCATION_EACH - 1 {
             let body = json!({ "fields": [load::toggled_field(factory)], "reason": format!("revoked {number}") });
-            let is_taken = engineer.does(false, "/api/v1/revocations", &body).await;
-            taken.revocations += u64::from(is_taken);
-        } else if number % 2 == 0 {
-            // Each field once: what is lost of it does not come with a later decision.
-            let (path, body) = load::refuse(factory, number / 2);
-            taken.decisions += u64::from(engineer.does(true, &path, &body).await);
+            let answer = engineer.does(false, "/api/v1/revocations", &body).await;
+            let id = answer.as_ref().and_then(|answer| answer["revocationId"].as_str());
+            taken.revocations.extend(id.map(|id| (factory, id.to_owned())));
+        } else if number % 2 == 0 && is_due {
+            let (field, reason) = (load::refused_field(refused), format!("Refusal {refused}"));
+            let (path, body) = load::refuse(factory, &field, &reason);
+            // Stored or not, where no answer came: none may come later.
+            refused += 1;
+            if engineer.does(true, &path, &body).await.is_some() {
+                let field = FieldId { request: load::refused_request(factory), field };
+                taken.refusals.insert((factory, field), reason);
+            }
         } else {
             let step = ROUNDING_STEPS[usize::try_from(number % 3).unwrap_or_default()];
             let disclosure = step.map_or(json!({}), |step| json!({ "roundingStep": step }));
             let (path, body) = load::toggle(factory, disclosure);
-            taken.decisions += u64::from(engineer.does(true, &path, &body).await);
+            taken.decisions += u64::from(engineer.does(true, &path, &body).await.is_some());
         }
         if stop.run_until_cancelled(tokio::time::sleep(DECISION_PAUSE)).await.is_none() {
             break;
@@ -148,7 +197,7 @@ async fn revise(mut buyer: Person, stop: CancellationToken) -> Taken {
             let mut network = view["network"].clone();
             network["description"] = json!(format!("As of change {number}"));
             let body = json!({ "collaborationId": COLLABORATION, "operationNetwork": network });
-            taken.revisions += u64::from(buyer.does(true, &path, &body).await);
+            taken.revisions += u64::from(buyer.does(true, &path, &body).await.is_some());
         } else {
             buyer.is_signed_in = buyer.api.sign_in(buyer.user, PASSWORD).await.is_ok();
         }
@@ -165,16 +214,22 @@ impl LostControls {
         let queued = stores::queued(folder).await?;
         for factory in [MUNICH, HAMBURG] {
             let queue = format!("factory.{factory}.ingress");
-            let is_queued = |text: &str| {
-                let mut bodies = queued.iter().filter(|(name, _)| *name == queue);
-                bodies.any(|(_, body)| String::from_utf8_lossy(body).contains(text))
-            };
+            let bodies: Vec<&[u8]> = queued
+                .iter()
+                .filter(|(name, _)| *name == queue)
+                .map(|(_, body)| body.as_slice())
+                .collect();
+            let waiting: Vec<Value> = bodies.iter().flat_map(|body| documents(body)).collect();
+            let decisions: BTreeSet<_> = waiting.iter().filter_map(decision).collect();
+            // The receipt is a signed text in a message: its id is nowhere else.
+            let is_queued =
+                |id: &str| bodies.iter().any(|body| String::from_utf8_lossy(body).contains(id));
             let Controls { here, there } = stores::control::controls(folder, factory).await?;
             for (field, decided) in &here.decisions {
                 let is_open = there.decisions.get(field) != Some(decided);
                 if is_open
                     && let Some(at) = decided.at
-                    && is_queued(&field.request)
+                    && decisions.contains(&(field.clone(), at))
                 {
                     self.decisions.insert((factory.to_owned(), field.clone(), at));
                 }
@@ -184,6 +239,28 @@ impl LostControls {
         }
         Ok(())
     }
+}
+
+/// Returns the JSON objects of a message, which has other parts, too.
+fn documents(mut body: &[u8]) -> Vec<Value> {
+    let mut documents = Vec::new();
+    while let Some(place) = body.iter().position(|byte| *byte == b'{') {
+        body = &body[place..];
+        let mut stream = serde_json::Deserializer::from_slice(body).into_iter::<Value>();
+        let document = stream.next().and_then(Result::ok);
+        let length = if document.is_some() { stream.byte_offset() } else { 1 };
+        documents.extend(document);
+        body = &body[length..];
+    }
+    documents
+}
+
+/// Returns the field that a message decides, and the time in microseconds since 1970.
+fn decision(message: &Value) -> Option<(FieldId, i64)> {
+    let text = |name: &str| message[name].as_str().map(str::to_owned);
+    let at: DateTime = serde_json::from_value(message["decidedAt"].clone()).ok()?;
+    let field = FieldId { request: text("dynamicDataRequestId")?, field: text("fieldName")? };
+    Some((field, at.unix_micros()))
 }
 
 /// Waits until both factories have answered the newest revision.
@@ -209,14 +286,22 @@ pub(super) async fn parts_are_answered(
 }
 
 /// Returns what one side does not have as the other one decided, revoked or revised it, but for what the broker lost
-/// with its store.
+/// with its store, and what a connector does not have though it was `taken`.
 pub(super) async fn faults(
     folder: &Path,
     factory: &str,
     lost: &LostControls,
+    taken: Option<&Taken>,
 ) -> anyhow::Result<Vec<String>> {
     let Controls { here, there } = stores::control::controls(folder, factory).await?;
-    let mut faults = Vec::new();
+    let mut faults = taken.map_or_else(Vec::new, |taken| taken.missing(factory, &here));
+    let unknown = there
+        .decisions
+        .iter()
+        .filter(|(field, decided)| decided.at.is_some() && !here.decisions.contains_key(*field));
+    faults.extend(unknown.map(|(field, decided)| {
+        format!("{factory}: {field:?} was never decided, the platform has {decided:?}")
+    }));
     for (field, decided) in &here.decisions {
         let is_lost = decided
             .at
@@ -243,4 +328,44 @@ pub(super) async fn faults(
         ));
     }
     Ok(faults)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chaos::stores::control::Decided;
+
+    fn field(name: &str) -> FieldId {
+        FieldId { request: "r".to_owned(), field: name.to_owned() }
+    }
+
+    #[test]
+    fn a_decision_is_found_in_a_message_by_its_field_and_time() {
+        let body = b"\0Sx{ {\"operationNetworkId\":\"n\",\"dynamicDataRequestId\":\"r\",\"fieldName\":\"f1\",\
+            \"decidedAt\":\"1970-01-01T00:00:02.000001Z\"}\0{\"messageId\":{}}";
+        let documents = documents(body);
+        assert_eq!(documents.len(), 2, "{documents:?}");
+        let found: Vec<_> = documents.iter().filter_map(decision).collect();
+        assert_eq!(found, [(field("f1"), 2_000_001)]);
+    }
+
+    #[test]
+    fn what_was_taken_has_to_be_stored() {
+        let mut taken = Taken::default();
+        taken.refusals.insert((MUNICH, field("f1")), "Refusal 1".to_owned());
+        taken.revocations.insert((MUNICH, "one".to_owned()));
+        let side = |reason: &str, revocation: &str| {
+            let reason = Some(reason.to_owned());
+            let decided = Decided { state: "REFUSED".to_owned(), reason, at: Some(1) };
+            Side {
+                decisions: BTreeMap::from([(field("f1"), decided)]),
+                revocations: BTreeSet::from([revocation.to_owned()]),
+                network: (1, String::new()),
+            }
+        };
+        assert_eq!(taken.missing(MUNICH, &side("Refusal 1", "one")), [""; 0]);
+        assert_eq!(taken.missing(MUNICH, &side("Refusal 0", "one")).len(), 1);
+        assert_eq!(taken.missing(MUNICH, &side("Refusal 1", "two")).len(), 1);
+        assert_eq!(taken.missing(HAMBURG, &side("Refusal 0", "two")), [""; 0]);
+    }
 }

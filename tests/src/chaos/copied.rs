@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::Context as _;
 use serde_json::Value;
 
-use super::{CommentTraffic, Fault, Stage, drain, flows, judge};
+use super::{CommentTraffic, Fault, Stage, drain, flow::flows, judge};
 use crate::{
     frame_order::MUNICH,
     harness::{Api, Daemon, Steps, eventually, say},

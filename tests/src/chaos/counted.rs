@@ -1,10 +1,12 @@
 //! Values that machines count at a steady rate, and steps that scripts count: each is in a report, but for those of the
-//! times in which a connector or its machines were killed, stood still or had no disk.
+//! times in which a connector or its machines were killed, stood still or had no disk. All fields of a busy writer are
+//! in each of its reports, from the beginning to the end.
 
 use std::collections::BTreeMap;
 
 use super::{
-    disturbances::Span,
+    disturbances::{Disturbances, Span, TICKS_A_SECOND},
+    observed::Observed,
     stores::{Left, ReportKey},
 };
 use crate::{scenario::load, world::counters::COUNTED_EACH_MS};
@@ -14,52 +16,105 @@ const HOLE_MAX: i64 = 30 * 1000 / COUNTED_EACH_MS;
 /// Part of the other values, of a hundred, that may be missing: where a processor has too much to do, two come in one
 /// notification, and the report has the second.
 const MISSING_MAX: i64 = 15;
+/// Counts of undisturbed times without which a run proves nothing: an outage alone has more.
+const JUDGED_MIN: i64 = 12;
+/// Ticks after the first report, and before the machines stop, in which a field may have no value yet, or none any more.
+const EDGE_MAX: i64 = 10 * TICKS_A_SECOND;
+/// Ticks for which one disturbance may cost a field.
+const LOST_MAX: i64 = 30 * TICKS_A_SECOND;
+/// Ticks by which the time of a count may differ from when the machine counted it: a report has the newest time of all
+/// its values, and a count may come late. Clocks that are set differ by more.
+const OFF_MAX: i64 = 60 * TICKS_A_SECOND;
 
-/// Value of a counter and its time at the machine.
+/// Values of a counter, each with its first time at the machine.
 type Counts = BTreeMap<i64, i64>;
 
-/// Returns the requests whose reports lack values.
+/// Returns what the reports of a factory's busy writers lack. Its machines stopped at `end`.
 pub(super) fn faults(
     factory: &str,
     left: &BTreeMap<ReportKey, Left>,
-    disturbed: &[Span],
+    disturbances: &Disturbances,
+    end: i64,
 ) -> Vec<String> {
+    let (disturbed, full_disks) = (disturbances.of(factory), disturbances.full_disks_of(factory));
     let mut faults = Vec::new();
-    for name in [load::COUNTED, load::STEPS] {
-        let counters = counters(left, name);
-        if counters.is_empty() {
-            faults.push(format!("{factory}: no report has a value of {name}"));
+    for (number, request) in load::requests(factory).iter().enumerate() {
+        let reports = Observed::of(left, request);
+        let mut found = Vec::new();
+        for name in [load::COUNTED, load::STEPS] {
+            let counts = reports.counts(name);
+            found.extend(
+                of_counter(&reports, &counts, disturbed, end).into_iter().map(|f| (name, f)),
+            );
         }
-        for (request, counts) in counters {
-            let holes = holes(&counts, disturbed).into_iter();
-            faults.extend(holes.map(|hole| format!("{request}, {name}: {hole}")));
+        // The consent to the toggled field of the first request ends again and again.
+        let fields = load::FIELDS.into_iter().filter(|name| number > 0 || *name != load::TOGGLED);
+        for name in fields {
+            let lacking = reports.lacking(name, name == load::COUNTED, end);
+            let is_edge = |span: &Span| span.from == reports.begin() || span.to == end;
+            let is_free = |span: &Span| is_edge(span) && span.to - span.from <= EDGE_MAX;
+            let lacking =
+                lacking.into_iter().filter(|span| !is_free(span) && !is_excused(*span, disturbed));
+            found.extend(lacking.map(|span| (name, lacks(span, end))));
         }
+        // A connector notices that its machines are gone, and says so.
+        let ends_well = reports.ends_well(load::COUNTED);
+        found.extend(
+            ends_well.then(|| (load::COUNTED, "it is good after the machines stopped".to_owned())),
+        );
+        found.extend(off(&reports.counts(load::COUNTED)).map(|fault| (load::COUNTED, fault)));
+        found.extend(set_back(&reports, full_disks).map(|fault| (load::STEPS, fault)));
+        faults.extend(found.into_iter().map(|(name, fault)| format!("{request}, {name}: {fault}")));
     }
     faults
 }
 
-/// Returns the values of a field that counts, by request.
-fn counters<'l>(left: &'l BTreeMap<ReportKey, Left>, name: &str) -> BTreeMap<&'l str, Counts> {
-    let mut counters: BTreeMap<&str, Counts> = BTreeMap::new();
-    for report in left.values() {
-        let Some(field) = report.content.fields.get(name) else { continue };
-        // A number of 64 bits is a text in JSON.
-        let count = field.value.as_str().and_then(|text| text.parse().ok());
-        if let Some((count, time)) = count.zip(field.source_time) {
-            let counts = counters.entry(&report.content.request).or_default();
-            // Later reports carry it again.
-            counts.entry(count).and_modify(|first| *first = time.min(*first)).or_insert(time);
-        }
-    }
-    counters
+fn lacks(span: Span, end: i64) -> String {
+    let seconds = (span.to - span.from) / TICKS_A_SECOND;
+    let before_end = (end - span.to) / TICKS_A_SECOND;
+    format!("reports of {seconds} s lack a good value, {before_end} s before the machines stopped")
 }
 
-fn holes(counts: &Counts, disturbed: &[Span]) -> Vec<String> {
+/// True where a field may have had no good value from one time to another.
+fn is_excused(span: Span, disturbed: &[Span]) -> bool {
+    meets_any(disturbed, span.from, span.to) && span.to - span.from <= LOST_MAX
+}
+
+fn meets_any(disturbed: &[Span], from: i64, to: i64) -> bool {
+    disturbed.iter().any(|span| span.meets(from, to))
+}
+
+/// Judges the values of one field that counts.
+fn of_counter(
+    reports: &Observed<'_>,
+    counts: &Counts,
+    disturbed: &[Span],
+    end: i64,
+) -> Vec<String> {
+    let times = counts.values();
+    let (Some(first), Some(last)) = (times.clone().min(), times.max()) else {
+        return vec!["no report has a value".to_owned()];
+    };
+    let (mut faults, judged) = holes(counts, disturbed);
+    for (what, from, to) in [("begins late", reports.begin(), *first), ("ends early", *last, end)] {
+        let is_free = to - from <= EDGE_MAX || is_excused(Span { from, to }, disturbed);
+        if !is_free {
+            faults.push(format!("it {what}, by {} s", (to - from) / TICKS_A_SECOND));
+        }
+    }
+    if judged < JUDGED_MIN {
+        faults.push(format!("only {judged} counts of undisturbed times were judged"));
+    }
+    faults
+}
+
+/// Returns what is missing, and the number of counts that were judged.
+fn holes(counts: &Counts, disturbed: &[Span]) -> (Vec<String>, i64) {
     let mut faults = Vec::new();
     let (mut missing, mut judged) = (0, 0);
     for ((before, from), (after, to)) in counts.iter().zip(counts.iter().skip(1)) {
         let lost = after - before - 1;
-        if disturbed.iter().any(|span| span.meets(*from.min(to), *to.max(from))) {
+        if meets_any(disturbed, *from.min(to), *to.max(from)) {
             if lost > HOLE_MAX {
                 faults.push(format!("{lost} counts after {before} are lost by one disturbance"));
             }
@@ -71,24 +126,37 @@ fn holes(counts: &Counts, disturbed: &[Span]) -> Vec<String> {
     if missing * 100 > judged * MISSING_MAX {
         faults.push(format!("{missing} of {judged} counts of undisturbed times are in no report"));
     }
-    faults
+    (faults, judged)
+}
+
+/// Returns what counts were reported with another time than that at which a machine counts them: it counts evenly.
+fn off(counts: &Counts) -> Option<String> {
+    let each = COUNTED_EACH_MS * (TICKS_A_SECOND / 1000);
+    let mut offsets: Vec<i64> = counts.iter().map(|(count, time)| time - count * each).collect();
+    offsets.sort_unstable();
+    let usual = *offsets.get(offsets.len() / 2)?;
+    let wrong = offsets.iter().filter(|offset| (*offset - usual).abs() > OFF_MAX).count();
+    (wrong > 0)
+        .then(|| format!("{wrong} of {} counts have another time than their own", offsets.len()))
+}
+
+/// Returns where the state of a script went back. After a full disk a connector goes on with the state that it has
+/// stored, and what its scripts made meanwhile may still be reported: no further back than before.
+fn set_back(reports: &Observed<'_>, full_disks: &[Span]) -> Option<String> {
+    let steps = reports.steps_of(load::STEPS);
+    let pairs = || steps.iter().zip(steps.iter().skip(1));
+    let is_back = |((before, from), (after, to)): &(&(i64, i64), &(i64, i64))| {
+        let met = full_disks.iter().filter(|span| span.meets(*from.min(to), *to.max(from)));
+        let stored = met.map(|span| {
+            let earlier = steps.iter().filter(|(_, time)| *time < span.from);
+            earlier.map(|(count, _)| *count).max().unwrap_or_default()
+        });
+        after < &stored.min().unwrap_or(*before)
+    };
+    pairs().find(is_back).map(|((before, _), (after, _))| {
+        format!("the state of the script goes back from {before} to {after}")
+    })
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn counts_are_missing_only_where_something_was_disturbed() {
-        let all = |lost: std::ops::Range<i64>| -> Counts {
-            (0..100)
-                .filter(|count| !lost.contains(count))
-                .map(|count| (count, count * 10))
-                .collect()
-        };
-        assert_eq!(holes(&all(0..0), &[]), [""; 0]);
-        assert_eq!(holes(&all(40..60), &[]).len(), 1);
-        assert_eq!(holes(&all(40..60), &[Span { from: 420, to: 450 }]), [""; 0]);
-        assert_eq!(holes(&all(40..60), &[Span { from: 700, to: 800 }]).len(), 1);
-    }
-}
+mod tests;

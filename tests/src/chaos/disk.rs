@@ -3,12 +3,18 @@
 use std::{
     path::{Path, PathBuf},
     process::Command,
+    time::Duration,
 };
 
 use anyhow::Context as _;
 
+use crate::harness::Deadline;
+
 /// Size of the file system; memory is only taken for what is written.
 const SIZE: &str = "2g";
+
+/// Time after which a disk is given free though its program did not notice that it was full.
+const FELT_WITHIN: Duration = Duration::from_secs(10);
 
 /// A mounted file system in memory; unmounted when dropped. Mounting needs root.
 #[derive(Debug)]
@@ -52,6 +58,24 @@ impl Disk {
         failed.map_or(Ok(()), Err)
     }
 
+    /// Leaves no room for a while, and on until the program says so that has this log. A store that has room in its own
+    /// files notices late. Returns whether it noticed.
+    ///
+    /// # Errors
+    /// When the file system cannot be changed.
+    pub async fn fill_until_felt(&self, log: &Path, span: Duration) -> anyhow::Result<bool> {
+        let before = complaints(log);
+        self.fill()?;
+        tokio::time::sleep(span).await;
+        let deadline = Deadline::after(FELT_WITHIN.saturating_sub(span));
+        while complaints(log) == before && !deadline.has_passed() {
+            // What was given back meanwhile is taken again.
+            self.fill().ok();
+            tokio::time::sleep(Duration::from_millis(100)).await;
+        }
+        Ok(complaints(log) > before)
+    }
+
     /// Gives the room back.
     ///
     /// # Errors
@@ -66,6 +90,16 @@ impl Drop for Disk {
         // Lazily: a killed program's files may still be open for a moment.
         run(Command::new("umount").arg("-l").arg(&self.folder)).ok();
     }
+}
+
+/// Words by which programs say that their disk is full.
+const COMPLAINTS: [&str; 3] = ["disk is full", "disk I/O error", "No space left"];
+
+/// Returns the number of lines of a log that complain about a full disk.
+fn complaints(log: &Path) -> usize {
+    let text = std::fs::read(log).unwrap_or_default();
+    let text = String::from_utf8_lossy(&text);
+    text.lines().filter(|line| COMPLAINTS.iter().any(|words| line.contains(words))).count()
 }
 
 fn used_blocks(folder: &Path) -> anyhow::Result<u64> {

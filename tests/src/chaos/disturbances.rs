@@ -9,9 +9,8 @@ use crate::frame_order::{HAMBURG, MUNICH};
 
 /// Ticks in which sessions and subscriptions are made again after a disturbance.
 const SETTLING: i64 = 5 * TICKS_A_SECOND;
-/// Ticks before a program was found to have ended in which it may have ended.
-const UNNOTICED: i64 = 180 * TICKS_A_SECOND;
-const TICKS_A_SECOND: i64 = 10_000_000;
+/// Ticks of 100 ns.
+pub(super) const TICKS_A_SECOND: i64 = 10_000_000;
 
 /// Times from and to, in ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,12 +28,20 @@ impl Span {
 
 /// Disturbances of each factory.
 #[derive(Debug, Default)]
-pub(super) struct Disturbances(BTreeMap<&'static str, Vec<Span>>);
+pub(super) struct Disturbances {
+    all: BTreeMap<&'static str, Vec<Span>>,
+    full_disks: BTreeMap<&'static str, Vec<Span>>,
+}
 
 impl Disturbances {
     /// Returns those of a factory.
     pub fn of(&self, factory: &str) -> &[Span] {
-        self.0.get(factory).map_or(&[], Vec::as_slice)
+        self.all.get(factory).map_or(&[], Vec::as_slice)
+    }
+
+    /// Returns the times in which the disk of a factory's connector was full.
+    pub fn full_disks_of(&self, factory: &str) -> &[Span] {
+        self.full_disks.get(factory).map_or(&[], Vec::as_slice)
     }
 
     /// Notes a fault that has been over since now.
@@ -44,16 +51,26 @@ impl Disturbances {
                 self.put(factory, from);
             }
         }
+        if let Fault::FullDisk(whose, _) = fault {
+            let span = Span { from, to: now() + SETTLING };
+            self.full_disks.entry(whose).or_default().push(span);
+        }
     }
 
-    /// Notes that a factory's program has ended by itself.
-    pub fn ended(&mut self, factory: &'static str) {
-        self.put(factory, now() - UNNOTICED);
+    /// Notes that a factory's program has ended by itself, since it was seen to run.
+    pub fn ended(&mut self, factory: &'static str, from: i64) {
+        self.put(factory, from);
+    }
+
+    /// Makes some of one factory.
+    #[cfg(test)]
+    pub fn of_munich(spans: &[Span]) -> Self {
+        Self { all: BTreeMap::from([(MUNICH, spans.to_vec())]), ..Self::default() }
     }
 
     fn put(&mut self, factory: &'static str, from: i64) {
         let span = Span { from, to: now() + SETTLING };
-        self.0.entry(factory).or_default().push(span);
+        self.all.entry(factory).or_default().push(span);
     }
 }
 

@@ -2,10 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use anyhow::Context as _;
+
 use super::{
-    control, counted,
+    control::{self, Taken},
+    counted,
     stage::Stage,
-    stores::{self, ReportKey},
+    stores::{self, ReportKey, given_up},
 };
 
 /// Faults shown at most.
@@ -30,7 +33,8 @@ impl Findings {
     /// Adds what machines or scripts counted and no report has.
     pub async fn of_machines(&mut self, stage: &Stage, factory: &str) -> anyhow::Result<()> {
         let left = stores::left(&stage.world.places.folder, factory).await?;
-        self.faults.extend(counted::faults(factory, &left, stage.disturbed.of(factory)));
+        let end = stage.machines_stopped.context("the machines were stopped")?;
+        self.faults.extend(counted::faults(factory, &left, &stage.disturbed, end));
         Ok(())
     }
 }
@@ -45,13 +49,14 @@ pub(super) fn breach(faults: &[String]) -> anyhow::Error {
 pub(super) async fn of_factory(
     stage: &Stage,
     factory: &str,
+    taken: Option<&Taken>,
     findings: &mut Findings,
 ) -> anyhow::Result<()> {
     let folder = &stage.world.places.folder;
     let left = stores::left(folder, factory).await?;
     let arrived = stores::arrived(folder, factory).await?;
-    let announced: BTreeSet<_> = stores::gaps(folder, factory).await?.into_iter().collect();
-    let given_up = stores::given_up(folder, factory).await?;
+    let announced = given_up::gaps(folder, factory).await?;
+    let given_up = given_up::given_up(folder, factory).await?;
     let mut faults = Vec::new();
 
     let held: BTreeMap<_, _> = arrived.iter().map(|(key, report)| (key, report)).collect();
@@ -60,7 +65,7 @@ pub(super) async fn of_factory(
     }
     for (key, report) in &left {
         match held.get(key) {
-            None if announced.contains(key) => {}
+            None if announced.contains_key(key) => {}
             None => faults.push(format!("{} is lost: {key:?}", report.state)),
             Some(_) if report.state == "PARKED" => {
                 faults.push(format!("rejected and yet held: {key:?}"))
@@ -76,12 +81,11 @@ pub(super) async fn of_factory(
             .filter(|key| !left.contains_key(**key))
             .map(|key| format!("never left: {key:?}")),
     );
-    let wrong = announced.difference(&given_up);
-    faults.extend(wrong.map(|key| format!("announced as given up, and was not: {key:?}")));
-    let held_gaps = announced.iter().filter(|key| held.contains_key(key));
+    faults.extend(given_up::faults(factory, &announced, &given_up));
+    let held_gaps = announced.keys().filter(|key| held.contains_key(key));
     faults.extend(held_gaps.map(|key| format!("announced as given up, and is held: {key:?}")));
     faults.extend(holes(left.keys()));
-    faults.extend(control::faults(folder, factory, &stage.lost_controls).await?);
+    faults.extend(control::faults(folder, factory, &stage.lost_controls, taken).await?);
     faults.extend(disorder(&arrived, &stage.set_back));
     let recipients: usize = left.values().map(|report| report.recipients).sum();
     let entries = stores::ledger_entries(folder, factory).await?;

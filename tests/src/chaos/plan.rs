@@ -1,11 +1,14 @@
 //! Plan of faults and their times: drawn from a seed alone, so that a run can be played again.
 
-use std::{fmt, time::Duration};
+use std::{collections::VecDeque, fmt, time::Duration};
 
 use rand::{Rng as _, SeedableRng as _, seq::IndexedRandom as _};
 use rand_chacha::ChaCha8Rng;
 
-use crate::frame_order::{HAMBURG, MUNICH};
+use crate::{
+    frame_order::{HAMBURG, MUNICH},
+    world::BrokerKind,
+};
 
 /// Name of the platform beside the factories.
 pub(super) const PLATFORM: &str = "platform";
@@ -57,8 +60,14 @@ pub enum Fault {
 
 /// Length of an outage: a connector looks every ten seconds whether its spool is too large.
 const OUTAGE: Duration = Duration::from_secs(14);
+/// Milliseconds that a disk is full at most, where its program notices at once.
+const FULL_MS: u64 = 3_000;
 /// Seconds that clocks are off.
 const OFFSETS: [i32; 6] = [-5_400, -300, -2, 2, 300, 10_800];
+/// Offsets that end sessions, leases and times to live, or bring times that have been.
+const FAR_OFFSETS: [i32; 4] = [-5_400, -300, 300, 10_800];
+/// Offset of the one connector's clock that every run sets back.
+const SET_BACK: ClockOffset = ClockOffset(-300);
 
 /// Seconds that a clock is off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,8 +92,7 @@ impl Fault {
     }
 
     /// Returns the fault beside a broker of another make: its store is not ours to change.
-    #[must_use]
-    pub const fn beside_external_broker(self) -> Self {
+    const fn beside_external_broker(self) -> Self {
         match self {
             Self::LoseBrokerStore
             | Self::OldBrokerStore
@@ -96,7 +104,7 @@ impl Fault {
 
     /// Returns the name for the summary.
     #[must_use]
-    pub const fn kind(self) -> &'static str {
+    pub fn kind(self) -> &'static str {
         match self {
             Self::KillConnector(_) => "kill connector",
             Self::KillPlatform => "kill platform",
@@ -114,7 +122,8 @@ impl Fault {
             Self::RestartBroker => "restart broker",
             Self::ConnectorClock(..) => "connector clock",
             Self::PlatformClock(_) => "platform clock",
-            Self::FullDisk(..) => "full disk",
+            Self::FullDisk(PLATFORM, _) => "full disk of the platform",
+            Self::FullDisk(..) => "full disk of a factory",
             Self::PauseConnector(..) => "pause connector",
             Self::PausePlatform(_) => "pause platform",
         }
@@ -135,6 +144,7 @@ impl fmt::Display for Fault {
             | Self::PausePlatform(span) => {
                 write!(f, "{kind} {} ms", span.as_millis())
             }
+            Self::FullDisk(PLATFORM, span) => write!(f, "{kind} {} ms", span.as_millis()),
             Self::FullDisk(factory, span) | Self::PauseConnector(factory, span) => {
                 write!(f, "{kind} {factory} {} ms", span.as_millis())
             }
@@ -156,31 +166,49 @@ pub struct Strike {
 /// An endless source of rounds.
 pub struct Plan {
     random: ChaCha8Rng,
-    /// Faults that the next round has whatever is drawn.
-    always: Vec<Fault>,
+    has_external_broker: bool,
+    /// Faults that the next rounds have whatever is drawn.
+    always: VecDeque<Vec<Fault>>,
 }
 
 impl Plan {
     /// Makes the plan of a seed.
     #[must_use]
-    pub fn new(seed: u64) -> Self {
+    pub fn new(seed: u64, broker: BrokerKind) -> Self {
         let random = ChaCha8Rng::seed_from_u64(seed);
-        let mut plan = Self { random, always: Vec::new() };
-        plan.always = plan.rare_faults();
+        let has_external_broker = broker != BrokerKind::Embedded;
+        let mut plan = Self { random, has_external_broker, always: VecDeque::new() };
+        plan.always = plan.rare_faults().into();
         plan
     }
 
-    /// Returns faults that are drawn so seldom that a short run would have none of them: a clock that is set, a
-    /// full disk, and an outage that a spool is too small for.
-    fn rare_faults(&mut self) -> Vec<Fault> {
-        let offset = ClockOffset(*OFFSETS.choose(&mut self.random).unwrap_or(&OFFSETS[0]));
-        let factory = self.factory();
-        let clock = match self.random.random_range(0..3) {
-            0 => Fault::PlatformClock(offset),
-            _ => Fault::ConnectorClock(factory, offset),
-        };
-        let whose = *[MUNICH, HAMBURG, PLATFORM].choose(&mut self.random).unwrap_or(&MUNICH);
-        vec![clock, Fault::Outage(OUTAGE), Fault::FullDisk(whose, self.span(3_000))]
+    /// Returns faults of the first rounds that are drawn so seldom that a short run would have none of them: clocks
+    /// that are set, full disks, an outage that a spool is too small for, and whatever a broker goes through.
+    fn rare_faults(&mut self) -> [Vec<Fault>; 2] {
+        let offset = ClockOffset(*FAR_OFFSETS.choose(&mut self.random).unwrap_or(&FAR_OFFSETS[0]));
+        let first = vec![
+            Fault::ConnectorClock(self.factory(), SET_BACK),
+            Fault::Outage(OUTAGE),
+            Fault::FullDisk(PLATFORM, self.span(FULL_MS)),
+            Fault::Cut,
+        ];
+        let mut second =
+            vec![Fault::PlatformClock(offset), Fault::FullDisk(self.factory(), self.span(FULL_MS))];
+        second.extend(match self.has_external_broker {
+            true => vec![Fault::RestartBroker],
+            false => vec![Fault::KillBroker, Fault::LoseBrokerStore],
+        });
+        [first, second]
+    }
+
+    /// Lets faults strike in the next round that could not be caused in this one.
+    pub fn owe(&mut self, faults: impl IntoIterator<Item = Fault>) {
+        if self.always.is_empty() {
+            self.always.push_back(Vec::new());
+        }
+        if let Some(next) = self.always.front_mut() {
+            next.extend(faults);
+        }
     }
 
     /// Returns the faults of the next round; after each round everything must work again.
@@ -191,7 +219,7 @@ impl Plan {
             let fault = self.fault();
             strikes.push(self.strike(fault));
         }
-        for fault in std::mem::take(&mut self.always) {
+        for fault in self.always.pop_front().unwrap_or_default() {
             let place = self.random.random_range(0..=strikes.len());
             let strike = self.strike(fault);
             strikes.insert(place, strike);
@@ -200,6 +228,7 @@ impl Plan {
     }
 
     fn strike(&mut self, fault: Fault) -> Strike {
+        let fault = if self.has_external_broker { fault.beside_external_broker() } else { fault };
         Strike { pause: Duration::from_millis(self.pause_ms()), fault }
     }
 
@@ -243,8 +272,8 @@ impl Plan {
             85..88 => Fault::DoubleQueued,
             88..91 => Fault::ConnectorClock(factory, offset),
             91..93 => Fault::PlatformClock(offset),
-            93..95 => Fault::FullDisk(factory, self.span(3_000)),
-            95 => Fault::FullDisk(PLATFORM, self.span(3_000)),
+            93..95 => Fault::FullDisk(factory, self.span(FULL_MS)),
+            95 => Fault::FullDisk(PLATFORM, self.span(FULL_MS)),
             96..98 => Fault::PauseConnector(factory, self.span(4_000)),
             _ => Fault::PausePlatform(self.span(4_000)),
         }
@@ -253,25 +282,58 @@ impl Plan {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
+
+    fn kinds(rounds: &[Vec<Strike>]) -> BTreeSet<&'static str> {
+        rounds.iter().flatten().map(|strike| strike.fault.kind()).collect()
+    }
 
     #[test]
     fn a_seed_is_a_plan() {
-        let (mut one, mut same, mut other) = (Plan::new(7), Plan::new(7), Plan::new(8));
+        let plan = |seed| Plan::new(seed, BrokerKind::Embedded);
+        let (mut one, mut same, mut other) = (plan(7), plan(7), plan(8));
         let rounds: Vec<_> = (0..40).map(|_| one.round()).collect();
         assert_eq!(rounds, (0..40).map(|_| same.round()).collect::<Vec<_>>());
         assert_ne!(rounds, (0..40).map(|_| other.round()).collect::<Vec<_>>());
-        let first = rounds[0].iter().map(|strike| strike.fault);
-        let is_rare = |fault: &Fault| {
-            matches!(
-                fault,
-                Fault::FullDisk(..) | Fault::ConnectorClock(..) | Fault::PlatformClock(_)
-            )
-        };
-        assert!(first.filter(is_rare).count() >= 2, "the first round has a clock and a disk");
-        let mut kinds: Vec<_> = rounds.iter().flatten().map(|strike| strike.fault.kind()).collect();
-        kinds.sort_unstable();
-        kinds.dedup();
-        assert_eq!(kinds.len(), 18, "every kind of fault comes up: {kinds:?}");
+        assert_eq!(kinds(&rounds).len(), 19, "every kind of fault comes up: {:?}", kinds(&rounds));
+    }
+
+    #[test]
+    fn two_rounds_have_what_is_rare() {
+        for seed in 0..50 {
+            for broker in [BrokerKind::Embedded, BrokerKind::RabbitMq, BrokerKind::Mosquitto] {
+                let mut plan = Plan::new(seed, broker);
+                let rounds = [plan.round(), plan.round()];
+                let of_broker: &[_] = match broker {
+                    BrokerKind::Embedded => &["kill broker", "broker store lost"],
+                    _ => &["restart broker"],
+                };
+                let wanted = ["connector clock", "platform clock", "outage", "cut"]
+                    .into_iter()
+                    .chain(["full disk of the platform", "full disk of a factory"]);
+                let kinds = kinds(&rounds);
+                for kind in wanted.chain(of_broker.iter().copied()) {
+                    assert!(kinds.contains(kind), "seed {seed} {broker:?}: no {kind} in {kinds:?}");
+                }
+                let has_store = kinds.contains("broker store lost");
+                assert_eq!(has_store, broker == BrokerKind::Embedded, "seed {seed}");
+                let mut faults = rounds.iter().flatten().map(|strike| strike.fault);
+                assert!(faults.any(|fault| matches!(fault, Fault::ConnectorClock(_, SET_BACK))));
+            }
+        }
+    }
+
+    #[test]
+    fn what_could_not_be_caused_comes_again() {
+        let mut plan = Plan::new(7, BrokerKind::Embedded);
+        for _ in 0..2 {
+            plan.round();
+        }
+        plan.owe([Fault::KillAll, Fault::Outage(OUTAGE)]);
+        let round = plan.round();
+        let has = |fault: Fault| round.iter().any(|strike| strike.fault == fault);
+        assert!(has(Fault::KillAll) && has(Fault::Outage(OUTAGE)));
     }
 }

@@ -4,7 +4,7 @@ use std::{
     collections::{BTreeMap, BTreeSet},
     net::{Ipv4Addr, SocketAddr},
     path::PathBuf,
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use anyhow::Context as _;
@@ -18,17 +18,29 @@ use super::{
     disturbances::{self, Disturbances},
     line::{Condition, Line},
     plan::{ClockOffset, Fault, PLATFORM},
-    stores,
+    stores::{self, given_up},
 };
 use crate::{
     demo::{self, Cast},
     frame_order::{HAMBURG, MUNICH},
-    harness::{Daemon, Steps, say},
+    harness::{Daemon, Deadline, Steps, say},
     world::{BrokerKind, ExternalBroker, Places, World},
 };
 
 /// Size of a spool, in bytes, that has no room for the values of an outage.
 const SMALL_SPOOL: &str = "32768";
+
+/// Name of the jumps back of a connector's clock, beside the number of all jumps.
+const SET_BACK: &str = "connector clock set back";
+/// Seconds by which a clock is set back at least: more than what a network brings out of order.
+const SET_BACK_MIN_S: i32 = 60;
+/// Time after an outage in which the small spool gives up what it has no room for.
+const SPOOL_IS_FULL: Duration = Duration::from_secs(20);
+/// Time in which a platform that was just started has its broker.
+const BROKER_STARTS: Duration = Duration::from_secs(10);
+
+/// Time after a full disk in which its program may still give up.
+const END_AFTER_FULL_DISK: Duration = Duration::from_secs(30);
 
 /// Time before a fault in which many comments are on their way.
 const HURRY: Duration = Duration::from_millis(250);
@@ -40,8 +52,8 @@ pub(super) struct Stage {
     // Unmounted after the programs above are gone.
     disks: BTreeMap<&'static str, Disk>,
     clocks: BTreeMap<&'static str, Clock>,
-    /// Reports that the broker may have had when it lost its store: they arrive later, out of their
-    /// order.
+    /// Reports that the broker may have had when it lost its store, or refused when its disk was full: they arrive
+    /// later, out of their order.
     pub set_back: BTreeSet<stores::ReportKey>,
     /// Decisions and receipts that the broker may have had when it lost its store.
     pub lost_controls: LostControls,
@@ -55,6 +67,14 @@ pub(super) struct Stage {
     pub counts: BTreeMap<&'static str, u32>,
     /// Number of programs that were killed.
     pub kills: u32,
+    /// Breaches of what is promised that showed on the way.
+    pub faults: Vec<String>,
+    /// Time at which each disk was last full.
+    full_until: BTreeMap<&'static str, Instant>,
+    /// Time at which all programs were last seen to run, in ticks.
+    supervised_at: i64,
+    /// Time at which the machines were asked to stop, in ticks.
+    pub machines_stopped: Option<i64>,
     /// Programs that ended by themselves and were started again, as a supervisor does.
     pub ended: u32,
 }
@@ -99,6 +119,10 @@ impl Stage {
             comments_hurry: watch::Sender::new(false),
             counts: BTreeMap::new(),
             kills: 0,
+            faults: Vec::new(),
+            full_until: BTreeMap::new(),
+            supervised_at: disturbances::now(),
+            machines_stopped: None,
             ended: 0,
         };
         let cast = demo::play(&mut stage.world, steps).await?;
@@ -128,37 +152,46 @@ impl Stage {
         Ok(())
     }
 
-    /// Returns what has to be done so that every fault can be caused.
-    pub fn lacking(&self) -> Vec<String> {
-        let mut lacking = Vec::new();
-        if self.disks.len() < 3 {
-            lacking.push("run as root, which mounts the disks that will be full".to_owned());
-        }
-        if self.clocks.len() < 3 {
-            lacking.push("install libfaketime, by which clocks jump".to_owned());
-        }
-        lacking
+    /// Returns what has to be done so that disks can be full.
+    pub fn lacking_disks(&self) -> Option<&'static str> {
+        (self.disks.len() < 3).then_some("run as root, which mounts the disks that will be full")
+    }
+
+    /// Returns what has to be done so that clocks can jump.
+    pub fn lacking_clocks(&self) -> Option<&'static str> {
+        (self.clocks.len() < 3).then_some("install libfaketime, by which clocks jump")
     }
 
     /// Returns the kinds of faults that every run has to have, that this machine can cause, and that did not strike.
     pub fn missed(&self) -> Vec<&'static str> {
-        let has_any =
-            |kinds: &[&str]| kinds.iter().any(|kind| self.counts.get(kind).is_some_and(|n| *n > 0));
+        let has_clock = |whose| self.clocks.contains_key(whose);
+        let has_disk = |whose| self.disks.contains_key(whose);
+        let is_external = self.world.external.is_some();
         let wanted = [
-            (
-                "jump of a clock",
-                !self.clocks.is_empty(),
-                &["connector clock", "platform clock"][..],
-            ),
-            ("outage", true, &["outage"]),
-            ("full disk", !self.disks.is_empty(), &["full disk"][..]),
+            (SET_BACK, has_clock(MUNICH) && has_clock(HAMBURG)),
+            ("platform clock", has_clock(PLATFORM)),
+            ("full disk of the platform", has_disk(PLATFORM)),
+            ("full disk of a factory", has_disk(MUNICH) && has_disk(HAMBURG)),
+            ("outage", true),
+            ("cut", true),
+            ("restart broker", is_external),
+            ("kill broker", !is_external),
+            ("broker store lost", !is_external),
         ];
-        let missed = wanted.into_iter().filter(|(_, can_be, kinds)| *can_be && !has_any(kinds));
-        missed.map(|(name, ..)| name).collect()
+        let is_missed = |kind: &str| self.counts.get(kind).is_none_or(|count| *count == 0);
+        let missed = wanted.into_iter().filter(|(kind, can_be)| *can_be && is_missed(kind));
+        missed.map(|(kind, _)| kind).collect()
     }
 
-    /// Lets it happen; when this returns, everything has been started again and the line is clear.
-    pub async fn strike(&mut self, fault: Fault) -> anyhow::Result<()> {
+    /// Returns the number of all faults that struck.
+    pub fn faults_struck(&self) -> u32 {
+        self.counts.iter().filter(|(kind, _)| **kind != SET_BACK).map(|(_, count)| count).sum()
+    }
+
+    /// Lets it happen; when this returns, everything has been started again and the line is clear. Returns false where
+    /// it could not be caused, or nobody noticed.
+    pub async fn strike(&mut self, fault: Fault) -> anyhow::Result<bool> {
+        self.supervise()?;
         if fault.kills() > 0 || matches!(fault, Fault::FullDisk(..)) {
             self.comments_hurry.send_replace(true);
             tokio::time::sleep(HURRY).await;
@@ -166,12 +199,15 @@ impl Stage {
         let from = disturbances::now();
         let is_caused = self.cause(fault).await?;
         self.comments_hurry.send_replace(false);
-        if is_caused {
+        // A disk that was full may have cost values though its program did not say so.
+        if is_caused || matches!(fault, Fault::FullDisk(..)) {
             self.disturbed.struck(fault, from);
+        }
+        if is_caused {
             *self.counts.entry(fault.kind()).or_default() += 1;
             self.kills += fault.kills();
         }
-        Ok(())
+        Ok(is_caused)
     }
 
     /// Returns false where there is nothing to strike.
@@ -179,7 +215,7 @@ impl Stage {
         match fault {
             Fault::KillConnector(factory) => self.connector(factory)?.restart()?,
             Fault::KillPlatform => self.world.platform.restart()?,
-            Fault::KillBroker => return Ok(self.world.platform.kill_children() > 0),
+            Fault::KillBroker => return Ok(self.kill_broker().await),
             Fault::KillMachines(factory) => self.world.factory(factory)?.simulator.restart()?,
             Fault::KillAll => {
                 for daemon in self.world.daemons() {
@@ -190,9 +226,8 @@ impl Stage {
                 }
             }
             Fault::Cut => self.line.cut(),
-            Fault::Stall(span) | Fault::Outage(span) => {
-                self.through(Condition::Stalled, span).await
-            }
+            Fault::Stall(span) => self.through(Condition::Stalled, span).await,
+            Fault::Outage(span) => return self.outage(span).await,
             Fault::Slow(span) => self.through(Condition::Thin, span).await,
             Fault::HalfOpen(span) => {
                 self.through(Condition::Swallowing, span).await;
@@ -208,10 +243,7 @@ impl Stage {
             Fault::ConnectorClock(who, offset) => return self.jump(who, offset),
             Fault::PlatformClock(offset) => return self.jump(PLATFORM, offset),
             Fault::FullDisk(whose, span) => {
-                let Some(disk) = self.disks.get(whose) else { return Ok(false) };
-                disk.fill()?;
-                tokio::time::sleep(span).await;
-                disk.free()?;
+                return self.full_disk(whose, span).await;
             }
             Fault::PauseConnector(factory, span) => {
                 return pause(self.connector(factory)?, span).await;
@@ -227,11 +259,78 @@ impl Stage {
         self.line.set(Condition::Clear);
     }
 
+    /// Keeps the line silent for a while, and on until the small spool was too small for what waits. A connector that
+    /// has just started looks at it later.
+    async fn outage(&self, span: Duration) -> anyhow::Result<bool> {
+        let folder = &self.world.places.folder;
+        let before = given_up::overflows(folder, HAMBURG).await?;
+        self.line.set(Condition::Stalled);
+        tokio::time::sleep(span).await;
+        let deadline = Deadline::after(SPOOL_IS_FULL);
+        let mut now = before;
+        while now <= before && !deadline.has_passed() {
+            now = given_up::overflows(folder, HAMBURG).await?;
+            tokio::time::sleep(Duration::from_millis(100)).await;
+        }
+        self.line.set(Condition::Clear);
+        Ok(now > before)
+    }
+
     fn jump(&mut self, who: &'static str, offset: ClockOffset) -> anyhow::Result<bool> {
         let Some(clock) = self.clocks.get_mut(who) else { return Ok(false) };
-        let is_other = clock.set(offset)?;
+        let jump_s = clock.set(offset)?;
         let program = if who == PLATFORM { &self.world.platform } else { self.connector(who)? };
-        Ok(is_other && Clock::is_followed_by(program))
+        let is_caused = jump_s != 0 && Clock::is_followed_by(program);
+        if is_caused && who != PLATFORM && jump_s <= -SET_BACK_MIN_S {
+            *self.counts.entry(SET_BACK).or_default() += 1;
+        }
+        Ok(is_caused)
+    }
+
+    /// Kills the broker alone, as soon as the platform has started it.
+    async fn kill_broker(&self) -> bool {
+        let deadline = Deadline::after(BROKER_STARTS);
+        while self.world.platform.kill_children() == 0 {
+            if deadline.has_passed() {
+                return false;
+            }
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+        true
+    }
+
+    /// Keeps a disk full for a while, and on until its program says so. A store that has room in its own files
+    /// notices late.
+    async fn full_disk(&mut self, whose: &'static str, span: Duration) -> anyhow::Result<bool> {
+        let Some(disk) = self.disks.get(whose) else { return Ok(false) };
+        let program = match whose {
+            PLATFORM => &self.world.platform,
+            _ => {
+                let factory = self.world.factories.iter().find(|factory| factory.id == whose);
+                factory.and_then(|factory| factory.connector.as_ref()).context("a connector")?
+            }
+        };
+        let is_felt = disk.fill_until_felt(program.log(), span).await?;
+        // A broker without a disk refuses messages, whose reports come after those that it takes later.
+        let mut refused = Vec::new();
+        if whose == PLATFORM {
+            refused = self.unreceipted().await?;
+        }
+        disk.free()?;
+        if whose == PLATFORM {
+            refused.extend(self.unreceipted().await?);
+        }
+        self.set_back.extend(refused);
+        self.full_until.insert(whose, Instant::now());
+        Ok(is_felt)
+    }
+
+    /// Returns the reports of both factories that the platform has not receipted.
+    async fn unreceipted(&self) -> anyhow::Result<Vec<stores::ReportKey>> {
+        let folder = &self.world.places.folder;
+        let mut reports = stores::unreceipted_reports(folder, MUNICH).await?;
+        reports.extend(stores::unreceipted_reports(folder, HAMBURG).await?);
+        Ok(reports)
     }
 
     async fn broker_store(&mut self, fault: Fault) -> anyhow::Result<()> {
@@ -240,9 +339,8 @@ impl Stage {
         match fault {
             Fault::DoubleQueued => stores::double_queued(&folder).await?,
             _ => {
-                for factory in [MUNICH, HAMBURG] {
-                    self.set_back.extend(stores::unreceipted_reports(&folder, factory).await?);
-                }
+                let lost = self.unreceipted().await?;
+                self.set_back.extend(lost);
                 self.lost_controls.add(&folder).await?;
                 self.lost_comments.extend(comments::on_the_way(&folder).await?);
                 if fault == Fault::OldBrokerStore {
@@ -259,22 +357,26 @@ impl Stage {
         self.world.factory(factory)?.connector.as_mut().context("the connector was started")
     }
 
-    /// Starts what has ended by itself. A program may give up where its disk is full; its
-    /// supervisor starts it again.
+    /// Starts what has ended by itself. A program may give up where its disk is full, and a while after; its supervisor
+    /// starts it again. Otherwise that is a fault.
     pub fn supervise(&mut self) -> anyhow::Result<()> {
+        let since = std::mem::replace(&mut self.supervised_at, disturbances::now());
         for daemon in self.world.daemons() {
-            if let Some(status) = daemon.ended()? {
-                say(&format!(
-                    "    {} ended by itself with {status}:\n{}",
-                    daemon.name(),
-                    daemon.log_tail(6)
-                ));
-                daemon.restart()?;
-                self.ended += 1;
-                for factory in [MUNICH, HAMBURG] {
-                    if daemon.name().ends_with(factory) {
-                        self.disturbed.ended(factory);
-                    }
+            let Some(status) = daemon.ended()? else { continue };
+            let name = daemon.name().to_owned();
+            say(&format!("    {name} ended by itself with {status}:\n{}", daemon.log_tail(6)));
+            daemon.restart()?;
+            self.ended += 1;
+            let may_end = self.full_until.iter().any(|(whose, until)| {
+                let is_its_disk = name == *whose || name == format!("connector-{whose}");
+                is_its_disk && until.elapsed() < END_AFTER_FULL_DISK
+            });
+            if !may_end {
+                self.faults.push(format!("{name} ended by itself with {status}"));
+            }
+            for factory in [MUNICH, HAMBURG] {
+                if name.ends_with(factory) {
+                    self.disturbed.ended(factory, since);
                 }
             }
         }

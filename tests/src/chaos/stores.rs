@@ -1,9 +1,10 @@
 //! Stores of the programs, read and spoilt from outside.
 
 pub(super) mod control;
+pub(super) mod given_up;
 
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::BTreeMap,
     path::{Path, PathBuf},
 };
 
@@ -15,6 +16,7 @@ use sqlx::{
 };
 
 use super::content::{Content, shown_fields};
+use crate::frame_order::{HAMBURG, MUNICH};
 
 /// One DataSetMessage of a factory.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -36,6 +38,8 @@ pub(super) struct Comment {
 /// Row of a report in a connector's store.
 #[derive(Debug, Clone)]
 pub(super) struct Left {
+    /// Number in the order in which they were made.
+    pub id: i64,
     /// WAITING, SENT, PARKED or DONE.
     pub state: String,
     /// Number of partners it was for.
@@ -179,7 +183,7 @@ pub(super) async fn left(
 ) -> anyhow::Result<BTreeMap<ReportKey, Left>> {
     let mut store = open(&connector_store(folder, factory)).await?;
     let rows = sqlx::query(
-        "SELECT writer_id, epoch, sequence, state, recipients, body FROM report ORDER BY id",
+        "SELECT id, writer_id, epoch, sequence, state, recipients, body FROM report ORDER BY id",
     )
     .fetch_all(&mut store)
     .await?;
@@ -195,6 +199,7 @@ pub(super) async fn left(
             let body: Value = serde_json::from_str(row.get("body"))
                 .with_context(|| format!("the body of {key:?}"))?;
             let left = Left {
+                id: row.get("id"),
                 state: row.get("state"),
                 recipients: recipients.as_array().map_or(0, Vec::len),
                 content: Content::of_message(&body)
@@ -213,57 +218,6 @@ pub(super) async fn ledger_entries(folder: &Path, factory: &str) -> anyhow::Resu
             .fetch_one(&mut store)
             .await?;
     Ok(usize::try_from(row.get::<i64, _>("entries"))?)
-}
-
-/// Returns the reports that a connector gave up, as its ledger says.
-pub(super) async fn given_up(folder: &Path, factory: &str) -> anyhow::Result<BTreeSet<ReportKey>> {
-    let mut store = open(&connector_store(folder, factory)).await?;
-    let rows = sqlx::query(
-        "SELECT content FROM ledger_entry \
-         WHERE json_extract(content, '$.event') IN ('COALESCED', 'EXPIRED', 'PURGED')",
-    )
-    .fetch_all(&mut store)
-    .await?;
-    let mut keys = BTreeSet::new();
-    for row in rows {
-        let entry: Value = serde_json::from_str(row.get("content"))?;
-        let number =
-            |name: &str| entry[name].as_i64().with_context(|| format!("{name} of {entry}"));
-        let (writer, epoch) = (number("dataSetWriterId")?, number("epoch")?);
-        let sequences = number("firstSequence")?..=number("lastSequence")?;
-        keys.extend(sequences.map(|sequence| ReportKey {
-            factory: factory.to_owned(),
-            writer,
-            epoch,
-            sequence,
-        }));
-    }
-    Ok(keys)
-}
-
-/// Returns every gap that a factory has announced: the keys of the reports it gave up.
-pub(super) async fn gaps(folder: &Path, factory: &str) -> anyhow::Result<Vec<ReportKey>> {
-    let mut store = open(&platform_store(folder)).await?;
-    let rows = sqlx::query(
-        "SELECT data_set_writer_id, epoch, first_sequence, last_sequence FROM sequence_gap WHERE factory_id = ?",
-    )
-    .bind(factory)
-    .fetch_all(&mut store)
-    .await?;
-    Ok(rows
-        .iter()
-        .flat_map(|row| {
-            let (writer, epoch): (i64, i64) = (row.get("data_set_writer_id"), row.get("epoch"));
-            (row.get::<i64, _>("first_sequence")..=row.get::<i64, _>("last_sequence"))
-                .map(move |sequence| (writer, epoch, sequence))
-        })
-        .map(|(writer, epoch, sequence)| ReportKey {
-            factory: factory.to_owned(),
-            writer,
-            epoch,
-            sequence,
-        })
-        .collect())
 }
 
 /// Returns the reports of a factory that the platform stored, in the order of arrival.
@@ -322,16 +276,19 @@ pub(super) async fn comments(
     Ok((here.iter().map(comment).collect(), there.iter().map(comment).collect()))
 }
 
-/// Number of repeats that the platform has discarded, and of messages it could not use.
+/// Number of repeats that the platform has discarded, and of messages that it or a connector could not use.
 pub(super) async fn repeats_and_dead_letters(folder: &Path) -> anyhow::Result<(u64, u64)> {
     let mut store = open(&platform_store(folder)).await?;
     let repeats = sqlx::query("SELECT coalesce(sum(duplicates), 0) AS count FROM data_set_writer")
         .fetch_one(&mut store)
         .await?;
-    let letters =
-        sqlx::query("SELECT count(*) AS count FROM dead_letter").fetch_one(&mut store).await?;
-    Ok((
-        u64::try_from(repeats.get::<i64, _>("count"))?,
-        u64::try_from(letters.get::<i64, _>("count"))?,
-    ))
+    let mut letters = 0;
+    for file in
+        [platform_store(folder), connector_store(folder, MUNICH), connector_store(folder, HAMBURG)]
+    {
+        let mut store = open(&file).await?;
+        let sql = "SELECT count(*) AS count FROM dead_letter";
+        letters += sqlx::query(sql).fetch_one(&mut store).await?.get::<i64, _>("count");
+    }
+    Ok((u64::try_from(repeats.get::<i64, _>("count"))?, u64::try_from(letters)?))
 }

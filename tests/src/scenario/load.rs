@@ -23,6 +23,13 @@ pub(crate) const STEPS: &str = "steps";
 /// Field with the count of a machine.
 pub(crate) const COUNTED: &str = "counted";
 
+/// Field whose consent ends and comes back all the time, at the first request to each factory.
+pub(crate) const TOGGLED: &str = "measured";
+/// Text that a script makes of a value.
+const SCRIPTED: &str = "scripted";
+/// Fields of each request that are mapped.
+pub(crate) const FIELDS: [&str; 4] = [TOGGLED, STEPS, SCRIPTED, COUNTED];
+
 /// Asks both factories for values that change with every cycle of the machines, and maps them.
 pub(crate) async fn put_on(cast: &Cast, places: &Places) -> anyhow::Result<String> {
     let [in_munich, in_hamburg] = places.counters.context("a world with counters")?;
@@ -32,9 +39,9 @@ pub(crate) async fn put_on(cast: &Cast, places: &Places) -> anyhow::Result<Strin
         let source = json!({ "sourceId": COUNTERS, "name": COUNTERS, "endpointUrl": format!("opc.tcp://127.0.0.1:{port}"),
                              "security": { "choice": "none" } });
         connector.post::<Value>("/api/v1/sources", &source).await?;
-        let refused: Vec<_> = (0..REFUSED_FIELDS).map(|n| (format!("refused{n}"), 12)).collect();
+        let refused: Vec<_> = (0..REFUSED_FIELDS).map(|n| (refused_field(n), 12)).collect();
         ask(&cast.platform, factory, &refused_request(factory), &refused).await?;
-        let fields = [(TOGGLED, 11), (STEPS, 9), ("scripted", 12), (COUNTED, 8)];
+        let fields = [(TOGGLED, 11), (STEPS, 9), (SCRIPTED, 12), (COUNTED, 8)];
         let fields = fields.map(|(name, built_in_type)| (name.to_owned(), built_in_type));
         for number in 0..REQUESTS {
             ask(&cast.platform, factory, &request_id(factory, number), &fields).await?;
@@ -83,19 +90,23 @@ async fn ask(
     platform.post::<Value>(&path, &body).await.map(drop)
 }
 
-/// Fields of a further request to each factory, all of which are refused sooner or later.
-const REFUSED_FIELDS: u64 = 200;
+/// Fields of a further request to each factory, each of which is refused once.
+pub(crate) const REFUSED_FIELDS: u64 = 200;
 
-fn refused_request(factory: &str) -> String {
+/// Returns the id of the request that has them.
+pub(crate) fn refused_request(factory: &str) -> String {
     format!("ReqRefused-{factory}")
 }
 
-/// Returns path and body of a decision that refuses one of many fields.
-pub(crate) fn refuse(factory: &str, number: u64) -> (String, Value) {
-    let field = format!("refused{}", number % REFUSED_FIELDS);
-    let path = story::field_path(operation(factory), &refused_request(factory), &field);
-    let decision = json!({ "mappingState": "REFUSED", "reason": format!("Refusal {number}") });
-    (format!("{path}/decision"), decision)
+/// Returns the name of one of them.
+pub(crate) fn refused_field(number: u64) -> String {
+    format!("refused{number}")
+}
+
+/// Returns path and body of a decision that refuses a field.
+pub(crate) fn refuse(factory: &str, field: &str, reason: &str) -> (String, Value) {
+    let path = story::field_path(operation(factory), &refused_request(factory), field);
+    (format!("{path}/decision"), json!({ "mappingState": "REFUSED", "reason": reason }))
 }
 
 /// Returns the key of a field whose decision changes while others stay as they are.
@@ -111,8 +122,6 @@ pub(crate) fn toggle(factory: &str, disclosure: Value) -> (String, Value) {
     decision["disclosure"] = disclosure;
     (format!("{path}/decision"), decision)
 }
-
-const TOGGLED: &str = "measured";
 
 /// Returns machine and key of a variable that changes all the time.
 fn power(factory: &str) -> (&'static str, &'static str) {
@@ -139,7 +148,7 @@ async fn decide(connector: &Api, factory: &str, number: usize) -> anyhow::Result
     let decisions = [
         (TOGGLED, mapped(power, "Double", json!([]), json!({}))),
         (STEPS, mapped(power, "Double", script(count), apart)),
-        ("scripted", mapped(power, "Double", script("value => `at ${value}`"), json!({}))),
+        (SCRIPTED, mapped(power, "Double", script("value => `at ${value}`"), json!({}))),
         (COUNTED, mapped((COUNTERS, &counter), "Int64", json!([]), often)),
     ];
     for (field, decision) in decisions {
