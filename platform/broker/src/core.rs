@@ -34,6 +34,8 @@ use crate::{
 
 /// Bodies read in one query when one is not in the cache.
 const READ_AHEAD: usize = 64;
+/// Bytes of those that are read ahead.
+const READ_AHEAD_BYTES: u64 = 1024 * 1024;
 
 /// Core of one broker. Queues and connections are in memory; changes go through the writer.
 pub(crate) struct Core {
@@ -207,7 +209,7 @@ impl Core {
         if let Some(message) = self.cache.get(entry.id) {
             return Ok(Some(message));
         }
-        let mut ids = queue.upcoming(entry.id, READ_AHEAD);
+        let mut ids = queue.upcoming(entry.id, READ_AHEAD, READ_AHEAD_BYTES);
         ids.retain(|id| !self.cache.contains(*id));
         ids.push(entry.id);
         let mut body = None;

@@ -177,9 +177,17 @@ impl Queue {
         gone
     }
 
-    /// Returns ids of ready messages from `first` on: those that will probably be delivered next.
-    pub(crate) fn upcoming(&self, first: i64, limit: usize) -> Vec<i64> {
-        self.state.lock().ready.range(first..).take(limit).map(|(id, _)| *id).collect()
+    /// Returns ids of ready messages from `first` on: those that will probably be delivered next, as far as
+    /// they have no more than `bytes_max` together.
+    pub(crate) fn upcoming(&self, first: i64, limit: usize, bytes_max: u64) -> Vec<i64> {
+        let state = self.state.lock();
+        let mut bytes = 0;
+        let fits = |entry: &&QueueEntry| {
+            bytes += entry.bytes;
+            bytes <= bytes_max
+        };
+        let upcoming = state.ready.range(first..).take(limit).map(|(_, entry)| entry);
+        upcoming.take_while(fits).map(|entry| entry.id).collect()
     }
 
     /// Removes a leased message for good.
