@@ -13,6 +13,11 @@ use tokio_util::sync::CancellationToken;
 use super::wire::{self, Answer, BrokerRequest, Line, Order, Setup};
 
 /// The process of the broker ends without having been told to.
+/// File of what is added to this process' score by which the kernel chooses.
+const OOM_SCORE: &str = "/proc/self/oom_score_adj";
+/// Half of all that can be added.
+const OOM_SCORE_ADDED: i32 = 500;
+
 #[derive(Debug, thiserror::Error)]
 pub enum SupervisedError {
     /// Standard input or output failed, or signals cannot be received.
@@ -39,11 +44,15 @@ pub enum SupervisedError {
 /// [`SupervisedError`].
 pub async fn run_supervised() -> Result<(), SupervisedError> {
     ignore_signals()?;
+    let offered = offer_to_the_kernel();
     let mut lines = BufReader::new(tokio::io::stdin()).lines();
     let first = lines.next_line().await?.ok_or(SupervisedError::Orphaned)?;
     let setup: Setup = serde_json::from_str(&first)?;
     telemetry::install_logs(&setup.log)?;
     let metrics = Metrics::install()?;
+    if let Err(error) = offered {
+        tracing::warn!(%error, "The kernel may take the platform before its broker when memory is short.");
+    }
     let config = setup.broker_config().ok_or(SupervisedError::NoListener)?;
     let users = Arc::new(CredentialTable::new());
     users.replace(wire::from_wire(setup.users));
@@ -125,3 +134,11 @@ fn ignore_signals() -> io::Result<()> {
     }
     Ok(())
 }
+/// Makes this process the one that the kernel ends first when memory is short: the pages outlive it, and
+/// it is started again. Raising the score needs no right.
+fn offer_to_the_kernel() -> io::Result<()> {
+    let score = std::fs::read_to_string(OOM_SCORE)?;
+    let is_higher = score.trim().parse().is_ok_and(|score: i32| score >= OOM_SCORE_ADDED);
+    if is_higher { Ok(()) } else { std::fs::write(OOM_SCORE, OOM_SCORE_ADDED.to_string()) }
+}
+
