@@ -165,11 +165,11 @@ impl Queue {
         expired
     }
 
-    /// Removes and returns the oldest ready messages beyond `messages_max`.
-    pub(crate) fn withdraw_beyond(&self, messages_max: u64) -> Vec<QueueEntry> {
+    /// Removes and returns the oldest ready messages beyond either bound.
+    pub(crate) fn withdraw_beyond(&self, messages_max: u64, bytes_max: u64) -> Vec<QueueEntry> {
         let mut state = self.state.lock();
         let mut gone = Vec::new();
-        while state.ready.len() as u64 > messages_max {
+        while state.ready.len() as u64 > messages_max || state.bytes > bytes_max {
             let Some((_, entry)) = state.ready.pop_first() else { break };
             state.uncount(&entry);
             gone.push(entry);
