@@ -133,3 +133,25 @@ async fn downloads_hold_a_place_until_they_have_ended_and_others_do_not_feel_it(
 async fn live_streams_hold_a_place_until_they_have_ended_and_others_do_not_feel_it() {
     places_are_bounded(LIVE, "TOO_MANY_STREAMS").await;
 }
+
+#[tokio::test]
+async fn made_up_cookies_draw_on_the_share_of_strangers() {
+    let harness = Harness::start().await;
+    let ann = harness.person("ann@a").await;
+    let stranger = reqwest::Client::new();
+    let ask = async |cookie: &str| {
+        let url = format!("{}{SESSION}", harness.api.origin());
+        let request = stranger.get(url).header("cookie", format!("verbund_test_8080={cookie}"));
+        request.send().await.expect("an answer").status().as_u16()
+    };
+    let mut asked = 0;
+    while ask(&daemon::web::session::random_token()).await == 401 {
+        asked += 1;
+        assert!(asked < 1_000, "guesses have no end");
+    }
+    assert_eq!(ask(&daemon::web::session::random_token()).await, 429);
+    assert_eq!(ask("rubbish").await, 401, "it is no cookie, so nothing is looked up");
+    assert_eq!(get(&ann, SESSION).await.status(), 200, "a person of the same address");
+    let metrics = harness.get("/metrics").await.text().await.expect("a text");
+    assert!(metrics.contains("verbund_open_requests_refused_total"), "{metrics}");
+}
