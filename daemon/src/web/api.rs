@@ -30,7 +30,7 @@ use super::{
     responses::{add_share_refusals, describe_responses, operations_of, share_problem_responses},
     roles::SESSION,
     session::{Accounts, Sessions, require_session},
-    shares::within_share_of_client,
+    shares::{hold_body, within_share_of_client},
 };
 use crate::{notices::NOTICES, telemetry::Metrics};
 
@@ -87,6 +87,7 @@ where
     let description = Arc::new(FixedBody::new(description));
     let guarded = guarded
         .layer(DefaultBodyLimit::max(shell.body_bytes_max))
+        .layer(middleware::from_fn(hold_body))
         .layer(middleware::from_fn_with_state(shell.sessions, require_session::<A>));
     let api = guarded
         .merge(open)

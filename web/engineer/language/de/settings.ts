@@ -83,6 +83,8 @@ export const settings: typeof English = {
         'Exporte, Prüfungen und Verifikationen einer Person zur gleichen Zeit.',
       'web.share_per_person.streams':
         'Live-Ströme einer Person zur gleichen Zeit; jede offene Seite hat einen.',
+      'web.share_per_person.body_mib':
+        'MiB, die eine Person zur gleichen Zeit senden darf, über alle ihre Anfragen.',
       'web.tls.certificate':
         'Zertifikat als PEM. Ohne Zertifikat und Schlüssel unverschlüsselt, nur für diesen Rechner oder hinter einem Proxy mit TLS.',
       'web.tls.key': 'Schlüssel als PEM.',

@@ -81,6 +81,8 @@ export const settings = {
         'Exports, audits and verifications of one person at the same time.',
       'web.share_per_person.streams':
         'Live streams of one person at the same time; each open page has one.',
+      'web.share_per_person.body_mib':
+        'MiB that one person may send at the same time, over all its requests.',
       'web.tls.certificate':
         'Certificate as PEM. Without certificate and key plain HTTP, for this machine only or behind a proxy that speaks TLS.',
       'web.tls.key': 'Key as PEM.',
