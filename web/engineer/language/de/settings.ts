@@ -93,6 +93,8 @@ export const settings: typeof English = {
         'Namen und Adressen, unter denen OPC-UA-Clients diesen Rechner erreichen, für sein Zertifikat. Vorgabe: der eigene Name.',
       'twin.security.allow_anonymous_unencrypted':
         'Nur zur Entwicklung: auch ein Endpunkt ohne Verschlüsselung und Benutzer, in der Rolle Betrachter.',
+      'twin.security.allow_signed_unencrypted':
+        'Auch Endpunkte, die nur signieren, für Clients ohne Verschlüsselung. Wer am Weg sitzt, liest Werte und Schreibzugriffe.',
       'twin.security.trust_unknown_certificates':
         'Nur zur Entwicklung: jedem Zertifikat eines Clients vertrauen, statt auf eine Freigabe zu warten.',
       'twin.security.login_failures_max':

@@ -91,6 +91,8 @@ export const settings = {
         'Names and addresses under which OPC UA clients reach this machine, for its certificate. Default: its own name.',
       'twin.security.allow_anonymous_unencrypted':
         'Development only: also an endpoint without encryption and user, in the viewer role.',
+      'twin.security.allow_signed_unencrypted':
+        'Also endpoints that sign only, for clients without encryption. Everybody on the way reads values and writes.',
       'twin.security.trust_unknown_certificates':
         'Development only: trust every client certificate instead of waiting for an approval.',
       'twin.security.login_failures_max':
