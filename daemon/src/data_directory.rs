@@ -36,12 +36,24 @@ pub enum DataDirectoryError {
         /// Permission bits of the folder.
         mode: u32,
     },
+    /// The owner of the folder could read and change all in it.
+    #[error(
+        "the data directory {path} belongs to another user (its id is {owner}): run `chown` for the user of this program, \
+         or set allow_shared_data_directory = true where the owner is not yours to choose",
+        path = path.display()
+    )]
+    Foreign { path: PathBuf, owner: u32 },
     #[error("cannot restrict {} to the user of this program; does it belong to another one?", path.display())]
     Restrict {
         path: PathBuf,
         #[source]
         source: io::Error,
     },
+}
+
+/// Returns true for the owner of a file that may decide about this process: its own user, and root.
+pub(crate) fn is_trusted_owner(owner: u32) -> bool {
+    owner == 0 || owner == rustix::process::geteuid().as_raw()
 }
 
 /// Makes everything that this process creates from here on readable for its own user alone. Called
@@ -64,19 +76,28 @@ pub fn create(path: &Path, is_shared_allowed: bool) -> Result<(), DataDirectoryE
     tighten(path, is_shared_allowed)
 }
 
-/// Refuses a data directory that others may enter, unless that is allowed, and takes the rights of
+/// Refuses a data directory that others own or may enter, unless that is allowed, and takes the rights of
 /// group and others from every file in it. Nothing to do where there is no such folder.
 ///
 /// # Errors
-/// [`DataDirectoryError::Shared`] and [`DataDirectoryError::Restrict`].
+/// [`DataDirectoryError::Shared`], [`DataDirectoryError::Foreign`] and [`DataDirectoryError::Restrict`].
 pub fn tighten(path: &Path, is_shared_allowed: bool) -> Result<(), DataDirectoryError> {
-    let mode = match std::fs::metadata(path) {
-        Ok(metadata) => metadata.mode() & 0o7777,
+    let (mode, owner) = match std::fs::metadata(path) {
+        Ok(metadata) => (metadata.mode() & 0o7777, metadata.uid()),
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
         Err(source) => {
             return Err(DataDirectoryError::Restrict { path: path.to_owned(), source });
         }
     };
+    if !is_trusted_owner(owner) {
+        if !is_shared_allowed {
+            return Err(DataDirectoryError::Foreign { path: path.to_owned(), owner });
+        }
+        tracing::warn!(
+            directory = %path.display(), owner,
+            "The data directory belongs to another user, as allow_shared_data_directory allows."
+        );
+    }
     if mode & OTHERS != 0 {
         if !is_shared_allowed {
             return Err(DataDirectoryError::Shared { path: path.to_owned(), mode });
@@ -162,6 +183,22 @@ mod tests {
         create(&path, false).expect("used");
         let modes = [&file, &key, &folder, &aside].map(|path| mode(path));
         assert_eq!(modes, [0o600, 0o400, 0o700, 0o644]);
+    }
+
+    #[test]
+    fn a_folder_of_another_user_is_refused() {
+        let parent = tempfile::tempdir().expect("a folder");
+        let path = parent.path().join("data");
+        create(&path, false).expect("made");
+        // Root alone gives folders away; for all others the owner is a matter of the kernel.
+        if std::os::unix::fs::chown(&path, Some(65_534), None).is_ok() {
+            let refused = create(&path, false);
+            let is_foreign =
+                matches!(refused, Err(DataDirectoryError::Foreign { owner: 65_534, .. }));
+            assert!(is_foreign, "{refused:?}");
+            create(&path, true).expect("allowed");
+        }
+        assert!(is_trusted_owner(0) && !is_trusted_owner(65_533));
     }
 
     #[test]

@@ -10,6 +10,8 @@ pub mod events;
 pub mod extract;
 pub mod headers;
 pub mod health;
+mod held_body;
+mod in_flight;
 pub mod problem;
 mod responses;
 pub mod roles;

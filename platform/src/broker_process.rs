@@ -7,6 +7,7 @@
 //! killed.
 
 mod embedded;
+mod lines;
 mod supervised;
 mod supervisor;
 mod wire;

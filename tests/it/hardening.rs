@@ -113,7 +113,7 @@ fn each_metric_and_file_that_the_guide_names_exists() {
 }
 
 /// Lines of a unit without which a daemon could do more than it needs.
-const WALLS: [&str; 12] = [
+const WALLS: [&str; 13] = [
     "DynamicUser=yes",
     "StateDirectoryMode=0700",
     "UMask=0077",
@@ -126,6 +126,8 @@ const WALLS: [&str; 12] = [
     "SystemCallFilter=@system-service",
     "SystemCallFilter=~@privileged @resources",
     "LimitCORE=0",
+    // One process of a daemon that is killed for memory ends that process alone.
+    "OOMPolicy=continue",
 ];
 
 /// Exposure by `systemd-analyze security`, in tenths: 0 is the least, 100 that of a unit with a command

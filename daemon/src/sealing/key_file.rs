@@ -12,7 +12,7 @@ use ring::rand::{SecureRandom as _, SystemRandom};
 use sha2::{Digest as _, Sha256};
 use zeroize::{Zeroize as _, Zeroizing};
 
-use crate::Confidential;
+use crate::{Confidential, data_directory::is_trusted_owner};
 
 const KEY_BYTES: usize = 32;
 /// Keys in one file: the current one, and former ones until all is sealed again.
@@ -35,6 +35,8 @@ pub enum KeyFileError {
     },
     #[error("the key {} is missing; restore it", path.display())]
     Missing { path: PathBuf },
+    #[error("the key {path} belongs to another user: run `chown` for the user of this program", path = path.display())]
+    Foreign { path: PathBuf },
     #[error("others may read the key {path}: run `chmod 600 {path}`", path = path.display())]
     Shared { path: PathBuf },
     #[error(
@@ -103,8 +105,12 @@ impl KeyFile {
             _ => KeyFileError::Access { path: path.to_owned(), source },
         };
         let file = OpenOptions::new().read(true).open(path).map_err(access)?;
-        if file.metadata().map_err(access)?.mode() & barred != 0 {
+        let metadata = file.metadata().map_err(access)?;
+        if metadata.mode() & barred != 0 {
             return Err(KeyFileError::Shared { path: path.to_owned() });
+        }
+        if !is_trusted_owner(metadata.uid()) {
+            return Err(KeyFileError::Foreign { path: path.to_owned() });
         }
         let mut text = Zeroizing::new(String::new());
         file.take(FILE_BYTES_MAX).read_to_string(&mut text).map_err(access)?;
@@ -201,6 +207,18 @@ mod tests {
             threads.into_iter().map(|thread| thread.join().expect("ends").expect("a key")).collect()
         });
         assert!(ids.iter().all(|id| *id == ids[0]), "{ids:?}");
+    }
+
+    #[test]
+    fn a_key_of_another_user_is_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("key");
+        KeyFile::read_or_create(&path, NOT_FOR_OTHERS).expect("made");
+        // Root alone gives files away.
+        if std::os::unix::fs::chown(&path, Some(65_534), None).is_ok() {
+            let read = KeyFile::read(&path, NOT_FOR_OTHERS);
+            assert!(matches!(read, Err(KeyFileError::Foreign { .. })));
+        }
     }
 
     #[test]

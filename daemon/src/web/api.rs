@@ -30,7 +30,7 @@ use super::{
     responses::{add_share_refusals, describe_responses, operations_of, share_problem_responses},
     roles::SESSION,
     session::{Accounts, Sessions, require_session},
-    shares::{StrangerShares, within_share_of_client},
+    shares::{hold_body, within_share_of_client},
 };
 use crate::{notices::NOTICES, telemetry::Metrics};
 
@@ -80,13 +80,14 @@ where
 {
     let (guarded, _) = operations.guarded.split_for_parts();
     let (open, _) = operations.open.split_for_parts();
-    let open = open
-        .layer(DefaultBodyLimit::max(OPEN_BODY_BYTES_MAX))
-        .layer(middleware::from_fn_with_state(StrangerShares::default(), within_share_of_client));
+    let open = open.layer(DefaultBodyLimit::max(OPEN_BODY_BYTES_MAX)).layer(
+        middleware::from_fn_with_state(shell.sessions.strangers().clone(), within_share_of_client),
+    );
     let description = serde_json::to_vec(&description).expect("a description has no other keys");
     let description = Arc::new(FixedBody::new(description));
     let guarded = guarded
         .layer(DefaultBodyLimit::max(shell.body_bytes_max))
+        .layer(middleware::from_fn(hold_body))
         .layer(middleware::from_fn_with_state(shell.sessions, require_session::<A>));
     let api = guarded
         .merge(open)

@@ -1,6 +1,9 @@
 //! Address of the client of a request, also behind proxies.
 
-use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::{
+    net::{IpAddr, Ipv4Addr, SocketAddr},
+    sync::Arc,
+};
 
 use axum::{
     Router,
@@ -10,7 +13,7 @@ use axum::{
 };
 use serde::Deserialize;
 
-use super::{address_range::AddressRange, problem::Problem};
+use super::{address_range::AddressRange, in_flight::InFlight, problem::Problem};
 
 /// Most addresses of a header that are looked at; a chain of proxies is short.
 const HOPS_MAX: usize = 16;
@@ -52,12 +55,22 @@ pub fn with_client_address<S: Clone + Send + Sync + 'static>(
     router: Router<S>,
     proxies: TrustedProxies,
 ) -> Router<S> {
+    let (proxies, in_flight) = (Arc::new(proxies), InFlight::default());
     router.layer(middleware::from_fn(move |mut request: Request, next: Next| {
-        if let Some(ConnectInfo(peer)) = request.extensions().get::<ConnectInfo<SocketAddr>>() {
-            let client = proxies.client(peer.ip(), request.headers());
+        let (proxies, in_flight) = (Arc::clone(&proxies), in_flight.clone());
+        async move {
+            let peer = request.extensions().get::<ConnectInfo<SocketAddr>>();
+            let Some(peer) = peer.map(|ConnectInfo(peer)| peer.ip()) else {
+                return next.run(request).await;
+            };
+            let client = proxies.client(peer, request.headers());
             request.extensions_mut().insert(ClientAddress(client));
+            if proxies.has(peer.to_canonical()) {
+                in_flight.serve(AddressRange::of_client(client), request, next).await
+            } else {
+                next.run(request).await
+            }
         }
-        next.run(request)
     }))
 }
 
@@ -121,6 +134,8 @@ fn address(text: &str) -> Option<IpAddr> {
 
 #[cfg(test)]
 mod tests {
+    use tower::ServiceExt as _;
+
     use super::*;
 
     fn proxies(header: ForwardedHeader) -> TrustedProxies {
@@ -155,6 +170,34 @@ mod tests {
         ] {
             assert_eq!(client(peer, ForwardedHeader::XForwardedFor, &lines), expected, "{lines:?}");
         }
+    }
+
+    /// A client of a proxy with answers that it does not read to their end.
+    #[tokio::test]
+    async fn a_client_behind_a_proxy_has_a_bounded_number_of_requests_under_way() {
+        let router = Router::new().route("/", axum::routing::get(async || "an answer"));
+        let router: Router = with_client_address(router, proxies(ForwardedHeader::XForwardedFor));
+        let ask = async |peer: &str, client: &str| {
+            let peer: SocketAddr = format!("{peer}:80").parse().expect("an address");
+            let request = Request::builder().uri("/").header("x-forwarded-for", client);
+            let mut request = request.body(axum::body::Body::empty()).expect("a request");
+            request.extensions_mut().insert(ConnectInfo(peer));
+            router.clone().oneshot(request).await.expect("an answer")
+        };
+        let mut held = Vec::new();
+        let refused = loop {
+            let answer = ask("10.0.0.1", "198.51.100.1").await;
+            if answer.status() != 200 {
+                break answer.status();
+            }
+            held.push(answer);
+            assert!(held.len() < 1_000, "requests have no end");
+        };
+        assert_eq!((refused.as_u16(), held.len()), (429, 256));
+        assert_eq!(ask("10.0.0.1", "198.51.100.2").await.status(), 200, "another client");
+        assert_eq!(ask("198.51.100.1", "").await.status(), 200, "its own connections are counted");
+        held.pop();
+        assert_eq!(ask("10.0.0.1", "198.51.100.1").await.status(), 200);
     }
 
     #[test]

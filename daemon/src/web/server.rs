@@ -8,7 +8,9 @@ mod limits;
 mod patience;
 mod stream;
 
-use std::{net::SocketAddr, path::PathBuf, sync::Arc, time::Duration};
+use std::{
+    net::SocketAddr, os::unix::fs::MetadataExt as _, path::PathBuf, sync::Arc, time::Duration,
+};
 
 use axum::Router;
 use connections::Connections;
@@ -20,6 +22,7 @@ use tokio_util::{sync::CancellationToken, task::TaskTracker};
 use tracing::warn;
 
 pub use self::{bodies::BodyTooSlow, limits::ListenerLimits};
+use crate::data_directory::is_trusted_owner;
 
 /// Certificate and key of a server, as PEM files.
 #[derive(Debug, Clone, Deserialize)]
@@ -40,6 +43,12 @@ pub enum ServerError {
     /// A PEM file cannot be used.
     #[error("cannot read {}", path.display())]
     ReadPem { path: PathBuf, source: rustls::pki_types::pem::Error },
+    /// Other users of the machine may read or write the key.
+    #[error("others may read or write the key {path}: run `chmod o-rwx {path}`", path = path.display())]
+    SharedKey { path: PathBuf },
+    /// The owner of the key could read and change it.
+    #[error("the key {path} belongs to another user: run `chown` for this program's or root", path = path.display())]
+    ForeignKey { path: PathBuf },
     /// Certificate and key do not make a server.
     #[error("certificate and key cannot be used")]
     UseCertificate(#[source] rustls::Error),
@@ -72,8 +81,23 @@ impl TlsFiles {
         let chain = CertificateDer::pem_file_iter(&self.certificate)
             .and_then(Iterator::collect)
             .map_err(read(&self.certificate))?;
+        self.check_key()?;
         let key = PrivateKeyDer::from_pem_file(&self.key).map_err(read(&self.key))?;
         server_config(chain, key)
+    }
+
+    /// Refuses a key that all users of the machine have, or another one. Its group may read it: so the
+    /// key of several services is shared.
+    fn check_key(&self) -> Result<(), ServerError> {
+        // A key that is not there is an error of its reading.
+        let Ok(metadata) = std::fs::metadata(&self.key) else { return Ok(()) };
+        if metadata.mode() & 0o007 != 0 {
+            return Err(ServerError::SharedKey { path: self.key.clone() });
+        }
+        if !is_trusted_owner(metadata.uid()) {
+            return Err(ServerError::ForeignKey { path: self.key.clone() });
+        }
+        Ok(())
     }
 }
 

@@ -8,6 +8,7 @@ mod accounts;
 mod credentials;
 mod guard;
 mod hashing;
+mod known_cookies;
 mod own_account;
 mod passkeys;
 mod password;

@@ -2,9 +2,11 @@
 //! the others do not feel it.
 //!
 //! Requests draw on a bucket of their person and on one of the organisation. Downloads, which include
-//! exports, audits and verifications, and live streams hold a place until their answer has ended. A
+//! exports, audits and verifications, and live streams hold a place until their answer has ended, and
+//! the bodies of requests their bytes until the answer begins. A
 //! refusal is a problem document (429) and a count in `verbund_share_refusals_total` that says whose.
 
+mod bodies;
 mod bucket;
 mod config;
 mod refusals;
@@ -20,5 +22,6 @@ pub use self::{
     share::Share,
     usage::{FairShares, HeldShare, Member},
 };
+pub(crate) use bodies::hold_body;
 pub(crate) use routes::Claim;
 pub(crate) use strangers::{StrangerShares, within_share_of_client};

@@ -1,14 +1,17 @@
 //! Shares of people and organisations: what one uses up, others do not feel.
 
-use std::{num::NonZeroU32, time::Duration};
+use std::{convert::Infallible, num::NonZeroU32, time::Duration};
 
-use reqwest::{Method, Response};
+use futures::stream;
+use reqwest::{Body, Method, Response};
 use serde_json::Value;
 use testkit::{ApiClient, wait::eventually};
+use tokio::{task::JoinHandle, time::timeout};
 
 use crate::harness::Harness;
 
 const SESSION: &str = "/api/v1/session";
+const PASSWORD: &str = "/api/v1/session/password";
 const EXPORT: &str = "/api/v1/export";
 const LIVE: &str = "/api/v1/live";
 
@@ -132,4 +135,71 @@ async fn downloads_hold_a_place_until_they_have_ended_and_others_do_not_feel_it(
 #[tokio::test]
 async fn live_streams_hold_a_place_until_they_have_ended_and_others_do_not_feel_it() {
     places_are_bounded(LIVE, "TOO_MANY_STREAMS").await;
+}
+
+/// Sends a request whose body never comes, and which counts as 4 MiB.
+fn slow_body(client: &ApiClient) -> JoinHandle<reqwest::Result<Response>> {
+    let body = Body::wrap_stream(stream::pending::<Result<Vec<u8>, Infallible>>());
+    let request = client.request(Method::PUT, PASSWORD).header("content-type", "application/json");
+    tokio::spawn(request.body(body).send())
+}
+
+#[tokio::test]
+async fn bodies_of_a_person_have_a_bound_in_sum() {
+    let harness = Harness::start_with(|config, _| {
+        config.shares.person.body_mib = number(8);
+        config.shares.organisation.body_mib = number(12);
+    })
+    .await;
+    let (ann, amy) = (harness.person("ann@a").await, harness.person("amy@a").await);
+    let bob = harness.person("bob@b").await;
+    let refused = |client: ApiClient| async move {
+        let mut held = Vec::new();
+        for _ in 0..10 {
+            let mut sending = slow_body(&client);
+            match timeout(Duration::from_millis(200), &mut sending).await {
+                Ok(answer) => return (held, answer.expect("it ends").expect("an answer")),
+                Err(_) => held.push(sending),
+            }
+        }
+        panic!("bodies have no end");
+    };
+    let (of_ann, answer) = refused(ann.clone()).await;
+    assert_eq!((of_ann.len(), problem(answer).await.1), (2, "TOO_MANY_BODIES".into()));
+    assert_eq!(get(&ann, SESSION).await.status(), 200, "what has no body");
+    let (of_amy, answer) = refused(amy).await;
+    assert_eq!((of_amy.len(), problem(answer).await.1), (1, "TOO_MANY_BODIES".into()));
+    let (of_bob, _) = refused(bob).await;
+    assert_eq!(of_bob.len(), 2, "another organisation");
+    for sending in of_ann {
+        sending.abort();
+    }
+    let freed = eventually("the bytes are free", Duration::from_secs(20), async || {
+        let request = ann.request(Method::PUT, PASSWORD).json(&serde_json::json!({}));
+        let status = request.send().await.expect("an answer").status().as_u16();
+        if status == 422 || status == 400 { Ok(()) } else { Err(status.to_string()) }
+    });
+    freed.await.expect("the end of a request gave its bytes back");
+}
+
+#[tokio::test]
+async fn made_up_cookies_draw_on_the_share_of_strangers() {
+    let harness = Harness::start().await;
+    let ann = harness.person("ann@a").await;
+    let stranger = reqwest::Client::new();
+    let ask = async |cookie: &str| {
+        let url = format!("{}{SESSION}", harness.api.origin());
+        let request = stranger.get(url).header("cookie", format!("verbund_test_8080={cookie}"));
+        request.send().await.expect("an answer").status().as_u16()
+    };
+    let mut asked = 0;
+    while ask(&daemon::web::session::random_token()).await == 401 {
+        asked += 1;
+        assert!(asked < 1_000, "guesses have no end");
+    }
+    assert_eq!(ask(&daemon::web::session::random_token()).await, 429);
+    assert_eq!(ask("rubbish").await, 401, "it is no cookie, so nothing is looked up");
+    assert_eq!(get(&ann, SESSION).await.status(), 200, "a person of the same address");
+    let metrics = harness.get("/metrics").await.text().await.expect("a text");
+    assert!(metrics.contains("verbund_open_requests_refused_total"), "{metrics}");
 }

@@ -51,6 +51,9 @@ pub struct SecurityConfig {
     /// Development only: also offers an endpoint without encryption and without a user, in the
     /// viewer role.
     pub allow_anonymous_unencrypted: bool,
+    /// Also offers endpoints that sign and do not encrypt, for clients that can do no more: everybody on the
+    /// way reads values and writes.
+    pub allow_signed_unencrypted: bool,
     /// Development only: trusts every client certificate instead of waiting for an approval, as long as
     /// this is set. Nothing of that trust is stored.
     pub trust_unknown_certificates: bool,
@@ -70,6 +73,7 @@ impl Default for SecurityConfig {
     fn default() -> Self {
         Self {
             allow_anonymous_unencrypted: false,
+            allow_signed_unencrypted: false,
             trust_unknown_certificates: false,
             login_failures_max: 10,
             login_window_s: 60,

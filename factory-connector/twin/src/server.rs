@@ -236,14 +236,15 @@ fn configure(config: &TwinConfig, factory_id: &FactoryId, application_uri: &str)
         (SecurityPolicy::Aes128Sha256RsaOaep, "aes128sha256rsaoaep"),
         (SecurityPolicy::Aes256Sha256RsaPss, "aes256sha256rsapss"),
     ] {
-        for (mode, suffix) in [
-            (MessageSecurityMode::Sign, "sign"),
-            (MessageSecurityMode::SignAndEncrypt, "sign_and_encrypt"),
+        let signed = config.security.allow_signed_unencrypted;
+        for (mode, suffix, is_offered) in [
+            (MessageSecurityMode::Sign, "sign", signed),
+            (MessageSecurityMode::SignAndEncrypt, "sign_and_encrypt", true),
         ] {
-            builder = builder.add_endpoint(
-                format!("{name}_{suffix}"),
-                ServerEndpoint::new("/", policy, mode, &[]),
-            );
+            if is_offered {
+                let endpoint = ServerEndpoint::new("/", policy, mode, &[]);
+                builder = builder.add_endpoint(format!("{name}_{suffix}"), endpoint);
+            }
         }
     }
     if config.security.allow_anonymous_unencrypted {
@@ -303,6 +304,12 @@ fn warn_of_development_settings(config: &TwinConfig) {
         tracing::warn!(
             "DEVELOPMENT SETTING: every client on the network may read the twin, without encryption and without a \
              user, because `allow_anonymous_unencrypted` is set. Remove it outside of development."
+        );
+    }
+    if config.security.allow_signed_unencrypted {
+        tracing::warn!(
+            "Everybody on the way between the twin and a client that does not encrypt reads values and writes, because \
+             `allow_signed_unencrypted` is set. Remove it as soon as all clients encrypt."
         );
     }
     if config.security.trust_unknown_certificates {

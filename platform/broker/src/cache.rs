@@ -5,10 +5,9 @@ use std::{collections::HashMap, sync::Arc};
 
 use parking_lot::Mutex;
 
-use crate::message::AnyMessage;
+use crate::{elements, message::AnyMessage};
 
-/// Estimated memory of a message beyond its encoded bytes: sections, their maps with a handful of
-/// properties, the cache's own entry.
+/// Estimated memory of a message beyond its bytes and elements: sections and the cache's own entry.
 const OVERHEAD: u64 = size_of::<AnyMessage>() as u64 + 512;
 
 /// Bodies by message id.
@@ -29,9 +28,10 @@ impl BodyCache {
         Self { bytes_max, state: Mutex::default() }
     }
 
-    /// Caches a message if it fits; older ones are never evicted, they leave when settled.
+    /// Caches a message of so many encoded bytes if it fits; older ones are never evicted, they leave when
+    /// settled.
     pub(crate) fn insert(&self, id: i64, bytes: u64, message: Arc<AnyMessage>) {
-        let bytes = bytes + OVERHEAD;
+        let bytes = elements::memory(bytes, &message) + OVERHEAD;
         let mut state = self.state.lock();
         if state.bytes + bytes <= self.bytes_max
             && state.messages.insert(id, (bytes, message)).is_none()

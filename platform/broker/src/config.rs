@@ -143,8 +143,12 @@ pub struct BrokerLimits {
     /// Bound on the dead letters of one queue, which is to say of one factory or tool; its oldest are
     /// removed first.
     pub dead_letters_per_queue_max: u32,
+    /// Bound on their bytes, likewise.
+    pub dead_letter_bytes_per_queue_max: u64,
     /// Bound on all dead letters; the oldest are removed first.
     pub dead_letters_max: u64,
+    /// Bound on the bytes of all dead letters, likewise.
+    pub dead_letter_bytes_max: u64,
 }
 
 impl Default for BrokerLimits {
@@ -173,7 +177,9 @@ impl Default for BrokerLimits {
             handshake_timeout: Duration::from_secs(10),
             stall_timeout: Duration::from_secs(20),
             dead_letters_per_queue_max: 1000,
+            dead_letter_bytes_per_queue_max: 64 * 1024 * 1024,
             dead_letters_max: 100_000,
+            dead_letter_bytes_max: 4 * 1024 * 1024 * 1024,
         }
     }
 }

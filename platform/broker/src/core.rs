@@ -24,7 +24,7 @@ use crate::{
     dead_letter::TOO_MANY_DELIVERIES,
     error::BrokerError,
     guesses::Guesses,
-    message::{AnyMessage, Features},
+    message::{AnyMessage, Features, cut},
     queue::{Queue, QueueEntry},
     shares::{ShareTable, UserShare},
     status::{ConnectionStatus, QueueStatus},
@@ -34,6 +34,12 @@ use crate::{
 
 /// Bodies read in one query when one is not in the cache.
 const READ_AHEAD: usize = 64;
+/// Bytes of those that are read ahead.
+const READ_AHEAD_BYTES: u64 = 1024 * 1024;
+
+/// Characters of a dead letter's code and reason, which a consumer sends.
+const CODE_CHARS_MAX: usize = 100;
+const REASON_CHARS_MAX: usize = 1000;
 
 /// Core of one broker. Queues and connections are in memory; changes go through the writer.
 pub(crate) struct Core {
@@ -207,7 +213,7 @@ impl Core {
         if let Some(message) = self.cache.get(entry.id) {
             return Ok(Some(message));
         }
-        let mut ids = queue.upcoming(entry.id, READ_AHEAD);
+        let mut ids = queue.upcoming(entry.id, READ_AHEAD, READ_AHEAD_BYTES);
         ids.retain(|id| !self.cache.contains(*id));
         ids.push(entry.id);
         let mut body = None;
@@ -264,6 +270,7 @@ impl Core {
         if queue.id == self.dead_letters.id {
             return self.remove(queue, &entry).await;
         }
+        let (code, reason) = (cut(&code, CODE_CHARS_MAX), cut(&reason, REASON_CHARS_MAX));
         warn!(queue = %queue.name, message = entry.id, code, reason, "a message moves to the dead letters");
         self.cache.remove(entry.id);
         let features = Features::of(message);
@@ -288,15 +295,18 @@ impl Core {
     async fn forget_dead_letters(&self) {
         let mut beyond = Vec::new();
         if self.has_new_dead_letters.swap(false, Ordering::Relaxed) {
-            let per_queue_max = self.config.limits.dead_letters_per_queue_max;
-            match store::dead_letters_beyond(&self.readers, per_queue_max).await {
+            match store::dead_letters_beyond(&self.readers, &self.config.limits).await {
                 Ok(ids) => {
                     beyond.extend(ids.into_iter().filter_map(|id| self.dead_letters.withdraw(id)));
                 }
                 Err(problem) => warn!(error = %problem, "old dead letters could not be listed"),
             }
         }
-        beyond.extend(self.dead_letters.withdraw_beyond(self.config.limits.dead_letters_max));
+        let limits = &self.config.limits;
+        beyond.extend(
+            self.dead_letters
+                .withdraw_beyond(limits.dead_letters_max, limits.dead_letter_bytes_max),
+        );
         for entry in beyond {
             self.write(StoreCommand::Remove(entry.id)).await;
         }

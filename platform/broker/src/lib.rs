@@ -21,6 +21,7 @@ mod connection;
 mod core;
 pub mod credentials;
 mod dead_letter;
+mod elements;
 mod error;
 mod guesses;
 mod handle;

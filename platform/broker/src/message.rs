@@ -14,6 +14,9 @@ use fe2o3_amqp_types::{
     primitives::{Symbol, Value},
 };
 
+/// Characters of an id or a subject by which people recognise a message.
+const FEATURE_CHARS_MAX: usize = 256;
+
 /// Message annotation with the name of the signed-in sender.
 pub(crate) const PRINCIPAL: &str = "x-opt-principal";
 
@@ -96,7 +99,9 @@ impl Features {
             );
         Self {
             message_id: properties.and_then(|p| p.message_id.as_ref()).map(message_id_text),
-            subject: properties.and_then(|p| p.subject.clone()),
+            subject: properties
+                .and_then(|p| p.subject.as_deref())
+                .map(|subject| cut(subject, FEATURE_CHARS_MAX)),
             principal,
         }
     }
@@ -106,9 +111,14 @@ fn message_id_text(id: &MessageId) -> String {
     match id {
         MessageId::Ulong(n) => n.to_string(),
         MessageId::Uuid(uuid) => hex::encode(uuid.as_inner()),
-        MessageId::Binary(bytes) => hex::encode(bytes),
-        MessageId::String(text) => text.clone(),
+        MessageId::Binary(bytes) => hex::encode(&bytes[..bytes.len().min(FEATURE_CHARS_MAX / 2)]),
+        MessageId::String(text) => cut(text, FEATURE_CHARS_MAX),
     }
+}
+
+/// Returns the beginning of a text: a peer may send one as long as a whole message.
+pub(crate) fn cut(text: &str, chars_max: usize) -> String {
+    text.chars().take(chars_max).collect()
 }
 
 /// Returns the body if it is bytes or text; empty otherwise.
@@ -150,6 +160,21 @@ mod tests {
         assert_eq!(features.subject.as_deref(), Some("comment"));
         assert_eq!(stored.message_annotations.as_ref().expect("annotations").0.len(), 1);
         assert_eq!(body_bytes(stored), b"{}");
+    }
+
+    #[test]
+    fn what_people_recognise_a_message_by_is_short() {
+        let mut long = message();
+        for id in
+            [MessageId::String("\u{e4}".repeat(10_000)), MessageId::Binary(vec![1; 10_000].into())]
+        {
+            long.properties =
+                Some(Properties::builder().message_id(id).subject("x".repeat(10_000)).build());
+            let features = Features::of(&long);
+            let lengths = [features.message_id, features.subject]
+                .map(|text| text.map(|text| text.chars().count()));
+            assert_eq!(lengths, [Some(256), Some(256)]);
+        }
     }
 
     #[test]

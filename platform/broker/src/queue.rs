@@ -165,11 +165,11 @@ impl Queue {
         expired
     }
 
-    /// Removes and returns the oldest ready messages beyond `messages_max`.
-    pub(crate) fn withdraw_beyond(&self, messages_max: u64) -> Vec<QueueEntry> {
+    /// Removes and returns the oldest ready messages beyond either bound.
+    pub(crate) fn withdraw_beyond(&self, messages_max: u64, bytes_max: u64) -> Vec<QueueEntry> {
         let mut state = self.state.lock();
         let mut gone = Vec::new();
-        while state.ready.len() as u64 > messages_max {
+        while state.ready.len() as u64 > messages_max || state.bytes > bytes_max {
             let Some((_, entry)) = state.ready.pop_first() else { break };
             state.uncount(&entry);
             gone.push(entry);
@@ -177,9 +177,17 @@ impl Queue {
         gone
     }
 
-    /// Returns ids of ready messages from `first` on: those that will probably be delivered next.
-    pub(crate) fn upcoming(&self, first: i64, limit: usize) -> Vec<i64> {
-        self.state.lock().ready.range(first..).take(limit).map(|(id, _)| *id).collect()
+    /// Returns ids of ready messages from `first` on: those that will probably be delivered next, as far as
+    /// they have no more than `bytes_max` together.
+    pub(crate) fn upcoming(&self, first: i64, limit: usize, bytes_max: u64) -> Vec<i64> {
+        let state = self.state.lock();
+        let mut bytes = 0;
+        let fits = |entry: &&QueueEntry| {
+            bytes += entry.bytes;
+            bytes <= bytes_max
+        };
+        let upcoming = state.ready.range(first..).take(limit).map(|(_, entry)| entry);
+        upcoming.take_while(fits).map(|entry| entry.id).collect()
     }
 
     /// Removes a leased message for good.

@@ -130,7 +130,8 @@ async fn leave(
     Ok(Json(RemovalEffects { is_done: true, ..removal }))
 }
 
-fn in_force(paths: &[String]) -> Problem {
+/// Returns the problem of a change that would end what is in force.
+pub(super) fn in_force(paths: &[String]) -> Problem {
     let named = paths.iter().take(NAMED_MAX).map(String::as_str).collect::<Vec<_>>().join(", ");
     let detail = format!("Still in force: {named}. End that first; dryRun=true lists all of it.");
     Problem::conflict("IN_FORCE", detail)

@@ -16,12 +16,13 @@ use super::{
     administrator_only,
     page::Page,
     problems::{ChangeProblems, ReadProblems, unknown_reference},
+    removals::in_force,
 };
 use crate::{
     administrator::{self, AdministratorError},
     application::Application,
     principal::Principal,
-    store::{AuditOutcome, Role, User},
+    store::{AuditOutcome, Leaver, Role, User},
 };
 
 /// User to add or replace.
@@ -83,6 +84,14 @@ pub async fn put(
     let hashing = app.sessions.hashing().hash(body.password, PasswordPolicy::default());
     let hash = hashing.await.map_err(AdministratorError::Password)?;
     let mut work = app.store.begin(&who.principal, "putUser").await?;
+    if user.role != Role::Administrator {
+        // In force of a person is alone that it is the last administrator, who runs the platform.
+        let leaver = Leaver::User(user.user_name.clone());
+        let effects = work.removals().preview(&leaver).await?;
+        if !effects.in_force.is_empty() {
+            return Err(in_force(&effects.in_force));
+        }
+    }
     administrator::put(&mut work, &user, &hash, app.clock.now()).await?;
     work.commit(administrator::subject(&user), AuditOutcome::Done).await?;
     Ok(Json(user.into()))

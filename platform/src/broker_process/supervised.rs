@@ -5,12 +5,18 @@ use std::{io, sync::Arc};
 use broker::{Broker, BrokerError, BrokerHandle, CredentialTable};
 use daemon::telemetry::{self, Metrics, TelemetryError};
 use tokio::{
-    io::{AsyncBufReadExt, AsyncWriteExt, BufReader, Stdout},
+    io::{AsyncWriteExt, BufReader, Stdout},
     signal::unix::{SignalKind, signal},
 };
 use tokio_util::sync::CancellationToken;
 
+use super::lines::{BoundedLines, LINE_BYTES_MAX};
 use super::wire::{self, Answer, BrokerRequest, Line, Order, Setup};
+
+/// File of what is added to this process' score by which the kernel chooses.
+const OOM_SCORE: &str = "/proc/self/oom_score_adj";
+/// Half of all that can be added.
+const OOM_SCORE_ADDED: i32 = 500;
 
 /// The process of the broker ends without having been told to.
 #[derive(Debug, thiserror::Error)]
@@ -38,11 +44,15 @@ pub enum SupervisedError {
 /// # Errors
 /// [`SupervisedError`].
 pub async fn run_supervised() -> Result<(), SupervisedError> {
+    let offered = offer_to_the_kernel();
     ignore_signals()?;
-    let mut lines = BufReader::new(tokio::io::stdin()).lines();
+    let mut lines = BoundedLines::new(BufReader::new(tokio::io::stdin()));
     let first = lines.next_line().await?.ok_or(SupervisedError::Orphaned)?;
     let setup: Setup = serde_json::from_str(&first)?;
     telemetry::install_logs(&setup.log)?;
+    if let Err(error) = offered {
+        tracing::warn!(%error, "The kernel may take the platform before its broker when memory is short.");
+    }
     let metrics = Metrics::install()?;
     let config = setup.broker_config().ok_or(SupervisedError::NoListener)?;
     let users = Arc::new(CredentialTable::new());
@@ -112,9 +122,24 @@ async fn carry_out(
 
 async fn write(out: &mut Stdout, line: &Line) -> Result<(), SupervisedError> {
     let mut text = serde_json::to_vec(line)?;
+    if let Line::Answer { id, .. } = line
+        && text.len() > LINE_BYTES_MAX
+    {
+        // The platform would take it for the end of this process.
+        let answer = Answer::Failed("the answer is too long".to_owned());
+        text = serde_json::to_vec(&Line::Answer { id: *id, answer })?;
+    }
     text.push(b'\n');
     out.write_all(&text).await?;
     Ok(out.flush().await?)
+}
+
+/// Makes this process the one that the kernel ends first when memory is short: the pages outlive it, and
+/// it is started again. Raising the score needs no right.
+fn offer_to_the_kernel() -> io::Result<()> {
+    let score = std::fs::read_to_string(OOM_SCORE)?;
+    let is_higher = score.trim().parse().is_ok_and(|score: i32| score >= OOM_SCORE_ADDED);
+    if is_higher { Ok(()) } else { std::fs::write(OOM_SCORE, OOM_SCORE_ADDED.to_string()) }
 }
 
 /// Leaves signals to the platform, which gets them as well and ends the broker last.

@@ -14,13 +14,14 @@ use std::{
 use broker::{BrokerUser, QueueName, QueueOptions};
 use parking_lot::Mutex;
 use tokio::{
-    io::{AsyncBufReadExt, AsyncWriteExt, BufReader, Lines},
+    io::{AsyncWriteExt, BufReader},
     process::{Child, ChildStdin, ChildStdout, Command},
     sync::{mpsc, oneshot, watch},
     time::timeout,
 };
 use tokio_util::sync::CancellationToken;
 
+use super::lines::BoundedLines;
 use super::wire::{self, Answer, BrokerRequest, Line, Order, Setup};
 
 /// Time for a new process to listen.
@@ -93,7 +94,7 @@ struct Asked {
 struct Running {
     child: Child,
     input: ChildStdin,
-    output: Lines<BufReader<ChildStdout>>,
+    output: BoundedLines<BufReader<ChildStdout>>,
     addresses: Vec<SocketAddr>,
     /// Users that it began with.
     users: Vec<String>,
@@ -192,7 +193,7 @@ impl Running {
         let (Some(mut input), Some(output)) = (child.stdin.take(), child.stdout.take()) else {
             return Err(BrokerProcessError::Ended);
         };
-        let mut output = BufReader::new(output).lines();
+        let mut output = BoundedLines::new(BufReader::new(output));
         let first = async {
             input.write_all(&line(setup)).await.ok()?;
             let first = output.next_line().await.ok()??;

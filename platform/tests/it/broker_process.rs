@@ -89,6 +89,21 @@ async fn pages_outlive_the_broker_and_it_comes_back_with_all_it_had() {
     assert_ne!(first, second);
 }
 
+/// Returns the addition to the score of a process by which the kernel chooses whom it ends for memory.
+fn oom_score_adj(id: u32) -> i32 {
+    let score = std::fs::read_to_string(format!("/proc/{id}/oom_score_adj")).expect("a score");
+    score.trim().parse().expect("a number")
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_kernel_takes_the_broker_before_the_pages() {
+    let _turn = ONE_AT_A_TIME.lock().await;
+    let _world = World::start_with_broker_process().await;
+    let broker = another(0).await;
+    let (of_broker, own) = (oom_score_adj(broker), oom_score_adj(std::process::id()));
+    assert!(of_broker > own, "{of_broker} is not above {own}");
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn a_revocation_reaches_the_process_of_the_broker_at_once() {
     let _turn = ONE_AT_A_TIME.lock().await;

@@ -52,6 +52,20 @@ async fn nothing_leaves_while_something_of_it_is_in_force() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn the_last_administrator_stays_one() {
+    let world = World::start().await;
+    let admin = story::set_up(&world).await;
+    let put = |role: &str| json!({ "password": PASSWORD, "role": role, "organisationId": null });
+    let viewer = json!({ "password": PASSWORD, "role": "VIEWER", "organisationId": "acme-aero" });
+    admin.put("/users/admin", viewer.clone()).await.expect_problem(409, "IN_FORCE");
+    assert_eq!(admin.get("/users").await.status, 200, "the session of the administrator goes on");
+    admin.put("/users/second", put("ADMINISTRATOR")).await.expect_ok();
+    admin.put("/users/admin", viewer).await.expect_ok();
+    let second = world.sign_in("second", PASSWORD).await;
+    second.delete("/users/second").await.expect_problem(409, "IN_FORCE");
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn what_has_left_gets_in_no_more_and_its_id_is_never_given_again() {
     let world = World::start().await;
     let (admin, buyer, _munich, _hamburg) = story::accepted(&world).await;

@@ -50,9 +50,9 @@ enum Phase {
     /// Receiving the body of a request.
     Receiving(Instant),
     /// Working on a request, or sending its answer.
-    Answering,
-    /// The client does not take its answer.
-    Stalled(Instant),
+    Answering(Instant),
+    /// The client does not take its answer, which began before.
+    Stalled { since: Instant, begun: Instant },
 }
 
 /// A place that ends when this is dropped.
@@ -90,7 +90,10 @@ impl Connections {
             count_refused("client");
             return None;
         }
-        if state.entries.len() >= self.limits.connections_max && !state.evict(|_| true) {
+        if state.entries.len() >= self.limits.connections_max
+            && !state.evict(|_| true)
+            && !(!is_shared && state.evict_unfair(client, self.limits.connections_max))
+        {
             count_refused("total");
             return None;
         }
@@ -148,6 +151,30 @@ impl State {
     }
 }
 
+impl State {
+    /// Closes a connection that is busy, for a client that has less than a fair part of all places: of
+    /// those with more than that the one that has been busy longest. A client that reads its answers
+    /// slowly enough is busy for ever. False where nobody has more than a fair part.
+    fn evict_unfair(&mut self, newcomer: AddressRange, connections_max: usize) -> bool {
+        let is_new = usize::from(!self.by_client.contains_key(&newcomer));
+        let fair_part = connections_max / (self.by_client.len() + is_new).max(1);
+        if self.of_client(newcomer) >= fair_part {
+            return false;
+        }
+        let busy =
+            self.entries.iter().filter(|(_, entry)| !entry.is_shared).filter_map(|(id, entry)| {
+                let count = self.of_client(entry.client);
+                (count > fair_part).then(|| ((count, Reverse(entry.activity.begun())), *id))
+            });
+        let Some((_, id)) = busy.max() else { return false };
+        if let Some(entry) = self.remove(id) {
+            entry.close.cancel();
+            count_refused("unfair");
+        }
+        true
+    }
+}
+
 impl Activity {
     pub(super) fn waits(&self) {
         *self.0.lock() = Phase::Waiting(Instant::now());
@@ -158,28 +185,36 @@ impl Activity {
     }
 
     pub(super) fn answers(&self) {
-        *self.0.lock() = Phase::Answering;
+        *self.0.lock() = Phase::Answering(Instant::now());
     }
 
     /// The body was received, or nobody reads on.
     pub(super) fn received(&self) {
         let mut phase = self.0.lock();
         if matches!(*phase, Phase::Receiving(_)) {
-            *phase = Phase::Answering;
+            *phase = Phase::Answering(Instant::now());
         }
     }
 
     pub(super) fn stalls(&self) {
         let mut phase = self.0.lock();
-        if matches!(*phase, Phase::Answering) {
-            *phase = Phase::Stalled(Instant::now());
+        if let Phase::Answering(begun) = *phase {
+            *phase = Phase::Stalled { since: Instant::now(), begun };
         }
     }
 
     pub(super) fn goes_on(&self) {
         let mut phase = self.0.lock();
-        if matches!(*phase, Phase::Stalled(_)) {
-            *phase = Phase::Answering;
+        if let Phase::Stalled { begun, .. } = *phase {
+            *phase = Phase::Answering(begun);
+        }
+    }
+
+    /// Returns the time at which the present request or wait began.
+    fn begun(&self) -> Instant {
+        match *self.0.lock() {
+            Phase::Waiting(begun) | Phase::Receiving(begun) | Phase::Answering(begun) => begun,
+            Phase::Stalled { begun, .. } => begun,
         }
     }
 
@@ -187,10 +222,10 @@ impl Activity {
     fn idle_since(&self, now: Instant) -> Option<Instant> {
         match *self.0.lock() {
             Phase::Waiting(since) => Some(since),
-            Phase::Receiving(since) | Phase::Stalled(since) => {
+            Phase::Receiving(since) | Phase::Stalled { since, .. } => {
                 (now.saturating_duration_since(since) > SHORTAGE_PATIENCE).then_some(since)
             }
-            Phase::Answering => None,
+            Phase::Answering(_) => None,
         }
     }
 }
@@ -261,6 +296,30 @@ mod tests {
         drop((quiet, first, second, other, honest));
         let state = connections.state.lock();
         assert!(state.entries.is_empty() && state.by_client.is_empty());
+    }
+
+    #[test]
+    fn slow_readers_with_more_than_a_fair_part_leave_a_place() {
+        let connections = connections();
+        let slow: Vec<_> = [2, 2, 3, 3]
+            .map(|last| {
+                let admitted = connections.admit(peer(last)).expect("a place");
+                admitted.activity.answers();
+                admitted
+            })
+            .into();
+        slow[0].activity.stalls();
+        slow[0].activity.goes_on();
+        let honest = connections.admit(peer(4)).expect("a place");
+        honest.activity.answers();
+        let closed: Vec<_> = slow.iter().map(|one| one.close.is_cancelled()).collect();
+        assert!(closed[0] || closed[2], "one that has been busy longest: {closed:?}");
+        assert_eq!(closed.iter().filter(|closed| **closed).count(), 1);
+        assert!(connections.admit(peer(4)).is_none(), "it has its fair part");
+        let other = connections.admit(peer(5)).expect("a place of the other client");
+        other.activity.answers();
+        assert!(!honest.close.is_cancelled());
+        assert!(connections.admit(peer(6)).is_none(), "nobody has more than a fair part");
     }
 
     #[test]

@@ -14,10 +14,13 @@ use futures::StreamExt as _;
 use subtle::ConstantTimeEq;
 
 use super::{
-    accounts::Accounts,
-    sessions::{CSRF_HEADER, Sessions, internal},
+    accounts::{Accounts, SessionId},
+    known_cookies::has_form_of_cookie,
+    sessions::{CSRF_HEADER, Sessions, SignedIn, internal},
 };
 use crate::web::{
+    address_range::AddressRange,
+    client_address::ClientAddress,
     headers::is_safe,
     problem::Problem,
     shares::{Claim, Member},
@@ -27,6 +30,7 @@ use crate::web::{
 /// For `axum::middleware::from_fn_with_state(sessions, require_session::<A>)`.
 pub async fn require_session<A: Accounts>(
     State(sessions): State<Sessions<A>>,
+    client: ClientAddress,
     mut request: Request,
     next: Next,
 ) -> Response {
@@ -34,10 +38,9 @@ pub async fn require_session<A: Accounts>(
     let Some(cookie) = jar.get(sessions.config().cookie_name()) else {
         return Problem::unauthorized().into_response();
     };
-    let signed_in = match sessions.resume(cookie.value()).await {
-        Ok(Some(signed_in)) => signed_in,
-        Ok(None) => return Problem::unauthorized().into_response(),
-        Err(error) => return internal(error).into_response(),
+    let signed_in = match look_up(&sessions, client, cookie.value()).await {
+        Ok(signed_in) => signed_in,
+        Err(problem) => return problem.into_response(),
     };
     let member = Member {
         person: signed_in.user_name.clone(),
@@ -69,6 +72,31 @@ pub async fn require_session<A: Accounts>(
         let ended = async move { while sessions.is_valid_after_pause(&token).await {} };
         Body::from_stream(body.into_data_stream().take_until(Box::pin(ended)))
     })
+}
+
+/// Returns the user of a cookie. What is none draws on the share of strangers of its client, and once that
+/// is spent, the store is asked about known cookies alone.
+async fn look_up<A: Accounts>(
+    sessions: &Sessions<A>,
+    client: ClientAddress,
+    cookie: &str,
+) -> Result<SignedIn<A::Principal>, Problem> {
+    if !has_form_of_cookie(cookie) {
+        return Err(Problem::unauthorized());
+    }
+    let id = SessionId::of(cookie);
+    let (known, strangers) = (sessions.known_cookies(), sessions.strangers());
+    let client = AddressRange::of_client(client.0);
+    if !known.has(&id) {
+        strangers.check(client, Instant::now())?;
+    }
+    let Some(signed_in) = sessions.resume(cookie).await.map_err(internal)? else {
+        known.remove(&id);
+        strangers.take(client, Instant::now())?;
+        return Err(Problem::unauthorized());
+    };
+    known.add(&id);
+    Ok(signed_in)
 }
 
 /// Returns true for an answer that lasts until the client closes it.

@@ -15,6 +15,7 @@ use super::{
     accounts::{AccountChange, Accounts, AccountsError, SessionId, StoredSession},
     credentials::Caller,
     hashing::{HashingError, PasswordHashing},
+    known_cookies::KnownCookies,
     session_config::SessionConfig,
     sign_in_gate::{SignInGate, busy},
     webauthn::{AssertionState, OpenChallenges, RegistrationState},
@@ -22,7 +23,10 @@ use super::{
 use crate::{
     Confidential,
     sealing::Sealer,
-    web::{problem::Problem, shares::FairShares},
+    web::{
+        problem::Problem,
+        shares::{FairShares, StrangerShares},
+    },
 };
 
 /// Header that carries the CSRF token of a session with every change.
@@ -46,6 +50,8 @@ struct Inner<A> {
     hashing: PasswordHashing,
     sealer: Sealer,
     shares: FairShares,
+    strangers: StrangerShares,
+    known_cookies: KnownCookies,
     registrations: Mutex<OpenChallenges<RegistrationState>>,
     assertions: Mutex<OpenChallenges<AssertionState>>,
 }
@@ -101,8 +107,18 @@ impl<A: Accounts> Sessions<A> {
         let shares = FairShares::new(config.shares.clone());
         let registrations = Mutex::new(OpenChallenges::new(config.challenge_lifetime));
         let assertions = Mutex::new(OpenChallenges::new(config.challenge_lifetime));
-        let inner =
-            Inner { config, accounts, gate, hashing, sealer, shares, registrations, assertions };
+        let inner = Inner {
+            config,
+            accounts,
+            gate,
+            hashing,
+            sealer,
+            shares,
+            strangers: StrangerShares::default(),
+            known_cookies: KnownCookies::default(),
+            registrations,
+            assertions,
+        };
         Self { inner: Arc::new(inner) }
     }
 
@@ -130,6 +146,15 @@ impl<A: Accounts> Sessions<A> {
 
     pub(super) fn shares(&self) -> &FairShares {
         &self.inner.shares
+    }
+
+    /// Returns the shares of requests without a session.
+    pub(crate) fn strangers(&self) -> &StrangerShares {
+        &self.inner.strangers
+    }
+
+    pub(super) fn known_cookies(&self) -> &KnownCookies {
+        &self.inner.known_cookies
     }
 
     /// Returns the accounts of the daemon.
@@ -241,6 +266,7 @@ impl<A: Accounts> Sessions<A> {
             user_agent: caller.user_agent.clone(),
         };
         self.accounts().put_session(&session).await.map_err(internal)?;
+        self.known_cookies().add(&session.id);
         Ok((self.cookie(token, self.config().lifetime), session))
     }
 

@@ -25,6 +25,8 @@ pub struct PersonShare {
     pub downloads: NonZeroU32,
     /// Live streams at the same time; each open page has one.
     pub streams: NonZeroU32,
+    /// MiB of the bodies of requests that may be under way at the same time.
+    pub body_mib: NonZeroU32,
 }
 
 /// Share of all people of one organisation together.
@@ -39,6 +41,8 @@ pub struct OrganisationShare {
     pub downloads: NonZeroU32,
     /// Live streams at the same time.
     pub streams: NonZeroU32,
+    /// MiB of the bodies of requests that may be under way at the same time.
+    pub body_mib: NonZeroU32,
 }
 
 impl Default for PersonShare {
@@ -48,6 +52,7 @@ impl Default for PersonShare {
             requests_at_once: size(4_000),
             downloads: size(2),
             streams: size(16),
+            body_mib: size(16),
         }
     }
 }
@@ -59,6 +64,7 @@ impl Default for OrganisationShare {
             requests_at_once: size(10_000),
             downloads: size(4),
             streams: size(64),
+            body_mib: size(64),
         }
     }
 }

@@ -39,8 +39,20 @@ struct Clients {
 }
 
 impl StrangerShares {
+    /// Refuses a client whose share is spent, and takes nothing off it.
+    pub(crate) fn check(&self, client: AddressRange, now: Instant) -> Result<(), Problem> {
+        let clients = self.0.lock();
+        let wait =
+            clients.buckets.get(&client).map_or(Duration::ZERO, |bucket| bucket.wait(RATE, now));
+        drop(clients);
+        if wait > Duration::ZERO { Err(refused(wait)) } else { Ok(()) }
+    }
+
     /// Takes a request off the share of its client.
-    fn take(&self, client: AddressRange, now: Instant) -> Result<(), Problem> {
+    ///
+    /// # Errors
+    /// 429 `TOO_MANY_REQUESTS` where it is spent.
+    pub(crate) fn take(&self, client: AddressRange, now: Instant) -> Result<(), Problem> {
         let mut clients = self.0.lock();
         clients.tidy(now);
         if clients.buckets.len() >= CLIENTS_MAX && !clients.buckets.contains_key(&client) {
@@ -50,13 +62,16 @@ impl StrangerShares {
         let wait = bucket.wait(RATE, now);
         if wait > Duration::ZERO {
             drop(clients);
-            metrics::counter!("verbund_open_requests_refused_total").increment(1);
-            let detail = "Too many requests come from your address; wait a little.";
-            return Err(Problem::too_many(detail, wait));
+            return Err(refused(wait));
         }
         bucket.take(RATE, now);
         Ok(())
     }
+}
+
+fn refused(wait: Duration) -> Problem {
+    metrics::counter!("verbund_open_requests_refused_total").increment(1);
+    Problem::too_many("Too many requests come from your address; wait a little.", wait)
 }
 
 impl Clients {

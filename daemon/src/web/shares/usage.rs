@@ -6,6 +6,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use axum::http::StatusCode;
 use parking_lot::Mutex;
 
 use super::{
@@ -15,6 +16,12 @@ use super::{
     share::{Places, Share},
 };
 use crate::web::problem::Problem;
+
+/// Bytes of the bodies of all people that may be under way at once.
+const BODY_BYTES_MAX: u64 = 256 * MIB;
+const MIB: u64 = 1024 * 1024;
+/// Time after which another attempt to send a body makes sense.
+const BODY_RETRY_AFTER: Duration = Duration::from_secs(2);
 
 /// Pause between two searches for usage that can be forgotten.
 const TIDY_INTERVAL: Duration = Duration::from_secs(1);
@@ -51,6 +58,8 @@ struct SharedUsage {
 struct Usages {
     persons: HashMap<String, Usage>,
     organisations: HashMap<String, Usage>,
+    /// Bytes of all bodies that are under way.
+    body_bytes: u64,
     tidied_at: Option<Instant>,
 }
 
@@ -58,6 +67,8 @@ struct Usages {
 struct Usage {
     requests: Bucket,
     places: Places,
+    /// Bytes of bodies that are under way.
+    body_bytes: u64,
 }
 
 impl FairShares {
@@ -115,6 +126,57 @@ impl FairShares {
         Ok(HeldShare::new(self.clone(), share, member.clone()))
     }
 
+    /// Takes the bytes of a body, which are free again once the hold is dropped. Who has none under way
+    /// may always send one.
+    ///
+    /// # Errors
+    /// 429 `TOO_MANY_BODIES` where person, organisation or all together have too many.
+    pub(super) fn hold_bytes(
+        &self,
+        member: &Member,
+        bytes: u64,
+        now: Instant,
+    ) -> Result<HeldBytes, Problem> {
+        let config = &self.0.config;
+        let mut usages = self.0.usage.lock();
+        let of_all = usages.body_bytes;
+        let (person, organisation) = usages.of(member, now);
+        let is_beyond = |used: u64, max: u64| used.saturating_add(bytes) > max;
+        let is_full = is_beyond(person.body_bytes, u64::from(config.person.body_mib.get()) * MIB)
+            || is_beyond(of_all, BODY_BYTES_MAX)
+            || organisation.as_ref().is_some_and(|of| {
+                is_beyond(of.body_bytes, u64::from(config.organisation.body_mib.get()) * MIB)
+            });
+        if is_full && person.body_bytes > 0 {
+            drop(usages);
+            count_refusal("bodies", member.who());
+            let detail = "You, your organisation or all together send too much at once; wait until some of \
+                          it has arrived.";
+            return Err(Problem {
+                retry_after_seconds: Some(BODY_RETRY_AFTER.as_secs()),
+                ..Problem::new(StatusCode::TOO_MANY_REQUESTS, "TOO_MANY_BODIES", detail)
+            });
+        }
+        person.body_bytes = person.body_bytes.saturating_add(bytes);
+        if let Some(organisation) = organisation {
+            organisation.body_bytes = organisation.body_bytes.saturating_add(bytes);
+        }
+        usages.body_bytes = usages.body_bytes.saturating_add(bytes);
+        Ok(HeldBytes { shares: self.clone(), member: member.clone(), bytes })
+    }
+
+    fn release_bytes(&self, member: &Member, bytes: u64) {
+        let mut usages = self.0.usage.lock();
+        usages.body_bytes = usages.body_bytes.saturating_sub(bytes);
+        if let Some(person) = usages.persons.get_mut(&member.person) {
+            person.body_bytes = person.body_bytes.saturating_sub(bytes);
+        }
+        let organisation = member.organisation.as_ref();
+        if let Some(of) = organisation.and_then(|id| usages.organisations.get_mut(id)) {
+            of.body_bytes = of.body_bytes.saturating_sub(bytes);
+        }
+    }
+
     /// Gives a place back.
     fn release(&self, share: Share, member: &Member) {
         let mut usages = self.0.usage.lock();
@@ -143,7 +205,9 @@ impl Usages {
             return;
         }
         self.tidied_at = Some(now);
-        let is_in_use = |used: &Usage| !used.places.are_free() || !used.requests.is_full(now);
+        let is_in_use = |used: &Usage| {
+            !used.places.are_free() || used.body_bytes > 0 || !used.requests.is_full(now)
+        };
         self.persons.retain(|_, used| is_in_use(used));
         self.organisations.retain(|_, used| is_in_use(used));
     }
@@ -174,6 +238,19 @@ impl Drop for HeldShare {
     fn drop(&mut self) {
         metrics::gauge!("verbund_shares_held", "share" => self.share.label()).decrement(1.0);
         self.shares.release(self.share, &self.member);
+    }
+}
+
+/// Bytes of a body that is under way; free again when this is dropped.
+pub(super) struct HeldBytes {
+    shares: FairShares,
+    member: Member,
+    bytes: u64,
+}
+
+impl Drop for HeldBytes {
+    fn drop(&mut self) {
+        self.shares.release_bytes(&self.member, self.bytes);
     }
 }
 

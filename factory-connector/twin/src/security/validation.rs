@@ -19,8 +19,8 @@ use opcua_stack::opcua::{
     types::{Error, StatusCode},
 };
 use x509_parser::{
-    certificate::X509Certificate, prelude::FromDer, revocation_list::CertificateRevocationList,
-    time::ASN1Time,
+    certificate::X509Certificate, error::X509Error, prelude::FromDer,
+    revocation_list::CertificateRevocationList, time::ASN1Time,
 };
 
 use super::{
@@ -96,10 +96,8 @@ impl Validator {
 
     /// Reads the authorities with their revocation lists.
     fn known_authorities(&self) -> Result<KnownAuthorities, CertificateError> {
-        let certificates = |folder| -> Result<Vec<Vec<u8>>, CertificateError> {
-            Ok(self.contents(folder, "der")?.into_iter().map(|(_, der)| der).collect())
-        };
-        let (trusted, issuers) = (certificates(TRUSTED)?, certificates(ISSUERS)?);
+        let trusted = self.items(TRUSTED, "der", certificates_in)?;
+        let issuers = self.items(ISSUERS, "der", certificates_in)?;
         let lists = self.items(REVOCATION_LISTS, "crl", lists_in)?;
         Ok(KnownAuthorities { trusted, issuers, lists })
     }
@@ -219,12 +217,9 @@ impl KnownAuthorities {
     /// chain leads to a trusted authority. The trust of a single certificate needs no authority, so a list need not
     /// exist; one that names it is obeyed.
     fn check(&self, leaf: &X509Certificate<'_>, is_trusted: bool) -> Result<(), CertificateError> {
-        let (trusted, issuers) = (parsed(&self.trusted), parsed(&self.issuers));
-        let lists: Vec<CertificateRevocationList<'_>> = self
-            .lists
-            .iter()
-            .filter_map(|der| Some(CertificateRevocationList::from_der(der).ok()?.1))
-            .collect();
+        let (trusted, issuers): (Vec<X509Certificate<'_>>, Vec<X509Certificate<'_>>) =
+            (parsed(&self.trusted)?, parsed(&self.issuers)?);
+        let lists: Vec<CertificateRevocationList<'_>> = parsed(&self.lists)?;
         let all = [&trusted[..], &issuers[..]].concat();
         if is_revoked(leaf, &all, &lists) {
             return Err(CertificateError::Revoked);
@@ -233,8 +228,14 @@ impl KnownAuthorities {
     }
 }
 
-fn parsed(certificates: &[Vec<u8>]) -> Vec<X509Certificate<'_>> {
-    certificates.iter().filter_map(|der| Some(X509Certificate::from_der(der).ok()?.1)).collect()
+/// Parses all of them: one that was left out may be the one by which a revocation is found.
+fn parsed<'d, T: FromDer<'d, X509Error>>(items: &'d [Vec<u8>]) -> Result<Vec<T>, CertificateError> {
+    let parse = |der: &'d Vec<u8>| T::from_der(der).map(|(_, item)| item);
+    items
+        .iter()
+        .map(parse)
+        .collect::<Result<_, _>>()
+        .map_err(|_| CertificateError::TrustListUnreadable)
 }
 
 /// Follows the issuers up to a trusted one, each of which needs a current revocation list. That nobody on the way was

@@ -21,6 +21,7 @@ use crate::{
     clock,
     config::BrokerLimits,
     core::Core,
+    elements,
     message::{self, AnyMessage},
     queue::{Next, Queue, QueueEntry, Subscription},
     shares::UnsettledShare,
@@ -39,13 +40,20 @@ struct Delivered {
     message: Arc<AnyMessage>,
 }
 
+impl Delivered {
+    /// Estimates the memory that it takes.
+    fn bytes(&self) -> u64 {
+        elements::memory(self.entry.bytes, &self.message)
+    }
+}
+
 /// Deliveries that a consumer has not settled. Stored apart from the futures of their outcomes,
 /// because those may never resolve.
 struct Unsettled {
     delivered: HashMap<i64, Delivered>,
-    /// Stored bytes of the delivered messages.
+    /// Memory of the delivered messages.
     bytes: u64,
-    /// Stored bytes of all consumers of the user.
+    /// Memory of those of all consumers of the user.
     share: Arc<UnsettledShare>,
     outcomes: FuturesUnordered<BoxFuture<'static, (i64, Result<Outcome, SendError>)>>,
 }
@@ -65,8 +73,9 @@ impl Unsettled {
     }
 
     fn add(&mut self, delivered: Delivered) {
-        self.bytes += delivered.entry.bytes;
-        self.share.add(delivered.entry.bytes);
+        let bytes = delivered.bytes();
+        self.bytes += bytes;
+        self.share.add(bytes);
         self.delivered.insert(delivered.entry.id, delivered);
     }
 
@@ -75,8 +84,9 @@ impl Unsettled {
         loop {
             let (id, outcome) = self.outcomes.next().await?;
             if let Some(delivered) = self.delivered.remove(&id) {
-                self.bytes = self.bytes.saturating_sub(delivered.entry.bytes);
-                self.share.remove(delivered.entry.bytes);
+                let bytes = delivered.bytes();
+                self.bytes = self.bytes.saturating_sub(bytes);
+                self.share.remove(bytes);
                 return Some((delivered, outcome));
             }
         }

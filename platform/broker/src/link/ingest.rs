@@ -24,6 +24,7 @@ use crate::{
     amqp_error::amqp_error,
     clock,
     core::Core,
+    elements::{self, ELEMENTS_MAX},
     message::{self, AnyMessage},
     queue::{Queue, QueueEntry, QueueRefusal},
     store::{NewMessage, StoreCommand, WriteFailed},
@@ -175,6 +176,19 @@ impl RejectedTransfer {
     }
 }
 
+/// Refuses what takes much more memory when it is decoded than its bytes say.
+fn check_shape(received: &AnyMessage) -> Result<(), RejectedTransfer> {
+    if !elements::is_plain(received) {
+        let reason = "only messages whose body is bytes or text are taken";
+        return Err(RejectedTransfer::new("body", AmqpError::NotAllowed, reason));
+    }
+    if elements::elements(received) > ELEMENTS_MAX {
+        let reason = format!("the message has more than {ELEMENTS_MAX} values");
+        return Err(RejectedTransfer::new("elements", AmqpError::NotAllowed, reason));
+    }
+    Ok(())
+}
+
 /// Hands a message to the writer; the reply comes after the commit.
 async fn store(
     core: &Core,
@@ -182,6 +196,7 @@ async fn store(
     publisher: &Publisher,
     mut received: AnyMessage,
 ) -> Result<Reply, RejectedTransfer> {
+    check_shape(&received)?;
     message::stamp(&mut received, &publisher.user_name);
     let wire = message::encode(&received).map_err(|_| {
         RejectedTransfer::new(

@@ -3,7 +3,7 @@
 use sqlx::{Row, SqlitePool};
 use time::OffsetDateTime;
 
-use crate::{dead_letter::BrokerDeadLetter, message};
+use crate::{config::BrokerLimits, dead_letter::BrokerDeadLetter, message};
 
 /// Reads at most `limit` dead letters with ids above `after`, oldest first.
 pub(crate) async fn dead_letters(
@@ -12,7 +12,10 @@ pub(crate) async fn dead_letters(
     limit: u32,
 ) -> Result<Vec<BrokerDeadLetter>, sqlx::Error> {
     let rows = sqlx::query(
-        "SELECT message_id, origin, wire_id, subject, principal, code, reason, at_ms, bytes \
+        // Former versions stored texts of any length.
+        "SELECT message_id, origin, substr(wire_id, 1, 256) AS wire_id, \
+             substr(subject, 1, 256) AS subject, principal, substr(code, 1, 100) AS code, \
+             substr(reason, 1, 1000) AS reason, at_ms, bytes \
          FROM dead_letters WHERE message_id > ? ORDER BY message_id LIMIT ?",
     )
     .bind(after)
@@ -39,17 +42,20 @@ pub(crate) async fn dead_letters(
         .collect()
 }
 
-/// Returns the ids of the dead letters that are not among the newest ones of their queue.
+/// Returns the ids of the dead letters that are not among the newest ones of their queue, by number or by
+/// bytes.
 pub(crate) async fn dead_letters_beyond(
     pool: &SqlitePool,
-    per_queue_max: u32,
+    limits: &BrokerLimits,
 ) -> Result<Vec<i64>, sqlx::Error> {
     sqlx::query_scalar(
         "SELECT message_id FROM (SELECT message_id, \
-             ROW_NUMBER() OVER (PARTITION BY origin ORDER BY message_id DESC) AS position \
-             FROM dead_letters) WHERE position > ?",
+             ROW_NUMBER() OVER newest AS position, SUM(bytes) OVER newest AS total \
+             FROM dead_letters WINDOW newest AS (PARTITION BY origin ORDER BY message_id DESC)) \
+         WHERE position > ? OR total > ?",
     )
-    .bind(per_queue_max)
+    .bind(limits.dead_letters_per_queue_max)
+    .bind(i64::try_from(limits.dead_letter_bytes_per_queue_max).unwrap_or(i64::MAX))
     .fetch_all(pool)
     .await
 }

@@ -297,6 +297,34 @@ async fn each_queue_has_dead_letters_of_its_own() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn dead_letters_of_a_queue_have_a_bounded_number_of_bytes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broker = TestBroker::start_with(folder.path(), |config| {
+        config.limits.dead_letter_bytes_per_queue_max = 25_000;
+    })
+    .await;
+    let consumed = ["factory.f1.requests", "factory.f2.requests"];
+    let link = TestLink::start(&broker.url(), "platform", &consumed);
+    link.up().await;
+    for number in 0..5 {
+        let id = format!("m{number}");
+        link.inbox.answer(&id, Settlement::reject("unusable", "x".repeat(5_000)));
+        let to = if number == 0 { consumed[1] } else { consumed[0] };
+        link.send(to, envelope(id, vec![b'x'; 10_000]));
+    }
+    let kept = testkit::wait::eventually("the oldest of one queue go", WAIT, || async {
+        let letters = broker.handle.dead_letters(0, 100).await.expect("read");
+        assert!(letters.iter().all(|letter| letter.reason.len() <= 1_000), "reasons are short");
+        let mut ids: Vec<_> = letters.into_iter().filter_map(|letter| letter.message_id).collect();
+        ids.sort();
+        if ids == ["m0", "m3", "m4"] { Ok(()) } else { Err(format!("{ids:?}")) }
+    });
+    kept.await.expect("few bytes are kept");
+    link.stop().await;
+    broker.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_deleted_queue_ends_its_links_and_only_declared_names_come_back() {
     let folder = tempfile::tempdir().expect("a folder");
     let broker = TestBroker::start(folder.path()).await;

@@ -15,7 +15,7 @@ use crate::{
     process::BrokerProcess,
     raw::{
         AMQP, AMQP_HEADER, NULL, RawPeer, SASL, SASL_HEADER, attach, begin, binary, described,
-        entry, frame, map, nested, section, symbol, text, transfer, uint,
+        entry, frame, map, nested, section, string, symbol, text, transfer, uint,
     },
     support::{TestBroker, TestLink, envelope, eventually, queue},
 };
@@ -174,6 +174,31 @@ async fn nested_messages_are_rejected_and_their_link_goes_on() {
     }
     victim.has_not_grown("nested messages");
     victim.serves("after nested messages").await;
+    victim.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn many_small_values_cost_no_memory() {
+    let mut victim = Victim::start().await;
+    let mut peer = RawPeer::open(victim.port(), "f1", Some(INGRESS)).await;
+    let nulls = vec![NULL.to_vec(); 60_000];
+    let properties: Vec<_> = (0..300).flat_map(|n| [string(&n.to_string()), uint(n)]).collect();
+    let properties = [section(0x74, &map(&properties)), section(0x75, &binary(b"{}"))].concat();
+    let hostile = [
+        ("a list", described(0x77, &nulls)),
+        ("a sequence", described(0x76, &nulls)),
+        ("properties", properties),
+        ("a body of no bytes", section(0x77, NULL)),
+    ];
+    for (id, (what, message)) in (0..).zip(hostile.iter().cycle().take(40)) {
+        peer.send(&frame(AMQP, 0, &[&transfer(0, id, false)[..], message].concat())).await;
+        let answer = peer.until(what, |p| matches!(p, Performative::Disposition(_))).await;
+        let Performative::Disposition(answer) = answer else { unreachable!() };
+        let state = format!("{:?}", answer.state);
+        assert!(state.contains("Rejected") && state.contains("NotAllowed"), "{what}: {state}");
+    }
+    victim.has_not_grown("many small values");
+    victim.serves("after many small values").await;
     victim.stop().await;
 }
 

@@ -83,6 +83,8 @@ export const settings: typeof English = {
         'Exporte, Prüfungen und Verifikationen einer Person zur gleichen Zeit.',
       'web.share_per_person.streams':
         'Live-Ströme einer Person zur gleichen Zeit; jede offene Seite hat einen.',
+      'web.share_per_person.body_mib':
+        'MiB, die eine Person zur gleichen Zeit senden darf, über alle ihre Anfragen.',
       'web.tls.certificate':
         'Zertifikat als PEM. Ohne Zertifikat und Schlüssel unverschlüsselt, nur für diesen Rechner oder hinter einem Proxy mit TLS.',
       'web.tls.key': 'Schlüssel als PEM.',
@@ -91,6 +93,8 @@ export const settings: typeof English = {
         'Namen und Adressen, unter denen OPC-UA-Clients diesen Rechner erreichen, für sein Zertifikat. Vorgabe: der eigene Name.',
       'twin.security.allow_anonymous_unencrypted':
         'Nur zur Entwicklung: auch ein Endpunkt ohne Verschlüsselung und Benutzer, in der Rolle Betrachter.',
+      'twin.security.allow_signed_unencrypted':
+        'Auch Endpunkte, die nur signieren, für Clients ohne Verschlüsselung. Wer am Weg sitzt, liest Werte und Schreibzugriffe.',
       'twin.security.trust_unknown_certificates':
         'Nur zur Entwicklung: jedem Zertifikat eines Clients vertrauen, statt auf eine Freigabe zu warten.',
       'twin.security.login_failures_max':

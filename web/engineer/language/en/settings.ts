@@ -81,6 +81,8 @@ export const settings = {
         'Exports, audits and verifications of one person at the same time.',
       'web.share_per_person.streams':
         'Live streams of one person at the same time; each open page has one.',
+      'web.share_per_person.body_mib':
+        'MiB that one person may send at the same time, over all its requests.',
       'web.tls.certificate':
         'Certificate as PEM. Without certificate and key plain HTTP, for this machine only or behind a proxy that speaks TLS.',
       'web.tls.key': 'Key as PEM.',
@@ -89,6 +91,8 @@ export const settings = {
         'Names and addresses under which OPC UA clients reach this machine, for its certificate. Default: its own name.',
       'twin.security.allow_anonymous_unencrypted':
         'Development only: also an endpoint without encryption and user, in the viewer role.',
+      'twin.security.allow_signed_unencrypted':
+        'Also endpoints that sign only, for clients without encryption. Everybody on the way reads values and writes.',
       'twin.security.trust_unknown_certificates':
         'Development only: trust every client certificate instead of waiting for an approval.',
       'twin.security.login_failures_max':

@@ -15,12 +15,14 @@ fn shares() -> FairShares {
             requests_at_once: number(4),
             downloads: number(2),
             streams: number(2),
+            body_mib: number(2),
         },
         organisation: OrganisationShare {
             requests_per_second: number(1),
             requests_at_once: number(6),
             downloads: number(3),
             streams: number(3),
+            body_mib: number(3),
         },
     })
 }

@@ -260,6 +260,32 @@ fn revocation_lists_and_denied_certificates_are_obeyed_in_pem() {
 }
 
 #[test]
+fn a_damaged_issuer_lets_nobody_in_and_one_in_pem_is_found() {
+    let fixture = Fixture::new(false);
+    let key = rcgen::KeyPair::generate().unwrap();
+    let (params, _) = Authority::parameters("Plant CA");
+    let certificate = params.self_signed(&key).unwrap();
+    let (der, pem) = (certificate.der().to_vec(), certificate.pem());
+    let authority = Authority { issuer: rcgen::Issuer::new(params, key), certificate: der.clone() };
+    let client = authority.issue(7);
+    fixture.trust(&client);
+    fs::write(fixture.folder.path().join("crl/plant.crl"), authority.revoke(7, 2096)).unwrap();
+    for folder in [ISSUERS, TRUSTED] {
+        let path = fixture.folder.path().join(folder).join("plant.der");
+        for (content, expected) in [
+            (&der[..der.len() / 2], CertificateError::TrustListUnreadable),
+            (pem.as_bytes(), CertificateError::Revoked),
+            (&der[..], CertificateError::Revoked),
+        ] {
+            fs::write(&path, content).unwrap();
+            assert_eq!(fixture.check(&client), Err(expected), "{folder}");
+        }
+        fs::remove_file(&path).unwrap();
+        assert_eq!(fixture.check(&client), Ok(()), "no authority is known that signed the list");
+    }
+}
+
+#[test]
 fn nobody_is_let_in_while_it_is_not_known_who_is_denied_or_revoked() {
     let write = |path: &Path, bytes: &[u8]| fs::write(path, bytes).unwrap();
     let too_long = vec![0; 5 << 20];
