@@ -10,7 +10,7 @@ use sqlx::{
 
 use super::{error::StoreError, work::Work};
 
-const MIGRATIONS: [(i64, &str, &str); 22] = [
+const MIGRATIONS: [(i64, &str, &str); 23] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
@@ -37,6 +37,7 @@ const MIGRATIONS: [(i64, &str, &str); 22] = [
     (39, "passkeys", include_str!("../../migrations/sqlite/0039_passkeys.sql")),
     (40, "revoked access", include_str!("../../migrations/sqlite/0040_revoked_access.sql")),
     (41, "room", include_str!("../../migrations/sqlite/0041_room.sql")),
+    (42, "turns", include_str!("../../migrations/sqlite/0042_turns.sql")),
 ];
 
 /// Reads of pages at once; more would only share the same disk.
