@@ -46,7 +46,7 @@ impl StoredAccounts {
     }
 
     async fn user(&self, user_name: &str) -> Result<Option<(User, PasswordHash)>, StoreError> {
-        self.store.read().await?.users().lookup(user_name).await
+        self.store.reserved_reader().read().await?.users().lookup(user_name).await
     }
 
     /// Records what a person did to an account; `part` is what of it was changed.
@@ -127,7 +127,9 @@ impl Accounts for StoredAccounts {
     }
 
     async fn sessions_of(&self, user_name: &str) -> Result<Vec<StoredSession>, AccountsError> {
-        let sessions = async { self.store.read().await?.users().sessions_of(user_name).await };
+        let sessions = async {
+            self.store.reserved_reader().read().await?.users().sessions_of(user_name).await
+        };
         sessions.await.map_err(AccountsError::new)
     }
 
@@ -136,7 +138,8 @@ impl Accounts for StoredAccounts {
     }
 
     async fn session(&self, id: &SessionId) -> Result<Option<StoredSession>, AccountsError> {
-        let session = async { self.store.read().await?.users().session(id).await };
+        let session =
+            async { self.store.reserved_reader().read().await?.users().session(id).await };
         session.await.map_err(AccountsError::new)
     }
 
@@ -159,7 +162,9 @@ impl Accounts for StoredAccounts {
         &self,
         user_name: &str,
     ) -> Result<Option<StoredSecondFactor>, AccountsError> {
-        let factor = async { self.store.read().await?.second_factors().lookup(user_name).await };
+        let factor = async {
+            self.store.reserved_reader().read().await?.second_factors().lookup(user_name).await
+        };
         factor.await.map_err(AccountsError::new)
     }
 
@@ -210,7 +215,8 @@ impl Accounts for StoredAccounts {
     }
 
     async fn passkeys(&self, user_name: &str) -> Result<Vec<StoredPasskey>, AccountsError> {
-        let passkeys = async { self.store.read().await?.passkeys().of(user_name).await };
+        let passkeys =
+            async { self.store.reserved_reader().read().await?.passkeys().of(user_name).await };
         passkeys.await.map_err(AccountsError::new)
     }
 

@@ -28,7 +28,7 @@ pub struct Receipter {
 /// Most writers in one receipt; each takes at most some 12 KB, so that a receipt stays under the
 /// limit of a message.
 const WRITERS_PER_RECEIPT_MAX: usize = 50;
-/// Most writers of one round; the others follow in the next.
+/// Most writers of one round, of each factory in turn; the others follow in the next.
 const WRITERS_PER_ROUND_MAX: u32 = 5_000;
 
 impl Receipter {
@@ -64,9 +64,10 @@ impl Receipter {
     /// [`StoreError`].
     pub async fn round(&self) -> Result<usize, StoreError> {
         // A reader first: most rounds find nothing, and there is only one writer.
-        if self.store.read().await?.writers().unreceipted(1).await?.is_empty() {
+        if !self.store.read().await?.writers().is_receipt_due().await? {
             return Ok(0);
         }
+        let now = self.clock.now();
         let mut work = self.store.begin().await?;
         let rows = work.writers().unreceipted(WRITERS_PER_ROUND_MAX).await?;
         let mut factories: BTreeMap<FactoryId, Vec<WriterRow>> = BTreeMap::new();
@@ -88,14 +89,13 @@ impl Receipter {
                         factory_id: factory.clone(),
                         receipt_list,
                     };
-                    let message =
-                        outgoing(&factory, &PlatformMessage::Receipt(receipt), self.clock.now());
+                    let message = outgoing(&factory, &PlatformMessage::Receipt(receipt), now);
                     work.outgoing().add(&message).await?;
                 }
                 for row in rows {
                     // In the transaction of the receipt, so that it is neither forgotten nor sent
                     // for ever.
-                    work.writers().receipted(&row.key).await?;
+                    work.writers().receipted(&row.key, now).await?;
                 }
                 count += 1;
             }
@@ -104,5 +104,75 @@ impl Receipter {
         metrics::counter!("verbund_receipts_total").increment(count as u64);
         self.broker_access.wake_link();
         Ok(count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicI64, Ordering};
+
+    use asi_model::DateTime;
+
+    use super::*;
+    use crate::store::{Organisation, WriterKey};
+
+    fn id<T: std::str::FromStr<Err: std::fmt::Debug>>(text: &str) -> T {
+        text.parse().expect("valid")
+    }
+
+    async fn store_with_factories(folder: &tempfile::TempDir) -> Store {
+        let store = Store::open(&folder.path().join("store.sqlite")).await.expect("it opens");
+        let mut work = store.begin().await.expect("begun");
+        let at = DateTime::from_ticks(0);
+        let a = Organisation { organisation_id: id("a"), name: "a".into(), created_at: at };
+        work.organisations().add(&a).await.expect("stored");
+        for factory in ["A", "B"] {
+            work.factories().add(&id(factory), &id("a"), factory, at).await.expect("stored");
+        }
+        work.commit().await.expect("committed");
+        store
+    }
+
+    /// Lets writers of a factory need a receipt.
+    async fn are_due(store: &Store, factory: &str, epochs: std::ops::Range<u32>) {
+        let mut work = store.begin().await.expect("begun");
+        for epoch in epochs {
+            let key = WriterKey { factory_id: id(factory), data_set_writer_id: 1, epoch };
+            let mut row = WriterRow::new(key);
+            row.take(0);
+            work.writers().put(&row).await.expect("stored");
+        }
+        work.commit().await.expect("committed");
+    }
+
+    async fn due(store: &Store) -> Vec<WriterKey> {
+        let mut work = store.read().await.expect("begun");
+        let rows = work.writers().unreceipted(10_000).await.expect("read");
+        rows.into_iter().map(|row| row.key).collect()
+    }
+
+    #[tokio::test]
+    async fn a_factory_with_many_writers_leaves_room_for_the_others() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let store = store_with_factories(&folder).await;
+        let round = WRITERS_PER_ROUND_MAX;
+        are_due(&store, "A", 0..round + 10).await;
+        are_due(&store, "B", 0..1).await;
+        let now = AtomicI64::new(1);
+        let clock =
+            Clock::from_fn(move || DateTime::from_ticks(now.fetch_add(1, Ordering::Relaxed)));
+        let access = BrokerAccess::new(Vec::new());
+        let receipter = Receipter::new(store.clone(), access, clock, Duration::from_secs(1));
+        receipter.round().await.expect("a round");
+        let waiting = due(&store).await;
+        assert!(waiting.iter().all(|key| key.factory_id == id("A")), "B has its receipt");
+        assert_eq!(waiting.len(), 11);
+
+        // Its own that wait come before those that are due once more.
+        are_due(&store, "A", 0..round - 1).await;
+        receipter.round().await.expect("a round");
+        let again = due(&store).await;
+        assert_eq!(again.len(), 10);
+        assert!(again.iter().all(|key| !waiting.contains(key)), "{again:?}");
     }
 }

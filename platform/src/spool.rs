@@ -23,7 +23,7 @@ impl SpoolStore for StoredSpool {
     fn sign(&self, _: &mut Envelope) {}
 
     async fn fetch(&self, fetch: Fetch) -> Result<Vec<SpoolRow>, SpoolError> {
-        Ok(self.0.read().await?.outgoing().fetch(fetch).await?)
+        Ok(self.0.reserved_reader().read().await?.outgoing().fetch(fetch).await?)
     }
 
     async fn record(&self, outcomes: Vec<RowOutcome>) -> Result<(), SpoolError> {
@@ -33,10 +33,10 @@ impl SpoolStore for StoredSpool {
     }
 
     async fn last_row(&self) -> Result<RowId, SpoolError> {
-        Ok(self.0.read().await?.outgoing().last_row().await?)
+        Ok(self.0.reserved_reader().read().await?.outgoing().last_row().await?)
     }
 
     async fn backlog(&self) -> Result<Backlog, SpoolError> {
-        Ok(self.0.read().await?.outgoing().backlog().await?)
+        Ok(self.0.reserved_reader().read().await?.outgoing().backlog().await?)
     }
 }

@@ -41,6 +41,7 @@ mod recipient_sets;
 mod recipients;
 mod removals;
 mod report_cursor;
+mod report_history;
 mod reports;
 mod revocations;
 mod revoked_access;

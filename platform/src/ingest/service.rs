@@ -117,8 +117,8 @@ impl Ingest {
         let (ending, may_wait) = (CancellationToken::new(), room.may_wait);
         let handle = IngestHandle {
             ending: ending.clone(),
-            room: Arc::new(Room::new(room, store.reader())),
-            store: store.reader(),
+            room: Arc::new(Room::new(room, store.reserved_reader())),
+            store: store.reserved_reader(),
             meta_data: Arc::clone(&meta_data),
             batches: sender,
             pace: Arc::new(Pace::new(may_wait)),

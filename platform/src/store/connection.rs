@@ -10,7 +10,7 @@ use sqlx::{
 
 use super::{error::StoreError, work::Work};
 
-const MIGRATIONS: [(i64, &str, &str); 22] = [
+const MIGRATIONS: [(i64, &str, &str); 23] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
@@ -37,10 +37,13 @@ const MIGRATIONS: [(i64, &str, &str); 22] = [
     (39, "passkeys", include_str!("../../migrations/sqlite/0039_passkeys.sql")),
     (40, "revoked access", include_str!("../../migrations/sqlite/0040_revoked_access.sql")),
     (41, "room", include_str!("../../migrations/sqlite/0041_room.sql")),
+    (42, "turns", include_str!("../../migrations/sqlite/0042_turns.sql")),
 ];
 
 /// Reads of pages at once; more would only share the same disk.
-const READERS_MAX: u32 = 8;
+const READERS_MAX: u32 = 6;
+/// Reads beside those of pages: of sessions, of sign-in and of ingest, which wait for no page.
+const RESERVED_MAX: u32 = 3;
 /// Time to wait for the lock of a command that writes beside the running platform.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 /// Room for the statements of ingest and of pages at once; an evicted one is compiled again.
@@ -53,6 +56,8 @@ pub struct Store {
     /// its lock.
     writer: SqlitePool,
     readers: SqlitePool,
+    /// Connections that no page reads by, however many there are.
+    reserved: SqlitePool,
 }
 
 /// Reading side of the platform's database. Clones share the connections.
@@ -102,12 +107,18 @@ impl Store {
             .map_err(failed)?;
         migrator(i64::MAX).run(&writer).await.map_err(StoreError::Migrate)?;
         // Beside the writer: with a write-ahead log reading waits for no transaction.
+        let options = options.read_only(true).pragma("query_only", "true");
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS_MAX)
-            .connect_with(options.read_only(true).pragma("query_only", "true"))
+            .connect_with(options.clone())
             .await
             .map_err(failed)?;
-        Ok(Self { writer, readers })
+        let reserved = SqlitePoolOptions::new()
+            .max_connections(RESERVED_MAX)
+            .connect_with(options)
+            .await
+            .map_err(failed)?;
+        Ok(Self { writer, readers, reserved })
     }
 
     /// Begins a unit of work that may write.
@@ -135,6 +146,12 @@ impl Store {
         StoreReader(self.readers.clone())
     }
 
+    /// Returns what reads for sign-in, sessions and ingest alone: it waits for no reads of pages.
+    #[must_use]
+    pub fn reserved_reader(&self) -> StoreReader {
+        StoreReader(self.reserved.clone())
+    }
+
     /// Empties the write-ahead log, which has the pages of before, as far as nobody else reads them.
     ///
     /// # Errors
@@ -147,6 +164,7 @@ impl Store {
     /// Closes all connections; what is committed stays.
     pub async fn close(&self) {
         self.readers.close().await;
+        self.reserved.close().await;
         self.writer.close().await;
     }
 }

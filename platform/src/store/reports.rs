@@ -16,6 +16,7 @@ use super::{
     error::StoreError,
     recipient_sets::{RecipientSetId, add_released},
     report_cursor::ReportCursor,
+    report_history::Restrictions,
     row::{Columns, DatabaseRow, document},
     scope::Scope,
     writers::WriterKey,
@@ -113,29 +114,12 @@ pub struct ReportQuery {
     pub is_newest: bool,
 }
 
-/// Condition on a row `p` of `report`: it was released to the viewer `$1`. Reports of before the column
-/// was there are for the recipients of that time.
+/// Condition on a row `p` of `report`: it was released to the viewer `$1`.
 macro_rules! released {
     () => {
         "(CAST($1 AS TEXT) IS NULL OR EXISTS (
                  SELECT 1 FROM recipient_set_member m WHERE m.organisation_id = $1
-                 AND m.recipient_set_id = COALESCE(p.recipient_set_id, (
-                     SELECT r.recipient_set_id FROM former_report_recipients r
-                     WHERE r.operation_network_id = p.operation_network_id
-                     AND r.dynamic_data_request_id = p.dynamic_data_request_id
-                     AND r.factory_id = p.factory_id AND p.report_id <= r.last_report_id))))"
-    };
-}
-
-/// Condition on a row `p` of `report`: it was released to the viewer `$1`, and matches the query.
-macro_rules! chosen {
-    () => {
-        concat!(
-            "p.report_id > $2
-             AND (CAST($3 AS TEXT) IS NULL OR p.operation_network_id = $3)
-             AND (CAST($4 AS TEXT) IS NULL OR p.dynamic_data_request_id = $4) AND ",
-            released!()
-        )
+                 AND m.recipient_set_id = p.recipient_set_id))"
     };
 }
 
@@ -283,18 +267,17 @@ impl Reports<'_> {
         scope: &Scope,
         query: &ReportQuery,
     ) -> Result<Withheld<Vec<Report>>, StoreError> {
-        let sql =
-            concat!("SELECT p.* FROM report p WHERE ", chosen!(), " ORDER BY p.report_id LIMIT $5");
-        let newest = concat!(
-            "SELECT p.* FROM report p WHERE ",
-            chosen!(),
-            " ORDER BY p.report_id DESC LIMIT $5"
-        );
+        let restrictions = Restrictions {
+            has_viewer: scope.recipient().is_some(),
+            has_network: query.network.is_some(),
+            has_request: query.request.is_some(),
+            is_newest: query.is_newest,
+        };
         let after = match &query.after {
             Some(cursor) => self.arrival(scope, cursor).await?.unwrap_or(0),
             None => 0,
         };
-        let mut rows = sqlx::query(if query.is_newest { newest } else { sql })
+        let mut rows = sqlx::query(sqlx::AssertSqlSafe(restrictions.statement()))
             .bind(scope.recipient())
             .bind(after)
             .bind(query.network.as_ref().map(OperationNetworkId::as_str))

@@ -1,6 +1,7 @@
 //! Data set writers: which of their reports are held, and which are missing.
 
 mod gaps;
+mod receipts;
 mod seen;
 
 use asi_model::{DateTime, FactoryId, messages::GapCause};
@@ -151,38 +152,6 @@ impl Writers<'_> {
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("store a writer"))?;
-        Ok(())
-    }
-
-    /// Lists writers with changes that were not receipted, by factory.
-    ///
-    /// # Errors
-    /// [`StoreError`].
-    pub async fn unreceipted(&mut self, limit: u32) -> Result<Vec<WriterRow>, StoreError> {
-        let sql = "SELECT * FROM data_set_writer WHERE needs_receipt = 1
-                   ORDER BY factory_id, data_set_writer_id, epoch LIMIT $1";
-        let rows = sqlx::query(sql)
-            .bind(i64::from(limit))
-            .fetch_all(&mut *self.0)
-            .await
-            .map_err(StoreError::during("list writers that need receipts"))?;
-        rows.iter().map(read).collect()
-    }
-
-    /// Notes that a receipt was sent about everything stored of this writer.
-    ///
-    /// # Errors
-    /// [`StoreError::Statement`].
-    pub async fn receipted(&mut self, key: &WriterKey) -> Result<(), StoreError> {
-        let sql = "UPDATE data_set_writer SET needs_receipt = 0
-                   WHERE factory_id = $1 AND data_set_writer_id = $2 AND epoch = $3";
-        sqlx::query(sql)
-            .bind(key.factory_id.as_str())
-            .bind(i64::from(key.data_set_writer_id))
-            .bind(i64::from(key.epoch))
-            .execute(&mut *self.0)
-            .await
-            .map_err(StoreError::during("note a receipt"))?;
         Ok(())
     }
 

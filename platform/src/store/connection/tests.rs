@@ -95,3 +95,18 @@ async fn networks_of_before_get_the_owners_and_viewers_that_they_would_have_now(
     let other = work.networks().lookup(&Scope::Platform, &id).await.expect("read").expect("there");
     assert_eq!(other.drawn_by, None);
 }
+
+#[tokio::test]
+async fn reads_of_pages_leave_readers_to_sign_in_and_ingest() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let store = Store::open(&folder.path().join("store.sqlite")).await.expect("it opens");
+    let mut pages = Vec::new();
+    for _ in 0..READERS_MAX {
+        pages.push(store.read().await.expect("a reader"));
+    }
+    let soon = Duration::from_millis(200);
+    assert!(tokio::time::timeout(soon, store.read()).await.is_err(), "pages hold all of theirs");
+    let reserved = store.reserved_reader();
+    let read = tokio::time::timeout(Duration::from_secs(2), reserved.read()).await;
+    drop(read.expect("at once").expect("a reader"));
+}
