@@ -26,6 +26,9 @@ use crate::{
     tools::{DataRequestMessage, parse_data_request},
 };
 
+/// Most reports and keep-alives of one message: each may need a row of its own.
+const ITEMS_MAX: usize = 4_096;
+
 /// A received message, understood.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Incoming {
@@ -264,7 +267,12 @@ fn reports(
     message: NetworkMessage,
     lookup: &dyn MetaDataLookup,
 ) -> Result<Content, DeadLetterReason> {
-    let (mut reports, mut keep_alives) = (Vec::with_capacity(message.messages.len()), Vec::new());
+    let count = message.messages.len();
+    if count > ITEMS_MAX {
+        let reason = format!("It has {count} DataSetMessages; {ITEMS_MAX} are allowed.");
+        return Err(("TOO_MANY_MESSAGES", reason));
+    }
+    let (mut reports, mut keep_alives) = (Vec::with_capacity(count), Vec::new());
     for (position, part) in message.messages.iter().enumerate() {
         if let Some(publisher) = part.publisher_id.as_deref() {
             check_publisher(factory, publisher)?;

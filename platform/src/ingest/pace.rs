@@ -5,14 +5,24 @@ use std::{
     time::{Duration, Instant},
 };
 
+use asi_model::messages::FactoryMessage;
 use daemon::web::shares::count_refusal;
 use messaging::LogicalAddress;
 use parking_lot::Mutex;
 
-use super::dead_letter::holder;
+use super::{
+    dead_letter::holder,
+    decode::{Content, Incoming},
+};
+use crate::sequences::RANGES_MAX;
 
 /// Share of a factory or tool in messages for each time.
 const MESSAGES: &str = "messages";
+
+/// Unpacked bytes that count as a message.
+const BYTES_PER_MESSAGE: usize = 4 * 1024;
+/// Reports, keep-alives, numbers of a gap, writers and ranges that count as a message.
+const ITEMS_PER_MESSAGE: usize = 16;
 
 /// Messages of one sender for each time.
 #[derive(Debug, Clone, Copy)]
@@ -77,9 +87,66 @@ impl Pace {
     }
 }
 
+/// Returns how many messages a message counts as: a large one, or one with much in it, keeps the writer of
+/// the database busy as many small ones do.
+pub(super) fn cost(message: &Incoming) -> usize {
+    let items = match &message.content {
+        Content::Reports { reports, keep_alives, .. } => reports.len() + keep_alives.len(),
+        Content::Factory(message) => match &**message {
+            FactoryMessage::Gap(gap) => {
+                // As many holes as there can be in it.
+                let numbers = gap.last_sequence.saturating_sub(gap.first_sequence);
+                usize::try_from(numbers).unwrap_or(usize::MAX).min(RANGES_MAX)
+            }
+            FactoryMessage::ReceiptRequest(request) => request.writer_list.len(),
+            FactoryMessage::PastRelease(release) => release.range_list.len(),
+            _ => 0,
+        },
+        _ => 0,
+    };
+    (message.body.len() / BYTES_PER_MESSAGE).max(items / ITEMS_PER_MESSAGE).max(1)
+}
+
 #[cfg(test)]
 mod tests {
+    use messaging::{Delivery, Envelope};
+    use serde_json::json;
+
     use super::*;
+    use crate::{ingest::decode::decode, signing::SigningState};
+
+    /// Returns what a factory's message with this body counts as.
+    fn cost_of(body: &serde_json::Value) -> usize {
+        let address: LogicalAddress = "factory.F.ingress".parse().expect("an address");
+        let delivery = Delivery {
+            envelope: Envelope::new("m".parse().expect("an id"), "any", body.to_string()),
+            is_redelivered: false,
+            delivery_count: 0,
+            received_at: time::OffsetDateTime::UNIX_EPOCH,
+        };
+        cost(&decode(&address, &delivery, &(), &SigningState::default()))
+    }
+
+    #[test]
+    fn a_message_with_much_in_it_counts_as_many() {
+        let gap = |last: u32| {
+            json!({ "messageType": "gap", "messageId": "g", "factoryId": "F", "dataSetWriterId": 1,
+                "epoch": 1, "firstSequence": 0, "lastSequence": last, "cause": "COALESCED" })
+        };
+        assert_eq!(cost_of(&gap(3)), 1);
+        assert_eq!(cost_of(&gap(1_000_000)), RANGES_MAX / ITEMS_PER_MESSAGE);
+        let alive = |writer: u16| {
+            json!({ "DataSetWriterId": writer, "MessageType": "ua-keepalive", "SequenceNumber": 1,
+                "MetaDataVersion": { "MajorVersion": 1, "MinorVersion": 1 } })
+        };
+        let alive: Vec<_> = (0..1600).map(alive).collect();
+        let keep_alives = json!({ "MessageId": "k", "MessageType": "ua-data", "PublisherId": "F",
+            "Messages": alive });
+        assert_eq!(cost_of(&keep_alives), 100);
+        let long = json!({ "messageType": "later", "messageId": "l", "factoryId": "F",
+            "text": "x".repeat(40 * 1024) });
+        assert_eq!(cost_of(&long), 10);
+    }
 
     #[test]
     fn who_sends_faster_than_its_share_waits_and_nobody_else() {

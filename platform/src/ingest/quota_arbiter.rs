@@ -37,6 +37,13 @@ const META_DATA: Quota = Quota {
     // The description of a structure takes some eight times its JSON in memory.
     bytes_max: 16 * 1024 * 1024,
 };
+/// Ranges, each of which is read with the reports of its request. A release of 500 more may exceed it.
+const PAST_RELEASES: Quota = Quota {
+    share: "past_releases",
+    what: "ranges of the past that were released",
+    rows_max: 10_000,
+    bytes_max: u64::MAX,
+};
 const OFFERS: Quota = Quota {
     share: "offers",
     what: "offers of assets",
@@ -126,6 +133,7 @@ async fn rows_refused(
             FactoryMessage::AssetOffer(offer) => {
                 (OFFERS, kept.offers(factory, &offer.asset_id).await?)
             }
+            FactoryMessage::PastRelease(_) => (PAST_RELEASES, kept.past_releases(factory).await?),
             FactoryMessage::Revocation(_) => (REVOCATIONS, kept.revocations(factory).await?),
             FactoryMessage::Comment(comment) => {
                 let network = &comment.operation_network_id;

@@ -15,7 +15,7 @@ use super::{
     decode::{Incoming, decode as understand},
     heartbeats::Heartbeats,
     known_meta_data::MetaDataTable,
-    pace::Pace,
+    pace::{Pace, cost},
     quota_arbiter::QUOTA_EXCEEDED,
     room::{Room, RoomConfig},
     signs_of_life::SignsOfLife,
@@ -290,6 +290,9 @@ impl messaging::Inbox for IngestHandle {
         let Some(mut messages) = self.understand(address, deliveries).await else {
             return Vec::new();
         };
+        // What they count as beyond their number shows once they are unpacked.
+        let more = messages.iter().map(cost).sum::<usize>() - messages.len();
+        let lacking = lacking.or(self.pace.keep(address, more).await);
         for (message, reason) in messages.iter_mut().zip(lacking.iter().cycle()) {
             *message = message.set_aside(address, QUOTA_EXCEEDED, reason.clone());
         }

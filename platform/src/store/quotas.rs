@@ -73,6 +73,15 @@ impl Quotas<'_> {
         self.kept(query, "count offers").await
     }
 
+    /// Returns the number of ranges of the past that a factory released.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn past_releases(&mut self, factory: &FactoryId) -> Result<Kept, StoreError> {
+        let sql = "SELECT COUNT(*) AS number, 0 AS bytes FROM past_release WHERE factory_id = $1";
+        self.kept(sqlx::query(sql).bind(factory.as_str()), "count releases of the past").await
+    }
+
     /// Returns what is kept of a factory's receipts of revocations.
     ///
     /// # Errors

@@ -128,10 +128,13 @@ async fn the_oldest_gaps_of_a_writer_become_a_coarse_one_which_says_so() {
         let key = WriterKey { factory_id: id(factory), data_set_writer_id: 1, epoch: 1 };
         work.writers().put(&WriterRow::new(key)).await.expect("stored");
     }
-    assert!(work.writers().add_gap(&gap("G", 7), at(1)).await.expect("stored"));
+    assert!(work.writers().add_gaps(&gap("G", 7), &[(7, 7)], at(1)).await.expect("stored"));
     let count = u32::try_from(3 * GAPS_PER_WRITER_MAX).expect("few");
     for number in 0..count {
-        work.writers().add_gap(&gap("F", 2 * number), at(1)).await.expect("stored");
+        work.writers()
+            .add_gaps(&gap("F", 2 * number), &[(2 * number, 2 * number)], at(1))
+            .await
+            .expect("stored");
     }
     let seen = work.writers().of_factory(&Scope::Platform, &id("F")).await.expect("read");
     let gaps = &seen[0].gaps;

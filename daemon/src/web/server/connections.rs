@@ -92,7 +92,7 @@ impl Connections {
         }
         if state.entries.len() >= self.limits.connections_max
             && !state.evict(|_| true)
-            && !(!is_shared && state.evict_unfair(client, self.limits.connections_max))
+            && (is_shared || !state.evict_unfair(client, self.limits.connections_max))
         {
             count_refused("total");
             return None;

@@ -70,7 +70,11 @@ pub fn token(client: &RawClient, secret: Secret, nonce: &[u8]) -> ExtensionObjec
 async fn a_password_is_taken_only_as_the_endpoint_says() {
     const RSA_15: &str = "http://www.w3.org/2001/04/xmlenc#rsa-1_5";
     const OAEP_SHA256: &str = "http://opcfoundation.org/UA/security/rsa-oaep-sha2-256";
-    let twin = TestTwin::start_with(|config| config.security.allow_signed_unencrypted = true).await;
+    let twin = TestTwin::start_with(|config| {
+        config.security.trust_unknown_certificates = true;
+        config.security.allow_signed_unencrypted = true;
+    })
+    .await;
     let (signed, encrypted) = (MessageSecurityMode::Sign, MessageSecurityMode::SignAndEncrypt);
     let (good, refused) = (StatusCode::Good, StatusCode::BadIdentityTokenRejected);
     for (mode, secret, expected) in [

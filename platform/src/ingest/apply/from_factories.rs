@@ -216,9 +216,8 @@ async fn gap(unit: &mut IngestUnit<'_>, gap: &Gap) -> Result<(), StoreError> {
     writer.sequences.add_range(gap.first_sequence, gap.last_sequence);
     writer.needs_receipt = true;
     let mut is_within = writer.sequences.coarse_through() == coarse;
-    for (first_sequence, last_sequence) in absent {
-        let absent = Gap { first_sequence, last_sequence, ..gap.clone() };
-        is_within &= unit.work.writers().add_gap(&absent, unit.now).await?;
+    if !absent.is_empty() {
+        is_within &= unit.work.writers().add_gaps(gap, &absent, unit.now).await?;
     }
     if !is_within {
         unit.effects.refused(GAPS, &gap.factory_id);

@@ -50,8 +50,23 @@ impl PastReleaseCollector {
                 return unit.reject(address, incoming, "UNKNOWN_RANGE", reason).await;
             }
         }
-        unit.work.past_releases().add(release).await?;
-        self.0.push(release.clone());
+        // What was released before is not looked at again: so each report is, once for each recipient.
+        let stored = unit.work.past_releases().of_request(network, id).await?;
+        let stored = stored.iter().filter(|stored| {
+            stored.factory_id == release.factory_id
+                && stored.operation_id == release.operation_id
+                && stored.organisation_id == release.recipient_id
+        });
+        let mut known: Vec<ReportRange> = stored.map(|stored| stored.range).collect();
+        let mut new = Vec::new();
+        for range in &release.range_list {
+            let parts = parts_beyond(*range, &known);
+            known.extend(&parts);
+            new.extend(parts);
+        }
+        let release = PastRelease { range_list: new, ..release.clone() };
+        unit.work.past_releases().add(&release).await?;
+        self.0.push(release);
         Ok(())
     }
 
@@ -128,4 +143,59 @@ fn is_released(release: &PastRelease, row: &FieldRow) -> bool {
                     && (range.first_sequence..=range.last_sequence).contains(&value.sequence)
             })
         })
+}
+
+/// Returns the parts of a range that are in none of the others, ascending.
+fn parts_beyond(range: ReportRange, others: &[ReportRange]) -> Vec<ReportRange> {
+    let mut others: Vec<_> = others
+        .iter()
+        .filter(|other| {
+            (other.data_set_writer_id, other.epoch) == (range.data_set_writer_id, range.epoch)
+        })
+        .collect();
+    others.sort_by_key(|other| other.first_sequence);
+    let mut parts = Vec::new();
+    let mut next = u64::from(range.first_sequence);
+    for other in others {
+        if u64::from(other.first_sequence) > next && next <= u64::from(range.last_sequence) {
+            let last = (other.first_sequence - 1).min(range.last_sequence);
+            parts.push((next, last));
+        }
+        next = next.max(u64::from(other.last_sequence) + 1);
+    }
+    if next <= u64::from(range.last_sequence) {
+        parts.push((next, range.last_sequence));
+    }
+    let part = |(first, last_sequence): (u64, u32)| {
+        let first_sequence = u32::try_from(first).unwrap_or(u32::MAX);
+        ReportRange { first_sequence, last_sequence, ..range }
+    };
+    parts.into_iter().map(part).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn range(first_sequence: u32, last_sequence: u32) -> ReportRange {
+        ReportRange { data_set_writer_id: 1, epoch: 7, first_sequence, last_sequence }
+    }
+
+    fn beyond(first: u32, last: u32, others: &[(u32, u32)]) -> Vec<(u32, u32)> {
+        let mut others: Vec<_> = others.iter().map(|(first, last)| range(*first, *last)).collect();
+        // Of another writer.
+        others.push(ReportRange { data_set_writer_id: 2, ..range(0, u32::MAX) });
+        let parts = parts_beyond(range(first, last), &others);
+        parts.iter().map(|part| (part.first_sequence, part.last_sequence)).collect()
+    }
+
+    #[test]
+    fn a_range_is_released_where_none_was_before() {
+        assert_eq!(beyond(3, 9, &[]), [(3, 9)]);
+        assert_eq!(beyond(3, 9, &[(0, 20)]), Vec::<(u32, u32)>::new());
+        assert_eq!(beyond(3, 9, &[(5, 6)]), [(3, 4), (7, 9)]);
+        assert_eq!(beyond(3, 9, &[(8, 20), (0, 3), (5, 5)]), [(4, 4), (6, 7)]);
+        assert_eq!(beyond(3, 9, &[(10, 20), (0, 2)]), [(3, 9)]);
+        assert_eq!(beyond(0, u32::MAX, &[(0, 5), (7, u32::MAX)]), [(6, 6)]);
+    }
 }

@@ -1,35 +1,49 @@
 //! Gaps: sequence numbers that a factory announced will never come.
 
 use asi_model::{DateTime, messages::Gap};
+use sqlx::QueryBuilder;
 
 use super::{
     super::{
+        database::Database,
         error::StoreError,
-        row::{Columns, document},
+        row::{Columns, document, signed},
     },
     GAPS_PER_WRITER_MAX, Writers,
 };
 
+/// Rows of one statement.
+const ROWS_PER_STATEMENT: usize = 200;
+
 impl Writers<'_> {
-    /// Stores an announced gap. Returns false where the writer has so many that older ones were merged
-    /// into a coarse one.
+    /// Stores the absent ranges of an announced gap. Returns false where the writer has so many that older
+    /// ones were merged into a coarse one.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
-    pub async fn add_gap(&mut self, gap: &Gap, now: DateTime) -> Result<bool, StoreError> {
-        let sql = "INSERT INTO sequence_gap (factory_id, data_set_writer_id, epoch, first_sequence, last_sequence,
-                       cause, received_at) VALUES ($1, $2, $3, $4, $5, $6, $7)";
-        sqlx::query(sql)
-            .bind(gap.factory_id.as_str())
-            .bind(i64::from(gap.data_set_writer_id))
-            .bind(i64::from(gap.epoch))
-            .bind(i64::from(gap.first_sequence))
-            .bind(i64::from(gap.last_sequence))
-            .bind(document(&gap.cause))
-            .bind(now.ticks())
-            .execute(&mut *self.0)
-            .await
-            .map_err(StoreError::during("store a gap"))?;
+    pub async fn add_gaps(
+        &mut self,
+        gap: &Gap,
+        absent: &[(u32, u32)],
+        now: DateTime,
+    ) -> Result<bool, StoreError> {
+        let cause = document(&gap.cause);
+        for ranges in absent.chunks(ROWS_PER_STATEMENT) {
+            let mut query = QueryBuilder::<Database>::new(
+                "INSERT INTO sequence_gap (factory_id, data_set_writer_id, epoch, first_sequence, last_sequence,
+                     cause, received_at) ",
+            );
+            query.push_values(ranges, |mut row, (first, last)| {
+                row.push_bind(gap.factory_id.as_str())
+                    .push_bind(i64::from(gap.data_set_writer_id))
+                    .push_bind(i64::from(gap.epoch))
+                    .push_bind(i64::from(*first))
+                    .push_bind(i64::from(*last))
+                    .push_bind(&cause)
+                    .push_bind(now.ticks());
+            });
+            query.build().execute(&mut *self.0).await.map_err(StoreError::during("store gaps"))?;
+        }
         let sql = "SELECT COUNT(*) AS number FROM sequence_gap
                    WHERE factory_id = $1 AND data_set_writer_id = $2 AND epoch = $3";
         let row = sqlx::query(sql)
@@ -39,15 +53,16 @@ impl Writers<'_> {
             .fetch_one(&mut *self.0)
             .await
             .map_err(StoreError::during("count gaps"))?;
-        let is_within = row.unsigned::<u64>("number")? <= GAPS_PER_WRITER_MAX;
+        let number: u64 = row.unsigned("number")?;
+        let is_within = number <= GAPS_PER_WRITER_MAX;
         if !is_within {
-            self.merge_gaps(gap).await?;
+            self.merge_gaps(gap, number - GAPS_PER_WRITER_MAX / 2).await?;
         }
         Ok(is_within)
     }
 
-    /// Merges the older half of a writer's gaps into one, from the first to the last of their numbers.
-    async fn merge_gaps(&mut self, gap: &Gap) -> Result<(), StoreError> {
+    /// Merges so many of a writer's oldest gaps into one, from the first to the last of their numbers.
+    async fn merge_gaps(&mut self, gap: &Gap, count: u64) -> Result<(), StoreError> {
         let oldest = "SELECT sequence_gap_id, first_sequence, last_sequence FROM sequence_gap
              WHERE factory_id = $1 AND data_set_writer_id = $2 AND epoch = $3
              ORDER BY sequence_gap_id LIMIT $4";
@@ -55,7 +70,7 @@ impl Writers<'_> {
             .bind(gap.factory_id.as_str())
             .bind(i64::from(gap.data_set_writer_id))
             .bind(i64::from(gap.epoch))
-            .bind(i64::try_from(GAPS_PER_WRITER_MAX / 2).unwrap_or(i64::MAX))
+            .bind(signed(count))
             .fetch_all(&mut *self.0)
             .await
             .map_err(StoreError::during("list the oldest gaps"))?;

@@ -172,19 +172,24 @@ impl SeenRange {
     }
 }
 
-/// Reads the gaps that a factory announced, by writer and epoch, in the order of their arrival.
+/// Most gaps that are read of a factory: the newest.
+const GAPS_READ_MAX: i64 = 20_000;
+
+/// Reads the newest gaps that a factory announced, by writer and epoch, in the order of their arrival.
 async fn gaps(
     connection: &mut Connection,
     factory: &FactoryId,
 ) -> Result<HashMap<WriterKey, Vec<StoredGap>>, StoreError> {
-    let sql = "SELECT * FROM sequence_gap WHERE factory_id = $1 ORDER BY sequence_gap_id";
+    let sql = "SELECT * FROM sequence_gap WHERE factory_id = $1
+               ORDER BY sequence_gap_id DESC LIMIT $2";
     let rows = sqlx::query(sql)
         .bind(factory.as_str())
+        .bind(GAPS_READ_MAX)
         .fetch_all(connection)
         .await
         .map_err(StoreError::during("list gaps"))?;
     let mut gaps: HashMap<WriterKey, Vec<StoredGap>> = HashMap::new();
-    for row in &rows {
+    for row in rows.iter().rev() {
         gaps.entry(read_key(row)?).or_default().push(StoredGap {
             first_sequence: row.unsigned("first_sequence")?,
             last_sequence: row.unsigned("last_sequence")?,

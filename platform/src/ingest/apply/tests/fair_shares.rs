@@ -3,7 +3,7 @@
 use super::*;
 use crate::{
     sequences::RANGES_MAX,
-    store::{WriterKey, WriterRow},
+    store::{GAPS_PER_WRITER_MAX, WriterKey, WriterRow},
 };
 
 /// Returns the codes of a factory's dead letters, the newest first.
@@ -75,4 +75,41 @@ async fn a_factory_offers_a_bounded_number_of_assets() {
     platform.ingest(&[offer("F", 2_000), offer("G", 2_000), again]).await;
     assert_eq!(codes(&platform, "F").await, ["QUOTA_EXCEEDED"], "what is known may change");
     assert_eq!(codes(&platform, "G").await, Vec::<String>::new());
+}
+
+#[tokio::test]
+async fn a_gap_over_many_holes_keeps_the_bound_on_gaps_of_a_writer() {
+    let platform = Platform::asks().await;
+    let holes = u32::try_from(RANGES_MAX).expect("few") - 1;
+    let reports: Vec<_> = (0..holes).map(|number| report(2 * number + 1, 20, 7)).collect();
+    platform.ingest(&reports).await;
+    let over = |id: &str, epoch: u32, last: u32| {
+        let body = json!({ "messageType": "gap", "messageId": id, "factoryId": "F", "dataSetWriterId": 1,
+            "epoch": epoch, "firstSequence": 0, "lastSequence": last, "cause": "COALESCED" });
+        ("F", body)
+    };
+    platform.ingest(&[over("all", 1, 2 * holes)]).await;
+    let late = (0..5).map(|number| report(2 * (holes + number) + 3, 20, 7));
+    platform.ingest(&late.collect::<Vec<_>>()).await;
+    platform.ingest(&[over("late", 1, 2 * holes + 20)]).await;
+    let mut work = platform.store.read().await.expect("begun");
+    let seen = work.writers().of_factory(&Scope::Platform, &id("F")).await.expect("read");
+    assert!(seen[0].gaps.len() as u64 <= GAPS_PER_WRITER_MAX);
+    assert_eq!(seen[0].gaps.iter().filter(|gap| gap.is_coarse).count(), 1);
+    assert!(seen[0].writer.sequences.missing().is_empty());
+}
+
+#[tokio::test]
+async fn a_message_has_a_bounded_number_of_reports_and_keep_alives() {
+    let platform = Platform::asks().await;
+    let alive = json!({ "DataSetWriterId": 1, "MessageType": "ua-keepalive", "SequenceNumber": 1,
+        "MetaDataVersion": { "MajorVersion": 1, "MinorVersion": 1 } });
+    let body = |id: &str, count: usize| {
+        json!({ "MessageId": id, "MessageType": "ua-data", "PublisherId": "F",
+            "Messages": vec![alive.clone(); count] })
+    };
+    platform.ingest(&[("F", body("most", 4_096))]).await;
+    assert_eq!(codes(&platform, "F").await, Vec::<String>::new());
+    platform.ingest(&[("F", body("more", 4_097))]).await;
+    assert_eq!(codes(&platform, "F").await, ["TOO_MANY_MESSAGES"]);
 }
