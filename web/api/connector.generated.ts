@@ -2518,6 +2518,26 @@ export interface components {
          * @example 06:00
          */
         ClockTime: string;
+        /** @description Input of which single changes may not arrive: the newest value does. */
+        CoarseInput: {
+            input: components["schemas"]["InputKey"];
+            nodeId: components["schemas"]["NodeId"];
+            /**
+             * Format: int64
+             * @description Number of times in this session that the server said that its queue overflowed.
+             */
+            overflows: number;
+            /**
+             * Format: int32
+             * @description Number of changes that the server's queue holds between two messages; absent where it suffices.
+             */
+            queueSize?: number | null;
+            /**
+             * Format: double
+             * @description Time between two samples that the server granted, in milliseconds; absent where its queue suffices.
+             */
+            samplingMs?: number | null;
+        };
         /** @description A collaboration on the platform, under whose agreement networks are exchanged. */
         CollaborationId: string;
         /**
@@ -3243,6 +3263,27 @@ export interface components {
          * @enum {string}
          */
         GapCause: "COALESCED" | "EXPIRED" | "WITHDRAWN" | "REVOKED";
+        /**
+         * @description Intervals that a server granted (OPC 10000-4 §5.14.2.2), in milliseconds. What it grants rules, whatever
+         *     was requested.
+         */
+        GrantedIntervals: {
+            /**
+             * Format: int64
+             * @description Time between two signs of life while nothing changes.
+             */
+            keepAliveMs: number;
+            /**
+             * Format: int64
+             * @description Time between two messages with changes; a change arrives this much later at most.
+             */
+            publishingMs: number;
+            /**
+             * Format: int64
+             * @description Silence after which the connection is given up.
+             */
+            silenceMsMax: number;
+        };
         /** @description Number of mappings by health. */
         HealthCounts: {
             /** @description Number of mappings that are `CLOCK_AHEAD`. */
@@ -5524,12 +5565,15 @@ export interface components {
              *     session was established.
              */
             clockAheadMs?: number | null;
+            /** @description Inputs of which single changes may not arrive, each with the reason; the first 1000. */
+            coarse: components["schemas"]["CoarseInput"][];
             endpoint?: components["schemas"]["ChosenEndpoint"] | null;
             /**
              * @description Number of inputs with a known browse path. They are found again when the server changes its
              *     node ids.
              */
             findable: number;
+            granted?: components["schemas"]["GrantedIntervals"] | null;
             /** @description Number of inputs that are monitored on it. */
             inputs: number;
             lastChangeAt?: components["schemas"]["DateTime"] | null;

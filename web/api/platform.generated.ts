@@ -1069,7 +1069,7 @@ export interface components {
          *     network its drawer and the factory.
          */
         CommentEntry: {
-            /** @description User name of the author, as the sending side states it. */
+            /** @description User name of the author; where a factory states it, with the factory: `engineer@FOR_MUC`. */
             authorId: string;
             commentId: components["schemas"]["OpaqueId"];
             /** @description Time of arrival at the platform. */
