@@ -100,7 +100,7 @@ mod tests {
 
     fn external(urls: &str, more: &str) -> String {
         format!(
-            "[broker.external]\nurls = [{urls}]\nprofile = \"rabbitmq-4\"\nuser_name = \"p\"\npassword = \"p\"\n{more}"
+            "[broker.external]\nurls = [{urls}]\nprofile = \"rabbitmq-4\"\nuser_name = \"p\"\npassword = \"sixteen characters\"\n{more}"
         )
     }
 

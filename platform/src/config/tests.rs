@@ -36,7 +36,7 @@ fn an_untested_broker_is_called_so_where_it_is_configured() {
     let external = |profile: &str| {
         parse(&format!(
             "[broker.external]\nurls = [\"amqps://b.example\"]\nprofile = \"{profile}\"\nuser_name = \"p\"\n\
-             password = \"p\"\n"
+             password = \"sixteen characters\"\n"
         ))
     };
     for profile in ["rabbitmq-4", "activemq"] {

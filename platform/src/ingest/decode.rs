@@ -27,7 +27,7 @@ use crate::{
 };
 
 /// Most reports and keep-alives of one message: each may need a row of its own.
-const ITEMS_MAX: usize = 4_096;
+const ITEMS_MAX: usize = 2_000;
 
 /// A received message, understood.
 #[derive(Debug, Clone, PartialEq)]

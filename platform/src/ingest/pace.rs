@@ -139,12 +139,12 @@ mod tests {
             json!({ "DataSetWriterId": writer, "MessageType": "ua-keepalive", "SequenceNumber": 1,
                 "MetaDataVersion": { "MajorVersion": 1, "MinorVersion": 1 } })
         };
-        let alive: Vec<_> = (0..1600).map(alive).collect();
+        let many: Vec<_> = (0..1600).map(alive).collect();
         let keep_alives = json!({ "MessageId": "k", "MessageType": "ua-data", "PublisherId": "F",
-            "Messages": alive });
+            "Messages": many });
         assert_eq!(cost_of(&keep_alives), 100);
-        let long = json!({ "messageType": "later", "messageId": "l", "factoryId": "F",
-            "text": "x".repeat(40 * 1024) });
+        let long = json!({ "MessageId": "l", "MessageType": "ua-data", "PublisherId": "F",
+            "WriterGroupName": "x".repeat(40 * 1024), "Messages": [alive(1)] });
         assert_eq!(cost_of(&long), 10);
     }
 

@@ -3,11 +3,11 @@
 /// Restrictions that a statement on the history has; what they compare with are its parameters.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Restrictions {
-    /// Only reports that were released to the viewer `$1`.
+    /// Leaves reports that were released to the viewer `$1`.
     pub(super) has_viewer: bool,
-    /// Only reports about the network `$3`.
+    /// Leaves reports about the network `$3`.
     pub(super) has_network: bool,
-    /// Only reports about the request `$4`.
+    /// Leaves reports about the request `$4`.
     pub(super) has_request: bool,
     /// The last `$5` reports instead of the first.
     pub(super) is_newest: bool,

@@ -108,8 +108,8 @@ async fn a_message_has_a_bounded_number_of_reports_and_keep_alives() {
         json!({ "MessageId": id, "MessageType": "ua-data", "PublisherId": "F",
             "Messages": vec![alive.clone(); count] })
     };
-    platform.ingest(&[("F", body("most", 4_096))]).await;
+    platform.ingest(&[("F", body("most", 2_000))]).await;
     assert_eq!(codes(&platform, "F").await, Vec::<String>::new());
-    platform.ingest(&[("F", body("more", 4_097))]).await;
+    platform.ingest(&[("F", body("more", 2_001))]).await;
     assert_eq!(codes(&platform, "F").await, ["TOO_MANY_MESSAGES"]);
 }
