@@ -6,6 +6,7 @@ use tracing::{error, warn};
 
 use super::MonitoredItemHandle;
 use crate::{info::ServerInfo, node_manager::ParsedReadValueId};
+use opcua_types::status_code::StatusCodeInfoType;
 use opcua_types::{
     match_extension_object_owned, AttributeId, DataChangeFilter, DataValue, DateTime, EventFieldList,
     EventFilter, EventFilterResult, ExtensionObject, MonitoredItemCreateRequest,
@@ -607,7 +608,9 @@ impl MonitoredItem {
         let mut notification = notification.into();
         if overflow {
             if let Notification::MonitoredItemNotification(n) = &mut notification {
-                n.value.status = Some(n.value.status().set_overflow(true));
+                // The bit means overflow only with this InfoType (OPC 10000-4 §7.39.1).
+                let status = n.value.status().set_info_type(StatusCodeInfoType::DataValue);
+                n.value.status = Some(status.set_overflow(true));
             }
             self.queue_overflow = true;
         }
@@ -1049,7 +1052,8 @@ pub(super) mod tests {
             assert_eq!(*v, idx as i32 + 1);
             // Last status code should have the overflow flag set.
             if idx == 4 {
-                assert_eq!(n.value.status, Some(StatusCode::Good.set_overflow(true)));
+                let overflown = StatusCode::Good.set_info_type(StatusCodeInfoType::DataValue);
+                assert_eq!(n.value.status, Some(overflown.set_overflow(true)));
             } else {
                 assert_eq!(n.value.status, Some(StatusCode::Good));
             }
