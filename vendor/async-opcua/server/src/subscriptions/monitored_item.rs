@@ -755,6 +755,7 @@ impl MonitoredItem {
 #[cfg(test)]
 pub(super) mod tests {
     use chrono::{Duration, TimeDelta, Utc};
+    use opcua_types::status_code::StatusCodeInfoType;
 
     use crate::{
         node_manager::ParsedReadValueId,
