@@ -51,8 +51,8 @@ pub(super) fn faults(
         let fields = load::FIELDS.into_iter().filter(|name| number > 0 || *name != load::TOGGLED);
         for name in fields {
             let lacking = reports.lacking(name, name == load::COUNTED, end);
-            let is_edge = |span: &Span| span.from == reports.begin() || span.to == end;
-            let is_free = |span: &Span| is_edge(span) && span.to - span.from <= EDGE_MAX;
+            // A machine that is busy with something else makes a connector take a source for silent for a moment.
+            let is_free = |span: &Span| span.to - span.from <= EDGE_MAX;
             let lacking =
                 lacking.into_iter().filter(|span| !is_free(span) && !is_excused(*span, disturbed));
             found.extend(lacking.map(|span| (name, lacks(span, end))));
