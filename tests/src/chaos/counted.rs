@@ -20,6 +20,8 @@ const MISSING_MAX: i64 = 15;
 const JUDGED_MIN: i64 = 12;
 /// Ticks after the first report, and before the machines stop, in which a field may have no value yet, or none any more.
 const EDGE_MAX: i64 = 10 * TICKS_A_SECOND;
+/// Ticks for which a value may be not good without a disturbance.
+const MOMENT_MAX: i64 = 3 * TICKS_A_SECOND;
 /// Ticks for which one disturbance may cost a field.
 const LOST_MAX: i64 = 30 * TICKS_A_SECOND;
 /// Ticks by which the time of a count may differ from when the machine counted it: a report has the newest time of all
@@ -50,13 +52,22 @@ pub(super) fn faults(
         // The consent to the toggled field of the first request ends again and again.
         let fields = load::FIELDS.into_iter().filter(|name| number > 0 || *name != load::TOGGLED);
         for name in fields {
-            let lacking = reports.lacking(name, name == load::COUNTED, end);
-            // A machine that is busy with something else makes a connector take a source for silent for a moment.
-            let is_free = |span: &Span| span.to - span.from <= EDGE_MAX;
-            let lacking =
-                lacking.into_iter().filter(|span| !is_free(span) && !is_excused(*span, disturbed));
-            found.extend(lacking.map(|span| (name, lacks(span, end))));
+            let is_edge = |span: &Span| span.from == reports.begin() || end - span.to <= MOMENT_MAX;
+            let is_free = |span: &Span| is_edge(span) && span.to - span.from <= EDGE_MAX;
+            let absent = reports.lacking(name, false, end).into_iter();
+            let absent = absent.filter(|span| !is_free(span) && !is_excused(*span, disturbed));
+            found.extend(absent.map(|span| (name, lacks(span, end))));
         }
+        // A machine that is busy with something else makes a connector take a source for silent for a moment.
+        let is_free = |span: &Span| {
+            let is_edge = span.from == reports.begin() || span.to == end;
+            span.to - span.from <= if is_edge { EDGE_MAX } else { MOMENT_MAX }
+        };
+        let absent = reports.lacking(load::COUNTED, false, end);
+        let bad = reports.lacking(load::COUNTED, true, end).into_iter();
+        let bad = bad.filter(|span| !absent.contains(span) && !is_free(span));
+        let bad = bad.filter(|span| !is_excused(*span, disturbed));
+        found.extend(bad.map(|span| (load::COUNTED, lacks(span, end))));
         // A connector notices that its machines are gone, and says so.
         let ends_well = reports.ends_well(load::COUNTED);
         found.extend(
