@@ -10,14 +10,14 @@ use bytes::Bytes;
 use http_body::{Body as HttpBody, Frame, SizeHint};
 
 /// Body with what it holds.
-pub(super) struct HeldBody<H> {
+pub(in crate::web) struct HeldBody<H> {
     body: Body,
     _held: H,
 }
 
 impl<H: Send + Unpin + 'static> HeldBody<H> {
     /// Returns the body with `held`, which is dropped with it.
-    pub(super) fn wrap(body: Body, held: H) -> Body {
+    pub(in crate::web) fn wrap(body: Body, held: H) -> Body {
         Body::new(Self { body, _held: held })
     }
 }

@@ -292,7 +292,8 @@ impl messaging::Inbox for IngestHandle {
         };
         // What they count as beyond their number shows once they are unpacked.
         let more = messages.iter().map(cost).sum::<usize>() - messages.len();
-        let lacking = lacking.or(self.pace.keep(address, more).await);
+        let beyond = if more > 0 { self.pace.keep(address, more).await } else { None };
+        let lacking = lacking.or(beyond);
         for (message, reason) in messages.iter_mut().zip(lacking.iter().cycle()) {
             *message = message.set_aside(address, QUOTA_EXCEEDED, reason.clone());
         }

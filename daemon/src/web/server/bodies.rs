@@ -6,7 +6,6 @@ use std::{
     time::Duration,
 };
 
-use axum::body::Body;
 use bytes::Bytes;
 use http_body::{Body as HttpBody, Frame, SizeHint};
 use hyper::body::Incoming;
@@ -77,40 +76,11 @@ impl Drop for PatientBody {
     }
 }
 
-/// Body of an answer; when it is dropped, the connection waits for the next request.
-pub(super) struct AnswerBody {
-    inner: Body,
-    activity: Activity,
-}
+/// Answer that is under way; when its body is dropped, the connection waits for the next request.
+pub(super) struct AnswerUnderWay(pub(super) Activity);
 
-impl AnswerBody {
-    pub(super) const fn new(inner: Body, activity: Activity) -> Self {
-        Self { inner, activity }
-    }
-}
-
-impl HttpBody for AnswerBody {
-    type Data = Bytes;
-    type Error = axum::Error;
-
-    fn poll_frame(
-        mut self: Pin<&mut Self>,
-        context: &mut Context<'_>,
-    ) -> Poll<Option<Result<Frame<Bytes>, Self::Error>>> {
-        Pin::new(&mut self.inner).poll_frame(context)
-    }
-
-    fn is_end_stream(&self) -> bool {
-        self.inner.is_end_stream()
-    }
-
-    fn size_hint(&self) -> SizeHint {
-        self.inner.size_hint()
-    }
-}
-
-impl Drop for AnswerBody {
+impl Drop for AnswerUnderWay {
     fn drop(&mut self) {
-        self.activity.waits();
+        self.0.waits();
     }
 }

@@ -24,11 +24,12 @@ use tower::ServiceExt as _;
 use tracing::debug;
 
 use super::{
-    bodies::{AnswerBody, PatientBody},
+    bodies::{AnswerUnderWay, PatientBody},
     connections::{Activity, count_refused},
     limits::{BUFFER_BYTES_MAX, HEAD_BYTES_MAX, ListenerLimits},
     stream::PatientStream,
 };
+use crate::web::held_body::HeldBody;
 
 /// Everything that serving one connection takes.
 pub(super) struct Serving {
@@ -95,8 +96,7 @@ impl Serving {
         &self,
         request: Request<Incoming>,
         activity: Activity,
-    ) -> impl Future<Output = Result<axum::http::Response<AnswerBody>, Infallible>> + Send + 'static
-    {
+    ) -> impl Future<Output = Result<axum::http::Response<Body>, Infallible>> + Send + 'static {
         if request.body().is_end_stream() {
             activity.answers();
         } else {
@@ -110,7 +110,7 @@ impl Serving {
         let router = self.router.clone();
         async move {
             let answer = router.oneshot(request).await?;
-            Ok(answer.map(|body| AnswerBody::new(body, activity)))
+            Ok(answer.map(|body| HeldBody::wrap(body, AnswerUnderWay(activity))))
         }
     }
 }
