@@ -7,6 +7,8 @@ export interface Asked {
   /** Behind `/api/v1`, with its query. */
   path: string
   body: unknown
+  /** Version or tag that the page had read. */
+  ifMatch?: string
 }
 
 type Answer = (asked: Asked) => unknown
@@ -17,11 +19,14 @@ type Answer = (asked: Asked) => unknown
  */
 export function serve(answers: Record<string, Answer>): Asked[] {
   const log: Asked[] = []
-  vi.stubGlobal('fetch', (address: string, { method = 'GET', body }: RequestInit = {}) => {
+  vi.stubGlobal('fetch', (address: string, init: RequestInit = {}) => {
+    const { method = 'GET', body } = init
+    const ifMatch = new Headers(init.headers).get('if-match')
     const asked: Asked = {
       method,
       path: address.replace('/api/v1', ''),
       body: typeof body === 'string' ? JSON.parse(body) : undefined,
+      ...(ifMatch === null ? {} : { ifMatch }),
     }
     log.push(asked)
     const answer =

@@ -142,6 +142,7 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(guarded!(sources::add_source))
         .routes(guarded!(sources::change_source))
         .routes(guarded!(sources::remove_source))
+        .routes(guarded!(sources::show_source_use))
         .routes(guarded!(sources::browse_source))
         .routes(guarded!(sources::read_source_value))
         .routes(guarded!(search::search_source))

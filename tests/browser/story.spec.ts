@@ -140,6 +140,11 @@ test('from a partner’s question to the value on its page, and back', async ({ 
     await expect(consent).toBeDisabled()
     await code.click()
     await engineer.keyboard.press('Control+A')
+    await engineer.keyboard.insertText('(value, ctx) => valeu + 1')
+    await expect(engineer.getByText('Fails on the present value')).toBeVisible()
+    await expect(consent).toBeDisabled()
+    await code.click()
+    await engineer.keyboard.press('Control+A')
     await engineer.keyboard.insertText('(value, ctx) => value')
     await expect(engineer.locator('li .fault')).toBeHidden()
     await expect(consent).toBeEnabled()
@@ -153,9 +158,23 @@ test('from a partner’s question to the value on its page, and back', async ({ 
     await expect.poll(async () => shownIn(await message.textContent()) % 5).toBe(0)
   })
 
+  await test.step('a draft outlasts a reload', async () => {
+    engineer.once('dialog', (dialog) => void dialog.accept())
+    await engineer.reload()
+    await expect(engineer.getByText('This is your draft from before.')).toBeVisible()
+    await expect(engineer.getByLabel('Rounding step')).toHaveValue('5')
+    await expect(consent).toBeEnabled()
+  })
+
   await test.step('consent lets the value through to the partner’s open page', async () => {
     await consent.click()
-    await expect(engineer.getByText('Consent recorded. Values flow.')).toBeVisible()
+    const said = engineer.getByText('Consent recorded. Values flow.')
+    await expect(said).toBeVisible()
+    await expect(engineer.getByText('In effect')).toBeVisible()
+    // The message is beside the buttons of the bar, not over them.
+    const bar = await engineer.getByRole('button', { name: 'Stop disclosing' }).boundingBox()
+    const toast = await said.boundingBox()
+    expect((toast?.y ?? 0) + (toast?.height ?? 0)).toBeLessThanOrEqual(bar?.y ?? 0)
     const field = partner.locator(`[data-field="${COUNT}"]`)
     await expect(field).toContainText('Mapped', { timeout: 10_000 })
     await expect(field.locator('.figure')).toHaveText(/^[\d,]*[05]$/, { timeout: 10_000 })
@@ -186,7 +205,10 @@ test('from a partner’s question to the value on its page, and back', async ({ 
     await engineer.goto(
       `${connector.url.replace(/\/$/, '')}/#/fields/${[network, operation, REQUEST, COUNT].map(encodeURIComponent).join('/')}`,
     )
-    await engineer.getByRole('button', { name: 'Leave open' }).click()
+    await engineer.getByRole('button', { name: 'Stop disclosing' }).click()
+    const dialog = engineer.getByRole('dialog')
+    await expect(dialog).toContainText('gets no more values from now on')
+    await dialog.getByRole('button', { name: 'Stop disclosing' }).click()
     await expect(engineer.getByText('Nothing leaves.')).toBeVisible()
     await expect(partner.locator(`[data-field="${COUNT}"]`)).toContainText('Pending')
   })

@@ -430,7 +430,8 @@ export interface paths {
         get?: never;
         /**
          * Decides about a field. The partner is notified; values flow or stop at once. Refused (`OVER_CAP`)
-         *     where partners would get more information than a cap allows.
+         *     where partners would get more information than a cap allows. `If-Match` with the `shownTag` of the
+         *     field that was shown refuses (`DECIDED_SINCE`) what another decision or a changed request has overtaken.
          * @description Least role: ENGINEER.
          */
         put: operations["decideField"];
@@ -1891,6 +1892,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/sources/{sourceId}/use": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Shows the fields that get no values any more where a source is removed.
+         * @description Least role: VIEWER.
+         */
+        get: operations["showSourceUse"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/sources/{sourceId}/value": {
         parameters: {
             query?: never;
@@ -3223,6 +3244,8 @@ export interface components {
             offer?: components["schemas"]["RuleOfferView"] | null;
             /** @description Meaning: a well-known name or an IRI. */
             semantic?: string | null;
+            /** @description Tag of what a decision rests on: differs after each decision and each change of the request. */
+            shownTag?: string | null;
             /** @description Name of the built-in type. */
             type: string;
             /** @description Unit in the words of the request. */
@@ -5593,6 +5616,13 @@ export interface components {
             sourceId: components["schemas"]["SourceId"];
             state: components["schemas"]["SourceState"];
         };
+        /** @description Fields that are disclosed from the values of a source. */
+        SourceUse: {
+            /** @description Number of the fields. */
+            fieldCount: number;
+            /** @description The first of them, in the order of their keys. */
+            fields: components["schemas"]["FieldKey"][];
+        };
         /** @description A source with its configuration and status. */
         SourceView: components["schemas"]["SourceConfig"] & components["schemas"]["SourceStatus"];
         /** @description A state as a JSON value. */
@@ -7089,7 +7119,9 @@ export interface operations {
     decideField: {
         parameters: {
             query?: never;
-            header?: never;
+            header?: {
+                "If-Match"?: string | null;
+            };
             path: {
                 operationNetworkId: components["schemas"]["OperationNetworkId"];
                 operationId: components["schemas"]["OperationId"];
@@ -9870,6 +9902,36 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["FoundVariables"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    showSourceUse: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                sourceId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Fields that are disclosed from the values of a source. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SourceUse"];
                 };
             };
             400: components["responses"]["BadRequest"];

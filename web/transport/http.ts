@@ -17,8 +17,8 @@ export interface RequestOptions {
   /** A body that is no JSON of ours, as it is. */
   text?: string
   contentType?: string
-  /** The version that was read: the change is refused where another came in between. */
-  ifMatch?: number
+  /** The version or tag that was read: the change is refused where another came in between. */
+  ifMatch?: number | string
   signal?: AbortSignal
   /** Timeout of an operation that takes longer than usual, in ms. */
   timeoutMs?: number

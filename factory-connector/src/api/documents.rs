@@ -1,5 +1,7 @@
 //! Versioned documents: the common part of named policies, standing rules, alliances and caps.
 
+use std::str::FromStr;
+
 use asi_model::DateTime;
 use axum::{
     Json,
@@ -43,12 +45,12 @@ pub(super) async fn versions<T: DeserializeOwned>(
     Ok(Json(Page::whole(api.store().await?.policy_documents().versions(kind, id).await?)))
 }
 
-/// Returns the version of `If-Match`, if given.
-fn if_match(headers: &HeaderMap) -> Result<Option<u32>, Problem> {
+/// Returns what `If-Match` names in quotes, if given: the version of a document, or the tag of a field.
+pub(super) fn if_match<T: FromStr>(headers: &HeaderMap) -> Result<Option<T>, Problem> {
     let Some(value) = headers.get(header::IF_MATCH) else { return Ok(None) };
-    let version = value.to_str().ok().and_then(|text| text.trim_matches('"').parse().ok());
+    let named = value.to_str().ok().and_then(|text| text.trim_matches('"').parse().ok());
     let detail = "If-Match must be the version in quotes, as \"3\".";
-    version.map(Some).ok_or_else(|| Problem::bad_request("INVALID_IF_MATCH", detail))
+    named.map(Some).ok_or_else(|| Problem::bad_request("INVALID_IF_MATCH", detail))
 }
 
 /// Returns the problem of a document that was not stored.

@@ -7,11 +7,11 @@ use asi_model::{
     messages::{MappingState, ValueSource},
     openapi::PlainValue,
 };
-use axum::{Json, extract::State};
+use axum::{Json, extract::State, http::HeaderMap};
 use connector_state::{
     operator::{Action, EntryFault, OperationKey, OperatorEntry},
     use_cases::{
-        decide::{DecisionCommand, DecisionRequest, SeenPreview, decide},
+        decide::{DecisionCommand, DecisionRequest, SeenPreview, decide_as_shown},
         enter::{EntryOutcome, enter},
     },
     writes::PreviewRow,
@@ -24,6 +24,7 @@ use utoipa::ToSchema;
 
 use super::{
     context::Api,
+    documents::if_match,
     paths::FieldPath,
     problems::{Problems, decision_problem, engine, mapping_faults},
     roles::{BeforeGate, Engineer, Operator, Viewer},
@@ -137,12 +138,13 @@ async fn add_browse_paths(api: &Api, mapping: &mut Mapping) {
 }
 
 /// Decides about a field. The partner is notified; values flow or stop at once. Refused (`OVER_CAP`)
-/// where partners would get more information than a cap allows.
+/// where partners would get more information than a cap allows. `If-Match` with the `shownTag` of the
+/// field that was shown refuses (`DECIDED_SINCE`) what another decision or a changed request has overtaken.
 #[utoipa::path(
     put,
     path = "/decision",
     tag = "fields",
-    params(FieldPath),
+    params(FieldPath, ("If-Match" = Option<String>, Header)),
     request_body = DecisionBody,
     responses((status = 200, body = FieldView), Problems)
 )]
@@ -150,9 +152,11 @@ pub async fn decide_field(
     user: Engineer,
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
+    headers: HeaderMap,
     ApiJson(body): ApiJson<DecisionBody>,
 ) -> Result<Json<FieldView>, Problem> {
     let field = path.into_key();
+    let tag: Option<String> = if_match(&headers)?;
     let preview = preview_row(&api, &user.principal.user_name, &field, &body)?;
     let command = match body.mapping_state {
         MappingState::Pending => DecisionCommand::LeavePending,
@@ -180,7 +184,9 @@ pub async fn decide_field(
         preview,
     };
     let key = field.clone();
-    let decided = api.coordinator.execute(move |state, now| decide(state, &key, request, now));
+    let decided = api
+        .coordinator
+        .execute(move |state, now| decide_as_shown(state, &key, tag.as_deref(), request, now));
     decided.await?.map_err(decision_problem)?;
     field_view(&api, field, Some(BeforeGate::from(&user))).await
 }

@@ -98,7 +98,8 @@ pub(super) fn decision_problem(error: DecisionError) -> Problem {
         ),
         DecisionError::DecidedSince => Problem::conflict(
             "DECIDED_SINCE",
-            "Something else was decided about the field since; read it again.",
+            "The field is not as it was shown any more: another decision was taken, or the request \
+             was changed. Look at it before you decide.",
         ),
         other => Problem::unprocessable("INVALID_DECISION", format!("{other}."), Vec::new()),
     }

@@ -1,8 +1,8 @@
 //! Local OPC UA servers: adding, browsing, trusting.
 
-use asi_model::NodeId;
+use asi_model::{FieldKey, NodeId};
 use axum::{Json, extract::State, http::StatusCode};
-use connector_state::{use_cases::configuration, writes::SourceRow};
+use connector_state::{ConnectorState, queries, use_cases::configuration, writes::SourceRow};
 use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem};
 use serde::{Deserialize, Serialize};
 use shop_floor::{
@@ -23,6 +23,9 @@ use crate::{passwords, store::SecretHolder};
 /// folder.
 const CHILDREN: usize = 500;
 const CHILDREN_MAX: usize = 1000;
+
+/// Fields that are named as using a source: enough for a person to see what it is about.
+const FIELDS_SHOWN: usize = 20;
 
 /// A source with its configuration and status.
 #[derive(Serialize, ToSchema)]
@@ -121,6 +124,36 @@ async fn put(api: &Api, source: SourceConfig) -> Result<(), Problem> {
     api.coordinator.execute(|_, _| configuration::put_source(row)).await?;
     // Connected once it is stored: what the next start does not know has never been in use.
     api.shop_floor.put_source(source).map_err(shop_floor)
+}
+
+/// Fields that are disclosed from the values of a source.
+#[derive(Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct SourceUse {
+    /// Number of the fields.
+    field_count: usize,
+    /// The first of them, in the order of their keys.
+    fields: Vec<FieldKey>,
+}
+
+/// Shows the fields that get no values any more where a source is removed.
+#[utoipa::path(
+    get,
+    path = "/sources/{sourceId}/use",
+    tag = "sources",
+    params(("sourceId" = String, Path)),
+    responses((status = 200, body = SourceUse), Problems)
+)]
+pub async fn show_source_use(
+    _: Viewer,
+    State(api): State<Api>,
+    ApiPath(id): ApiPath<SourceId>,
+) -> Result<Json<SourceUse>, Problem> {
+    let query = move |state: &ConnectorState| queries::fields_of_source(state, id.as_str());
+    let mut fields = api.coordinator.read(query).await?;
+    let field_count = fields.len();
+    fields.truncate(FIELDS_SHOWN);
+    Ok(Json(SourceUse { field_count, fields }))
 }
 
 /// Removes a source; mappings that use it keep their last value with a status that says so.

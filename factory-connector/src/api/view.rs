@@ -91,6 +91,8 @@ pub struct FieldView {
     pub mapping_version: Option<u32>,
     /// True while a shadow mapping runs beside the published one.
     pub has_shadow: bool,
+    /// Tag of what a decision rests on: differs after each decision and each change of the request.
+    pub shown_tag: Option<String>,
 }
 
 impl FieldView {
@@ -131,6 +133,7 @@ impl FieldView {
             mapping: decision.mapping.as_deref().cloned(),
             mapping_version: (field.versions().newest > 0).then_some(field.versions().newest),
             has_shadow: field.versions().shadow.is_some(),
+            shown_tag: queries::shown_tag(state, &key),
             key,
         }
     }

@@ -10,6 +10,8 @@ mod past_offer;
 mod policies;
 mod report_frame;
 mod rule_offers;
+mod shown_tag;
+mod source_fields;
 mod suggestion_context;
 
 pub use caps::{
@@ -28,4 +30,6 @@ pub(crate) use policies::{fields_for_recipient, fields_under_policy};
 pub use report_frame::{draft_frame, key_frame, time_step_of};
 pub(crate) use report_frame::{fields_of, time_step};
 pub use rule_offers::{RuleOffer, rule_offer, rule_preview};
+pub use shown_tag::shown_tag;
+pub use source_fields::fields_of_source;
 pub use suggestion_context::{all_mappings, past_decisions, requested_field};

@@ -13,6 +13,7 @@ mod mappings;
 mod plant;
 mod previews;
 mod roles;
+mod shown;
 mod texts_of_scripts;
 mod trust;
 mod twin_sign_in;

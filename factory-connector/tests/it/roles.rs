@@ -96,6 +96,7 @@ const ROLES: &[(&str, Least)] = &[
     ("addSource", Engineer),
     ("changeSource", Engineer),
     ("removeSource", Engineer),
+    ("showSourceUse", Viewer),
     ("browseSource", Viewer),
     ("searchSource", Viewer),
     ("readSourceValue", Engineer),

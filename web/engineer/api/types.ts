@@ -84,6 +84,7 @@ export type ShadowView = Schemas['ShadowView']
 export type ShownValue = Schemas['ShownValue']
 export type SourceConfig = Schemas['SourceConfig']
 export type SourceStatus = Schemas['SourceStatus']
+export type SourceUse = Schemas['SourceUse']
 export type SourceView = Schemas['SourceView']
 /** Part of a precision as the partner reads it: a code with its parameters. */
 export type StatementPart = Schemas['StatementPart']

@@ -8,6 +8,8 @@ import type {
   MappingInput,
   ValueSource,
 } from '../api/types'
+import { inputName } from './input-name'
+import type { KeptDraft } from './kept-draft'
 import { newStep, stepKind, type StepDraft } from './step-catalogue'
 
 /** Decision on a field that is being prepared; nothing takes effect before consent. */
@@ -19,11 +21,18 @@ export class Draft {
   /** A named policy that holds beside it. */
   policyId = $state('')
 
-  readonly #wanted: FieldView
-  readonly #before: string
+  /** Tag of the field as it was shown when the draft was begun: a decision rests on that. */
+  shownTag = $state.raw<string | undefined>()
 
-  constructor(field: FieldView, request: InboxRequest) {
+  readonly #wanted: FieldView
+  readonly #request: InboxRequest
+  /** The stored decision, as the draft would repeat it. */
+  #stored = $state.raw('')
+
+  constructor(field: FieldView, request: InboxRequest, kept?: KeptDraft) {
     this.#wanted = field
+    this.#request = request
+    this.shownTag = field.shownTag ?? undefined
     const offer = field.mappingState === 'PENDING' ? field.offer : undefined
     const mapping = field.mapping ?? offer?.mapping
     this.source = field.valueSource ?? offer?.valueSource ?? 'MAPPING'
@@ -39,7 +48,31 @@ export class Draft {
         ? (field.disclosure ?? {})
         : { ...asked, ...tidy(field.disclosure ?? {}), ...tidy(offer?.disclosure ?? {}) },
     )
-    this.#before = JSON.stringify(this.decision)
+    this.#stored = JSON.stringify(this.decision)
+    if (kept !== undefined) Object.assign(this, kept)
+  }
+
+  /** Draft to be kept while it differs from the stored decision. */
+  get kept(): KeptDraft | undefined {
+    const { source, inputs, steps, disclosure, policyId, shownTag, isChanged } = this
+    return isChanged ? { source, inputs, steps, disclosure, policyId, shownTag } : undefined
+  }
+
+  /** Goes on from the decision that was just stored. */
+  settle(field: FieldView): void {
+    this.shownTag = field.shownTag ?? undefined
+    this.#stored = JSON.stringify(this.decision)
+  }
+
+  /** Goes on while the stored decision is the former one again. */
+  settleUndone(field: FieldView): void {
+    this.shownTag = field.shownTag ?? undefined
+    this.#stored = new Draft(field, this.#request).#stored
+  }
+
+  /** Returns whether another decision or a changed request came in between. */
+  isOvertakenBy(field: FieldView): boolean {
+    return this.shownTag !== undefined && field.shownTag != null && this.shownTag !== field.shownTag
   }
 
   get mapping(): MappingDraft | undefined {
@@ -59,7 +92,7 @@ export class Draft {
 
   /** Returns whether the draft differs from the stored decision. */
   get isChanged(): boolean {
-    return JSON.stringify(this.decision) !== this.#before
+    return JSON.stringify(this.decision) !== this.#stored
   }
 
   get decision(): DecisionBody {
@@ -96,7 +129,7 @@ export class Draft {
   take(sourceId: string, node: BrowsedNode): void {
     if (this.has(sourceId, node.nodeId)) return
     this.inputs.push({
-      name: this.#freeName(node.browseName),
+      name: inputName(node.browseName, this.inputs),
       sourceId,
       nodeId: node.nodeId,
       ...(node.builtInType ? { valueType: node.builtInType } : {}),
@@ -147,21 +180,6 @@ export class Draft {
     if (step === undefined || index + by < 0 || index + by >= this.steps.length) return
     this.steps.splice(index, 1)
     this.steps.splice(index + by, 0, step)
-  }
-
-  #freeName(browseName: string): string {
-    const plain = browseName
-      .replace(/^nsu=[^;]*;/, '')
-      .replace(/^.*[:/]/, '')
-      .replace(/[^A-Za-z0-9_]/g, '_')
-      .replace(/^(?=\d|$)/, '_')
-      .slice(0, 60)
-    const base = plain.charAt(0).toLowerCase() + plain.slice(1)
-    const isTaken = (name: string): boolean =>
-      name === 'value' || this.inputs.some((input) => input.name === name)
-    let name = base
-    for (let number = 2; isTaken(name); number += 1) name = `${base}${number}`
-    return name
   }
 }
 

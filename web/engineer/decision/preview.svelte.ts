@@ -1,3 +1,4 @@
+import { severity } from '@/format/status'
 import { Problem } from '@/transport/problem'
 import { connector, FIELD } from '../api/client'
 import type { MappingDiagnostic, FieldKey, Preview } from '../api/types'
@@ -28,6 +29,13 @@ export class PreviewRun {
   /** Faults that prevent consent. */
   get errors(): MappingDiagnostic[] {
     return this.diagnostics.filter((diagnostic) => diagnostic.severity === 'error')
+  }
+
+  /** Returns whether a function fails on the present values, by inputs that are good; `undefined` where they are not. */
+  get isFailing(): boolean | undefined {
+    const { inputs, steps } = this.value ?? { inputs: [], steps: [] }
+    if (!steps.some((step) => step.message != null)) return false
+    return inputs.every(({ status }) => severity(status) === 'good') ? true : undefined
   }
 
   /** Id of the preview as seen, for the decision; none while it still shows a former draft. */

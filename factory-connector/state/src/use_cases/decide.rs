@@ -16,7 +16,7 @@ use crate::{
     effects::EngineCommand,
     endings,
     gates::through_gate,
-    queries::{cap_usage, effective_policy, opening, variables_of, withholding_faults},
+    queries::{cap_usage, effective_policy, opening, shown_tag, variables_of, withholding_faults},
     writes::PreviewRow,
 };
 
@@ -78,8 +78,8 @@ pub enum DecisionError {
     /// No such policy exists, or it is retired.
     #[error("there is no policy {0} that could be applied")]
     UnknownPolicy(DocumentId),
-    /// Another decision was taken since.
-    #[error("something else was decided about the field since; look at it before you change it")]
+    /// Another decision was taken since, or the request was changed.
+    #[error("the field is not as it was shown any more; look at it before you decide")]
     DecidedSince,
     /// A policy that contributes to the precision was changed since the preview was shown.
     #[error("the preview shows another precision than would be decided; look at the preview again")]
@@ -133,6 +133,25 @@ pub fn decide(
     let mut course = Course::new(state, now);
     decide_in(state, &mut changes, key, request, &mut course, now)?;
     Ok(changes)
+}
+
+/// Decides about a field provided that it still is as it was shown to the person who decides, by its
+/// [`shown_tag`]; without a tag as it is.
+///
+/// # Errors
+/// [`DecisionError`].
+pub fn decide_as_shown(
+    state: &mut ConnectorState,
+    key: &FieldKey,
+    tag: Option<&str>,
+    request: DecisionRequest,
+    now: DateTime,
+) -> Result<ChangeSet, DecisionError> {
+    let present = shown_tag(state, key).ok_or(DecisionError::UnknownField)?;
+    if tag.is_some_and(|tag| tag != present) {
+        return Err(DecisionError::DecidedSince);
+    }
+    decide(state, key, request, now)
 }
 
 /// Decides within a larger use case.

@@ -39,5 +39,6 @@ pub async fn configure(answers: &mut Answers<'_>) {
     let mut renamed = source;
     renamed["name"] = json!("The mill, secured");
     answers.put("changeSource", "/sources/Secured", renamed).await;
+    answers.get("showSourceUse", "/sources/Mill1/use").await;
     answers.delete("removeSource", "/sources/Secured").await;
 }

@@ -40,19 +40,9 @@ export const decision: typeof English = {
     states: 'Felder nach Stand',
   },
   comments: {
-    title: (who: string) => `Kommentare an ${who}`,
-    open: 'Kommentare',
-    unread: 'Neuer Kommentar',
-    empty: 'Noch keine Kommentare',
-    emptyText:
-      'Fragen Sie, wozu ein Feld gebraucht wird, oder erklären Sie, warum eine Entscheidung warten muss. Alle Empfänger des Netzes können Kommentare lesen.',
-    text: 'Ihr Kommentar',
     hint: (who: string) => `${who} liest ihn auf der Partnerseite.`,
-    about: 'Zu',
-    wholeRequest: 'Die ganze Anfrage',
-    wholeNetwork: 'ganzes Netz',
     us: (who: string) => `${who} (diese Fabrik)`,
-    send: 'Senden',
+    unread: 'Neuer Kommentar',
   },
   decision: {
     notFound: 'Dieses Feld wird nicht mehr angefragt',
@@ -101,7 +91,11 @@ export const decision: typeof English = {
     refuseReason: 'Grund',
     refuseButton: 'Dieses Feld ablehnen',
     refusedNow: 'Das Feld ist abgelehnt. Der Partner wird benachrichtigt.',
-    laterButton: 'Offen lassen',
+    reopenButton: 'Später neu entscheiden',
+    stopButton: 'Preisgabe beenden',
+    stopTitle: (field: string) => `Preisgabe von ${field} beenden?`,
+    stopText: (who: string) =>
+      `${who} bekommt ab jetzt keine Werte mehr und behält, was geliefert ist. Das Feld wartet wieder auf eine Entscheidung, die Zuordnung bleibt erhalten. Mit Grund und Quittung beenden Sie die Einwilligung über „Widerrufen“.`,
     laterDone: 'Das Feld ist wieder offen. Nichts geht hinaus.',
     disclosure: 'Genauigkeit',
     disclosureHint:
@@ -134,6 +128,7 @@ export const decision: typeof English = {
     consent: 'Einwilligen',
     consentText: (who: string) =>
       `Ab jetzt bekommt ${who} diese Werte in dieser Genauigkeit. Sie können das jederzeit widerrufen.`,
+    inEffectText: (who: string) => `${who} bekommt diese Werte in dieser Genauigkeit.`,
     consented: 'Einwilligung festgehalten. Werte fließen.',
     saveChange: 'In die Änderung einwilligen',
     undone: 'Rückgängig gemacht.',
@@ -147,9 +142,23 @@ export const decision: typeof English = {
     type: 'Typ',
     problems: (n: number) => (n === 1 ? '1 Problem' : `${n} Probleme`),
     ready: 'Bereit',
+    inEffect: 'In Kraft',
+    failsNow: 'Scheitert am jetzigen Wert',
+    failsUnknown: 'Nicht zu prüfen: Die Quelle hat gerade keinen guten Wert',
     script: 'JavaScript',
     scriptHelp:
       'Eine Funktion von (value, ctx). ctx.inputs hat die Eingänge nach Namen, ctx.state bleibt zwischen Aufrufen erhalten.',
+  },
+  draft: {
+    resumed: 'Das ist Ihr Entwurf von vorhin. Nichts davon ist in Kraft.',
+    discard: 'Entwurf verwerfen',
+    overtaken: 'Das Feld hat sich geändert, seit Sie begonnen haben',
+    overtakenBy: (who: string, when: string) =>
+      `Die Entscheidung von ${who} vom ${when} oder eine Änderung der Anfrage kam dazwischen. Sehen Sie nach, bevor Sie entscheiden.`,
+    overtakenText:
+      'Der Partner hat die Anfrage geändert, oder die Entscheidung wurde zurückgenommen. Sehen Sie nach, bevor Sie entscheiden.',
+    showStored: 'Zeigen, was in Kraft ist',
+    goOn: 'Mit meinem Entwurf weiter',
   },
   suggestions: {
     title: 'Vorschläge',

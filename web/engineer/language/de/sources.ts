@@ -53,6 +53,7 @@ export const sources: typeof English = {
     problem: 'Was nicht stimmt',
     remedy: 'Was zu tun ist',
     removed: 'Quelle entfernt.',
+    unknown: (id: string) => `Es gibt keine Quelle ${id}, oder sie wurde entfernt.`,
     saved: 'Quelle gespeichert.',
     browse: 'Adressraum',
     browseHint: 'Was der Server anbietet, mit Live-Werten.',
@@ -68,6 +69,13 @@ export const sources: typeof English = {
     node: 'Knoten',
     reason: 'Grund',
     remove: 'Quelle entfernen',
+    removeTitle: (name: string) => `${name} entfernen?`,
+    removeUnused: 'Kein preisgegebenes Feld bekommt Werte von ihr.',
+    removeUsed: (n: number) =>
+      n === 1
+        ? 'Ein preisgegebenes Feld bekommt seine Werte von ihr. Es behält seinen letzten Wert mit einem Status, der sagt, dass die Quelle fehlt, bis Sie wieder eine Quelle mit derselben Kennung hinzufügen:'
+        : `${n} preisgegebene Felder bekommen ihre Werte von ihr. Sie behalten ihre letzten Werte mit einem Status, der sagt, dass die Quelle fehlt, bis Sie wieder eine Quelle mit derselben Kennung hinzufügen:`,
+    removeMore: (n: number) => (n === 1 ? 'und eines mehr.' : `und ${n} weitere.`),
     treeEmpty: 'Hier zeigt der Server nichts.',
     treeLabel: 'Adressraum der Quelle',
     searchNodes: 'Im ganzen Server suchen',

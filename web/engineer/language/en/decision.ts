@@ -42,19 +42,9 @@ export const decision = {
     states: 'Fields by state',
   },
   comments: {
-    title: (who: string) => `Comments to ${who}`,
-    open: 'Comments',
-    unread: 'New comment',
-    empty: 'No comments yet',
-    emptyText:
-      'Ask what a field is for, or explain why a decision has to wait. All recipients of the network can read comments.',
-    text: 'Your comment',
     hint: (who: string) => `${who} reads it on the partners’ page.`,
-    about: 'About',
-    wholeRequest: 'The whole request',
-    wholeNetwork: 'whole network',
     us: (who: string) => `${who} (this factory)`,
-    send: 'Send',
+    unread: 'New comment',
   },
   decision: {
     notFound: 'This field is no longer requested',
@@ -102,7 +92,11 @@ export const decision = {
     refuseReason: 'Reason',
     refuseButton: 'Refuse this field',
     refusedNow: 'The field is refused. The partner is notified.',
-    laterButton: 'Leave open',
+    reopenButton: 'Decide again later',
+    stopButton: 'Stop disclosing',
+    stopTitle: (field: string) => `Stop disclosing ${field}?`,
+    stopText: (who: string) =>
+      `${who} gets no more values from now on and keeps what was delivered. The field waits for a decision again, and the mapping is kept. To end the consent with a reason and a receipt, use “Revoke”.`,
     laterDone: 'The field is open again. Nothing leaves.',
     disclosure: 'Disclosure',
     disclosureHint:
@@ -135,6 +129,7 @@ export const decision = {
     consent: 'Consent',
     consentText: (who: string) =>
       `From now on ${who} receives these values in this precision. You can revoke this at any time.`,
+    inEffectText: (who: string) => `${who} receives these values in this precision.`,
     consented: 'Consent recorded. Values flow.',
     saveChange: 'Consent to the change',
     undone: 'Undone.',
@@ -148,9 +143,23 @@ export const decision = {
     type: 'Type',
     problems: (n: number) => (n === 1 ? '1 problem' : `${n} problems`),
     ready: 'Ready',
+    inEffect: 'In effect',
+    failsNow: 'Fails on the present value',
+    failsUnknown: 'Cannot be tried: no good value of the source at present',
     script: 'JavaScript',
     scriptHelp:
       'A function of (value, ctx). ctx.inputs has the inputs by name, ctx.state is kept between calls.',
+  },
+  draft: {
+    resumed: 'This is your draft from before. Nothing of it is in effect yet.',
+    discard: 'Discard draft',
+    overtaken: 'The field has changed since you began',
+    overtakenBy: (who: string, when: string) =>
+      `The decision of ${who} of ${when}, or a change of the request, came in between. Look at it before you decide.`,
+    overtakenText:
+      'The partner changed the request, or the decision was taken back. Look at it before you decide.',
+    showStored: 'Show what is in effect',
+    goOn: 'Go on with my draft',
   },
   suggestions: {
     title: 'Suggestions',

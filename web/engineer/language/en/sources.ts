@@ -49,6 +49,7 @@ export const sources = {
     problem: 'What is wrong',
     remedy: 'What to do',
     removed: 'Source removed.',
+    unknown: (id: string) => `There is no source ${id}, or it was removed.`,
     saved: 'Source saved.',
     browse: 'Address space',
     browseHint: 'What the server offers, with live values.',
@@ -64,6 +65,13 @@ export const sources = {
     node: 'Node',
     reason: 'Reason',
     remove: 'Remove the source',
+    removeTitle: (name: string) => `Remove ${name}?`,
+    removeUnused: 'No disclosed field gets values from it.',
+    removeUsed: (n: number) =>
+      n === 1
+        ? 'One disclosed field gets its values from it. It keeps its last value, with a status that says that the source is missing, until you add a source with the same id again:'
+        : `${n} disclosed fields get their values from it. They keep their last values, with a status that says that the source is missing, until you add a source with the same id again:`,
+    removeMore: (n: number) => (n === 1 ? 'and one more.' : `and ${n} more.`),
     treeEmpty: 'The server shows nothing here.',
     treeLabel: 'Address space of the source',
     searchNodes: 'Search the whole server',
