@@ -19,6 +19,7 @@ if (typeof window !== 'undefined') {
     unobserve = (): void => undefined
     disconnect = (): void => undefined
   }
+  Element.prototype.scrollIntoView = () => undefined
   // Nor does it put a dialog above everything else.
   HTMLDialogElement.prototype.showModal = function () {
     this.open = true

@@ -3,6 +3,7 @@ import { de } from '@/language/de'
 import { en } from '@/language/en'
 import { language, type LanguageCode } from '@/language/language.svelte'
 import { weekday } from './time'
+import { unitText } from './unit'
 
 export type AggregateFunction = components['schemas']['AggregateFunction']
 export type StatementPart = components['schemas']['StatementPart']
@@ -35,7 +36,7 @@ export function statementText(
   parts: readonly StatementPart[] | undefined,
   english: string,
 ): string {
-  return sentence(parts ?? [], language.code) ?? english
+  return sentence(parts ?? [], language.code, unitText) ?? english
 }
 
 /** The text is the code of a day of the week. */
@@ -44,14 +45,22 @@ export function isDay(text: string): text is Weekday {
 }
 
 /** Precision as one sentence, in English the connector's own; `undefined` if a part is unknown. */
-export function sentence(parts: readonly StatementPart[], code: LanguageCode): string | undefined {
-  const said = parts.map((part) => partText(part, code))
+export function sentence(
+  parts: readonly StatementPart[],
+  code: LanguageCode,
+  unitOf: (unit: string) => string = (unit) => unit,
+): string | undefined {
+  const said = parts.map((part) => partText(part, code, unitOf))
   if (said.length === 0 || said.includes(undefined)) return undefined
   const text = said.join('; ')
   return `${text.slice(0, 1).toLocaleUpperCase()}${text.slice(1)}.`
 }
 
-function partText(part: StatementPart, code: LanguageCode): string | undefined {
+function partText(
+  part: StatementPart,
+  code: LanguageCode,
+  unitOf: (unit: string) => string,
+): string | undefined {
   const { statement, span } = CATALOGUES[code]
   // Digits in groups would be taken for decimals in the other language.
   const number = (value: number): string =>
@@ -60,7 +69,10 @@ function partText(part: StatementPart, code: LanguageCode): string | undefined {
     const [name, size] = SIZES.find(([, each]) => ms % each === 0) ?? ['ms', 1]
     return `${number(ms / size)} ${span[name]}`
   }
-  const of = (unit: string | null | undefined): string => (unit == null ? '' : ` ${unit}`)
+  const of = (unit: string | null | undefined): string => {
+    const written = unit == null ? '' : unitOf(unit)
+    return written === '' ? '' : ` ${written}`
+  }
   switch (part.code) {
     case 'UNCHANGED':
       return statement.unchanged

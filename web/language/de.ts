@@ -106,6 +106,9 @@ export const de: Words = {
     dark: 'Dunkel',
     likeSystem: 'Wie das System',
     account: 'Konto',
+    notFound: 'Hier ist nichts',
+    notFoundText: 'Keine Seite hat diese Adresse.',
+    toStart: 'Zur Übersicht',
     menu: 'Menü',
   },
   feed: {
@@ -242,6 +245,30 @@ export const de: Words = {
     stub: 'Vorgang eines Nachbarn',
     of: (done: string, planned: string) => `${done} von ${planned}`,
     critical: 'Bedingung verfehlt',
+  },
+  comments: {
+    title: (who: string) => `Kommentare an ${who}`,
+    open: 'Kommentare',
+    count: (n: number) => (n === 1 ? '1 Kommentar' : `${n} Kommentare`),
+    empty: 'Noch keine Kommentare',
+    emptyText:
+      'Fragen Sie, wozu ein Feld gebraucht wird, oder erklären Sie, warum eine Entscheidung warten muss. Wer anfragt und die Fabrik lesen es.',
+    text: 'Ihr Kommentar',
+    about: 'Zu',
+    wholeRequest: 'Die ganze Anfrage',
+    wholeNetwork: 'ganzes Netz',
+    send: 'Senden',
+  },
+  unit: { H87: 'Stk.', PIECE: 'Stk.', PCE: 'Stk.' },
+  standing: {
+    inferred: (state: string) => `${state} (gefolgert)`,
+    inferredText: 'Die Fabrik meldet keinen Zustand. Er ist aus Mengen und Zeiten gefolgert.',
+    overdue: (span: string) => `${span} überfällig`,
+    overdueText: (span: string) =>
+      `Nach Plan hätte es vor ${span} enden sollen. Die Fabrik hat weder ein Ende noch ein erwartetes Ende gemeldet.`,
+    heldUp: 'Aufgehalten',
+    heldUpText: (operation: string) => `${operation} endet zu spät für den geplanten Beginn.`,
+    hits: (operations: string) => `Hält auf: ${operations}.`,
   },
   timeline: {
     label: 'Geplante und tatsächliche Zeiten der Vorgänge',

@@ -101,6 +101,9 @@ export const en = {
     likeSystem: 'Like the system',
     account: 'Account',
     menu: 'Menu',
+    notFound: 'Nothing here',
+    notFoundText: 'No page has this address.',
+    toStart: 'To the overview',
   },
   feed: {
     live: 'Live',
@@ -245,6 +248,31 @@ export const en = {
     stub: 'Neighbour’s operation',
     of: (done: string, planned: string) => `${done} of ${planned}`,
     critical: 'Condition missed',
+  },
+  comments: {
+    title: (who: string) => `Comments to ${who}`,
+    open: 'Comments',
+    count: (n: number) => (n === 1 ? '1 comment' : `${n} comments`),
+    empty: 'No comments yet',
+    emptyText:
+      'Ask what a field is for, or explain why a decision has to wait. The requester and the factory read it.',
+    text: 'Your comment',
+    about: 'About',
+    wholeRequest: 'The whole request',
+    wholeNetwork: 'whole network',
+    send: 'Send',
+  },
+  /** Units that are words. */
+  unit: { H87: 'pcs', PIECE: 'pcs', PCE: 'pcs' } as Record<string, string>,
+  standing: {
+    inferred: (state: string) => `${state} (concluded)`,
+    inferredText: 'The factory reports no state. It is concluded from quantities and times.',
+    overdue: (span: string) => `${span} overdue`,
+    overdueText: (span: string) =>
+      `It should have ended ${span} ago by the plan. The factory reported neither an end nor an expected one.`,
+    heldUp: 'Held up',
+    heldUpText: (operation: string) => `${operation} ends too late for its planned start.`,
+    hits: (operations: string) => `Holds up: ${operations}.`,
   },
   timeline: {
     label: 'Planned and actual times of the operations',

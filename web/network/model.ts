@@ -8,6 +8,16 @@ type OperationProgress = Schemas['OperationProgress']
 type OperationRelation = Schemas['OperationRelation']
 type RelationCondition = Schemas['RelationCondition']
 
+/** How an operation stands against its plan at a moment. */
+export interface Standing {
+  /** Time by which its end is late, in ms: reported, expected by the factory, or past the plan without an end. */
+  lateMs?: number
+  /** Whether that is only what the plan and the clock say: the factory reported neither an end nor an expected one. */
+  isOverdue?: boolean
+  /** Operation whose lateness leaves too little time before this one's planned start. */
+  heldUpBy?: string
+}
+
 /** Operation as the graph and the timeline draw it. */
 export interface GraphOperation {
   operationId: string
@@ -16,6 +26,10 @@ export interface GraphOperation {
   owner?: string | undefined
   isStub: boolean
   state?: OperationProgress['state']
+  /** Nobody reported the state; it is concluded from quantities and times. */
+  isStateInferred?: boolean | undefined
+  /** How it stands against the plan; absent while it is in time. */
+  standing?: Standing | undefined
   quantity?: number | undefined
   plannedQuantity?: number | undefined
   quantityUnit?: string | undefined
@@ -38,6 +52,21 @@ export function conditionText(condition: RelationCondition): string {
   const what =
     length !== undefined ? span(length) : condition.time ? shortMoment(condition.time) : '?'
   return words.condition[condition.conditionKind]?.(what) ?? condition.conditionKind
+}
+
+/** State in words, and whether it was reported. */
+export function stateText(operation: GraphOperation): string {
+  const state = words.operationState[operation.state ?? 'unknown'] ?? operation.state ?? ''
+  return operation.isStateInferred === true && operation.state != null
+    ? words.standing.inferred(state)
+    : state
+}
+
+/** How late an operation is in words; `undefined` while it is in time. */
+export function standingText({ standing }: GraphOperation): string | undefined {
+  if (standing?.lateMs === undefined) return undefined
+  const late = span(standing.lateMs)
+  return standing.isOverdue === true ? words.standing.overdue(late) : words.timeline.late(late)
 }
 
 /** Progress of an operation, 0 to 1: the reported share, else from its quantities. */

@@ -250,7 +250,7 @@ describe('a precision', () => {
         roundingStep: 10,
         minimumIntervalMs: 60_000,
       },
-      'Gerundet auf Vielfache von 10 PIECE; höchstens einmal je 1 min.',
+      'Gerundet auf Vielfache von 10 Stk.; höchstens einmal je 1 min.',
     ],
     [
       {
@@ -275,7 +275,7 @@ describe('a precision', () => {
         isWithheldInStates: true,
         statusCodes: 'FULL',
       },
-      'In Bändern ab -5; 0,5 PIECE; nur Mo, Fr von 06:00 bis 22:00; in bestimmten Zuständen zurückgehalten; mit jedem Statuscode, wie er ist.',
+      'In Bändern ab -5; 0,5 Stk.; nur Mo, Fr von 06:00 bis 22:00; in bestimmten Zuständen zurückgehalten; mit jedem Statuscode, wie er ist.',
     ],
   ])('%j is said in the language of the reader', (statement, text) => {
     language.choose('de')

@@ -133,7 +133,7 @@ describe('a value', () => {
   it('says in words what is wrong with it', () => {
     const { container } = render(Value, { value: 5, status: 0x408f0000, unit: 'KWT' })
     expect(container.textContent.replace(/\s+/g, ' ').trim()).toBe(
-      '5 KWT Source lost, last value kept',
+      '5 kW Source lost, last value kept',
     )
   })
   it('that is missing has no unit', () => {

@@ -150,7 +150,7 @@ describe('the leak budget', () => {
     })
     render(LeaksPage)
     expect(
-      await screen.findByText('Gerundet auf Vielfache von 10 PIECE; höchstens einmal je 1 min.'),
+      await screen.findByText('Gerundet auf Vielfache von 10 Stk.; höchstens einmal je 1 min.'),
     ).toBeTruthy()
     expect(screen.getByText(/^Der Plan nennt keine Zeit je Stück/)).toBeTruthy()
   })

@@ -32,6 +32,9 @@ export const de: Texts = {
       'Jede Fabrik entfernt ihren Teil. Werte enden sofort. Das lässt sich nicht rückgängig machen.',
     withdrawnDone: 'Das Netz wurde zurückgezogen.',
   },
+  comments: {
+    hint: (who: string) => `Die Ingenieure von ${who} lesen ihn neben Ihrer Anfrage.`,
+  },
   network: {
     graph: 'Vorgänge',
     timeline: 'Geplant und tatsächlich',
@@ -78,6 +81,7 @@ export const de: Texts = {
     history: 'Verlauf',
     historyOf: (field: string) => `Verlauf von ${field}`,
     openWith: 'Die Fabrik hat noch nicht entschieden.',
+    takenBack: (when: string) => `Die Fabrik hat ihre Einwilligung am ${when} zurückgenommen.`,
     measured: 'gemessen ',
     received: 'empfangen ',
     sequence: (n: number) => `Bericht Nr. ${n}`,

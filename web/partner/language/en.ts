@@ -29,6 +29,9 @@ export const en = {
     withdrawText: 'Every factory removes its part. Values stop at once. This cannot be undone.',
     withdrawnDone: 'The network was withdrawn.',
   },
+  comments: {
+    hint: (who: string) => `The engineers of ${who} read it beside your request.`,
+  },
   network: {
     graph: 'Operations',
     timeline: 'Planned and actual',
@@ -73,6 +76,7 @@ export const en = {
     history: 'History',
     historyOf: (field: string) => `History of ${field}`,
     openWith: 'The factory has not decided yet.',
+    takenBack: (when: string) => `The factory took its consent back on ${when}.`,
     measured: 'measured ',
     received: 'received ',
     sequence: (n: number) => `report no. ${n}`,

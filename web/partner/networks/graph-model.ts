@@ -21,6 +21,7 @@ export function graphOperations(view: NetworkView): GraphOperation[] {
       owner: operation.owningFactoryId ?? progress?.owningFactoryId ?? undefined,
       isStub: operation.stub === true,
       state: progress?.state ?? undefined,
+      isStateInferred: progress?.isStateInferred,
       quantity: progress?.quantity ?? undefined,
       plannedQuantity: operation.plannedQuantity ?? progress?.plannedQuantity ?? undefined,
       quantityUnit: operation.quantityUnit ?? undefined,

@@ -1,5 +1,6 @@
 import type { AggregateFunction, StatementPart } from '@/format/statement'
 import { isDay, sentence } from '@/format/statement'
+import { unitText } from '@/format/unit'
 import { en } from '@/language/en'
 import { language } from '@/language/language.svelte'
 import type { DisclosureStatement } from '../api/types'
@@ -14,7 +15,7 @@ export function precisionText(
   unit: string | null | undefined,
 ): string {
   const parts = partsOf(statement ?? {}, unit)
-  const said = sentence(parts, language.code) ?? ''
+  const said = sentence(parts, language.code, unitText) ?? ''
   return statement == null || sentence(parts, 'en') === statement.description
     ? said
     : statement.description
