@@ -11,6 +11,7 @@ mod knowledge;
 mod lease;
 mod ledger;
 mod lookup;
+mod mapping_states;
 mod message_ids;
 mod message_times;
 mod opc_ua_decisions;
@@ -105,8 +106,8 @@ struct Running {
     shutdown: CancellationToken,
     running: JoinHandle<Result<(), StoreError>>,
     _twin: twin::Twin,
-    _work: mpsc::Receiver<Vec<EngineCommand>>,
-    _candidates: mpsc::Sender<Vec<Candidate>>,
+    work: mpsc::Receiver<Vec<EngineCommand>>,
+    candidates: mpsc::Sender<Vec<Candidate>>,
 }
 
 impl Running {
@@ -192,8 +193,8 @@ impl Running {
             shutdown,
             running,
             _twin: twin,
-            _work: work,
-            _candidates: candidates_in,
+            work,
+            candidates: candidates_in,
         }
     }
 

@@ -119,6 +119,16 @@ pub enum EngineCommand {
     Remove(MappingId),
 }
 
+impl EngineCommand {
+    /// Leaves a mapping alone that the engine runs already.
+    pub(crate) fn going_on(self) -> Self {
+        match self {
+            Self::Put(request) => Self::Put(PublishRequest { goes_on: true, ..request }),
+            Self::Remove(id) => Self::Remove(id),
+        }
+    }
+}
+
 /// An event for open pages.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ConnectorEvent {

@@ -10,7 +10,7 @@ use crate::{
     ChangeSet, ConnectorState, Field, FieldDecision, FieldRegistry, FormerDisclosureRegistry,
     IdSource, JournalRegistry, LedgerChains, LogRecord, MappingVersions, Network, NetworkRegistry,
     PastDecisionRegistry, ShadowMapping, Snapshot, StateConfig, WriterRegistry, dependencies,
-    effects::TwinUpdate,
+    effects::{EngineCommand, TwinUpdate},
     fields::StoredField,
     keep_alive_schedule::schedule_keep_alive,
     queries::effective_policy,
@@ -121,9 +121,12 @@ fn publish_everything(state: &ConnectorState, changes: &mut ChangeSet) {
     let mut fields: Vec<&Field> = state.fields.iter().collect();
     fields.sort_unstable_by_key(|field| field.id());
     let open = fields.iter().filter(|field| field.decision().is_open_for(ValueSource::Mapping));
-    effects.engine.extend(open.filter_map(|field| field.publish_mapping()));
+    let published = open.filter_map(|field| field.publish_mapping());
     let with_shadow = fields.iter().filter(|field| field.versions().shadow.is_some());
-    effects.engine.extend(with_shadow.map(|field| field.publish_shadow()));
+    let shadows = with_shadow.map(|field| field.publish_shadow());
+    // After a failed transaction the engine is ahead of the store: candidates that it yielded meanwhile are on their way,
+    // and a state that went back to what is stored would yield the same again after them.
+    effects.engine.extend(published.chain(shadows).map(EngineCommand::going_on));
 }
 
 fn load_field(

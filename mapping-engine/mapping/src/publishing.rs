@@ -42,12 +42,22 @@ pub struct PublishRequest {
     pub last: Option<DataValue>,
     /// A shadow mapping runs on live values for its status only: it yields no candidates.
     pub is_shadow: bool,
+    /// True where a mapping that runs already goes on, if it is this one with this target: its state is then newer
+    /// than `state`. It yields its last candidate again, for one that was not committed.
+    pub goes_on: bool,
 }
 
 impl PublishRequest {
     /// Returns a request for a published mapping without former state.
     #[must_use]
     pub fn new(mapping: impl Into<Arc<Mapping>>, target: TargetKey) -> Self {
-        Self { mapping: mapping.into(), target, state: None, last: None, is_shadow: false }
+        Self {
+            mapping: mapping.into(),
+            target,
+            state: None,
+            last: None,
+            is_shadow: false,
+            goes_on: false,
+        }
     }
 }

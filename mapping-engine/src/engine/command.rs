@@ -33,4 +33,5 @@ pub(super) struct Compiled {
     pub state: Option<TransformState>,
     pub last: Option<DataValue>,
     pub is_shadow: bool,
+    pub goes_on: bool,
 }

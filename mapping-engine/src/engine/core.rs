@@ -114,6 +114,9 @@ impl Core {
         requests: &mut Vec<Arc<MonitorRequest>>,
         now: DateTime,
     ) -> Result<(), EngineError> {
+        if compiled.goes_on && self.go_on(&compiled) {
+            return Ok(());
+        }
         let mapping = Arc::clone(&compiled.mapping);
         let mut held = Vec::with_capacity(mapping.inputs.len());
         for (input, wanted) in (0..).zip(&mapping.inputs) {
@@ -132,8 +135,25 @@ impl Core {
         result
     }
 
+    /// Lets a mapping go on that runs already, and yields its last candidate again. Returns false where none
+    /// runs, or another one.
+    fn go_on(&mut self, wanted: &Compiled) -> bool {
+        let Some(slot) = self.inventory.slot_of(&wanted.mapping.mapping_id) else { return false };
+        let is_wanted = |running: &&RunningMapping| {
+            running.target == wanted.target
+                && running.is_shadow == wanted.is_shadow
+                && running.mapping == wanted.mapping
+        };
+        let Some(running) = self.inventory.get(slot).filter(is_wanted) else { return false };
+        let has_yielded = running.counters.last_yielded_at.is_some();
+        if let Some(value) = running.transform.shown().filter(|_| has_yielded) {
+            self.offer(slot, value);
+        }
+        true
+    }
+
     fn insert(&mut self, compiled: Compiled, now: DateTime) -> Result<(), EngineError> {
-        let Compiled { mapping, plan, target, state, last, is_shadow } = compiled;
+        let Compiled { mapping, plan, target, state, last, is_shadow, .. } = compiled;
         let id = mapping.mapping_id.clone();
         self.remove(&id);
         if self.inventory.len() >= self.config.mappings_max {
@@ -319,6 +339,12 @@ impl Core {
         let Some(running) = self.inventory.get_mut(slot) else { return };
         running.counters.yielded += 1;
         running.counters.last_yielded_at = Some(now);
+        self.offer(slot, value);
+    }
+
+    /// Puts a value among the candidates that wait for the consumer.
+    fn offer(&mut self, slot: usize, value: DataValue) {
+        let Some(running) = self.inventory.get(slot) else { return };
         // A shadow mapping yields for its status only: nothing of it reaches the gate.
         if !running.is_shadow {
             self.pending.push(Candidate { target: running.target, value, state: None });

@@ -31,7 +31,7 @@ pub struct MappingEngineHandle {
 
 impl MappingEngineHandle {
     /// Publishes mappings, each in place of the one with the same id and with the state of a former
-    /// run. Returns for each its warnings, or the reason it is not published:
+    /// run; one that may go on replaces none that is the same. Returns for each its warnings, or the reason it is not published:
     /// [`EngineError::Rejected`] with all diagnostics, or a limit.
     ///
     /// A script is checked by loading it in the background; a fault there shows in the status and
@@ -45,7 +45,8 @@ impl MappingEngineHandle {
     ) -> Result<Vec<Result<Vec<MappingDiagnostic>, EngineError>>, EngineError> {
         let mut results = Vec::with_capacity(requests.len());
         let mut compiled = Vec::with_capacity(requests.len());
-        for PublishRequest { mapping, target, state, last, is_shadow } in requests {
+        for request in requests {
+            let PublishRequest { mapping, target, state, last, is_shadow, goes_on } = request;
             let (plan, diagnostics) = compile(&mapping);
             results.push(match plan {
                 Some(plan) => {
@@ -56,6 +57,7 @@ impl MappingEngineHandle {
                         state,
                         last,
                         is_shadow,
+                        goes_on,
                     });
                     Ok(diagnostics)
                 }

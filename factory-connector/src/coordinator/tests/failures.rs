@@ -107,7 +107,7 @@ async fn fail(running: &Running, table: &str, entries: Vec<OperatorEntry>) {
 }
 
 /// Lets every write to a table fail.
-async fn break_table(beside: &mut SqliteConnection, table: &str) {
+pub(super) async fn break_table(beside: &mut SqliteConnection, table: &str) {
     for event in ["INSERT", "UPDATE"] {
         let sql = format!(
             "CREATE TRIGGER broken_{event} BEFORE {event} ON {table} BEGIN SELECT RAISE(ABORT, 'disk full'); END"
@@ -117,7 +117,7 @@ async fn break_table(beside: &mut SqliteConnection, table: &str) {
 }
 
 /// Lets writes succeed again.
-async fn mend_table(beside: &mut SqliteConnection) {
+pub(super) async fn mend_table(beside: &mut SqliteConnection) {
     for event in ["INSERT", "UPDATE"] {
         let sql = format!("DROP TRIGGER broken_{event}");
         sqlx::query(sqlx::AssertSqlSafe(sql)).execute(&mut *beside).await.expect("dropped");
