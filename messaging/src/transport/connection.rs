@@ -91,6 +91,10 @@ pub(crate) trait MessageSender: Send {
     /// Sends a message; waits while the broker grants no credit. A message that can never be sent
     /// is rejected in its outcome.
     async fn send(&mut self, envelope: &Envelope) -> Result<OutcomeFuture, EndpointFault>;
+
+    /// Waits until the broker ends this endpoint alone, and returns the cause. For ever where the whole connection is
+    /// lost, which [`Connection::lost`] says. Cancel safe.
+    async fn ended(&mut self) -> EndpointFault;
 }
 
 /// A receiver from one address.

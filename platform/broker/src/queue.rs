@@ -307,6 +307,25 @@ mod tests {
     }
 
     #[test]
+    fn a_consumer_that_follows_gets_nothing_before_what_the_active_one_gives_back() {
+        let queue =
+            queue(QueueOptions { is_single_active_consumer: true, ..QueueOptions::default() });
+        let (a, b) = (Subscription::new(Arc::clone(&queue)), Subscription::new(Arc::clone(&queue)));
+        for id in 1..=3 {
+            queue.adopt(entry(id));
+        }
+        assert_eq!((now(&a), now(&a), now(&b)), (Some(1), Some(2), None));
+        a.pause();
+        queue.requeue(entry(2));
+        assert_eq!(now(&b), None, "the first one is not back yet");
+        queue.requeue(entry(1));
+        assert_eq!(now(&b), None);
+        drop(a);
+        assert!(b.is_woken());
+        assert_eq!((now(&b), now(&b), now(&b)), (Some(1), Some(2), Some(3)));
+    }
+
+    #[test]
     fn a_consumer_without_credit_gives_way_to_one_that_waits() {
         let queue = queue(QueueOptions::default());
         let (a, b) = (Subscription::new(Arc::clone(&queue)), Subscription::new(Arc::clone(&queue)));

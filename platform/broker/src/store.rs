@@ -17,7 +17,9 @@ use sqlx::{
     },
 };
 
-pub(crate) use command::{DeadLettering, NewMessage, StoreCommand, WriteFailed, WriterHandle};
+pub(crate) use command::{
+    DeadLettering, LinkOrder, NewMessage, StoreCommand, WriteFailed, WriterHandle,
+};
 pub(crate) use dead_letters::{dead_letter_body, dead_letters, dead_letters_beyond};
 pub(crate) use reader::{bodies, load};
 pub(crate) use writer::StoreWriter;

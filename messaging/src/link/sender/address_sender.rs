@@ -96,7 +96,16 @@ impl Worker {
         terminus: Terminus,
     ) {
         let fault = match connection.sender(&terminus).await {
-            Ok(mut sender) => self.serve(sender.as_mut()).await.err(),
+            Ok(mut sender) => {
+                let fault = self.serve(sender.as_mut()).await.err();
+                // What the broker settled before it ended the endpoint need not be sent again.
+                while let Some(Some((id, outcome))) = self.outcomes.next().now_or_never() {
+                    if let Ok(outcome) = outcome {
+                        self.on_outcome(id, outcome).await;
+                    }
+                }
+                fault
+            }
             Err(fault) => Some(fault),
         };
         // The endpoint is dropped by now, so no outcome can arrive any more.
@@ -119,6 +128,10 @@ impl Worker {
                 row = self.waiting.recv() => {
                     let Some((row, recalls)) = row else { return Ok(()) };
                     self.send(sender, row, recalls).await?;
+                }
+                fault = sender.ended() => {
+                    // Without a row in flight another endpoint is opened for the next one.
+                    return if self.unsettled.is_empty() { Ok(()) } else { Err(fault) };
                 }
                 () = tokio::time::sleep(IDLE_MAX), if is_idle => return Ok(()),
             }
@@ -225,6 +238,34 @@ mod tests {
             self.0.lock().push(envelope.subject.clone());
             Ok(async { Ok(BrokerOutcome::Accepted) }.boxed())
         }
+
+        async fn ended(&mut self) -> EndpointFault {
+            std::future::pending().await
+        }
+    }
+
+    /// Broker that accepts the first message and then ends the endpoint.
+    #[derive(Default)]
+    struct Ending {
+        sent: usize,
+    }
+
+    #[async_trait::async_trait]
+    impl MessageSender for Ending {
+        async fn send(&mut self, _: &Envelope) -> Result<OutcomeFuture, EndpointFault> {
+            self.sent += 1;
+            if self.sent == 1 {
+                return Ok(async { Ok(BrokerOutcome::Accepted) }.boxed());
+            }
+            Ok(std::future::pending().boxed())
+        }
+
+        async fn ended(&mut self) -> EndpointFault {
+            if self.sent < 2 {
+                std::future::pending::<()>().await;
+            }
+            EndpointFault::Broken("closed".to_owned())
+        }
     }
 
     fn row(id: i64) -> SpoolRow {
@@ -237,13 +278,12 @@ mod tests {
         }
     }
 
-    #[tokio::test]
-    async fn nothing_passes_a_message_that_was_recalled() {
+    fn worker(recalled: Option<i64>) -> (Worker, AddressSender, mpsc::Receiver<SenderEvent>) {
         let (rows, waiting) = mpsc::channel(16);
-        let (events, mut reported) = mpsc::channel(16);
+        let (events, reported) = mpsc::channel(16);
         let spool = MemorySpool::new(AcceptedReports::Leave);
-        let store = Arc::new(Recalling { spool, recalled: Mutex::new(Some(RowId(2))) });
-        let mut worker = Worker {
+        let store = Arc::new(Recalling { spool, recalled: Mutex::new(recalled.map(RowId)) });
+        let worker = Worker {
             waiting,
             store,
             events,
@@ -251,9 +291,34 @@ mod tests {
             outcomes: FuturesUnordered::new(),
             turned_away: None,
         };
+        (worker, AddressSender { rows, recalls: 0 }, reported)
+    }
+
+    /// The outcomes of what a broker had not taken never come: rows without one are sent again by another endpoint, and
+    /// not after a timeout of the whole connection.
+    #[tokio::test]
+    async fn an_endpoint_that_the_broker_ends_is_noticed_while_outcomes_are_awaited() {
+        let (mut worker, task, mut reported) = worker(None);
+        for id in [1, 2] {
+            assert!(task.send(row(id)));
+        }
+        let mut broker = Ending::default();
+        let served = tokio::time::timeout(Duration::from_secs(10), worker.serve(&mut broker));
+        let fault = served.await.expect("at once").expect_err("it ended");
+        assert_eq!(fault, EndpointFault::Broken("closed".to_owned()));
+        assert!(matches!(reported.try_recv(), Ok(SenderEvent::Outcome { id: RowId(1), .. })));
+        assert_eq!(worker.unsettled, HashSet::from([RowId(2)]));
+        // Without a row in flight nothing is wrong: the next row opens another endpoint.
+        worker.unsettled.clear();
+        worker.outcomes.clear();
+        worker.serve(&mut broker).await.expect("in order");
+    }
+
+    #[tokio::test]
+    async fn nothing_passes_a_message_that_was_recalled() {
+        let (mut worker, mut task, mut reported) = worker(Some(2));
         let sent = Arc::<Mutex<Vec<String>>>::default();
         let mut broker = Accepting(Arc::clone(&sent));
-        let mut task = AddressSender { rows, recalls: 0 };
         for id in [1, 2, 3, 4] {
             assert!(task.send(row(id)));
         }

@@ -3,7 +3,7 @@
 use async_trait::async_trait;
 use fe2o3_amqp::{
     Sendable, Sender,
-    link::SendError,
+    link::{DetachError, SendError, SessionStopReason},
     session::SessionHandle,
     types::{
         definitions::{ReceiverSettleMode, SenderSettleMode},
@@ -16,7 +16,7 @@ use tokio::time::timeout;
 use super::{
     super::connection::{BrokerOutcome, EndpointFault, MessageSender, OutcomeFuture},
     codec,
-    error::{rejection, send_fault, sender_attach_fault},
+    error::{rejection, send_fault, sender_attach_fault, state_fault},
     terminus::{capabilities, link_name},
 };
 use crate::{clock, config::LinkLimits, envelope::Envelope, profile::Terminus, spool::Rejection};
@@ -88,6 +88,19 @@ impl MessageSender for AmqpSender {
             }
         }
         .boxed())
+    }
+
+    async fn ended(&mut self) -> EndpointFault {
+        match self.sender.on_detach().await {
+            // Some brokers end the whole session where they end its link.
+            DetachError::SessionStopped(SessionStopReason::RemoteEndedWithError(error)) => {
+                EndpointFault::Refused(rejection(&error))
+            }
+            DetachError::SessionStopped(_) | DetachError::IllegalState => {
+                std::future::pending().await
+            }
+            error => state_fault(error.into()),
+        }
     }
 }
 

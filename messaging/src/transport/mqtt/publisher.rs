@@ -62,6 +62,11 @@ impl MessageSender for MqttPublisher {
         }
         .boxed())
     }
+
+    async fn ended(&mut self) -> EndpointFault {
+        // A topic has no endpoint of its own.
+        std::future::pending().await
+    }
 }
 
 fn outcome_of(acknowledgement: PubAck) -> BrokerOutcome {

@@ -12,7 +12,7 @@ use fe2o3_amqp::{
     },
 };
 use futures::{FutureExt, StreamExt, future::BoxFuture, stream::FuturesUnordered};
-use tokio::time::{timeout, timeout_at};
+use tokio::time::{Instant, sleep_until, timeout, timeout_at};
 use tokio_util::sync::CancellationToken;
 use tracing::{debug, error};
 
@@ -103,7 +103,8 @@ impl Drop for Unsettled {
 enum Sent {
     /// Sent, or dropped because it has expired.
     Done,
-    Requeued,
+    /// Ready again; this consumer takes no other message for so long.
+    Requeued(Duration),
     LinkEnded,
 }
 
@@ -127,8 +128,11 @@ pub(crate) async fn dispatch(
         // Dropping the sender resolves the outcomes that will never come.
         drop(sender);
     }
-    drop(subscription);
+    // Wakes another consumer where several share the queue.
+    subscription.pause();
     settle_rest(&core, &queue, unsettled).await;
+    // Only now: a single active consumer that follows gets nothing before what this one had.
+    drop(subscription);
 }
 
 struct Dispatcher<'a> {
@@ -143,7 +147,7 @@ impl Dispatcher<'_> {
     async fn serve(&self, sender: &mut Sender, unsettled: &mut Unsettled) -> bool {
         let limits = &self.core.config.limits;
         let share = Arc::clone(&unsettled.share);
-        let mut is_yielding = false;
+        let mut yields_until: Option<Instant> = None;
         loop {
             // Before the look: what others settle after it is not missed.
             let fewer = share.fewer();
@@ -158,12 +162,12 @@ impl Dispatcher<'_> {
                 () = self.cut.cancelled() => return false,
                 Some((delivered, outcome)) = unsettled.next() => self.settle(delivered, outcome).await,
                 () = fewer, if !has_room => {}
-                () = tokio::time::sleep(YIELD_PAUSE), if is_yielding => is_yielding = false,
-                next = self.subscription.next(), if has_room && !is_yielding => {
+                () = over(yields_until), if yields_until.is_some() => yields_until = None,
+                next = self.subscription.next(), if has_room && yields_until.is_none() => {
                     let Next::Lease(entry) = next else { return true };
                     match self.deliver(sender, unsettled, entry).await {
                         Sent::Done => {}
-                        Sent::Requeued => is_yielding = true,
+                        Sent::Requeued(pause) => yields_until = Some(Instant::now() + pause),
                         Sent::LinkEnded => return false,
                     }
                 }
@@ -203,8 +207,7 @@ impl Dispatcher<'_> {
                     "a message could not be read; it is tried again"
                 );
                 self.queue.requeue(entry);
-                tokio::time::sleep(READ_RETRY).await;
-                return Sent::Requeued;
+                return Sent::Requeued(READ_RETRY);
             }
         };
         let ttl = entry.expires_at_ms.map(|at| Duration::from_millis((at - now_ms).unsigned_abs()));
@@ -242,7 +245,7 @@ impl Dispatcher<'_> {
             Some(result) => self.sent(unsettled, delivered, result).await,
             None => {
                 self.queue.requeue(delivered.entry);
-                Sent::Requeued
+                Sent::Requeued(YIELD_PAUSE)
             }
         }
     }
@@ -288,6 +291,12 @@ impl Dispatcher<'_> {
     }
 }
 
+async fn over(pause: Option<Instant>) {
+    if let Some(until) = pause {
+        sleep_until(until).await;
+    }
+}
+
 async fn settle(
     core: &Arc<Core>,
     queue: &Arc<Queue>,
@@ -322,7 +331,7 @@ async fn settle(
 
 /// Settles the outcomes that still arrive in time, and requeues the other messages.
 async fn settle_rest(core: &Arc<Core>, queue: &Arc<Queue>, mut unsettled: Unsettled) {
-    let deadline = tokio::time::Instant::now() + CLOSE_TIMEOUT;
+    let deadline = Instant::now() + CLOSE_TIMEOUT;
     while let Ok(Some((delivered, outcome))) = timeout_at(deadline, unsettled.next()).await {
         settle(core, queue, delivered, outcome).await;
     }

@@ -1,14 +1,10 @@
 //! Receiving from one publisher: a message is stored first and accepted then.
 
-use std::sync::Arc;
+use std::{sync::Arc, time::Duration};
 
 use fe2o3_amqp::{
     Receiver,
-    link::{
-        RecvError,
-        delivery::{Delivery, DeliveryInfo},
-        receiver::CreditMode,
-    },
+    link::{RecvError, delivery::DeliveryInfo, receiver::CreditMode},
     types::{
         definitions::{self, AmqpError, LinkError},
         messaging::Body,
@@ -16,7 +12,10 @@ use fe2o3_amqp::{
     },
 };
 use futures::{FutureExt, StreamExt, stream::FuturesOrdered};
-use tokio::sync::{Semaphore, oneshot};
+use tokio::{
+    sync::{Semaphore, oneshot},
+    time::timeout,
+};
 use tokio_util::sync::CancellationToken;
 use tracing::debug;
 
@@ -27,11 +26,13 @@ use crate::{
     elements::{self, ELEMENTS_MAX},
     message::{self, AnyMessage},
     queue::{Queue, QueueEntry, QueueRefusal},
-    store::{NewMessage, StoreCommand, WriteFailed},
+    store::{LinkOrder, NewMessage, StoreCommand, WriteFailed},
 };
 
 /// Deliveries settled by one pass.
 const SETTLED_AT_ONCE_MAX: usize = 256;
+/// Time for a publisher to answer the close of its link.
+const CLOSE_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Reply of the writer to one insert.
 type Reply = oneshot::Receiver<Result<(), WriteFailed>>;
@@ -68,26 +69,31 @@ pub(crate) async fn ingest(
         return;
     }
     let mut pending: FuturesOrdered<Pending> = FuturesOrdered::new();
-    loop {
+    let order = LinkOrder::default();
+    let ended = loop {
         let received = tokio::select! {
             () = cut.cancelled() => return,
             Some(first) = pending.next() => {
-                if settle(&receiver, first, &mut pending).await.is_err() {
-                    return;
+                match settle(&receiver, first, &mut pending).await {
+                    Ok(()) => continue,
+                    Err(ended) => break ended,
                 }
-                continue;
             }
             received = receiver.recv::<Body<Value>>() => received,
         };
         let answered = match received {
-            Ok(delivery) => tokio::select! {
-                () = cut.cancelled() => return,
-                taken = take(&core, &queue, &publisher, &receiver, delivery, &mut pending) => taken,
-            },
+            Ok(delivery) => {
+                let (info, body) = delivery.into_parts();
+                let taken = tokio::select! {
+                    () = cut.cancelled() => return,
+                    taken = store(&core, &queue, &publisher, &order, body) => taken,
+                };
+                answer(&receiver, info, taken, &mut pending).await
+            }
             Err(RecvError::MessageDecode(undecodable)) => {
                 count_refused("decode", 1);
                 let error = amqp_error(AmqpError::DecodeError, "the message cannot be decoded");
-                receiver.reject(undecodable.info, error).await.map_err(drop)
+                receiver.reject(undecodable.info, error).await.map_err(|_| Ended::Gone)
             }
             Err(problem) => {
                 if let RecvError::MessageSizeExceeded(_) = problem {
@@ -99,31 +105,59 @@ pub(crate) async fn ingest(
                 );
             }
         };
-        if answered.is_err() {
-            return;
+        if let Err(ended) = answered {
+            break ended;
+        }
+    };
+    if let Ended::Refused(reason) = ended {
+        tokio::select! {
+            () = cut.cancelled() => {}
+            () = close(receiver, pending, reason) => {}
         }
     }
 }
 
-/// Starts storing a delivery, or rejects it. Fails when the link has ended.
-async fn take(
-    core: &Core,
-    queue: &Arc<Queue>,
-    publisher: &Publisher,
+/// End of a publisher's link.
+enum Ended {
+    /// The publisher has ended it, or is gone.
+    Gone,
+    /// A message was refused that is welcome later. None that was sent behind it may be taken before, so this side
+    /// ends the link: what comes by another one was sent by a publisher who knows.
+    Refused(definitions::Error),
+}
+
+/// Answers what is being stored still, and closes the link.
+async fn close(
+    receiver: Receiver,
+    mut pending: FuturesOrdered<Pending>,
+    reason: definitions::Error,
+) {
+    while let Some(next) = pending.next().await {
+        if let Err(Ended::Gone) = settle(&receiver, next, &mut pending).await {
+            return;
+        }
+    }
+    // A publisher that does not answer is not waited for.
+    let _ = timeout(CLOSE_TIMEOUT, receiver.close_with_error(reason)).await;
+}
+
+/// Lets a delivery wait for its commit, or rejects it at once.
+async fn answer(
     receiver: &Receiver,
-    delivery: Delivery<Body<Value>>,
+    info: DeliveryInfo,
+    taken: Result<Reply, RejectedTransfer>,
     pending: &mut FuturesOrdered<Pending>,
-) -> Result<(), ()> {
-    let (info, body) = delivery.into_parts();
-    match store(core, queue, publisher, body).await {
+) -> Result<(), Ended> {
+    match taken {
         Ok(reply) => {
             let is_stored = move |answer| (info, matches!(answer, Ok(Ok(()))));
             pending.push_back(reply.map(Box::new(is_stored)));
             Ok(())
         }
-        Err(RejectedTransfer { reason, error }) => {
+        Err(RejectedTransfer { reason, error, is_welcome_later }) => {
             count_refused(reason, 1);
-            receiver.reject(info, error).await.map_err(drop)
+            receiver.reject(info, error.clone()).await.map_err(|_| Ended::Gone)?;
+            if is_welcome_later { Err(Ended::Refused(error)) } else { Ok(()) }
         }
     }
 }
@@ -133,7 +167,7 @@ async fn settle(
     receiver: &Receiver,
     first: (DeliveryInfo, bool),
     pending: &mut FuturesOrdered<Pending>,
-) -> Result<(), ()> {
+) -> Result<(), Ended> {
     let mut accepted = Vec::new();
     let mut refused = Vec::new();
     let mut sort =
@@ -147,23 +181,26 @@ async fn settle(
     }
     metrics::counter!("broker_messages_accepted_total").increment(accepted.len() as u64);
     if !accepted.is_empty() {
-        receiver.accept_all(accepted).await.map_err(drop)?;
+        receiver.accept_all(accepted).await.map_err(|_| Ended::Gone)?;
     }
-    if !refused.is_empty() {
-        count_refused("store", refused.len() as u64);
-        let reason = amqp_error(
-            AmqpError::ResourceLimitExceeded,
-            "the broker could not store the message; try again later",
-        );
-        receiver.reject_all(refused, reason).await.map_err(drop)?;
+    if refused.is_empty() {
+        return Ok(());
     }
-    Ok(())
+    count_refused("store", refused.len() as u64);
+    let reason = amqp_error(
+        AmqpError::ResourceLimitExceeded,
+        "the broker could not store the message; try again later",
+    );
+    receiver.reject_all(refused, reason.clone()).await.map_err(|_| Ended::Gone)?;
+    Err(Ended::Refused(reason))
 }
 
 /// Refusal of a message: the label of the metric, and the error for the publisher.
 struct RejectedTransfer {
     reason: &'static str,
     error: definitions::Error,
+    /// True where it may be taken when it is sent again.
+    is_welcome_later: bool,
 }
 
 impl RejectedTransfer {
@@ -172,7 +209,12 @@ impl RejectedTransfer {
         condition: impl Into<definitions::ErrorCondition>,
         description: impl Into<String>,
     ) -> Self {
-        Self { reason, error: amqp_error(condition, description) }
+        Self { reason, error: amqp_error(condition, description), is_welcome_later: false }
+    }
+
+    fn for_the_moment(reason: &'static str, description: impl Into<String>) -> Self {
+        let refused = Self::new(reason, AmqpError::ResourceLimitExceeded, description);
+        Self { is_welcome_later: true, ..refused }
     }
 }
 
@@ -194,6 +236,7 @@ async fn store(
     core: &Core,
     queue: &Arc<Queue>,
     publisher: &Publisher,
+    order: &LinkOrder,
     mut received: AnyMessage,
 ) -> Result<Reply, RejectedTransfer> {
     check_shape(&received)?;
@@ -211,9 +254,7 @@ async fn store(
         let reason = format!("the message exceeds {bytes_max} bytes");
         return Err(RejectedTransfer::new("size", LinkError::MessageSizeExceeded, reason));
     }
-    let stopping = || {
-        RejectedTransfer::new("store", AmqpError::ResourceLimitExceeded, "the broker is stopping")
-    };
+    let stopping = || RejectedTransfer::for_the_moment("store", "the broker is stopping");
     // The writer gives them back, so this waits for the disk and for nothing that waits for it.
     let permits = u32::try_from(bytes).unwrap_or(u32::MAX);
     let permits = permits.min(core.config.limits.uncommitted_bytes_per_user_max);
@@ -221,8 +262,7 @@ async fn store(
     let uncommitted = uncommitted.map_err(|_| stopping())?;
     queue.reserve(bytes).map_err(|refusal| match refusal {
         QueueRefusal::Full => {
-            let reason = format!("the queue {} is full", queue.name);
-            RejectedTransfer::new("full", AmqpError::ResourceLimitExceeded, reason)
+            RejectedTransfer::for_the_moment("full", format!("the queue {} is full", queue.name))
         }
         QueueRefusal::Deleted => {
             RejectedTransfer::new("deleted", AmqpError::ResourceDeleted, "the queue was deleted")
@@ -240,7 +280,8 @@ async fn store(
     core.cache.insert(id, bytes, Arc::new(received));
     let (done, stored) = oneshot::channel();
     let queue = Arc::clone(queue);
-    let new = NewMessage { queue: Arc::clone(&queue), entry, wire, uncommitted, done };
+    let order = order.clone();
+    let new = NewMessage { queue: Arc::clone(&queue), entry, wire, order, uncommitted, done };
     if core.writer.send(StoreCommand::Insert(new)).await.is_err() {
         queue.release_reservation(bytes);
         core.cache.remove(id);

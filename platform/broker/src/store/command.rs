@@ -1,6 +1,9 @@
 //! Commands to the writer, and the handle that sends them.
 
-use std::sync::Arc;
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+};
 
 use tokio::sync::{OwnedSemaphorePermit, mpsc, oneshot};
 
@@ -10,6 +13,23 @@ use crate::{
     queue::{Queue, QueueEntry},
 };
 
+/// Order of the messages of one publisher's link: once one of them could not be stored, none behind it is. The publisher
+/// sends them all again, on another link.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct LinkOrder(Arc<AtomicBool>);
+
+impl LinkOrder {
+    /// Refuses all messages behind one that could not be stored.
+    pub(super) fn refuse_later(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Returns true behind a message that could not be stored.
+    pub(super) fn is_refused(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
 /// A message to insert.
 #[derive(Debug)]
 pub(crate) struct NewMessage {
@@ -17,6 +37,8 @@ pub(crate) struct NewMessage {
     pub entry: QueueEntry,
     /// Message as AMQP bytes, in the form in which it is stored.
     pub wire: Vec<u8>,
+    /// Order of the link that it came by.
+    pub order: LinkOrder,
     /// Share of what the user may have uncommitted, given back with the command.
     pub uncommitted: OwnedSemaphorePermit,
     /// Notified after the commit.
@@ -62,6 +84,11 @@ pub(crate) enum StoreCommand {
 }
 
 impl StoreCommand {
+    /// Returns true for a message behind one of the same link that could not be stored.
+    pub(super) fn is_refused(&self) -> bool {
+        matches!(self, Self::Insert(new) if new.order.is_refused())
+    }
+
     /// Returns whether the command frees space.
     pub(super) const fn deletes(&self) -> bool {
         matches!(self, Self::Remove(_) | Self::DeleteQueue { .. } | Self::PurgeDeadLetters { .. })

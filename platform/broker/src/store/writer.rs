@@ -102,6 +102,15 @@ impl StoreWriter {
     }
 
     async fn write(&mut self, commands: Vec<StoreCommand>) {
+        // They waited here before their link knew of the failure.
+        let (refused, commands): (Vec<_>, Vec<_>) =
+            commands.into_iter().partition(StoreCommand::is_refused);
+        for command in refused {
+            self.failed(command, &mut None);
+        }
+        if commands.is_empty() {
+            return;
+        }
         let started = Instant::now();
         match apply(&mut self.connection, &commands, &self.dead_letters).await {
             Ok(()) => {
@@ -183,6 +192,7 @@ impl StoreWriter {
         let mut cause = || error.take().unwrap_or(sqlx::Error::WorkerCrashed);
         match command {
             StoreCommand::Insert(new) => {
+                new.order.refuse_later();
                 new.queue.release_reservation(new.entry.bytes);
                 drop(new.uncommitted);
                 let _ = new.done.send(Err(WriteFailed));

@@ -9,6 +9,7 @@ mod guesses;
 mod hostile;
 mod hostile_broker;
 mod link;
+mod order;
 mod outage;
 mod process;
 mod proxy;
