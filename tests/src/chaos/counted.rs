@@ -38,7 +38,7 @@ pub(super) fn faults(
     disturbances: &Disturbances,
     end: i64,
 ) -> Vec<String> {
-    let (disturbed, full_disks) = (disturbances.of(factory), disturbances.full_disks_of(factory));
+    let disturbed = disturbances.of(factory);
     let mut faults = Vec::new();
     for (number, request) in load::requests(factory).iter().enumerate() {
         let reports = Observed::of(left, request);
@@ -74,7 +74,7 @@ pub(super) fn faults(
             ends_well.then(|| (load::COUNTED, "it is good after the machines stopped".to_owned())),
         );
         found.extend(off(&reports.counts(load::COUNTED)).map(|fault| (load::COUNTED, fault)));
-        found.extend(set_back(&reports, full_disks).map(|fault| (load::STEPS, fault)));
+        found.extend(set_back(&reports).map(|fault| (load::STEPS, fault)));
         faults.extend(found.into_iter().map(|(name, fault)| format!("{request}, {name}: {fault}")));
     }
     faults
@@ -151,20 +151,13 @@ fn off(counts: &Counts) -> Option<String> {
         .then(|| format!("{wrong} of {} counts have another time than their own", offsets.len()))
 }
 
-/// Returns where the state of a script went back. After a full disk a connector goes on with the state that it has
-/// stored, and what its scripts made meanwhile may still be reported: no further back than before.
-fn set_back(reports: &Observed<'_>, full_disks: &[Span]) -> Option<String> {
+/// Returns where the state of a script went back. Nothing excuses that: a state is stored with what the script made of it,
+/// and where that cannot be stored, as on a full disk, the script goes on all the same.
+fn set_back(reports: &Observed<'_>) -> Option<String> {
     let steps = reports.steps_of(load::STEPS);
-    let pairs = || steps.iter().zip(steps.iter().skip(1));
-    let is_back = |((before, from), (after, to)): &(&(i64, i64), &(i64, i64))| {
-        let met = full_disks.iter().filter(|span| span.meets(*from.min(to), *to.max(from)));
-        let stored = met.map(|span| {
-            let earlier = steps.iter().filter(|(_, time)| *time < span.from);
-            earlier.map(|(count, _)| *count).max().unwrap_or_default()
-        });
-        after < &stored.min().unwrap_or(*before)
-    };
-    pairs().find(is_back).map(|((before, _), (after, _))| {
+    let mut pairs = steps.iter().zip(steps.iter().skip(1));
+    let is_back = |((before, _), (after, _)): &(&(i64, i64), &(i64, i64))| after < before;
+    pairs.find(is_back).map(|((before, _), (after, _))| {
         format!("the state of the script goes back from {before} to {after}")
     })
 }

@@ -30,7 +30,6 @@ impl Span {
 #[derive(Debug, Default)]
 pub(super) struct Disturbances {
     all: BTreeMap<&'static str, Vec<Span>>,
-    full_disks: BTreeMap<&'static str, Vec<Span>>,
 }
 
 impl Disturbances {
@@ -39,21 +38,12 @@ impl Disturbances {
         self.all.get(factory).map_or(&[], Vec::as_slice)
     }
 
-    /// Returns the times in which the disk of a factory's connector was full.
-    pub fn full_disks_of(&self, factory: &str) -> &[Span] {
-        self.full_disks.get(factory).map_or(&[], Vec::as_slice)
-    }
-
     /// Notes a fault that has been over since now.
     pub fn struck(&mut self, fault: Fault, from: i64) {
         for factory in [MUNICH, HAMBURG] {
             if disturbs(fault, factory) {
                 self.put(factory, from);
             }
-        }
-        if let Fault::FullDisk(whose, _) = fault {
-            let span = Span { from, to: now() + SETTLING };
-            self.full_disks.entry(whose).or_default().push(span);
         }
     }
 
@@ -65,7 +55,7 @@ impl Disturbances {
     /// Makes some of one factory.
     #[cfg(test)]
     pub fn of_munich(spans: &[Span]) -> Self {
-        Self { all: BTreeMap::from([(MUNICH, spans.to_vec())]), ..Self::default() }
+        Self { all: BTreeMap::from([(MUNICH, spans.to_vec())]) }
     }
 
     fn put(&mut self, factory: &'static str, from: i64) {

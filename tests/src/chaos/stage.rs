@@ -52,8 +52,7 @@ pub(super) struct Stage {
     // Unmounted after the programs above are gone.
     disks: BTreeMap<&'static str, Disk>,
     clocks: BTreeMap<&'static str, Clock>,
-    /// Reports that the broker may have had when it lost its store, or refused when its disk was full: they arrive
-    /// later, out of their order.
+    /// Reports that the broker may have had when it lost its store: they arrive later, out of their order.
     pub set_back: BTreeSet<stores::ReportKey>,
     /// Decisions and receipts that the broker may have had when it lost its store.
     pub lost_controls: LostControls,
@@ -311,16 +310,7 @@ impl Stage {
             }
         };
         let is_felt = disk.fill_until_felt(program.log(), span).await?;
-        // A broker without a disk refuses messages, whose reports come after those that it takes later.
-        let mut refused = Vec::new();
-        if whose == PLATFORM {
-            refused = self.unreceipted().await?;
-        }
         disk.free()?;
-        if whose == PLATFORM {
-            refused.extend(self.unreceipted().await?);
-        }
-        self.set_back.extend(refused);
         self.full_until.insert(whose, Instant::now());
         Ok(is_felt)
     }

@@ -140,25 +140,6 @@ fn a_script_state_that_goes_back_is_seen() {
 }
 
 #[test]
-fn a_full_disk_sets_a_script_back_no_further_than_to_what_was_stored() {
-    let steps = |counts: [i64; 4]| -> Vec<String> {
-        let mut all = all();
-        all.retain(|key, _| key.writer == 1 && key.sequence < 4);
-        for (left, count) in all.values_mut().zip(counts) {
-            let time = left.content.fields[load::STEPS].source_time.expect("a time");
-            left.content
-                .fields
-                .insert(load::STEPS.to_owned(), field(json!(count.to_string()), time));
-        }
-        let reports = Observed::of(&all, &load::requests(MUNICH)[1]);
-        set_back(&reports, &[span(2, 10)]).into_iter().collect()
-    };
-    assert_eq!(steps([92, 93, 97, 94]), [""; 0]);
-    assert_eq!(steps([92, 93, 97, 92]).len(), 1);
-    assert_eq!(steps([92, 91, 97, 98]).len(), 1, "before");
-}
-
-#[test]
 fn a_status_or_time_that_a_machine_did_not_give_is_seen() {
     let bad = |left: &mut Left| {
         let mut count = of(left, load::COUNTED);
