@@ -9,6 +9,8 @@ export interface Asked {
   body: unknown
   /** Version or tag that the page had read. */
   ifMatch?: string
+  /** Whether the page only adds. */
+  isNew?: boolean
 }
 
 type Answer = (asked: Asked) => unknown
@@ -21,12 +23,14 @@ export function serve(answers: Record<string, Answer>): Asked[] {
   const log: Asked[] = []
   vi.stubGlobal('fetch', (address: string, init: RequestInit = {}) => {
     const { method = 'GET', body } = init
-    const ifMatch = new Headers(init.headers).get('if-match')
+    const headers = new Headers(init.headers)
+    const ifMatch = headers.get('if-match')
     const asked: Asked = {
       method,
       path: address.replace('/api/v1', ''),
       body: typeof body === 'string' ? JSON.parse(body) : undefined,
       ...(ifMatch === null ? {} : { ifMatch }),
+      ...(headers.has('if-none-match') ? { isNew: true } : {}),
     }
     log.push(asked)
     const answer =

@@ -2003,6 +2003,7 @@ export interface paths {
         /**
          * Adds a person, or changes role or password. With a new password the person's sessions end,
          *     except the one in which the person did it; those of OPC UA clients also end with another role.
+         *     `If-None-Match: *` adds only: it is refused (`ALREADY_EXISTS`) where the name is taken.
          * @description Least role: ENGINEER.
          */
         put: operations["putUser"];
@@ -10105,7 +10106,9 @@ export interface operations {
     putUser: {
         parameters: {
             query?: never;
-            header?: never;
+            header?: {
+                "If-None-Match"?: string | null;
+            };
             path: {
                 userName: string;
             };

@@ -19,6 +19,8 @@ export interface RequestOptions {
   contentType?: string
   /** The version or tag that was read: the change is refused where another came in between. */
   ifMatch?: number | string
+  /** Only adds: the change is refused where there is one already. */
+  isNew?: boolean
   signal?: AbortSignal
   /** Timeout of an operation that takes longer than usual, in ms. */
   timeoutMs?: number
@@ -43,6 +45,7 @@ export async function request<T>(
   if (options.body !== undefined || options.text !== undefined)
     headers['content-type'] = options.contentType ?? 'application/json'
   if (options.ifMatch !== undefined) headers['if-match'] = `"${options.ifMatch}"`
+  if (options.isNew === true) headers['if-none-match'] = '*'
   if (method !== 'GET' && credentials.csrfToken !== undefined)
     headers['x-csrf-token'] = credentials.csrfToken
 

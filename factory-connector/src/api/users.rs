@@ -1,6 +1,10 @@
 //! Users of the pages and of the OPC UA server.
 
-use axum::{Json, extract::State, http::StatusCode};
+use axum::{
+    Json,
+    extract::State,
+    http::{HeaderMap, StatusCode, header},
+};
 use daemon::{
     Confidential,
     web::{
@@ -57,11 +61,12 @@ pub struct UserBody {
 
 /// Adds a person, or changes role or password. With a new password the person's sessions end,
 /// except the one in which the person did it; those of OPC UA clients also end with another role.
+/// `If-None-Match: *` adds only: it is refused (`ALREADY_EXISTS`) where the name is taken.
 #[utoipa::path(
     put,
     path = "/users/{userName}",
     tag = "users",
-    params(("userName" = String, Path)),
+    params(("userName" = String, Path), ("If-None-Match" = Option<String>, Header)),
     request_body = UserBody,
     responses((status = 200, body = UserView), Problems)
 )]
@@ -69,6 +74,7 @@ pub async fn put_user(
     user: Engineer,
     State(api): State<Api>,
     ApiPath(user_name): ApiPath<String>,
+    headers: HeaderMap,
     ApiJson(body): ApiJson<UserBody>,
 ) -> Result<Json<UserView>, Problem> {
     check_name(&user_name)?;
@@ -76,6 +82,12 @@ pub async fn put_user(
     let _change = api.accounts.change().await;
     let known = api.store().await?.users().lookup(&user_name).await?;
     let known_users = all_users(&api).await?;
+    if known.is_some() && headers.contains_key(header::IF_NONE_MATCH) {
+        return Err(Problem::conflict(
+            "ALREADY_EXISTS",
+            "There is a person with this name already.",
+        ));
+    }
     if known.is_none() && known_users.len() >= USERS_MAX {
         return Err(Problem::conflict(
             "LIMIT_REACHED",

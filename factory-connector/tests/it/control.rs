@@ -32,6 +32,14 @@ async fn users_are_added_and_removed_but_the_last_engineer_stays() {
         json!({ "userName": "otto", "role": "OPERATOR" })
     );
 
+    // Who adds a person does not overwrite another one of that name.
+    let other = json!({ "role": "VIEWER", "password": "another otto altogether" });
+    let (status, text) = plant.call_if_new("/users/otto", other.clone()).await;
+    assert_eq!(status, 409, "{text}");
+    assert!(text.contains("ALREADY_EXISTS"), "{text}");
+    assert_eq!(plant.call_if_new("/users/otto2", other).await.0, 200);
+    assert_eq!(plant.call(Method::DELETE, "/users/otto2", None).await.0, 204);
+
     let operator = plant.signed_in("otto", "otto at machine 7").await.expect("otto may come in");
     let (status, _) =
         refused(&operator, Method::PUT, "/users/otto", json!({ "role": "ENGINEER" })).await;

@@ -227,6 +227,12 @@ impl SignedIn {
             .await
     }
 
+    /// Calls an operation that adds only: it is refused where there is one already.
+    pub async fn call_if_new(&self, path: &str, body: Value) -> (StatusCode, String) {
+        let request = self.request(Method::PUT, path, Some(body.to_string()));
+        Self::answer(request.header("if-none-match", "*")).await
+    }
+
     fn request(&self, method: Method, path: &str, body: Option<String>) -> reqwest::RequestBuilder {
         let request = self.client.request(method, &format!("/api/v1{path}"));
         match body {

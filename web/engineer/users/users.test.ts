@@ -60,6 +60,7 @@ describe('the users page', () => {
         method: 'PUT',
         path: '/users/ida',
         body: { role: 'VIEWER', password: 'correct horse battery' },
+        isNew: true,
       },
     ])
   })
