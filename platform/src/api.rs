@@ -7,6 +7,7 @@ mod accesses;
 mod account;
 mod administrator_only;
 mod audit;
+pub mod bodies;
 mod collaborations;
 mod comments;
 mod dead_letters;

@@ -26,6 +26,7 @@ mod view;
 pub use author::Author;
 pub use change::{PutNetwork, put, withdraw};
 pub use comments::{CommentError, add_comment};
+pub(crate) use faults::structure as structure_faults;
 pub(crate) use notifications::{comment_added, part_changed};
 pub use outcome::{ChangeError, ChangeOutcome};
 pub(crate) use parts::outgoing;

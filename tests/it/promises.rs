@@ -125,16 +125,31 @@ fn every_attack_has_a_test_and_every_mutant_its_attack() {
     }
 }
 
+/// Returns the names of all probes.
+fn probes() -> BTreeSet<String> {
+    let source = fs::read_to_string(root().join("tests/src/probes/attacks.rs")).unwrap();
+    let mut probes: BTreeSet<String> = quoted_twice(&source).map(str::to_owned).collect();
+    probes.retain(|text| text.contains(' '));
+    let of_load = ["siege", "downloads that nobody reads", "scripts without walls"];
+    probes.extend(of_load.map(str::to_owned));
+    assert!(probes.len() > 40, "{probes:?}");
+    probes
+}
+
+/// Returns the texts between quotation marks.
+fn quoted_twice(source: &str) -> impl Iterator<Item = &str> {
+    source.split('"').skip(1).step_by(2)
+}
+
 /// Each row names tests that exist, and probes that are played; each probe is named.
 fn assert_edges(table: &str, tests: &BTreeSet<String>) {
-    let source = fs::read_to_string(root().join("tests/src/probes/attacks.rs")).unwrap();
-    let mut unnamed: BTreeSet<&str> = source.split('"').skip(1).step_by(2).collect();
-    unnamed.retain(|text| text.contains(' '));
-    unnamed.extend(["siege", "downloads that nobody reads"]);
-    let probes = unnamed.clone();
-    assert!(probes.len() > 20, "{probes:?}");
+    let (table, findings) =
+        table.split_once("\n## Findings of the security review\n").expect("both parts");
+    assert!(!findings.is_empty());
+    let probes = probes();
+    let mut unnamed: BTreeSet<&str> = probes.iter().map(String::as_str).collect();
     let rows: Vec<_> = table.lines().filter(|line| line.starts_with("| ")).skip(1).collect();
-    assert!(rows.len() > 25, "{} attacks were read", rows.len());
+    assert!(rows.len() > 30, "{} attacks were read", rows.len());
     for row in rows {
         let [attack, proofs, played] = row.split(" | ").collect::<Vec<_>>()[..] else {
             panic!("three cells: {row}")
@@ -148,6 +163,49 @@ fn assert_edges(table: &str, tests: &BTreeSet<String>) {
         }
     }
     assert!(unnamed.is_empty(), "docs/attacks.md names no attack for {unnamed:?}");
+}
+
+/// Findings of the security review, but for the one that is in the tables of the platform as a whole.
+fn findings() -> BTreeSet<String> {
+    let numbered = |severity: &str, last: usize| {
+        let severity = severity.to_owned();
+        (1..=last).map(move |number| format!("{severity}{number}"))
+    };
+    let all = numbered("C", 2).chain(numbered("H", 5)).chain(numbered("M", 11));
+    all.chain(numbered("L", 16)).filter(|finding| finding != "C1").collect()
+}
+
+#[test]
+fn every_finding_of_the_review_is_an_attack_with_a_probe_or_says_why_not() {
+    let document = fs::read_to_string(root().join("docs/attacks.md")).unwrap();
+    let (attacks, table) =
+        document.split_once("\n## Findings of the security review\n").expect("both parts");
+    let rows = || attacks.lines().filter(|line| line.starts_with("| "));
+    let probes = probes();
+    let (mut named, mut probed) = (BTreeSet::new(), BTreeSet::new());
+    let mut excused = BTreeSet::new();
+    for row in table.lines().filter(|line| line.starts_with("| ")).skip(1) {
+        let cells: Vec<&str> = row.trim_end_matches(" |").split(" | ").collect();
+        let [finding, attack, reason] = cells[..] else { panic!("three cells: {row}") };
+        let finding = finding.trim_start_matches("| ").to_owned();
+        let beginning = format!("| {attack} | ");
+        let mut same = rows().filter(|row| row.starts_with(&beginning));
+        let of_attack = same.next().unwrap_or_else(|| panic!("{finding}: no row says {attack:?}"));
+        assert!(same.next().is_none(), "{finding}: two rows say {attack:?}");
+        if quoted(of_attack).iter().any(|name| probes.contains(name)) {
+            probed.insert(finding.clone());
+        }
+        if reason != "-" {
+            assert!(reason.len() > 20, "{finding}: {reason}");
+            excused.insert(finding.clone());
+        }
+        named.insert(finding);
+    }
+    assert_eq!(named, findings());
+    assert_eq!(named.len(), 33);
+    let silent: Vec<_> =
+        named.iter().filter(|it| probed.contains(*it) == excused.contains(*it)).collect();
+    assert!(silent.is_empty(), "neither a probe nor a reason, or both: {silent:?}");
 }
 
 #[test]

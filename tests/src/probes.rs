@@ -2,27 +2,35 @@
 //! long it takes, how much memory it costs, and whether honest people are served all the same. At the
 //! end many attacks at once.
 
+mod accounts;
 mod amqp;
 mod attacks;
+mod behind_proxy;
 mod downloads;
+mod entrance;
 mod files;
 mod http;
+mod impostors;
 mod members;
 mod opcua;
+mod plant;
 mod process;
 mod route;
 mod scene;
 mod siege;
 mod strangers;
 
+use std::sync::Arc;
+
 use attacks::attacks;
-use scene::Scene;
+use route::Route;
+use scene::{Scene, Target};
 
 use crate::{
     demo::play,
     frame_order::{INSPECTOR, MAKER, MUNICH},
     harness::{Steps, say},
-    scenario::story,
+    scenario::{load, story},
     world::{Places, World},
 };
 
@@ -38,6 +46,7 @@ pub async fn run(only: Option<&str>, keep: bool) -> anyhow::Result<()> {
     places.counters = Some(free_ports::reserve()?);
     let mut world = World::start(places)?;
     let mut cast = play(&mut world, &mut Steps::default()).await?;
+    let newcomer = opcua::comes_in_development(Route::honest(world.places.munich.twin)).await?;
     // From here on the connector's OPC UA server knows whom an engineer trusts alone, as a real one does.
     if let Some(connector) = &mut world.factory(MUNICH)?.connector {
         connector.set_environment("VERBUND_TWIN__SECURITY__TRUST_UNKNOWN_CERTIFICATES", "false");
@@ -47,7 +56,8 @@ pub async fn run(only: Option<&str>, keep: bool) -> anyhow::Result<()> {
     story::link_is_up(&cast.munich).await?;
     let maker = members::planner(&cast.platform, MAKER).await?;
     let inspector = members::planner(&cast.platform, INSPECTOR).await?;
-    let mut scene = Scene { world, cast, maker, inspector, failures: Vec::new() };
+    let newcomer = Arc::new(newcomer);
+    let mut scene = Scene { world, cast, maker, inspector, newcomer, failures: Vec::new() };
     say("\n  program      time      peak     grew  attack: answer");
     let outcome = play_attacks(&mut scene, only).await;
     if keep {
@@ -65,8 +75,16 @@ pub async fn run(only: Option<&str>, keep: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Name of the attack on the walls around scripts.
+const WALLS: &str = "scripts without walls";
+
 async fn play_attacks(scene: &mut Scene, only: Option<&str>) -> anyhow::Result<()> {
-    let is_wanted = |name: &str| only.is_none_or(|only| name.contains(only));
+    let mut played = 0;
+    let mut is_wanted = |name: &str| {
+        let is_wanted = only.is_none_or(|only| name.contains(only));
+        played += usize::from(is_wanted);
+        is_wanted
+    };
     for attack in attacks(scene) {
         if is_wanted(attack.name) {
             let before = scene.before(attack.target)?;
@@ -78,7 +96,18 @@ async fn play_attacks(scene: &mut Scene, only: Option<&str>) -> anyhow::Result<(
         siege::run(scene).await?;
     }
     // Last: the values that fill the ledger go on.
-    if is_wanted(downloads::NAME) {
+    let of_load = [WALLS, downloads::NAME].map(is_wanted);
+    anyhow::ensure!(played > 0, "no attack is named {only:?}");
+    if of_load.contains(&true) {
+        load::put_on(&scene.cast, &scene.world.places).await?;
+    }
+    let [with_walls, with_downloads] = of_load;
+    if with_walls {
+        let before = scene.before(Target::Connector)?;
+        let outcome = plant::walls(scene.cast.munich.clone()).await;
+        scene.judge(WALLS, before, outcome).await?;
+    }
+    if with_downloads {
         downloads::run(scene).await?;
     }
     Ok(())

@@ -32,6 +32,18 @@ pub struct AddComment {
     text: String,
 }
 
+impl AddComment {
+    /// Judges the length of the text.
+    pub(super) fn check(&self) -> Result<(), Problem> {
+        let length = self.text.chars().count();
+        if (1..=10_000).contains(&length) {
+            return Ok(());
+        }
+        let detail = "A comment has 1 to 10000 characters.";
+        Err(Problem::unprocessable("INVALID_TEXT", detail, Vec::new()))
+    }
+}
+
 /// Lists the comments on a network that the viewer may read, oldest first: about a request for its
 /// requester and the factory, about the network for its drawer and the factory.
 #[utoipa::path(get, operation_id = "listComments", path = "/operation-networks/{operationNetworkId}/comments", tag = "networks",
@@ -63,14 +75,7 @@ pub async fn add(
     ApiJson(body): ApiJson<AddComment>,
 ) -> Result<(StatusCode, Json<CommentEntry>), Problem> {
     let now = app.clock.now();
-    let length = body.text.chars().count();
-    if !(1..=10_000).contains(&length) {
-        return Err(Problem::unprocessable(
-            "INVALID_TEXT",
-            "A comment has 1 to 10000 characters.",
-            Vec::new(),
-        ));
-    }
+    body.check()?;
     let comment = NewComment {
         comment_id: new_opaque_id(),
         operation_network_id: id,

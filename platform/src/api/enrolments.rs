@@ -28,6 +28,22 @@ pub struct Enrol {
     signing_key: Option<String>,
 }
 
+impl Enrol {
+    /// Reads the key, before the token is spent.
+    pub(super) fn signing_key(&self) -> Result<Option<PublicKey>, Problem> {
+        let key = self.signing_key.as_deref().map(str::parse).transpose();
+        key.map_err(|_| {
+            let message = "It is no Ed25519 public key in base64url.".to_owned();
+            let fault = ProblemFault {
+                pointer: "/signingKey".to_owned(),
+                code: "INVALID_KEY".to_owned(),
+                message: message.clone(),
+            };
+            Problem::unprocessable("INVALID_KEY", message, vec![fault])
+        })
+    }
+}
+
 /// Endpoint and credential of a connector, shown this once.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
@@ -52,7 +68,7 @@ pub async fn enrol(
     State(app): State<Application>,
     ApiJson(body): ApiJson<Enrol>,
 ) -> Result<(StatusCode, Json<Enrolment>), Problem> {
-    let signing_key = body.signing_key.as_deref().map(signing_key).transpose()?;
+    let signing_key = body.signing_key()?;
     let refused =
         || metrics::counter!("verbund_enrolments_total", "result" => "refused").increment(1);
     let mut reading = app.store.reader().read().await?;
@@ -95,15 +111,3 @@ pub async fn enrol(
     ))
 }
 
-/// Reads the key before the token is spent.
-fn signing_key(text: &str) -> Result<PublicKey, Problem> {
-    text.parse().map_err(|_| {
-        let message = "It is no Ed25519 public key in base64url.".to_owned();
-        let fault = ProblemFault {
-            pointer: "/signingKey".to_owned(),
-            code: "INVALID_KEY".to_owned(),
-            message: message.clone(),
-        };
-        Problem::unprocessable("INVALID_KEY", message, vec![fault])
-    })
-}

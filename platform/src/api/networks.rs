@@ -1,7 +1,10 @@
 //! Operation networks.
 
 use access_log::AccessKind;
-use asi_model::{CollaborationId, FactoryId, OperationNetworkId, validation::parse_network};
+use asi_model::{
+    CollaborationId, FactoryId, OperationNetworkId, network::OperationNetwork,
+    validation::parse_network,
+};
 use axum::{
     Json,
     extract::State,
@@ -33,6 +36,14 @@ pub struct PutBody {
     /// `owningFactoryId`.
     #[schema(value_type = asi_model::network::OperationNetwork)]
     operation_network: Box<RawValue>,
+}
+
+impl PutBody {
+    /// Reads the network by the wire contract.
+    pub(super) fn network(&self) -> Result<OperationNetwork, Problem> {
+        parse_network(self.operation_network.get().as_bytes())
+            .map_err(|rejection| faulty(rejection.faults, "/operationNetwork"))
+    }
 }
 
 /// Result of a change.
@@ -106,8 +117,7 @@ pub async fn put(
     headers: HeaderMap,
     ApiJson(body): ApiJson<PutBody>,
 ) -> Result<Json<Changed>, Problem> {
-    let network = parse_network(body.operation_network.get().as_bytes())
-        .map_err(|rejection| faulty(rejection.faults, "/operationNetwork"))?;
+    let network = body.network()?;
     if network.operation_network_id != id {
         return Err(Problem::bad_request(
             "OTHER_ID",

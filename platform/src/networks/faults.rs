@@ -60,7 +60,7 @@ pub(super) fn conflict(merged: &OperationNetwork) -> Option<Fault> {
 
 /// Faults by the wire contract. A request may be added to a stub, where the platform knows the
 /// whole operation.
-fn structure(document: &OperationNetwork) -> Vec<Fault> {
+pub(crate) fn structure(document: &OperationNetwork) -> Vec<Fault> {
     let mut whole = document.clone();
     for operation in &mut whole.operation_list {
         operation.stub = false;

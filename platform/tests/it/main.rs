@@ -9,6 +9,7 @@ mod audit;
 mod broker_process;
 mod chain;
 mod connector;
+mod corpus;
 mod enrolment;
 mod entitlement;
 mod fair_shares;

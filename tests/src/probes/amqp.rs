@@ -1,125 +1,42 @@
 //! Peers of the broker that mean harm, before they have signed in and after.
 
+mod peer;
+
 use std::{
-    io,
+    net::Ipv4Addr,
+    path::PathBuf,
     time::{Duration, Instant},
 };
 
-use anyhow::Context as _;
+use peer::{ATTACH, CLOSE, DETACH, DISPOSITION, END, Peer};
 use testkit::amqp::{
-    AMQP, AMQP_HEADER, NULL, SASL, SASL_HEADER, attach, begin, binary, described, entry, frame,
-    sasl_init, section, string, symbol, transfer,
-};
-use tokio::{
-    io::{AsyncReadExt as _, AsyncWriteExt as _},
-    net::TcpStream,
-    time::timeout,
+    AMQP, NULL, SASL, SASL_HEADER, attach, begin, binary, described, entry, frame, sasl_init,
+    section, symbol, transfer,
 };
 
-use super::route::Route;
+use super::{entrance::Entrance, route::Route};
 use crate::{
     frame_order::MUNICH,
     world::{OBSERVER, OBSERVER_PASSWORD},
 };
 
-/// Time in which the broker has to answer or to close.
-const PATIENCE: Duration = Duration::from_secs(10);
 const LEVELS: usize = 30_000;
-
-// Codes of performatives (AMQP 1.0, part 2, 2.7).
-const OPEN: u8 = 0x10;
-const BEGIN: u8 = 0x11;
-const ATTACH: u8 = 0x12;
-const DISPOSITION: u8 = 0x15;
-const CLOSE: u8 = 0x18;
+/// Lengths that nobody has the bytes of.
+const CLAIMED: [u32; 3] = [0x4000_0000, 0xffff_fff0, 0x00ff_ffff];
+/// Links of one user, over all its connections.
+const LINKS_MAX: usize = 32;
 /// Code of the outcome *rejected* (part 3, 3.4.3).
 const REJECTED: [u8; 3] = [0x00, 0x53, 0x25];
 
-/// One end of a connection.
-struct Peer(TcpStream);
-
-impl Peer {
-    async fn connect(route: Route) -> anyhow::Result<Self> {
-        Ok(Self(route.connect().await?))
-    }
-
-    /// Signs in, opens the connection and begins a session.
-    async fn open(route: Route) -> anyhow::Result<Self> {
-        let mut peer = Self::connect(route).await?;
-        let open = described(0x10, &[string("probe")]);
-        peer.send(SASL_HEADER).await;
-        peer.send(&frame(SASL, 0, &sasl_init(OBSERVER, OBSERVER_PASSWORD))).await;
-        peer.send(AMQP_HEADER).await;
-        peer.send(&frame(AMQP, 0, &open)).await;
-        peer.send(&frame(AMQP, 0, &begin(NULL.to_vec()))).await;
-        peer.header().await?;
-        let (mechanisms, outcome) = (peer.read().await?, peer.read().await?);
-        anyhow::ensure!(
-            !mechanisms.is_empty() && outcome.get(2) == Some(&0x44),
-            "no outcome of the sign-in"
-        );
-        peer.header().await?;
-        peer.until(OPEN).await?;
-        peer.until(BEGIN).await?;
-        Ok(peer)
-    }
-
-    async fn header(&mut self) -> anyhow::Result<()> {
-        timeout(PATIENCE, self.0.read_exact(&mut [0; 8])).await??;
-        Ok(())
-    }
-
-    /// Sends, if the other end still reads.
-    async fn send(&mut self, bytes: &[u8]) {
-        let _ = timeout(PATIENCE, self.0.write_all(bytes)).await;
-    }
-
-    /// Reads the body of a frame.
-    async fn read(&mut self) -> io::Result<Vec<u8>> {
-        let reading = async {
-            let mut head = [0; 8];
-            self.0.read_exact(&mut head).await?;
-            let size = u32::from_be_bytes([head[0], head[1], head[2], head[3]]);
-            let mut body = vec![0; (size as usize).saturating_sub(8)];
-            self.0.read_exact(&mut body).await?;
-            Ok(body)
-        };
-        timeout(PATIENCE, reading).await.map_err(|_| io::ErrorKind::TimedOut)?
-    }
-
-    /// Reads up to a performative.
-    async fn until(&mut self, code: u8) -> anyhow::Result<Vec<u8>> {
-        loop {
-            let body = self.read().await.with_context(|| format!("no performative {code:#x}"))?;
-            if body.get(2) == Some(&code) {
-                return Ok(body);
-            }
-        }
-    }
-
-    /// Waits until the other end closes. Returns whether it said why.
-    async fn closed(&mut self) -> anyhow::Result<bool> {
-        let mut is_reasoned = false;
-        loop {
-            match self.read().await {
-                Ok(body) => is_reasoned |= body.get(2) == Some(&CLOSE),
-                Err(error) if error.kind() == io::ErrorKind::TimedOut => {
-                    anyhow::bail!("the connection is held open")
-                }
-                Err(_) => return Ok(is_reasoned),
-            }
-        }
-    }
-}
-
-/// Signs an honest peer in, and returns the time that it took.
-pub(super) async fn sign_in(route: Route) -> anyhow::Result<Duration> {
+/// Signs an honest peer in through an entrance, and returns the time that it took.
+pub(super) async fn sign_in(entrance: &Entrance) -> anyhow::Result<Duration> {
     let begun = Instant::now();
-    Peer::open(route).await?;
+    let wire = entrance.open(Ipv4Addr::LOCALHOST).await?;
+    Peer::open_on(wire, OBSERVER, OBSERVER_PASSWORD).await?;
     Ok(begun.elapsed())
 }
 
-/// Guesses the password of a user. Returns whether the broker answered that it is wrong, or that too many were.
+/// Guesses the password of a user. Fails unless the broker answers that it is wrong, or that too many were.
 pub(super) async fn guess(route: Route) -> anyhow::Result<()> {
     let mut peer = Peer::connect(route).await?;
     peer.send(SASL_HEADER).await;
@@ -131,10 +48,9 @@ pub(super) async fn guess(route: Route) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Fourteen bytes of a stranger that claim gigabytes.
-pub(super) async fn claimed_lengths(route: Route) -> anyhow::Result<String> {
-    let mut count = 0;
-    for length in [0x4000_0000_u32, 0xffff_fff0, 0x00ff_ffff] {
+/// Returns frames of the security layer, each of which claims a length in another form.
+pub(super) fn claiming_frames() -> Vec<Vec<u8>> {
+    let of = |length: u32| {
         let long = |code: u8| [&[code][..], &length.to_be_bytes()].concat();
         let list = |code: u8| [&long(code)[..], &length.to_be_bytes()].concat();
         let bodies = [
@@ -144,15 +60,53 @@ pub(super) async fn claimed_lengths(route: Route) -> anyhow::Result<String> {
             described(0x41, &[symbol("PLAIN"), long(0xb0)]),
             described(0x40, &[list(0xf0)]),
         ];
-        for body in bodies {
+        bodies.map(|body| frame(SASL, 0, &body))
+    };
+    CLAIMED.into_iter().flat_map(of).collect()
+}
+
+/// Fourteen bytes of a stranger that claim gigabytes.
+pub(super) async fn claimed_lengths(route: Route) -> anyhow::Result<String> {
+    let frames = claiming_frames();
+    for claiming in &frames {
+        let mut stranger = Peer::connect(route).await?;
+        stranger.send(&[SASL_HEADER, claiming].concat()).await;
+        stranger.header().await.ok();
+        stranger.closed().await?;
+    }
+    Ok(format!("{} connections closed", frames.len()))
+}
+
+/// Frames that claim to be shorter than their own header, before the sign-in and after: each ends its connection, and
+/// no task of the broker panics.
+pub(super) async fn short_frames(route: Route, log: PathBuf) -> anyhow::Result<String> {
+    let mut count = 0;
+    for size in [0_u32, 1, 4, 7] {
+        for rest in [&[][..], &[2, SASL, 0, 0], &[0; 16]] {
             let mut stranger = Peer::connect(route).await?;
-            stranger.send(&[SASL_HEADER, &frame(SASL, 0, &body)].concat()).await;
+            stranger.send(&[SASL_HEADER, &size.to_be_bytes(), rest].concat()).await;
+            // Four bytes may be the beginning of a header that comes later.
+            stranger.send(&[0; 8]).await;
             stranger.header().await.ok();
             stranger.closed().await?;
-            count += 1;
+            let mut user = Peer::open(route).await?;
+            user.send(&[&size.to_be_bytes(), rest].concat()).await;
+            user.send(&[0; 8]).await;
+            user.closed().await?;
+            count += 2;
         }
     }
-    Ok(format!("{count} connections closed"))
+    // Frames that have a header and nothing else: an empty one is a sign of life, and no more.
+    for size in [8_u32, 9] {
+        let mut stranger = Peer::connect(route).await?;
+        stranger.send(&[SASL_HEADER, &size.to_be_bytes(), &[2, SASL, 0, 0, 0]].concat()).await;
+        stranger.header().await.ok();
+        stranger.closed().await?;
+        count += 1;
+    }
+    let log = tokio::fs::read_to_string(&log).await?;
+    anyhow::ensure!(!log.contains("panicked at"), "a task panicked, as the log says");
+    Ok(format!("{count} connections closed, no task panicked"))
 }
 
 /// Frames of a user who is signed in, nested as deep as they may be long.
@@ -178,35 +132,89 @@ pub(super) async fn nested_message(route: Route) -> anyhow::Result<String> {
     let mut peer = attached(route).await?;
     let body = section(0x77, &testkit::amqp::nested(LEVELS));
     peer.send(&frame(AMQP, 0, &[transfer(0, 0, false), body].concat())).await;
-    let answer = peer.until(DISPOSITION).await?;
+    let answer = peer.until(&[DISPOSITION]).await?;
     let is_rejected = answer.windows(REJECTED.len()).any(|part| part == REJECTED);
     anyhow::ensure!(is_rejected, "not rejected: {answer:02x?}");
     Ok("rejected, the link goes on".to_owned())
 }
 
-/// A delivery of half a million frames that has no end.
+/// A delivery of half a million frames that has no end: it is refused long before it has that many.
 pub(super) async fn endless(route: Route) -> anyhow::Result<String> {
     let mut peer = attached(route).await?;
-    let part = frame(AMQP, 0, &[&transfer(0, 0, true)[..], b"x"].concat()).repeat(1000);
+    let part = frame(AMQP, 0, &[&transfer(0, 0, true)[..], &[b'x'; 64]].concat()).repeat(1000);
     let mut sent = 0;
-    for _ in 0..500 {
-        if !matches!(timeout(PATIENCE, peer.0.write_all(&part)).await, Ok(Ok(()))) {
-            break;
-        }
+    while sent < 500_000 && peer.send(&part).await {
         sent += 1000;
     }
-    Ok(format!("{sent} frames, and no more memory"))
+    let refused = peer.until(&[DETACH, END, CLOSE]).await;
+    anyhow::ensure!(sent < 500_000 || refused.is_ok(), "all of {sent} frames were taken");
+    let how = if refused.is_ok() { "refused by name" } else { "cut" };
+    Ok(format!("{sent} frames sent, and then {how}"))
+}
+
+/// More links than one user may have, over several connections; a user of another organisation has its own.
+pub(super) async fn links(route: Route) -> anyhow::Result<String> {
+    const CONNECTIONS: u32 = 4;
+    const TRIES: u32 = 16;
+    let (mut peers, mut refused) = (Vec::new(), 0);
+    let address = format!("factory.{MUNICH}.requests");
+    for _ in 0..CONNECTIONS {
+        let mut peer = Peer::open(route).await?;
+        for handle in 0..TRIES {
+            peer.send(&frame(AMQP, 0, &attach(&address, handle, NULL.to_vec()))).await;
+        }
+        let mut answered = 0;
+        while answered < TRIES {
+            peer.until(&[ATTACH]).await?;
+            answered += 1;
+        }
+        // What was refused is detached right after.
+        while let Ok(detached) = tokio::time::timeout(Duration::from_secs(1), peer.read()).await {
+            refused += usize::from(detached?.get(2) == Some(&DETACH));
+        }
+        peers.push(peer);
+    }
+    let asked = (CONNECTIONS * TRIES) as usize;
+    let held = asked - refused;
+    anyhow::ensure!(held <= LINKS_MAX, "{held} of {asked} links are held");
+    anyhow::ensure!(held > 0, "no link at all");
+    Ok(format!("{held} of {asked} links are held, the others refused"))
+}
+
+/// Addresses that are another factory's: a factory that is signed in neither sends in its name nor to its tools.
+pub(super) async fn foreign_addresses(
+    route: Route,
+    user: &str,
+    password: &str,
+) -> anyhow::Result<String> {
+    let mut refusals = 0;
+    for address in [format!("factory.{MUNICH}.ingress"), format!("factory.{MUNICH}.requests")] {
+        let mut peer = Peer::open_as(route, user, password).await?;
+        peer.send(&frame(AMQP, 0, &attach(&address, 0, NULL.to_vec()))).await;
+        let answer = peer.until(&[DETACH, END, CLOSE]).await?;
+        let condition = b"amqp:unauthorized-access";
+        let is_named = answer.windows(condition.len()).any(|part| part == condition);
+        anyhow::ensure!(is_named, "{address}: {}", String::from_utf8_lossy(&answer));
+        refusals += 1;
+    }
+    Ok(format!("{refusals} refused as unauthorized"))
 }
 
 async fn attached(route: Route) -> anyhow::Result<Peer> {
     let mut peer = Peer::open(route).await?;
     let address = format!("factory.{MUNICH}.requests");
     peer.send(&frame(AMQP, 0, &attach(&address, 0, NULL.to_vec()))).await;
-    peer.until(ATTACH).await?;
+    peer.until(&[ATTACH]).await?;
     Ok(peer)
 }
 
 /// Returns what a peer sends that never gets to the end of its sign-in.
 pub(super) fn slow_beginning() -> Vec<u8> {
     [SASL_HEADER, &frame(SASL, 0, &binary(&[b'x'; 200]))].concat()
+}
+
+/// Returns what a client of a WebSocket sends that never gets to the end of its request.
+pub(super) const fn half_upgrade() -> &'static [u8] {
+    b"GET / HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n\
+      Sec-WebSocket-Protocol: amqp\r\nX-Slow: "
 }

@@ -9,7 +9,6 @@ use super::scene::{Scene, Target};
 use crate::{
     frame_order::BUYER,
     harness::{Api, ApiError, eventually},
-    scenario::load,
 };
 
 pub(super) const NAME: &str = "downloads that nobody reads";
@@ -30,10 +29,9 @@ fn export() -> String {
     format!("/api/v1/ledger/export?recipient={BUYER}&format=jsonl")
 }
 
-/// Lets a ledger grow, and plays the attack.
+/// Waits until a ledger under load has grown, and plays the attack.
 pub(super) async fn run(scene: &mut Scene) -> anyhow::Result<()> {
     let connector = scene.cast.munich.clone();
-    load::put_on(&scene.cast, &scene.world.places).await?;
     let bytes = eventually("the ledger is long", PATIENCE, || async {
         tokio::time::sleep(Duration::from_secs(5)).await;
         let bytes = connector.text(&export()).await.map_err(|e| format!("{e:#}"))?.len();

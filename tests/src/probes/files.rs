@@ -1,6 +1,10 @@
 //! Local users, and configurations that open something to others.
 
-use std::{os::unix::fs::PermissionsExt as _, path::PathBuf, process::Command};
+use std::{
+    os::unix::fs::PermissionsExt as _,
+    path::{Path, PathBuf},
+    process::Command,
+};
 
 use anyhow::Context as _;
 use tokio::io::{AsyncReadExt as _, AsyncWriteExt as _};
@@ -12,6 +16,9 @@ use crate::{
 
 /// Time in which a connector asks the platform that it is to enrol at.
 const PATIENCE: std::time::Duration = std::time::Duration::from_secs(30);
+
+/// A token that no platform made.
+const TOKEN: &str = "a-token-that-nobody-made";
 
 /// Fails where another user of the machine could read or change a file of a daemon.
 pub(super) async fn of_the_user_alone(folder: PathBuf) -> anyhow::Result<String> {
@@ -70,20 +77,18 @@ fn with_external(base: &str, external: &str) -> anyhow::Result<String> {
 }
 
 /// Enrols at an address without encryption, and at a platform that names a broker without it: the token stays here, and
-/// the credential is not taken.
+/// the credential is not taken. Nor is a token on the command line, where each local user reads it.
 pub(super) async fn plaintext_enrolment(folder: PathBuf) -> anyhow::Result<String> {
-    let token = folder.join("token-of-probes");
-    std::fs::write(&token, "a-token-that-nobody-made")?;
+    let token = write_token(&folder)?;
     let config = folder.join("connector-of-probes.toml");
-    std::fs::write(
-        &config,
-        format!("data_directory = \"{}\"\n", folder.join("connector-of-probes").display()),
-    )?;
+    let data = folder.join("connector-of-probes");
+    std::fs::write(&config, format!("data_directory = \"{}\"\n", data.display()))?;
+    let config = config.display().to_string();
     let listener = tokio::net::TcpListener::bind(("127.0.0.1", 0)).await?;
     let here = format!("http://{}", listener.local_addr()?);
-    let answering = tokio::spawn(answer_with_plain_broker(listener));
+    let answering =
+        tokio::spawn(answer_enrolment(listener, "amqp://broker.example:5672".to_owned()));
     for platform in ["http://platform.example", &here] {
-        let [token, config] = [&token, &config].map(|file| file.display().to_string());
         let enrol = ["enrol", "--token-file", &token, "--platform", platform, "--config", &config]
             .map(str::to_owned);
         tokio::task::spawn_blocking(move || {
@@ -92,14 +97,43 @@ pub(super) async fn plaintext_enrolment(folder: PathBuf) -> anyhow::Result<Strin
         .await??;
     }
     answering.await.context("the platform was not asked")??;
-    Ok("refused, and so is a broker that a platform names".to_owned())
+    let open = ["enrol", "--token", TOKEN, "--platform", &here, "--config", &config];
+    let checked = Command::new(binary("factory-connector")?).args(open).output()?;
+    anyhow::ensure!(!checked.status.success(), "a token in the list of processes is taken");
+    Ok("refused, and so are a broker that a platform names and a token in the list of processes"
+        .to_owned())
+}
+
+fn write_token(folder: &Path) -> anyhow::Result<String> {
+    let file = folder.join("token-of-probes");
+    write_private(&file, TOKEN)?;
+    Ok(file.display().to_string())
+}
+
+/// Enrols a connector at a platform that is nothing but one answer, and that names a broker.
+pub(super) async fn enrol_at_scripted_platform(
+    folder: &Path,
+    config: &str,
+    broker: &str,
+) -> anyhow::Result<()> {
+    let token = write_token(folder)?;
+    let listener = tokio::net::TcpListener::bind(("127.0.0.1", 0)).await?;
+    let here = format!("http://{}", listener.local_addr()?);
+    let answering = tokio::spawn(answer_enrolment(listener, broker.to_owned()));
+    let enrol = ["enrol", "--token-file", &token, "--platform", &here, "--config", config];
+    let mut command = tokio::process::Command::new(binary("factory-connector")?);
+    let checked = command.args(enrol).output().await?;
+    answering.await.context("the platform was not asked")??;
+    let said = String::from_utf8_lossy(&checked.stderr);
+    anyhow::ensure!(checked.status.success(), "no enrolment: {said}");
+    Ok(())
 }
 
 /// Answers one enrolment as a platform whose broker speaks in the clear.
-async fn answer_with_plain_broker(listener: tokio::net::TcpListener) -> anyhow::Result<()> {
+async fn answer_enrolment(listener: tokio::net::TcpListener, broker: String) -> anyhow::Result<()> {
     let (mut stream, _) = tokio::time::timeout(PATIENCE, listener.accept()).await??;
     anyhow::ensure!(stream.read(&mut [0; 8192]).await? > 0, "no request");
-    let body = serde_json::json!({ "factoryId": "PROBE", "brokerUrl": "amqp://broker.example:5672",
+    let body = serde_json::json!({ "factoryId": "PROBE", "brokerUrl": broker,
         "profile": "embedded", "userName": "factory.PROBE", "password": "a password of some length",
         "rootCertificatePem": null })
     .to_string();

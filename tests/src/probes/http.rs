@@ -1,6 +1,9 @@
 //! Callers of the web interfaces that mean harm.
 
-use std::time::{Duration, Instant};
+use std::{
+    net::Ipv4Addr,
+    time::{Duration, Instant},
+};
 
 use anyhow::Context as _;
 use futures::future::join_all;
@@ -18,6 +21,8 @@ use crate::harness::Api;
 pub(super) const HALF: &[u8] = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\nX-Slow: ";
 /// Time in which a server has to give up on a caller that does not go on.
 const PATIENCE: Duration = Duration::from_secs(60);
+/// Beginning and end of what nests.
+const NESTINGS: [(&str, &str); 2] = [("[", "]"), ("{\"a\":", "}")];
 /// Guesses of a password that may be checked at once.
 const GUESSES_MAX: usize = 10;
 
@@ -123,7 +128,7 @@ pub(super) async fn endless_bodies(port: u16) -> anyhow::Result<String> {
 /// Sends documents that nest, as a person who is signed in.
 pub(super) async fn nested_documents(api: Api, path: &str) -> anyhow::Result<String> {
     let mut statuses = Vec::new();
-    for (open, close) in [("[", "]"), ("{\"a\":", "}")] {
+    for (open, close) in NESTINGS {
         let body = format!("{}1{}", open.repeat(100_000), close.repeat(100_000));
         statuses.push(api.send_text(Method::PUT, path, body).await?);
     }
@@ -141,15 +146,42 @@ pub(super) async fn enrol(client: &reqwest::Client, port: u16) -> anyhow::Result
     Ok(())
 }
 
-/// Sends a body that is larger than any that is taken, from an address of mean people.
+/// Makes a client that comes from an address.
+pub(super) fn client_from(source: Ipv4Addr) -> anyhow::Result<reqwest::Client> {
+    Ok(reqwest::Client::builder().local_address(Some(source.into())).timeout(PATIENCE).build()?)
+}
+
+/// Sends a body that is larger than any that is taken, from an address of mean people. Fails where it is taken.
 pub(super) async fn oversize(port: u16) -> anyhow::Result<()> {
-    let source = reqwest::Client::builder().local_address(Some(HOSTILE.into()));
-    let client = source.timeout(PATIENCE).build()?;
-    let address = format!("http://127.0.0.1:{port}/api/v1/session");
-    let body = vec![b' '; 16 << 20];
-    let json = ("content-type", "application/json");
-    client.post(address).header(json.0, json.1).body(body).send().await?;
+    refused_body(port, vec![b' '; 16 << 20]).await
+}
+
+/// Sends documents that nest, as nobody who is signed in. Fails where one is taken.
+pub(super) async fn nested_sign_ins(port: u16) -> anyhow::Result<()> {
+    for (open, close) in NESTINGS {
+        // As deep as the body of an operation without a session may be long, and deeper.
+        for levels in [600, 100_000] {
+            let body = format!("{}1{}", open.repeat(levels), close.repeat(levels));
+            refused_body(port, body.into_bytes()).await?;
+        }
+    }
     Ok(())
+}
+
+/// Sends a body to an operation that is open to anybody. A server that takes no more of it may close before it answers.
+async fn refused_body(port: u16, body: Vec<u8>) -> anyhow::Result<()> {
+    let address = format!("http://127.0.0.1:{port}/api/v1/session");
+    let json = ("content-type", "application/json");
+    let request = client_from(HOSTILE)?.post(address).header(json.0, json.1).body(body);
+    match request.send().await {
+        Ok(answer) => {
+            let status = answer.status();
+            anyhow::ensure!(status.is_client_error(), "answered {status}");
+            Ok(())
+        }
+        Err(error) if error.is_request() || error.is_body() => Ok(()),
+        Err(error) => Err(error.into()),
+    }
 }
 
 /// Asks for metrics through a proxy, as another machine does.

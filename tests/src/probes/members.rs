@@ -4,7 +4,7 @@ use anyhow::Context as _;
 use serde_json::{Value, json};
 
 use crate::{
-    frame_order::{COLLABORATION, INSPECTOR, MAKER, NETWORK},
+    frame_order::{BUYER, COLLABORATION, INSPECTOR, MAKER, MUNICH, NETWORK},
     harness::{Api, ApiError},
 };
 
@@ -77,4 +77,50 @@ fn refusal(answer: anyhow::Result<Value>) -> anyhow::Result<String> {
     let is_refused = code == "FORBIDDEN" || codes.iter().any(|code| code.starts_with("FOREIGN_"));
     anyhow::ensure!(is_refused, "answered {problem}");
     Ok(format!("{} {code} {}", problem.status.as_u16(), Vec::from_iter(codes).join(" ")))
+}
+
+/// Takes ids of networks in another collaboration: those that are in use, and those that are another organisation's to
+/// give. The answers say no more than that they cannot be had.
+pub(super) async fn ids_of_others(platform: Api) -> anyhow::Result<String> {
+    const OUTSIDER: &str = "probe-outsider";
+    const FACTORY: &str = "OUT_SIDE";
+    const OWN: &str = "probe-collaboration";
+    let body = json!({ "organisationId": OUTSIDER, "name": OUTSIDER });
+    let _: Value = platform.post("/api/v1/organisations", &body).await?;
+    let body = json!({ "factoryId": FACTORY, "organisationId": OUTSIDER, "name": FACTORY });
+    let _: Value = platform.post("/api/v1/factories", &body).await?;
+    let body = json!({ "collaborationId": OWN, "name": OWN, "members": [OUTSIDER],
+        "factories": [FACTORY] });
+    let _: Value = platform.post("/api/v1/collaborations", &body).await?;
+    let outsider = planner(&platform, OUTSIDER).await?;
+    let answer = async |id: &str| {
+        let network = json!({ "operationNetworkId": id, "operationList": [ { "operationId": "Op",
+            "operationType": "PRODUCTION", "owningFactoryId": FACTORY } ] });
+        let body = json!({ "collaborationId": OWN, "operationNetwork": network });
+        let taken = outsider.put::<Value>(&format!("/api/v1/operation-networks/{id}"), &body).await;
+        let Err(error) = taken else { return Ok(None) };
+        let problem = error.downcast::<ApiError>()?;
+        anyhow::Ok(Some((problem.status, problem.problem.to_string().replace(id, "ID"))))
+    };
+    let (status, text) = answer(NETWORK).await?.context("the id of another network was taken")?;
+    let named = [COLLABORATION, BUYER, MAKER, INSPECTOR, MUNICH].into_iter();
+    let named: Vec<_> = named.filter(|secret| text.contains(secret)).collect();
+    anyhow::ensure!(named.is_empty(), "the refusal has {named:?}: {text}");
+    let shown = outsider.get::<Value>(&format!("/api/v1/operation-networks/{NETWORK}")).await;
+    anyhow::ensure!(shown.is_err(), "the outsider sees the network");
+    // Ids that end in `@` and an organisation are that organisation's, in use or not.
+    let reserved =
+        [format!("free@{BUYER}"), format!("other@{BUYER}"), "x@nobody-at-all".to_owned()];
+    let mut answers = Vec::new();
+    for id in &reserved {
+        answers.push(answer(id).await?.with_context(|| format!("{id} was taken"))?);
+    }
+    let first = answers.first().map(|(status, text)| (*status, text.replace(BUYER, "ORG")));
+    let are_alike = answers.iter().all(|(status, text)| {
+        let text = text.replace(BUYER, "ORG").replace("nobody-at-all", "ORG");
+        first == Some((*status, text))
+    });
+    anyhow::ensure!(are_alike, "the refusals show what is in use: {answers:?}");
+    anyhow::ensure!(answer("probe-own").await?.is_none(), "an id of one's own is refused");
+    Ok(format!("{status} without a word on whose it is; reserved ids are all alike"))
 }

@@ -1,14 +1,19 @@
 //! Clients of a connector's OPC UA server that mean harm, before they have signed in.
 
 mod channel;
+mod sign_ins;
 
-use std::time::{Duration, Instant};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use anyhow::Context as _;
 use base64::{Engine as _, engine::general_purpose::STANDARD as BASE64};
-use channel::Client;
+pub(super) use channel::Client;
 use opcua_stack::opcua::crypto::{SecurityPolicy, X509};
 use serde_json::{Value, json};
+pub(super) use sign_ins::{guesses_beside_an_honest_sign_in, names_typed_by_mistake};
 use testkit::opcua::{
     NO_HEADER, chunk_header, claiming, framed, get_endpoints, hello, nested_header, open_channel,
     opening,
@@ -167,8 +172,63 @@ pub(super) async fn deprecated_policies(engineer: Api, route: Route) -> anyhow::
     }
     anyhow::ensure!(answers.iter().all(|answer| answer.starts_with(b"ERRF")), "not refused");
     anyhow::ensure!(answers.windows(2).all(|two| two[0] == two[1]), "the answers differ");
-    anyhow::ensure!(soonest >= Duration::from_millis(150), "answered after {soonest:?}");
+    anyhow::ensure!(soonest >= ANSWERED_AFTER, "answered after {soonest:?}");
     Ok(format!("one refusal for all, after {} ms at the soonest", soonest.as_millis()))
+}
+
+/// Pairs of requests, one with a sound padding and one with a broken one, that are compared.
+const PAIRS: usize = 24;
+/// Time that a refusal takes at least, whatever is wrong.
+const ANSWERED_AFTER: Duration = Duration::from_millis(150);
+/// Difference between the medians of both kinds, at most. A server that decrypted and answered at once was two thirds
+/// of a refusal's time faster or slower; one that answers on a clock of its own differs by the scheduler alone.
+const DIFFERENCE_MAX: Duration = Duration::from_millis(30);
+
+/// Requests with a padding that is sound and with one that is not, by turns, by a policy that is not offered and by one
+/// that is: neither the answers nor their times show which it was.
+pub(super) async fn paddings(engineer: Api, route: Route) -> anyhow::Result<String> {
+    let server = server_certificate(route).await?;
+    let client = Client::named("probe of paddings")?;
+    trust(&engineer, &client).await?;
+    let mut differences = Vec::new();
+    let offered = SecurityPolicy::Basic256Sha256.to_uri().to_owned();
+    for (policy, uri) in [
+        (SecurityPolicy::Basic128Rsa15, format!("{POLICY}Basic128Rsa15")),
+        (SecurityPolicy::Basic256Sha256, offered),
+    ] {
+        let mut sound = client.opening(policy, &uri, &server)?;
+        let is_offered = policy == SecurityPolicy::Basic256Sha256;
+        if is_offered {
+            // Well encrypted, and signed by nobody: what is wrong comes to light after the padding.
+            sound = client.another("probe of another key")?.forged(policy, &uri, &server)?;
+        }
+        let mut broken = sound.clone();
+        *broken.last_mut().context("a request")? ^= 1;
+        let (mut of_sound, mut of_broken) = (Vec::new(), Vec::new());
+        for _ in 0..PAIRS {
+            let (answer, took) = opened(route, &sound).await?;
+            of_sound.push(took);
+            let (other, took) = opened(route, &broken).await?;
+            of_broken.push(took);
+            anyhow::ensure!(
+                answer.starts_with(b"ERRF"),
+                "a forged request is answered {answer:02x?}"
+            );
+            anyhow::ensure!(answer == other, "the answers show the padding");
+        }
+        let (sound, broken) = (median(of_sound), median(of_broken));
+        let soonest = sound.min(broken);
+        anyhow::ensure!(soonest >= ANSWERED_AFTER, "answered after {soonest:?}");
+        let difference = sound.abs_diff(broken);
+        anyhow::ensure!(difference <= DIFFERENCE_MAX, "{uri}: {sound:?} against {broken:?}");
+        differences.push(format!("{:.1} ms", difference.as_secs_f64() * 1000.0));
+    }
+    Ok(format!("one answer, medians of {PAIRS} pairs differ by {}", differences.join(" and ")))
+}
+
+fn median(mut times: Vec<Duration>) -> Duration {
+    times.sort_unstable();
+    times.get(times.len() / 2).copied().unwrap_or_default()
 }
 
 /// Certificates that are unknown, after one that an engineer denied.
@@ -203,7 +263,27 @@ pub(super) async fn denied_certificate(engineer: Api, route: Route) -> anyhow::R
     Ok(format!("denied still, after {STRANGERS} strangers; {count} certificates are listed"))
 }
 
-async fn trust(engineer: &Api, client: &Client) -> anyhow::Result<()> {
+/// Comes to an OPC UA server that trusts any certificate, as one in development does. Returns the client, which is let in.
+pub(super) async fn comes_in_development(route: Route) -> anyhow::Result<Client> {
+    let folder = tempfile::tempdir()?;
+    let newcomer = Client::named("probe of development")?;
+    let is_in = newcomer.has_session(folder.path(), &route.opcua_url()).await?;
+    anyhow::ensure!(is_in, "a server in development lets nobody in");
+    Ok(newcomer)
+}
+
+/// Comes again after the setting was taken out: nothing of the trust is left.
+pub(super) async fn trusted_in_development(
+    newcomer: Arc<Client>,
+    route: Route,
+) -> anyhow::Result<String> {
+    let folder = tempfile::tempdir()?;
+    let is_in = newcomer.has_session(folder.path(), &route.opcua_url()).await?;
+    anyhow::ensure!(!is_in, "who came while all were trusted is trusted still");
+    Ok("let in while the setting was on, and not since".to_owned())
+}
+
+pub(super) async fn trust(engineer: &Api, client: &Client) -> anyhow::Result<()> {
     let content = BASE64.encode(client.der()?);
     let body = json!({ "kind": "CERTIFICATE", "content": content });
     engineer.post::<Option<Value>>("/api/v1/client-certificates", &body).await.map(drop)
@@ -220,9 +300,17 @@ pub(super) async fn nested_headers(route: Route) -> anyhow::Result<String> {
     for header in headers {
         let (mut stream, id) = channel(route).await?;
         stream.write_all(&framed(b"MSGF", &get_endpoints(&url, id, 2, &header))).await?;
-        message(&mut stream).await?;
+        refused(&message(&mut stream).await?)?;
     }
     Ok("answered with an error each".to_owned())
+}
+
+/// Fails unless an answer is an error, or a fault of the service.
+fn refused(answer: &[u8]) -> anyhow::Result<()> {
+    // Behind the headers of message, channel and sequence: ServiceFault_Encoding_DefaultBinary.
+    let is_fault = answer.get(24..28) == Some(&[1, 0, 0x8D, 0x01]);
+    anyhow::ensure!(answer.starts_with(b"ERRF") || is_fault, "not refused: {answer:02x?}");
+    Ok(())
 }
 
 /// Arguments in the header of a request whose value rank claims gigabytes of dimensions.
@@ -241,7 +329,7 @@ pub(super) async fn claimed_ranks(route: Route) -> anyhow::Result<String> {
         header.extend(argument);
         let (mut stream, id) = channel(route).await?;
         stream.write_all(&framed(b"MSGF", &get_endpoints(&url, id, 2, &header))).await?;
-        message(&mut stream).await?;
+        refused(&message(&mut stream).await?)?;
     }
     Ok("answered with an error each".to_owned())
 }

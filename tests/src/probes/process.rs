@@ -13,16 +13,35 @@ impl Memory {
         Self(process)
     }
 
-    /// Returns that of the process which another one started.
+    /// Returns that of the process which another one started first.
     pub(super) fn of_child(parent: u32) -> anyhow::Result<Self> {
-        let tasks = fs::read_dir(format!("/proc/{parent}/task"))
+        let child = Self::of(parent).children()?.into_iter().min_by_key(|child| child.0);
+        child.context("the process has started none")
+    }
+
+    /// Returns those of the processes that it has started, as Linux lists them.
+    pub(super) fn children(self) -> anyhow::Result<Vec<Self>> {
+        let tasks = fs::read_dir(format!("/proc/{}/task", self.0))
             .context("listing the tasks of a process")?;
-        let children = tasks.flatten().filter_map(|task| {
-            let children = fs::read_to_string(task.path().join("children")).ok()?;
-            children.split_whitespace().next()?.parse().ok()
-        });
-        let child = children.into_iter().next();
-        Ok(Self(child.context("the process has started none")?))
+        let lists = tasks
+            .flatten()
+            .filter_map(|task| fs::read_to_string(task.path().join("children")).ok());
+        let ids = |list: String| -> Vec<u32> {
+            list.split_whitespace().filter_map(|id| id.parse().ok()).collect()
+        };
+        Ok(lists.flat_map(ids).map(Self).collect())
+    }
+
+    /// Returns the name of the program.
+    pub(super) fn program(self) -> anyhow::Result<String> {
+        let name = fs::read_to_string(format!("/proc/{}/comm", self.0)).context("a program")?;
+        Ok(name.trim().to_owned())
+    }
+
+    /// Returns the most addresses that it had since it began, whether it used the memory or not: what is
+    /// allocated and never written is not in [`Self::peak`].
+    pub(super) fn addresses(self) -> anyhow::Result<u64> {
+        self.line("VmPeak:")
     }
 
     /// Forgets the greatest amount so far.

@@ -5,7 +5,8 @@ use std::{
     net::{Ipv4Addr, SocketAddr},
 };
 
-use tokio::net::{TcpSocket, TcpStream};
+use tokio::net::{TcpListener, TcpSocket, TcpStream};
+use tokio_util::task::AbortOnDropHandle;
 
 /// Address of those who mean harm; crowds have others besides.
 pub(super) const HOSTILE: Ipv4Addr = Ipv4Addr::new(127, 3, 0, 1);
@@ -42,5 +43,35 @@ impl Route {
         // A small frame must not wait for the answer to the one before.
         socket.set_nodelay(true)?;
         socket.connect(SocketAddr::new(Ipv4Addr::LOCALHOST.into(), self.port)).await
+    }
+}
+
+/// A listener that passes all on along a route: clients whose library chooses the address for them come from that of
+/// the route.
+#[derive(Debug)]
+pub(super) struct Relay {
+    port: u16,
+    _passes_on: AbortOnDropHandle<()>,
+}
+
+impl Relay {
+    pub(super) async fn along(route: Route) -> io::Result<Self> {
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).await?;
+        let port = listener.local_addr()?.port();
+        let passes_on = tokio::spawn(async move {
+            while let Ok((mut here, _)) = listener.accept().await {
+                tokio::spawn(async move {
+                    if let Ok(mut there) = route.connect().await {
+                        tokio::io::copy_bidirectional(&mut here, &mut there).await.ok();
+                    }
+                });
+            }
+        });
+        Ok(Self { port, _passes_on: AbortOnDropHandle::new(passes_on) })
+    }
+
+    /// Returns the way to the relay.
+    pub(super) const fn route(&self) -> Route {
+        Route::honest(self.port)
     }
 }

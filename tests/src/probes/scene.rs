@@ -1,11 +1,16 @@
 //! The programs under attack, and honest people beside.
 
-use std::time::{Duration, Instant};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use anyhow::Context as _;
 
 use super::{
     amqp,
+    entrance::Entrance,
+    opcua,
     process::{Memory, mib},
     route::Route,
 };
@@ -19,6 +24,9 @@ use crate::{
 const GROWTH_MAX: u64 = 96 << 20;
 /// Memory of a program, whatever happens.
 pub(super) const MEMORY_MAX: u64 = 512 << 20;
+/// Addresses by which a program may grow in one attack, used or not: less than the four gigabytes that attackers claim,
+/// and more than the arenas and stacks that a busy process adds.
+const ADDRESSES_MAX: u64 = 2 << 30;
 /// Time in which an honest request has to be answered after an attack.
 const ANSWER_MAX: Duration = Duration::from_secs(2);
 
@@ -29,6 +37,8 @@ pub(super) enum Target {
     /// The platform's broker, a process of its own.
     Broker,
     Connector,
+    /// The OPC UA server of the same process.
+    Twin,
 }
 
 /// The running programs, and people who are signed in.
@@ -38,6 +48,8 @@ pub(super) struct Scene {
     /// Planners of the maker and of the inspector.
     pub(super) maker: Api,
     pub(super) inspector: Api,
+    /// Client that came to Munich's OPC UA server while that trusted any certificate.
+    pub(super) newcomer: Arc<opcua::Client>,
     pub(super) failures: Vec<String>,
 }
 
@@ -45,7 +57,8 @@ impl Scene {
     pub(super) fn before(&self, target: Target) -> anyhow::Result<Before> {
         let memory = self.memory(target)?;
         memory.reset_peak()?;
-        Ok(Before { target, memory, resident: memory.resident()?, since: Instant::now() })
+        let (resident, addresses) = (memory.resident()?, memory.addresses()?);
+        Ok(Before { target, memory, resident, addresses, since: Instant::now() })
     }
 
     pub(super) fn memory(&self, target: Target) -> anyhow::Result<Memory> {
@@ -53,7 +66,7 @@ impl Scene {
         Ok(match target {
             Target::Platform => Memory::of(platform),
             Target::Broker => Memory::of_child(platform)?,
-            Target::Connector => {
+            Target::Connector | Target::Twin => {
                 let connector = self.world.factories[0].connector.as_ref();
                 Memory::of(connector.context("the connector is not started")?.pid())
             }
@@ -68,7 +81,7 @@ impl Scene {
         outcome: anyhow::Result<String>,
     ) -> anyhow::Result<()> {
         let took = before.since.elapsed();
-        let Before { target, memory, resident, .. } = before;
+        let Before { target, memory, resident, addresses, .. } = before;
         let mut faults = Vec::new();
         // A supervisor starts a broker again that has crashed.
         if self.memory(target).is_ok_and(|now| now != memory) {
@@ -79,6 +92,10 @@ impl Scene {
             0
         });
         let grew = peak.saturating_sub(resident);
+        let claimed = memory.addresses().unwrap_or_default().saturating_sub(addresses);
+        if claimed > ADDRESSES_MAX {
+            faults.push(format!("{} MiB of addresses were allocated", mib(claimed)));
+        }
         let answer = outcome.unwrap_or_else(|error| {
             faults.push(format!("{error:#}"));
             "not as expected".to_owned()
@@ -108,7 +125,7 @@ impl Scene {
         let daemon = match target {
             // The platform ends with its broker.
             Target::Platform | Target::Broker => &mut self.world.platform,
-            Target::Connector => {
+            Target::Connector | Target::Twin => {
                 let connector = self.world.factories[0].connector.as_mut();
                 connector.context("the connector is not started")?
             }
@@ -124,8 +141,11 @@ impl Scene {
         self.runs(target)?;
         let took = match target {
             Target::Platform => honest_request(&self.cast.platform).await?,
-            Target::Broker => amqp::sign_in(Route::honest(self.world.places.broker_plain)).await?,
+            Target::Broker => {
+                amqp::sign_in(&Entrance::plain(self.world.places.broker_plain)).await?
+            }
             Target::Connector => honest_request(&self.cast.munich).await?,
+            Target::Twin => opcua::discover(Route::honest(self.world.places.munich.twin)).await?,
         };
         anyhow::ensure!(took < ANSWER_MAX, "an answer took {took:?}");
         Ok(())
@@ -137,6 +157,7 @@ pub(super) struct Before {
     target: Target,
     memory: Memory,
     resident: u64,
+    addresses: u64,
     since: Instant,
 }
 

@@ -12,6 +12,7 @@ use messaging::{
 use serde_json::{Value, json};
 use tokio_util::sync::{CancellationToken, DropGuard};
 
+use super::{amqp, route::Route};
 use crate::{
     frame_order::NETWORK,
     harness::{Api, eventually},
@@ -41,20 +42,10 @@ struct Stranger {
 }
 
 impl Stranger {
-    /// Enrols a factory of an organisation of its own.
+    /// Enrols a factory of an organisation of its own, and connects it.
     async fn enrolled(platform: &Api, factory: &'static str) -> anyhow::Result<Self> {
-        let organisation = factory.to_lowercase();
-        let body = json!({ "organisationId": organisation, "name": organisation });
-        let _: Value = platform.post("/api/v1/organisations", &body).await?;
-        let body = json!({ "factoryId": factory, "organisationId": organisation, "name": factory });
-        let _: Value = platform.post("/api/v1/factories", &body).await?;
-        let path = format!("/api/v1/factories/{factory}/enrolment-tokens");
-        let token: Value = platform.post(&path, &json!({})).await?;
-        let body = json!({ "token": token["token"], "signingKey": null });
-        let credential: Value = platform.post("/api/v1/enrolments", &body).await?;
-        let text = |name: &str| {
-            credential[name].as_str().map(str::to_owned).with_context(|| format!("no {name}"))
-        };
+        let credential = enrol(platform, factory).await?;
+        let text = |name: &str| text_of(&credential, name);
         let login = Login::new(text("userName")?, text("password")?);
         let mut config = LinkConfig::new(text("brokerUrl")?.parse()?, login, factory);
         let roots = text("rootCertificatePem")?.into_bytes();
@@ -78,6 +69,30 @@ impl Stranger {
     fn address(&self) -> String {
         format!("factory.{}.ingress", self.factory)
     }
+}
+
+/// Adds a factory of an organisation of its own, and spends a token. Returns what the platform answers.
+async fn enrol(platform: &Api, factory: &str) -> anyhow::Result<Value> {
+    let organisation = factory.to_lowercase();
+    let body = json!({ "organisationId": organisation, "name": organisation });
+    let _: Value = platform.post("/api/v1/organisations", &body).await?;
+    let body = json!({ "factoryId": factory, "organisationId": organisation, "name": factory });
+    let _: Value = platform.post("/api/v1/factories", &body).await?;
+    let path = format!("/api/v1/factories/{factory}/enrolment-tokens");
+    let token: Value = platform.post(&path, &json!({})).await?;
+    let body = json!({ "token": token["token"], "signingKey": null });
+    platform.post("/api/v1/enrolments", &body).await
+}
+
+fn text_of(document: &Value, name: &str) -> anyhow::Result<String> {
+    document[name].as_str().map(str::to_owned).with_context(|| format!("no {name}"))
+}
+
+/// Links to the addresses of another factory, by a factory that is signed in.
+pub(super) async fn addresses_of_others(platform: Api, broker: Route) -> anyhow::Result<String> {
+    let credential = enrol(&platform, "STR_FOUR").await?;
+    let (user, password) = (text_of(&credential, "userName")?, text_of(&credential, "password")?);
+    amqp::foreign_addresses(broker, &user, &password).await
 }
 
 /// Reports to the requests of others, in a stranger's name: to one that is there, and to one that may come.

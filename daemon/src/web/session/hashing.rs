@@ -133,4 +133,20 @@ mod tests {
         assert!(hashing.0.memory.lock().len() <= HASHES_MAX);
         assert!(!hashing.verify(None, "correct horse".into()).await.expect("room again"));
     }
+
+    #[tokio::test]
+    async fn others_on_the_same_thread_go_on_while_passwords_are_hashed() {
+        let hashing = PasswordHashing::default();
+        let hashed = tokio::spawn(async move {
+            let hash = hashing.hash("correct horse".into(), PasswordPolicy::default()).await?;
+            hashing.verify(Some(hash), "correct horse".into()).await
+        });
+        let mut turns = 0;
+        while !hashed.is_finished() {
+            tokio::time::sleep(std::time::Duration::from_millis(1)).await;
+            turns += 1;
+        }
+        assert!(hashed.await.expect("no panic").expect("room"));
+        assert!(turns > 3, "{turns} turns");
+    }
 }

@@ -55,6 +55,28 @@ pub struct NewPasskey {
     pub credential: Value,
 }
 
+impl NewPasskey {
+    /// Reads name, challenge and credential.
+    fn read(&self) -> Result<(&str, u128, Attestation), Problem> {
+        let name = self.name.trim();
+        let chars = name.chars().count();
+        if chars == 0 || chars > NAME_CHARS_MAX || name.chars().any(char::is_control) {
+            let message = format!("A name has 1 to {NAME_CHARS_MAX} characters.");
+            return Err(wrong("/name", "NAME_REFUSED", &message));
+        }
+        let (challenge, attestation) = Attestation::parse(&self.credential).map_err(refused)?;
+        Ok((name, challenge, attestation))
+    }
+
+    /// Judges the form, before it is known whose passkey it is and for which challenge.
+    ///
+    /// # Errors
+    /// A [`Problem`]: 422 for a name or a credential that is refused.
+    pub fn check_form(&self) -> Result<(), Problem> {
+        self.read().map(drop)
+    }
+}
+
 /// Password with which a passkey is removed.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
@@ -172,13 +194,7 @@ impl<'s, A: Accounts> OwnPasskeys<'s, A> {
     /// that is refused, as one for another challenge.
     pub async fn add(&self, body: &NewPasskey) -> Result<RecoveryCodes, Problem> {
         let party = self.relying_party()?;
-        let name = body.name.trim();
-        let chars = name.chars().count();
-        if chars == 0 || chars > NAME_CHARS_MAX || name.chars().any(char::is_control) {
-            let message = format!("A name has 1 to {NAME_CHARS_MAX} characters.");
-            return Err(wrong("/name", "NAME_REFUSED", &message));
-        }
-        let (challenge, attestation) = Attestation::parse(&body.credential).map_err(refused)?;
+        let (name, challenge, attestation) = body.read()?;
         let open = self.sessions.registrations();
         let state = open.lock().take(self.user_name, challenge, Instant::now());
         let state = state.ok_or_else(|| refused(WebauthnError::NoChallenge))?;

@@ -10,7 +10,7 @@ use opcua_stack::{
     opcua::{
         client::{ClientBuilder, IdentityToken},
         crypto::{KeySize as _, PrivateKey, SecurityPolicy, X509, X509Data},
-        types::{MessageSecurityMode, UserTokenPolicy},
+        types::{EndpointDescription, MessageSecurityMode},
     },
 };
 use testkit::opcua::{NO_HEADER, framed};
@@ -23,7 +23,7 @@ const PATIENCE: Duration = Duration::from_secs(20);
 const NONCE: [u8; 32] = [7; 32];
 
 /// A client with key and certificate.
-pub(super) struct Client {
+pub(in crate::probes) struct Client {
     key: PrivateKey,
     pub certificate: X509,
 }
@@ -51,24 +51,19 @@ impl Client {
         self.certificate.to_der().map_err(|error| anyhow::anyhow!("{error}"))
     }
 
-    /// Asks for a session with a client of the library. Returns whether it got one.
+    /// Asks for a session as the engineer. Returns whether it got one.
     pub async fn has_session(&self, folder: &Path, url: &str) -> anyhow::Result<bool> {
-        let key = self.key.to_der().map_err(|error| anyhow::anyhow!("{error}"))?;
-        let key = BASE64.encode(key.as_bytes());
-        // A file of this form has lines of 64 characters (RFC 7468).
-        let lines: Vec<&[u8]> = key.as_bytes().chunks(64).collect();
-        let key = String::from_utf8(lines.join(&b"\n"[..]))?;
-        for (part, content) in [
-            ("own/cert.der", self.der()?),
-            (
-                "private/private.pem",
-                format!("-----BEGIN PRIVATE KEY-----\n{key}\n-----END PRIVATE KEY-----\n").into(),
-            ),
-        ] {
-            let file = folder.join(part);
-            std::fs::create_dir_all(file.parent().context("a folder")?)?;
-            std::fs::write(file, content)?;
-        }
+        self.signs_in(folder, url, (ENGINEER, PASSWORD)).await
+    }
+
+    /// Asks for a session with a client of the library, as a user with a password. Returns whether it got one.
+    pub async fn signs_in(
+        &self,
+        folder: &Path,
+        url: &str,
+        (user, password): (&str, &str),
+    ) -> anyhow::Result<bool> {
+        self.write_to(folder)?;
         let builder = ClientBuilder::new()
             .application_name("Probe")
             .application_uri("urn:OPCUADemo")
@@ -80,11 +75,17 @@ impl Client {
         let mut client = limits::raise_client(builder)
             .client()
             .map_err(|faults| anyhow::anyhow!(faults.join(", ")))?;
-        let policy = SecurityPolicy::Basic256Sha256;
-        let security = MessageSecurityMode::SignAndEncrypt;
-        let endpoint = (url, policy.to_str(), security, UserTokenPolicy::anonymous());
-        let user = IdentityToken::new_user_name(ENGINEER, PASSWORD);
-        let (session, event_loop) = client.connect_to_matching_endpoint(endpoint, user).await?;
+        let offered = client.get_server_endpoints_from_url(url).await?;
+        let is_wanted = |endpoint: &EndpointDescription| {
+            endpoint.security_mode == MessageSecurityMode::SignAndEncrypt
+                && endpoint.security_policy_uri.as_ref() == SecurityPolicy::Basic256Sha256.to_uri()
+        };
+        let mut endpoint =
+            offered.into_iter().find(is_wanted).context("no endpoint that encrypts")?;
+        // The way may lead through a relay.
+        endpoint.endpoint_url = url.into();
+        let user = IdentityToken::new_user_name(user, password);
+        let (session, event_loop) = client.connect_to_endpoint_directly(endpoint, user)?;
         let mut events = event_loop.spawn();
         // A client that is refused ends, and no session is ever connected.
         let outcome = async {
@@ -101,6 +102,30 @@ impl Client {
         Ok(has_session)
     }
 
+    /// Writes key and certificate as the library reads them.
+    fn write_to(&self, folder: &Path) -> anyhow::Result<()> {
+        let file = folder.join("private/private.pem");
+        if file.exists() && std::fs::read(folder.join("own/cert.der"))? == self.der()? {
+            return Ok(());
+        }
+        let key = self.key.to_der().map_err(|error| anyhow::anyhow!("{error}"))?;
+        let key = BASE64.encode(key.as_bytes());
+        // A file of this form has lines of 64 characters (RFC 7468).
+        let lines: Vec<&[u8]> = key.as_bytes().chunks(64).collect();
+        let key = String::from_utf8(lines.join(&b"\n"[..]))?;
+        for (file, content) in [
+            (folder.join("own/cert.der"), self.der()?),
+            (
+                file,
+                format!("-----BEGIN PRIVATE KEY-----\n{key}\n-----END PRIVATE KEY-----\n").into(),
+            ),
+        ] {
+            std::fs::create_dir_all(file.parent().context("a folder")?)?;
+            std::fs::write(file, content)?;
+        }
+        Ok(())
+    }
+
     /// Returns a request for a channel, signed and encrypted by a policy for the server's key. The message says `uri`
     /// for the policy.
     pub fn opening(
@@ -108,6 +133,26 @@ impl Client {
         policy: SecurityPolicy,
         uri: &str,
         server: &X509,
+    ) -> anyhow::Result<Vec<u8>> {
+        self.encrypted(policy, uri, server, true)
+    }
+
+    /// Returns the same with a signature that is none.
+    pub fn forged(
+        &self,
+        policy: SecurityPolicy,
+        uri: &str,
+        server: &X509,
+    ) -> anyhow::Result<Vec<u8>> {
+        self.encrypted(policy, uri, server, false)
+    }
+
+    fn encrypted(
+        &self,
+        policy: SecurityPolicy,
+        uri: &str,
+        server: &X509,
+        is_signed: bool,
     ) -> anyhow::Result<Vec<u8>> {
         let receiver = server.public_key().context("the server's key")?;
         let mut head = 0_u32.to_le_bytes().to_vec();
@@ -125,8 +170,10 @@ impl Client {
         let mut message = framed(b"OPNF", &[&head[..], &vec![0; size]].concat());
         message.truncate(8 + head.len());
         let mut signature = vec![0; signed];
-        let text = [&message[..], &plain].concat();
-        policy.asymmetric_sign(&self.key, &text, &mut signature).context("signing")?;
+        if is_signed {
+            let text = [&message[..], &plain].concat();
+            policy.asymmetric_sign(&self.key, &text, &mut signature).context("signing")?;
+        }
         let mut cipher = vec![0; size + receiver.size()];
         let written = policy
             .asymmetric_encrypt(&receiver, &[plain, signature].concat(), &mut cipher)

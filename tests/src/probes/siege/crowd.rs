@@ -16,10 +16,21 @@ use tokio::{
     time::timeout,
 };
 
-use crate::{harness::say, probes::route::Route};
+use crate::{
+    harness::say,
+    probes::entrance::{Entrance, Wire},
+};
 
-/// Connections of each kind to each listener, and the least number that has to be made.
-const CROWD: u16 = 1000;
+/// Connections that come through no layer, of each kind to each listener, and the least number that has to be made.
+pub(super) const CROWD: u16 = 1000;
+/// Connections that complete TLS or the request for a WebSocket before they are silent or slow: of each kind to each
+/// listener. Each handshake takes the attackers as long as the broker, and there are two processors for both.
+pub(super) const CROWD_BEHIND_LAYERS: u16 = 250;
+/// Pause before a connection that was closed comes again.
+const PAUSE: Duration = Duration::from_millis(500);
+const PAUSE_BEHIND_LAYERS: Duration = Duration::from_secs(4);
+/// Time for the layers.
+const PATIENCE: Duration = Duration::from_secs(30);
 
 /// A running number.
 pub(super) type Count = Arc<AtomicU64>;
@@ -74,33 +85,41 @@ impl Drop for OpenConnection {
     }
 }
 
-/// Lets silent and slow connections come to a listener from many addresses.
-pub(super) fn gather(
-    siege: &mut JoinSet<()>,
-    tally: &mut Tally,
-    listener: &str,
-    port: u16,
-    slow: Arc<[u8]>,
-) {
-    for (kind, is_silent) in [("silent", true), ("slow", false)] {
-        let made = tally.count(format!("{kind} connections to the {listener}"), u64::from(CROWD));
+/// Connections of one kind to one listener.
+pub(super) struct Crowd {
+    /// What they are, for people: `silent connections to the broker`.
+    pub name: String,
+    pub entrance: Entrance,
+    /// Bytes that come one by one; none of a connection that is silent.
+    pub slow: Option<Arc<[u8]>>,
+    pub size: u16,
+    /// Those that have to be open at the same time, at least: a listener has places for so many, and who comes takes
+    /// that of another.
+    pub open_min: u64,
+}
+
+impl Crowd {
+    /// Lets the connections come from many addresses, and come again.
+    pub fn gather(self, siege: &mut JoinSet<()>, tally: &mut Tally) {
+        let Self { name, entrance, slow, size, open_min } = self;
+        let made = tally.count(name.clone(), u64::from(size));
         // A server may end them: the longest of them show how long it bears them.
-        let held = tally.count(format!("{kind} connections to the {listener} for over 5 s"), 0);
-        // As many as the server admits: it has places for so many, and who comes takes that of another.
-        let most =
-            tally.count(format!("{kind} connections to the {listener} at the same time"), 20);
+        let held = tally.count(format!("{name} for over 5 s"), 0);
+        let most = tally.count(format!("{name} at the same time"), open_min);
         let open = Arc::new(Open { now: AtomicU64::default(), most });
-        for n in 0..CROWD {
+        let pause = if size == CROWD { PAUSE } else { PAUSE_BEHIND_LAYERS };
+        for n in 0..size {
             let [high, low] = (n / 8).to_be_bytes();
-            // Eight of each kind from each of 125 addresses; honest people have another one.
+            // Eight of each kind from each of up to 125 addresses; honest people have another one.
             let source = Ipv4Addr::new(127, 1, high, low.max(1));
-            let (made, held, slow) = (Arc::clone(&made), Arc::clone(&held), Arc::clone(&slow));
-            let open = Arc::clone(&open);
+            let (made, held, slow) = (Arc::clone(&made), Arc::clone(&held), slow.clone());
+            let (open, entrance) = (Arc::clone(&open), entrance.clone());
             siege.spawn(async move {
+                // Not all in one moment: that would be over before anybody honest comes.
+                tokio::time::sleep(pause * u32::from(n) / u32::from(size)).await;
                 loop {
-                    let slow = (!is_silent).then_some(&*slow);
-                    hold(source, port, slow, [&made, &held], &open).await.ok();
-                    tokio::time::sleep(Duration::from_millis(500)).await;
+                    hold(&entrance, source, slow.as_deref(), [&made, &held], &open).await.ok();
+                    tokio::time::sleep(pause).await;
                 }
             });
         }
@@ -109,31 +128,31 @@ pub(super) fn gather(
 
 /// Holds a connection open, silent or with a byte now and then, until it is closed.
 async fn hold(
+    entrance: &Entrance,
     source: Ipv4Addr,
-    port: u16,
     slow: Option<&[u8]>,
     [made, held]: [&AtomicU64; 2],
     open: &Arc<Open>,
 ) -> io::Result<()> {
-    let mut stream = Route::new(source, port).connect().await?;
+    let mut wire = timeout(PATIENCE, entrance.open(source)).await??;
     let _open = open.begins();
     if slow.is_none() {
         made.fetch_add(1, Ordering::Relaxed);
     }
     let begun = tokio::time::Instant::now();
     let mut is_counted = false;
-    let (mut bytes, pause) = (slow.unwrap_or_default().iter(), Duration::from_millis(500));
+    let mut bytes = slow.unwrap_or_default().iter();
     let mut is_first = true;
     loop {
         if let Some(byte) = bytes.next() {
-            stream.write_all(&[*byte]).await?;
+            send(&mut wire, *byte).await?;
             if std::mem::take(&mut is_first) {
                 made.fetch_add(1, Ordering::Relaxed);
             }
         } else if slow.is_some() {
             return Ok(());
         }
-        if let Ok(read) = timeout(pause, stream.read(&mut [0; 64])).await
+        if let Ok(read) = timeout(Duration::from_millis(500), wire.read(&mut [0; 64])).await
             && read? == 0
         {
             return Ok(());
@@ -143,4 +162,9 @@ async fn hold(
             held.fetch_add(1, Ordering::Relaxed);
         }
     }
+}
+
+async fn send(wire: &mut Box<dyn Wire>, byte: u8) -> io::Result<()> {
+    wire.write_all(&[byte]).await?;
+    wire.flush().await
 }
