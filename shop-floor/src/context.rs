@@ -9,13 +9,14 @@ use tokio::{
 
 use crate::{Config, InputChange, certificates::PkiDirectory, change_queue::ChangeQueue};
 
-/// Configuration, certificates, the queue of changes and the version of all statuses.
+/// Configuration, certificates, the queue of changes, and the versions of all statuses and of what is trusted.
 pub(crate) struct SourceContext {
     pub(crate) config: Config,
     /// Sending side of the channel to the consumer.
     pub(crate) changes: ChangeQueue,
     certificates: Arc<PkiDirectory>,
     status_version: watch::Sender<u64>,
+    trust_version: watch::Sender<u64>,
 }
 
 impl SourceContext {
@@ -27,6 +28,7 @@ impl SourceContext {
             config,
             changes,
             status_version: watch::Sender::new(0),
+            trust_version: watch::Sender::new(0),
         };
         (Arc::new(context), receiver)
     }
@@ -38,6 +40,15 @@ impl SourceContext {
 
     pub(crate) fn watch_status(&self) -> watch::Receiver<u64> {
         self.status_version.subscribe()
+    }
+
+    /// Notifies all sessions that other certificates are trusted than before.
+    pub(crate) fn notify_trust_changed(&self) {
+        self.trust_version.send_modify(|version| *version = version.wrapping_add(1));
+    }
+
+    pub(crate) fn watch_trust(&self) -> watch::Receiver<u64> {
+        self.trust_version.subscribe()
     }
 
     pub(crate) fn certificates(&self) -> &PkiDirectory {

@@ -264,7 +264,7 @@ impl ShopFloorHandle {
         self.with_certificates(PkiDirectory::list).await
     }
 
-    /// Changes the trust in a certificate; sources that wait for it retry at once.
+    /// Changes the trust in a certificate; sources that wait for it retry at once, and sessions that rest on it end.
     ///
     /// # Errors
     /// [`ShopFloorError::Invalid`] when it is not known.
@@ -276,17 +276,20 @@ impl ShopFloorHandle {
         let thumbprint = thumbprint.to_owned();
         let certificate =
             self.with_certificates(move |pki| pki.set_trust(&thumbprint, trust)).await?;
+        self.context.notify_trust_changed();
         self.registry.retry_all();
         Ok(certificate)
     }
 
-    /// Deletes a server's certificate.
+    /// Deletes a server's certificate; sessions that rest on it end.
     ///
     /// # Errors
     /// [`ShopFloorError::Certificates`].
     pub async fn forget_certificate(&self, thumbprint: &str) -> Result<(), ShopFloorError> {
         let thumbprint = thumbprint.to_owned();
-        self.with_certificates(move |pki| pki.forget(&thumbprint)).await
+        self.with_certificates(move |pki| pki.forget(&thumbprint)).await?;
+        self.context.notify_trust_changed();
+        Ok(())
     }
 
     async fn with_certificates<T: Send + 'static>(

@@ -39,6 +39,9 @@ const SESSION_LIFETIME: Duration = Duration::from_secs(30);
 /// Interval of the stack's own keep-alive. Long: this crate measures the silence of a server
 /// itself, within the limit that its source allows.
 const STACK_KEEP_ALIVE: Duration = Duration::from_secs(600);
+/// Longest time for which a certificate is taken as it was found: it ends by itself, and lists of revoked ones are
+/// files that others write.
+const TRUST_CHECK_INTERVAL: Duration = Duration::from_secs(60);
 /// Most endpoints of a server that are considered.
 const ENDPOINTS_MAX: usize = 200;
 
@@ -46,6 +49,8 @@ const ENDPOINTS_MAX: usize = 200;
 pub(super) struct OpenSession {
     pub(super) session: Arc<Session>,
     pub(super) endpoint: ChosenEndpoint,
+    /// The server as it was trusted; none where the connection is not protected.
+    trusted: Option<EndpointDescription>,
     state: watch::Receiver<ChannelState>,
     event_loop: AbortHandle,
 }
@@ -58,6 +63,25 @@ enum ChannelState {
 }
 
 impl OpenSession {
+    /// Waits until the server's certificate is no longer trusted: an engineer took that back, its time is over, or
+    /// its issuer revoked it. Looked at as soon as people change what is trusted, and now and then.
+    pub(super) async fn trust_lost(&self, context: &SourceContext) -> SourceProblem {
+        let Some(endpoint) = &self.trusted else { return std::future::pending().await };
+        let mut changed = context.watch_trust();
+        loop {
+            if let Err(problem) = check_trust(context, endpoint).await {
+                return problem;
+            }
+            // Past the end of the context nothing changes any more.
+            let change = async {
+                if changed.changed().await.is_err() {
+                    std::future::pending().await
+                }
+            };
+            tokio::time::timeout(TRUST_CHECK_INTERVAL, change).await.ok();
+        }
+    }
+
     /// Waits until the connection is lost, and returns the status of its end.
     pub(super) async fn lost(&self) -> StatusCode {
         let mut state = self.state.clone();
@@ -94,6 +118,7 @@ pub(super) async fn open_session(
     if policy != SecurityPolicy::None {
         check_trust(context, &endpoint).await?;
     }
+    let trusted = (policy != SecurityPolicy::None).then(|| endpoint.clone());
     // Servers behind address translation, or with a wrong host name, return addresses that cannot
     // be reached from here.
     endpoint.endpoint_url =
@@ -120,6 +145,7 @@ pub(super) async fn open_session(
     let session = OpenSession {
         session,
         endpoint: chosen,
+        trusted,
         state: state.clone(),
         event_loop: task.abort_handle(),
     };

@@ -84,6 +84,7 @@ pub(super) async fn run_session(
         problem = exceeded_silence(&connection, &sink, config.silence_max(), &is_busy) => {
             Some(problem)
         }
+        problem = opened.trust_lost(context) => Some(problem),
         problem = session.work(memory, is_same_server) => Some(problem),
     };
     match &problem {

@@ -78,6 +78,15 @@ async fn trust_is_given_by_people_on_both_sides_and_the_user_signs_in() {
     floor.monitor(1, &id, node(&press, "Ram.Strokes"));
     press.set("Ram.Strokes", 99_u64).await.expect("set");
     floor.until_value(1, 99_u64).await;
+
+    // Trust that is taken back ends the session, and so does a certificate that is forgotten.
+    let untrusted = || problem(&floor, &id) == Some(SourceProblemKind::ServerCertificateUntrusted);
+    floor.handle.set_trust(&shown[0].thumbprint, TrustState::Rejected).await.expect("taken back");
+    until("the session ends with the trust", untrusted).await;
+    floor.handle.set_trust(&shown[0].thumbprint, TrustState::Trusted).await.expect("approved");
+    floor.until_connected(&id).await;
+    floor.handle.forget_certificate(&shown[0].thumbprint).await.expect("forgotten");
+    until("the session ends with the certificate", untrusted).await;
 }
 
 #[tokio::test]
