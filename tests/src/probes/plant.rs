@@ -17,7 +17,7 @@ use crate::{
 const PATIENCE: Duration = Duration::from_secs(30);
 /// Time in which a page has to be served while the ledger is verified.
 const SERVED_MAX: Duration = Duration::from_secs(2);
-/// What a spreadsheet would run.
+/// Text that a spreadsheet would run.
 const FORMULA: &str = "=HYPERLINK(\"http://example.org\";\"1\")";
 /// Verifications of the ledger at once.
 const VERIFICATIONS: usize = 8;

@@ -33,6 +33,7 @@ pub(super) const CLOSE: u8 = 0x18;
 pub(super) struct Peer(Box<dyn Wire>);
 
 impl Peer {
+    /// Connects, and says nothing yet.
     pub async fn connect(route: Route) -> anyhow::Result<Self> {
         Ok(Self(Box::new(route.connect().await?)))
     }
@@ -42,6 +43,7 @@ impl Peer {
         Self::open_as(route, OBSERVER, OBSERVER_PASSWORD).await
     }
 
+    /// Does the same for another user.
     pub async fn open_as(route: Route, user: &str, password: &str) -> anyhow::Result<Self> {
         Self::open_on(Box::new(route.connect().await?), user, password).await
     }
@@ -67,6 +69,7 @@ impl Peer {
         Ok(peer)
     }
 
+    /// Reads a header of the protocol.
     pub async fn header(&mut self) -> anyhow::Result<()> {
         timeout(PATIENCE, self.0.read_exact(&mut [0; 8])).await??;
         Ok(())

@@ -24,8 +24,8 @@ use crate::{
 /// Connections that come through no layer, of each kind to each listener, and the least number that has to be made.
 pub(super) const CROWD: u16 = 1000;
 /// Connections that complete TLS or the request for a WebSocket before they are silent or slow: of each kind to each
-/// listener. Each handshake takes the attackers as long as the broker, and there are two processors for both.
-pub(super) const CROWD_BEHIND_LAYERS: u16 = 250;
+/// listener. Each handshake takes the attackers as long as the broker, and both share the processors of one machine.
+pub(super) const CROWD_BEHIND_LAYERS: u16 = 100;
 /// Pause before a connection that was closed comes again.
 const PAUSE: Duration = Duration::from_millis(500);
 const PAUSE_BEHIND_LAYERS: Duration = Duration::from_secs(4);
@@ -87,13 +87,13 @@ impl Drop for OpenConnection {
 
 /// Connections of one kind to one listener.
 pub(super) struct Crowd {
-    /// What they are, for people: `silent connections to the broker`.
+    /// Name for people: `silent connections to the broker`.
     pub name: String,
     pub entrance: Entrance,
     /// Bytes that come one by one; none of a connection that is silent.
     pub slow: Option<Arc<[u8]>>,
     pub size: u16,
-    /// Those that have to be open at the same time, at least: a listener has places for so many, and who comes takes
+    /// Number that has to be open at the same time, at least: a listener has places for so many, and who comes takes
     /// that of another.
     pub open_min: u64,
 }

@@ -9,7 +9,7 @@ use anyhow::Context as _;
 use futures::future::join_all;
 use serde_json::Value;
 
-use super::verdict::Times;
+use super::judgement::Times;
 use crate::{
     harness::Api,
     probes::{
