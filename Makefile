@@ -83,8 +83,9 @@ rust-checks: web
 
 rust-tests: web script-deno
 	$(CARGO) build --locked --workspace --bins --tests
-	# The patched decoder is no member of the workspace: its tests allocate by an allocator of their own.
-	$(CARGO) test --quiet --locked --manifest-path vendor/serde_amqp/Cargo.toml --features derive --target-dir target/vendor
+	# Patched crates are no members of the workspace: their tests have dependencies of their own.
+	$(CARGO) test --quiet --locked --manifest-path vendor/Cargo.toml --target-dir target/vendor --workspace --lib --tests \
+	  --features async-opcua-crypto/legacy-crypto,async-opcua-types/json,async-opcua-types/xml,fe2o3-amqp/acceptor,serde_amqp/derive
 	# Much of what tests do is waiting for other programs: one more at a time than there are processors.
 	# What concerns scripts is played again with the second engine. What must not compile beside the gate stands in its
 	# documentation, which nextest does not play.

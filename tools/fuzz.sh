@@ -5,7 +5,7 @@
 #
 # Each folder `fuzz` of a package has targets for libFuzzer and, below `corpus/TARGET`, what former runs found worth
 # keeping; the tests of the package replay it. A target that takes more than 256 MB has found something: an input
-# has 4 KB at most. A target gets SECONDS, or its part of HOURS; as many run at a time as
+# has 4 KB at most, of `chunks` 70 KB. A target gets SECONDS, or its part of HOURS; as many run at a time as
 # there are processors. `keep` stores what was grown, short inputs that together reach all that all of them reach,
 # as `corpus/TARGET.base64`, a line each; a run begins with them. New inputs go to target/fuzz/corpus, and what broke a target to target/fuzz/found. Needs the
 # Rust and C++ compilers only: the instrumentation is by stable options of the compiler.
@@ -76,8 +76,10 @@ play() {
   local corpus=$root/target/fuzz/corpus/$name found=$root/target/fuzz/found/$name seeds=()
   mkdir -p "$corpus" "$found"
   [ ! -d "$root/$folder/corpus/$name" ] || seeds+=("$root/$folder/corpus/$name")
-  local result="nothing found"
-  "$CARGO_TARGET_DIR/$host/release/$name" "$corpus" "${seeds[@]}" -max_total_time="$seconds" -timeout=30 -max_len=4096 \
+  local result="nothing found" length=4096
+  # A whole chunk, and the beginning of the next.
+  [ "$name" != chunks ] || length=70000
+  "$CARGO_TARGET_DIR/$host/release/$name" "$corpus" "${seeds[@]}" -max_total_time="$seconds" -timeout=30 -max_len="$length" \
     -rss_limit_mb=256 -artifact_prefix="$found/" -print_final_stats=1 >"$log" 2>&1 || result="FOUND: $found, $log"
   local count most
   count=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")

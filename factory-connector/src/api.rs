@@ -18,6 +18,7 @@ mod fields;
 mod inbox;
 mod leaks;
 mod ledger;
+mod machine_turns;
 mod mapping_import;
 mod mapping_status;
 mod networks;

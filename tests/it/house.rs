@@ -275,7 +275,10 @@ fn committed(pattern: &str) -> Vec<String> {
 fn package_folders() -> Vec<String> {
     let manifests = committed("*/Cargo.toml");
     let folders = manifests.iter().filter_map(|file| file.strip_suffix("/Cargo.toml"));
-    folders.filter(|folder| !folder.starts_with("vendor/")).map(str::to_owned).collect()
+    folders
+        .filter(|folder| *folder != "vendor" && !folder.starts_with("vendor/"))
+        .map(str::to_owned)
+        .collect()
 }
 
 #[test]

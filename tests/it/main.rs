@@ -15,3 +15,4 @@ mod openapi;
 mod passwords;
 mod promises;
 mod shown;
+mod vendored;

@@ -9,7 +9,7 @@ use std::{
 
 use verbund_tests::bench::goals::{Bound, GOALS};
 
-fn root() -> PathBuf {
+pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
@@ -21,18 +21,23 @@ fn named_proofs(document: &str) -> Vec<String> {
 }
 
 /// Returns the texts between backticks.
-fn quoted(text: &str) -> Vec<String> {
+pub fn quoted(text: &str) -> Vec<String> {
     text.split('`').skip(1).step_by(2).map(str::to_owned).collect()
 }
 
-/// Returns `package::function` of each test in the committed sources: functions below an attribute
-/// that ends in `test`, and those of `proptest!`.
+/// Returns `package::function` of each test in the committed sources, patched crates left out: functions below
+/// an attribute that ends in `test`, and those of `proptest!`.
 fn tests() -> BTreeSet<String> {
+    tests_of(|file| !file.starts_with("vendor/"))
+}
+
+/// Returns `package::function` of each test in some of the committed sources.
+pub fn tests_of(is_meant: impl Fn(&str) -> bool) -> BTreeSet<String> {
     let listed =
         Command::new("git").args(["ls-files", "-z", "*.rs"]).current_dir(root()).output().unwrap();
     let files = String::from_utf8(listed.stdout).unwrap();
     let mut tests = BTreeSet::new();
-    for file in files.split('\0').filter(|file| !file.is_empty() && !file.starts_with("vendor/")) {
+    for file in files.split('\0').filter(|file| !file.is_empty() && is_meant(file)) {
         // Listed and not there: being moved.
         let Ok(source) = fs::read_to_string(root().join(file)) else { continue };
         let package = package_of(file);

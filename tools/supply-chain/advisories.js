@@ -89,7 +89,10 @@ export function findingsOfNpm(text, where) {
  */
 export function vendoredCrates() {
   const files = execFileSync('git', ['ls-files', 'vendor'], { cwd: ROOT, encoding: 'utf8' })
-  const manifests = files.split('\n').filter((file) => file.endsWith('/Cargo.toml'))
+  // But that of all of them together.
+  const manifests = files
+    .split('\n')
+    .filter((file) => file.endsWith('/Cargo.toml') && file !== 'vendor/Cargo.toml')
   return manifests.map((file) => {
     const text = readFileSync(`${ROOT}/${file}`, 'utf8')
     const own = text.slice(text.indexOf('[package]'))

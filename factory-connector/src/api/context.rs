@@ -23,7 +23,7 @@ use tokio::sync::{Notify, Semaphore, watch};
 use tokio_util::sync::CancellationToken;
 use twin::TwinHandle;
 
-use super::{accounts::StoredAccounts, previews::ShownPreviews};
+use super::{accounts::StoredAccounts, machine_turns::MachineTurns, previews::ShownPreviews};
 use crate::{
     catalog::CatalogHandle,
     coordinator::CoordinatorHandle,
@@ -100,6 +100,7 @@ pub struct Api {
     pub(super) export_turn: Arc<Semaphore>,
     /// Right to verify the ledger, which reads all of it.
     pub(super) verification: Arc<Semaphore>,
+    pub(super) machine_turns: MachineTurns,
 }
 
 impl Api {
@@ -130,6 +131,7 @@ impl Api {
             previews: Arc::default(),
             export_turn: Arc::new(Semaphore::new(1)),
             verification: Arc::new(Semaphore::new(1)),
+            machine_turns: MachineTurns::default(),
         }
     }
 

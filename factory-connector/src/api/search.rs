@@ -57,7 +57,7 @@ pub struct FoundVariables {
     responses((status = 200, body = FoundVariables), Problems)
 )]
 pub async fn search_source(
-    _: Viewer,
+    user: Viewer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<SourceId>,
     ApiQuery(query): ApiQuery<SearchQuery>,
@@ -86,6 +86,7 @@ pub async fn search_source(
     let found = tokio::task::spawn_blocking(move || find(&list.variables, &words, most)).await;
     let (best, total) = found.map_err(|error| Problem::internal(&error))?;
     let ids: Vec<NodeId> = best.iter().map(|variable| variable.node_id.clone()).collect();
+    let _turn = api.machine_turns.take(&id, &user.principal.user_name).await?;
     let mut items = api.shop_floor.describe_many(&id, &ids).await.map_err(shop_floor)?;
     for node in &mut items {
         node.browse_path = best

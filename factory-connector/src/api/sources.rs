@@ -197,13 +197,14 @@ pub struct NodesQuery {
     responses((status = 200, body = Page<BrowsedNode>), Problems)
 )]
 pub async fn browse_source(
-    _: Viewer,
+    user: Viewer,
     State(api): State<Api>,
     ApiPath(id): ApiPath<SourceId>,
     ApiQuery(query): ApiQuery<NodesQuery>,
 ) -> Result<Json<Page<BrowsedNode>>, Problem> {
     let limit = query.limit.unwrap_or(CHILDREN).clamp(1, CHILDREN_MAX);
     let from = query.cursor.unwrap_or(0);
+    let _turn = api.machine_turns.take(&id, &user.principal.user_name).await?;
     let browsed = api.shop_floor.browse_from(&id, query.parent.as_ref(), from, limit);
     let (items, next) = browsed.await.map_err(shop_floor)?;
     Ok(Json(Page { items, next_cursor: next.map(|next| next.to_string()) }))
@@ -231,6 +232,7 @@ pub async fn read_source_value(
     ApiPath(id): ApiPath<SourceId>,
     ApiQuery(query): ApiQuery<ValueQuery>,
 ) -> Result<Json<ShownValue>, Problem> {
+    let _turn = api.machine_turns.take(&id, &user.principal.user_name).await?;
     let values =
         api.shop_floor.read(&id, std::slice::from_ref(&query.node)).await.map_err(shop_floor)?;
     values

@@ -9,6 +9,7 @@ mod corpus;
 mod events;
 mod ledger;
 mod logs;
+mod machine_turns;
 mod mappings;
 mod plant;
 mod previews;

@@ -98,10 +98,17 @@ impl SecurityConfig {
 pub struct TwinLimits {
     /// Sessions at the same time.
     pub sessions_max: usize,
+    /// Sessions at the same time of one client: a user, with whatever certificates and from whatever addresses. One more
+    /// takes the place of a session whose connection is gone, or is refused.
+    pub sessions_per_client_max: usize,
     /// TCP connections at the same time, those without a session included.
     pub connections_max: usize,
     /// TCP connections at the same time from one address.
     pub connections_per_address_max: usize,
+    /// Subscriptions of one client in all its sessions.
+    pub subscriptions_per_client_max: usize,
+    /// Monitored items of one client in all its subscriptions.
+    pub monitored_items_per_client_max: usize,
     /// Monitored items in one subscription.
     pub monitored_items_per_subscription_max: usize,
     /// Shortest publishing interval granted, in milliseconds.
@@ -115,8 +122,11 @@ impl Default for TwinLimits {
     fn default() -> Self {
         Self {
             sessions_max: 100,
+            sessions_per_client_max: 20,
             connections_max: 1000,
             connections_per_address_max: 50,
+            subscriptions_per_client_max: 200,
+            monitored_items_per_client_max: 200_000,
             monitored_items_per_subscription_max: 100_000,
             publishing_interval_ms_min: 10,
             publishing_tick_ms: 5,
@@ -193,8 +203,11 @@ impl TwinConfig {
         let limits = &self.limits;
         for (key, value) in [
             ("sessions_max", limits.sessions_max),
+            ("sessions_per_client_max", limits.sessions_per_client_max),
             ("connections_max", limits.connections_max),
             ("connections_per_address_max", limits.connections_per_address_max),
+            ("subscriptions_per_client_max", limits.subscriptions_per_client_max),
+            ("monitored_items_per_client_max", limits.monitored_items_per_client_max),
             ("monitored_items_per_subscription_max", limits.monitored_items_per_subscription_max),
         ] {
             if value == 0 {

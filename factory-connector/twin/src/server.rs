@@ -13,7 +13,8 @@ use opcua_stack::{
     opcua::{
         crypto::SecurityPolicy,
         server::{
-            ANONYMOUS_USER_TOKEN_ID, Server, ServerBuilder, ServerEndpoint, ServerHandle,
+            ANONYMOUS_USER_TOKEN_ID, ClientLimits, Server, ServerBuilder, ServerEndpoint,
+            ServerHandle,
             node_manager::{
                 DynNodeManager, NodeManagerBuilder, ServerContext, memory::CoreNodeManager,
             },
@@ -31,7 +32,7 @@ use crate::{
     access::{Authenticator, FieldWriter},
     asi::{AsiProvider, AsiSurroundings, TypeProvider, model},
     clock,
-    config::TwinConfig,
+    config::{TwinConfig, TwinLimits},
     discovery::Discovery,
     error::TwinError,
     events::{EventReporter, SessionAudit},
@@ -53,6 +54,27 @@ use crate::{
 /// Time limit to close the connections. A client that does not answer must not hold up the
 /// shutdown.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// Longest request in bytes: some ten thousand monitored items, or values to write. Answers may be longer.
+const REQUEST_BYTES_MAX: usize = 4 << 20;
+
+/// Most nodes of one Browse request, and references of each in one answer: a request cannot ask for much more than what it
+/// would read one after the other.
+const BROWSED_NODES_MAX: usize = 200;
+const BROWSED_REFERENCES_MAX: usize = 1000;
+
+// Shares of one client in all its sessions and connections, where nobody has a reason to set them.
+
+/// Values that wait to be published or acknowledged, beyond the newest one of each item; about 100 bytes each.
+const QUEUED_VALUES_MAX: usize = 1_000_000;
+/// Continuation points of Browse; each may hold all references of a node.
+const CONTINUATION_POINTS_MAX: usize = 100;
+/// Requests in progress but those that wait for changes.
+const REQUESTS_MAX: usize = 100;
+/// Bytes of requests that are not complete or in progress.
+const REQUESTS_BYTES_MAX: usize = 4 * REQUEST_BYTES_MAX;
+/// Bytes of answers that the client does not take.
+const RESPONSES_BYTES_MAX: usize = 2 * limits::MESSAGE_BYTES_MAX;
 
 /// The Collaborative Process Twin, ready to run.
 pub struct Twin {
@@ -201,10 +223,28 @@ fn bracketed(host: &str) -> String {
     if host.contains(':') && !host.starts_with('[') { format!("[{host}]") } else { host.to_owned() }
 }
 
+/// The share of one client in what the server holds.
+fn client_limits(limits: &TwinLimits) -> ClientLimits {
+    ClientLimits {
+        max_sessions: limits.sessions_per_client_max,
+        max_subscriptions: limits.subscriptions_per_client_max,
+        max_monitored_items: limits.monitored_items_per_client_max,
+        max_queued_values: QUEUED_VALUES_MAX,
+        max_continuation_points: CONTINUATION_POINTS_MAX,
+        max_requests: REQUESTS_MAX,
+        max_request_bytes: REQUESTS_BYTES_MAX,
+        max_response_bytes: RESPONSES_BYTES_MAX,
+    }
+}
+
 fn configure(config: &TwinConfig, factory_id: &FactoryId, application_uri: &str) -> ServerBuilder {
     let mut builder = limits::raise_server(ServerBuilder::new());
     let bounds = builder.limits_mut();
     bounds.max_sessions = config.limits.sessions_max;
+    bounds.max_request_size = REQUEST_BYTES_MAX;
+    bounds.client = client_limits(&config.limits);
+    bounds.operational.max_nodes_per_browse = BROWSED_NODES_MAX;
+    bounds.operational.max_references_per_browse_node = BROWSED_REFERENCES_MAX;
     bounds.subscriptions.max_monitored_items_per_sub =
         config.limits.monitored_items_per_subscription_max;
     #[expect(clippy::cast_precision_loss, reason = "milliseconds fit a double")]

@@ -14,7 +14,7 @@ use opcua_stack::{
             Message as _, RequestMessage, ResponseMessage,
             comms::{
                 chunker::Chunker,
-                message_chunk::{MessageChunk, MessageIsFinalType},
+                message_chunk::{MessageChunk, MessageChunkType, MessageIsFinalType},
                 secure_channel::{Role, SecureChannel},
                 tcp_codec::{Message, TcpCodec},
             },
@@ -32,37 +32,116 @@ use tokio_util::codec::Decoder as _;
 /// Largest chunk, and most of them in a message, before anybody has signed in.
 const CHUNK_BYTES_MAX: usize = 65_536;
 const CHUNKS_MAX: usize = 8;
+/// Most bytes that padding and signature add to a chunk.
+const PROTECTION_BYTES_MAX: usize = 1024;
 
 /// No files: the channel has neither a certificate nor a key.
 static NO_CERTIFICATES: LazyLock<Arc<RwLock<CertificateStore>>> =
     LazyLock::new(|| Arc::new(RwLock::new(CertificateStore::new(Path::new("/nonexistent")))));
 
-/// Bytes of a connection as server and client read them. The first one chooses how the channel is protected.
+/// Bytes of a connection as server and client read them. The first one chooses how the channel is protected: below 128 the
+/// bytes are what comes over the wire, which ends at the first signature; from there on they are what the peer puts into the
+/// chunks that it signs, or signs and encrypts, with the channel's keys.
 pub fn chunks(bytes: &[u8]) {
-    let Some((protection, bytes)) = bytes.split_first() else { return };
-    let mode = match protection % 3 {
-        0 => MessageSecurityMode::None,
-        1 => MessageSecurityMode::Sign,
-        _ => MessageSecurityMode::SignAndEncrypt,
-    };
-    for role in [Role::Server, Role::Client] {
-        let mut channel = channel(role, mode);
-        let mut codec = TcpCodec::new(channel.decoding_options());
-        let mut buffer = BytesMut::from(bytes);
-        let mut pending = Vec::new();
-        while let Ok(Some(message)) = codec.decode(&mut buffer) {
-            let Message::Chunk(chunk) = message else { continue };
-            assert!(chunk.data.len() <= CHUNK_BYTES_MAX, "no chunk is larger");
-            if take(&mut channel, chunk, &mut pending).is_err() {
-                break;
-            }
+    for side in [Side::Server, Side::Client] {
+        decoded(side, bytes);
+    }
+}
+
+/// Side of a connection.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    Server,
+    Client,
+}
+
+impl Side {
+    pub fn other(self) -> Self {
+        match self {
+            Self::Server => Self::Client,
+            Self::Client => Self::Server,
         }
     }
 }
 
-fn channel(role: Role, mode: MessageSecurityMode) -> SecureChannel {
+/// Number of messages that a side of the connection decodes.
+pub fn decoded(side: Side, bytes: &[u8]) -> usize {
+    let Some((protection, bytes)) = bytes.split_first() else { return 0 };
+    let mode = match protection {
+        0..128 => match protection % 3 {
+            0 => MessageSecurityMode::None,
+            1 => MessageSecurityMode::Sign,
+            _ => MessageSecurityMode::SignAndEncrypt,
+        },
+        128.. if protection % 2 == 0 => MessageSecurityMode::Sign,
+        128.. => MessageSecurityMode::SignAndEncrypt,
+    };
+    let mut buffer = match protection {
+        0..128 => BytesMut::from(bytes),
+        128.. => protected(side.other(), mode, bytes),
+    };
+    let mut channel = channel(side, mode);
+    let mut codec = TcpCodec::new(channel.decoding_options()).with_max_chunk_size(CHUNK_BYTES_MAX);
+    let (mut pending, mut count) = (Vec::new(), 0);
+    loop {
+        match codec.decode(&mut buffer) {
+            Ok(Some(Message::Chunk(chunk))) => {
+                assert!(chunk.data.len() <= CHUNK_BYTES_MAX, "no chunk is larger");
+                match take(&mut channel, chunk, &mut pending) {
+                    Ok(is_complete) => count += usize::from(is_complete),
+                    Err(_) => return count,
+                }
+            }
+            Ok(Some(_)) => {}
+            Ok(None) => break,
+            Err(_) => return count,
+        }
+    }
+    // What is waited for is no more than a chunk, whatever its header claims.
+    if let Some(claimed) = buffer.get(4..8) {
+        let claimed = u32::from_le_bytes(claimed.try_into().expect("four bytes"));
+        assert!(claimed as usize <= CHUNK_BYTES_MAX, "{claimed} bytes would be buffered");
+    }
+    count
+}
+
+/// Chunks of a peer that has the channel's keys. Each begins with four bytes: what it is, an addition to its sequence
+/// number, and the length of its body.
+fn protected(side: Side, mode: MessageSecurityMode, mut bytes: &[u8]) -> BytesMut {
+    let channel = channel(side, mode);
+    let mut stream = BytesMut::new();
+    let mut number = 1;
+    while let Some((&[kind, addition, low, high], rest)) = bytes.split_first_chunk() {
+        let (body, rest) = rest.split_at(rest.len().min(u16::from_le_bytes([low, high]).into()));
+        bytes = rest;
+        let is_final = match kind % 4 {
+            0 | 1 => MessageIsFinalType::Final,
+            2 => MessageIsFinalType::Intermediate,
+            _ => MessageIsFinalType::FinalError,
+        };
+        let message_type = if kind & 4 == 0 {
+            MessageChunkType::Message
+        } else {
+            MessageChunkType::CloseSecureChannel
+        };
+        let sequence = number + u32::from(addition);
+        let chunk = MessageChunk::new(sequence, 1, message_type, is_final, &channel, body)
+            .expect("a body of any bytes makes a chunk");
+        let mut secured = vec![0; chunk.data.len() + PROTECTION_BYTES_MAX];
+        let size = channel.apply_security(&chunk, &mut secured).expect("the channel has keys");
+        stream.extend_from_slice(&secured[..size]);
+        number += 1;
+    }
+    stream
+}
+
+fn channel(side: Side, mode: MessageSecurityMode) -> SecureChannel {
     let context = ContextOwned::new_default(NamespaceMap::new(), DecodingOptions::default());
     let context = Arc::new(RwLock::new(context));
+    let role = match side {
+        Side::Server => Role::Server,
+        Side::Client => Role::Client,
+    };
     let mut channel = SecureChannel::new(Arc::clone(&NO_CERTIFICATES), role, context);
     channel.set_accepted_policies(vec![SecurityPolicy::None, SecurityPolicy::Basic256Sha256]);
     if mode != MessageSecurityMode::None {
@@ -71,19 +150,24 @@ fn channel(role: Role, mode: MessageSecurityMode) -> SecureChannel {
         channel.set_secure_channel_id(1);
         channel.set_token_id(1);
         channel.set_token_lifetime(60_000);
-        channel.set_local_nonce(&[1; 32]);
-        channel.set_remote_nonce(&[2; 32]);
+        // Of the server, and of the client.
+        let (mut local, mut remote) = ([1; 32], [2; 32]);
+        if side == Side::Client {
+            std::mem::swap(&mut local, &mut remote);
+        }
+        channel.set_local_nonce(&local);
+        channel.set_remote_nonce(&remote);
         channel.derive_keys();
     }
     channel
 }
 
-/// Adds a chunk to those of its message, and decodes that with the last one.
+/// Adds a chunk to those of its message, and decodes that with the last one. Returns true where it did.
 fn take(
     channel: &mut SecureChannel,
     chunk: MessageChunk,
     pending: &mut Vec<MessageChunk>,
-) -> Result<(), Error> {
+) -> Result<bool, Error> {
     let header = chunk.message_header(&channel.decoding_options())?;
     let chunk = if channel.is_client_role() {
         channel.verify_and_remove_security(chunk.data)?
@@ -94,21 +178,21 @@ fn take(
     match header.is_final {
         MessageIsFinalType::FinalError => {
             pending.clear();
-            chunk.final_error_body(&info, &channel.decoding_options()).map(|_| ())
+            chunk.final_error_body(&info, &channel.decoding_options()).map(|_| false)
         }
         MessageIsFinalType::Intermediate => {
             pending.push(chunk);
             pending.truncate(CHUNKS_MAX);
-            Ok(())
+            Ok(false)
         }
         MessageIsFinalType::Final => {
             pending.push(chunk);
             let chunks = std::mem::take(pending);
             Chunker::validate_chunks(channel, &chunks)?;
             if channel.is_client_role() {
-                Chunker::decode::<ResponseMessage>(&chunks, channel, None).map(|_| ())
+                Chunker::decode::<ResponseMessage>(&chunks, channel, None).map(|_| true)
             } else {
-                Chunker::decode::<RequestMessage>(&chunks, channel, None).map(|_| ())
+                Chunker::decode::<RequestMessage>(&chunks, channel, None).map(|_| true)
             }
         }
     }

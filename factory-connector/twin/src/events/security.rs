@@ -4,7 +4,10 @@ use std::sync::{Arc, OnceLock};
 
 use opcua_stack::opcua::{
     crypto::X509,
-    server::{ChannelDescription, SessionEvent, SessionObserver, authenticator::UserToken},
+    server::{
+        ChannelDescription, ClientKey, SessionEvent, SessionObserver, SharedResource,
+        authenticator::UserToken,
+    },
     types::{
         ByteString, ExtensionObject, NodeId, ObjectTypeId, SecurityTokenRequestType, StatusCode,
         UAString, UserNameIdentityToken, Variant,
@@ -58,6 +61,19 @@ impl SessionObserver for SessionAudit {
                 message,
             ));
         }
+    }
+
+    fn share_exhausted(&self, client: &ClientKey, resource: SharedResource) {
+        let client = match client {
+            ClientKey::User(token) => user_of(&UserToken(token.clone())).name.to_string(),
+            ClientKey::Certificate(thumbprint) => thumbprint.clone(),
+            ClientKey::Address(_) => "anonymous".to_owned(),
+        };
+        let resource = resource.name();
+        // No line for each: clients may ask again and again.
+        tracing::debug!(client, resource, "A client of the twin has used up its share.");
+        metrics::counter!("twin_client_shares_exhausted_total", "client" => client, "resource" => resource)
+            .increment(1);
     }
 }
 
@@ -269,3 +285,6 @@ fn shortened(text: &str) -> &str {
     let end = (0..=NAME_BYTES_MAX.min(text.len())).rev().find(|at| text.is_char_boundary(*at));
     &text[..end.unwrap_or(0)]
 }
+
+#[cfg(test)]
+mod tests;

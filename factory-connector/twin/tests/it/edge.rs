@@ -12,8 +12,8 @@ use crate::{
     harness::{DEADLINE, TestTwin, document, message},
     hostile::assert_served,
     wire::{
-        address, channel, claiming, frame, framed, get_endpoints, hello, nested_header, opening,
-        refusal,
+        address, channel, claiming, frame, framed, get_endpoints, hello, nested_header,
+        open_channel, opening, refusal,
     },
 };
 
@@ -146,5 +146,21 @@ async fn who_only_opens_a_channel_is_closed_after_a_while() {
     crate::wire::drain(&mut stream, Duration::from_secs(60)).await;
     let took = start.elapsed();
     assert!(took > Duration::from_secs(20) && took < Duration::from_secs(45), "{took:?}");
+    twin.stop().await;
+}
+
+#[tokio::test]
+async fn a_channel_ends_when_its_token_is_too_old() {
+    let twin = TestTwin::start().await;
+    let mut stream = TcpStream::connect(address(&twin)).await.unwrap();
+    let mut open = open_channel();
+    // The lifetime stands at the end, in milliseconds.
+    let lifetime = open.len() - 4;
+    open[lifetime..].copy_from_slice(&2_000_u32.to_le_bytes());
+    stream.write_all(&[hello(&twin.url, 65_535), open].concat()).await.unwrap();
+    let start = Instant::now();
+    crate::wire::drain(&mut stream, Duration::from_secs(60)).await;
+    let took = start.elapsed();
+    assert!(took > Duration::from_secs(1) && took < Duration::from_secs(10), "{took:?}");
     twin.stop().await;
 }

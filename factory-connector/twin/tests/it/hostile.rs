@@ -13,7 +13,7 @@ use crate::{
     harness::{Client, DEADLINE, TestTwin, document, message},
     wire::{
         NO_HEADER, address, channel, chunk_header, drain, framed, get_endpoints, hello,
-        open_channel,
+        open_channel, refusal,
     },
 };
 
@@ -77,6 +77,24 @@ async fn giant_messages_before_a_sign_in_are_refused() {
     assert!(sent < 1000, "the connection was closed after {sent} chunks");
     assert_served(&client).await;
     client.close().await;
+    twin.stop().await;
+}
+
+#[tokio::test]
+async fn messages_before_a_sign_in_have_few_chunks() {
+    let twin = TestTwin::start().await;
+    let (mut stream, channel) = channel(&twin).await;
+    let chunk = |sequence| {
+        let body = [chunk_header(channel, sequence, 2), vec![0; 10]].concat();
+        framed(b"MSGC", &body)
+    };
+    for sequence in 2..10 {
+        stream.write_all(&chunk(sequence)).await.unwrap();
+    }
+    let silence = tokio::time::timeout(Duration::from_millis(300), refusal(&mut stream)).await;
+    assert!(silence.is_err(), "eight are waited for");
+    stream.write_all(&chunk(10)).await.unwrap();
+    assert_eq!(refusal(&mut stream).await, StatusCode::BadDecodingError.bits());
     twin.stop().await;
 }
 

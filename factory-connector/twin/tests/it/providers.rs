@@ -3,10 +3,14 @@
 use std::{ops::ControlFlow, sync::Arc};
 
 use async_trait::async_trait;
-use opcua_stack::opcua::types::{
-    AttributeId, BrowseDirection, DataTypeId, DataValue, LocalizedText, NodeId, ObjectId,
-    QualifiedName, ReferenceTypeId, StatusCode, VariableTypeId, Variant,
+use opcua_stack::opcua::{
+    server::node_manager::MonitoredItemRef,
+    types::{
+        AttributeId, BrowseDirection, DataTypeId, DataValue, LocalizedText, NodeId, ObjectId,
+        QualifiedName, ReferenceTypeId, StatusCode, VariableTypeId, Variant,
+    },
 };
+use parking_lot::Mutex;
 use twin::{
     TwinUser,
     provider::{
@@ -20,11 +24,19 @@ use crate::harness::{TestTwin, next};
 const URI: &str = "urn:example:skills";
 
 /// Provider of one variable below the Objects folder.
-struct Skills(u16);
+struct Skills {
+    index: u16,
+    /// Numbers of the items whose present values it was asked to publish.
+    published: Mutex<Vec<usize>>,
+}
 
 impl Skills {
+    fn new(index: u16) -> Self {
+        Self { index, published: Mutex::default() }
+    }
+
     fn id(&self) -> NodeId {
-        NodeId::new(self.0, "Gripper")
+        NodeId::new(self.index, "Gripper")
     }
 }
 
@@ -35,12 +47,12 @@ impl NodeProvider for Skills {
     }
 
     fn namespaces(&self) -> Vec<ProvidedNamespace> {
-        vec![ProvidedNamespace { index: self.0, uri: URI.to_owned(), version: None }]
+        vec![ProvidedNamespace { index: self.index, uri: URI.to_owned(), version: None }]
     }
 
     fn node(&self, node_id: &NodeId) -> Option<ProvidedNode> {
         (*node_id == self.id()).then(|| ProvidedNode {
-            browse_name: QualifiedName::new(self.0, "Gripper"),
+            browse_name: QualifiedName::new(self.index, "Gripper"),
             display_name: LocalizedText::from("Gripper"),
             description: LocalizedText::null(),
             type_definition: Some(VariableTypeId::BaseDataVariableType.into()),
@@ -68,6 +80,10 @@ impl NodeProvider for Skills {
         vec![self.id()]
     }
 
+    fn publish_present(&self, items: &[&MonitoredItemRef]) {
+        self.published.lock().push(items.len());
+    }
+
     async fn write(&self, _user: &TwinUser, _request: WriteRequest<'_>) -> StatusCode {
         StatusCode::BadNotWritable
     }
@@ -93,7 +109,8 @@ async fn a_provider_is_added_and_removed_while_clients_are_connected() {
     let before = next(&mut namespaces).await.1;
 
     let index = twin.handle.namespace_index(URI);
-    let skills: Arc<dyn NodeProvider> = Arc::new(Skills(index));
+    let provider = Arc::new(Skills::new(index));
+    let skills: Arc<dyn NodeProvider> = Arc::clone(&provider) as _;
     twin.handle.add_provider(Arc::clone(&skills));
     assert_ne!(next(&mut namespaces).await.1.value, before.value, "the new namespace is announced");
     let known = client.session.read_namespace_array().await.unwrap();
@@ -104,6 +121,8 @@ async fn a_provider_is_added_and_removed_while_clients_are_connected() {
 
     let mut changes = client.subscribe(std::slice::from_ref(&id)).await;
     assert_eq!(next(&mut changes).await.1.value, Some(1_i32.into()));
+    // What changed between the first read and the registration of the item would be lost otherwise.
+    assert_eq!(*provider.published.lock(), [1]);
     twin.handle.notify_values(&[(id.clone(), DataValue::new_now(2_i32))]);
     assert_eq!(next(&mut changes).await.1.value, Some(2_i32.into()));
 

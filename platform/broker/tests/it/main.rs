@@ -8,6 +8,7 @@ mod foreign;
 mod guesses;
 mod hostile;
 mod hostile_broker;
+mod library;
 mod link;
 mod order;
 mod outage;

@@ -9,7 +9,7 @@ use opcua_types::{
 
 use tokio_util::sync::CancellationToken;
 
-use crate::authenticator::UserToken;
+use crate::{authenticator::UserToken, ClientKey, SharedResource};
 
 /// Decides about incoming connections, for limits per address or in total.
 pub trait ConnectionFilter: Send + Sync + 'static {
@@ -110,4 +110,9 @@ pub trait SessionObserver: Send + Sync + 'static {
     /// Called when the server ends a session, because its client was silent for longer than the session's timeout or
     /// because it makes room for another one. There may be no channel any more, and no user where it was never activated.
     fn session_expired(&self, session_id: NodeId, user_token: Option<UserToken>);
+
+    /// Called when a client wants more of a resource than its share. Must not block.
+    fn share_exhausted(&self, client: &ClientKey, resource: SharedResource) {
+        let _ = (client, resource);
+    }
 }

@@ -93,6 +93,8 @@ pub struct ServerInfo {
     pub certificate_validator: Option<Arc<dyn crate::CertificateValidator>>,
     /// Who is told about secure channels and sessions.
     pub session_observer: Option<Arc<dyn crate::SessionObserver>>,
+    /// What clients hold.
+    pub(crate) client_shares: crate::shares::ClientShares,
 }
 
 impl ServerInfo {

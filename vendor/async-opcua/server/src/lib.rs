@@ -26,6 +26,7 @@ mod server;
 mod server_handle;
 mod server_status;
 mod session;
+mod shares;
 mod subscriptions;
 mod transport;
 
@@ -43,6 +44,7 @@ pub use server::Server;
 pub use server_handle::ServerHandle;
 pub use server_status::ServerStatusWrapper;
 pub use session::continuation_points::ContinuationPoint;
+pub use shares::{ClientKey, SharedResource};
 pub use subscriptions::{
     CreateMonitoredItem, MonitoredItem, MonitoredItemHandle, SessionSubscriptions, Subscription,
     SubscriptionCache, SubscriptionState,

@@ -29,6 +29,7 @@ use crate::{
     node_manager::{DefaultTypeTreeGetter, ServerContext},
     reverse_connect::{self, ReverseConnectionManager},
     session::controller::{ControllerCommand, SessionStarter},
+    shares::ClientShares,
     transport::{
         tcp::{TcpConnector, TransportConfig},
         ReverseTcpConnector,
@@ -188,6 +189,10 @@ impl Server {
                 ..Default::default()
             },
             certificate_validator: builder.certificate_validator,
+            client_shares: ClientShares::new(
+                config.limits.client,
+                builder.session_observer.clone(),
+            ),
             session_observer: builder.session_observer,
         };
 

@@ -104,8 +104,11 @@ export const settings: typeof English = {
         'So viele Tage vor seinem Ablauf wird das eigene Zertifikat des Zwillings erneuert.',
       'twin.security.certificate_validity_days': 'So viele Tage gilt ein erneuertes Zertifikat.',
       'twin.limits.sessions_max': 'Gleichzeitige Sitzungen von OPC-UA-Clients.',
+      'twin.limits.sessions_per_client_max': 'Gleichzeitige Sitzungen eines Benutzers von OPC-UA-Clients.',
       'twin.limits.connections_max': 'Gleichzeitige Verbindungen von OPC-UA-Clients.',
       'twin.limits.connections_per_address_max': 'Gleichzeitige Verbindungen von einer Adresse.',
+      'twin.limits.subscriptions_per_client_max': 'Abonnements eines Benutzers.',
+      'twin.limits.monitored_items_per_client_max': 'Überwachte Werte eines Benutzers.',
       'twin.limits.monitored_items_per_subscription_max': 'Überwachte Werte eines Abonnements.',
       'twin.limits.publishing_interval_ms_min': 'Kürzestes Sendeintervall in Millisekunden.',
       'twin.limits.publishing_tick_ms':

@@ -102,8 +102,11 @@ export const settings = {
         'Days before its end at which the twin’s own certificate is renewed.',
       'twin.security.certificate_validity_days': 'Days for which a renewed certificate is valid.',
       'twin.limits.sessions_max': 'Sessions of OPC UA clients at a time.',
+      'twin.limits.sessions_per_client_max': 'Sessions of one user of OPC UA clients at a time.',
       'twin.limits.connections_max': 'Connections of OPC UA clients at a time.',
       'twin.limits.connections_per_address_max': 'Connections from one address at a time.',
+      'twin.limits.subscriptions_per_client_max': 'Subscriptions of one user.',
+      'twin.limits.monitored_items_per_client_max': 'Monitored items of one user.',
       'twin.limits.monitored_items_per_subscription_max': 'Monitored items of one subscription.',
       'twin.limits.publishing_interval_ms_min': 'Shortest publishing interval, in milliseconds.',
       'twin.limits.publishing_tick_ms':

@@ -34,6 +34,10 @@ enum PendingPayload {
     Error(ErrorMessage),
 }
 
+/// Longest message in bytes whose storage is kept for the next ones. A connection would otherwise hold the size of its
+/// longest message to its end.
+const RETAINED_STORAGE: usize = 1 << 20;
+
 /// General implementation of a buffer of outgoing messages.
 pub struct SendBuffer {
     /// The send buffer
@@ -46,6 +50,8 @@ pub struct SendBuffer {
     chunk_scratch: Vec<MessageChunk>,
     /// Queued chunks
     chunks: VecDeque<PendingPayload>,
+    /// Bytes in queued chunks.
+    queued_bytes: usize,
     /// The last request id
     last_request_id: u32,
     /// Last sent sequence number
@@ -78,6 +84,7 @@ impl SendBuffer {
             chunk_storage: bytes::BytesMut::new(),
             chunk_scratch: Vec::new(),
             chunks: VecDeque::with_capacity(max_chunk_count),
+            queued_bytes: 0,
             last_request_id: 1000,
             sequence_numbers: SequenceNumberHandle::new(sequence_numbers_legacy),
             max_message_size,
@@ -98,7 +105,10 @@ impl SendBuffer {
         };
 
         let size = match next_chunk {
-            PendingPayload::Chunk(c) => secure_channel.apply_security(&c, self.buffer.get_mut())?,
+            PendingPayload::Chunk(c) => {
+                self.queued_bytes -= c.data.len();
+                secure_channel.apply_security(&c, self.buffer.get_mut())?
+            }
             PendingPayload::Ack(a) => {
                 a.encode(&mut self.buffer)?;
                 self.buffer.position() as usize
@@ -125,6 +135,7 @@ impl SendBuffer {
     pub fn write_error(&mut self, error: ErrorMessage) {
         // Clear any pending chunks, we're erroring out
         self.chunks.clear();
+        self.queued_bytes = 0;
         self.chunks.push_back(PendingPayload::Error(error));
     }
 
@@ -174,6 +185,12 @@ impl SendBuffer {
             self.sequence_numbers.increment(chunk_count as u32);
 
             // Send chunks
+            let bytes: usize = self.chunk_scratch.iter().map(|c| c.data.len()).sum();
+            self.queued_bytes += bytes;
+            if bytes > RETAINED_STORAGE {
+                // The chunks hold what they need of it; the next messages are shorter again.
+                self.chunk_storage = bytes::BytesMut::new();
+            }
             self.chunks
                 .extend(self.chunk_scratch.drain(..).map(PendingPayload::Chunk));
             Ok(request_id)
@@ -217,6 +234,11 @@ impl SendBuffer {
         }
 
         Ok(())
+    }
+
+    /// Bytes in messages that were written and whose sending has not begun.
+    pub fn queued_bytes(&self) -> usize {
+        self.queued_bytes
     }
 
     /// Return `true` if we should encode a new chunk.
@@ -334,6 +356,7 @@ mod tests {
         assert_eq!(request_id, 1);
 
         assert_eq!(buffer.chunks.len(), 3);
+        assert!(buffer.queued_bytes() > 8196 * 2 && buffer.queued_bytes() < 8196 * 3);
         let mut cursor = Cursor::new(Vec::new());
 
         for _ in 0..3 {
@@ -346,6 +369,7 @@ mod tests {
         }
         assert!(!buffer.should_encode_chunks());
         assert!(!buffer.can_read());
+        assert_eq!(buffer.queued_bytes(), 0);
         assert!(cursor.get_ref().len() > 8196 * 2 && cursor.get_ref().len() < 8196 * 3);
     }
 

@@ -42,6 +42,22 @@ pub struct Limits {
     /// Maximum number of registered sessions before new ones are rejected.
     #[serde(default = "defaults::max_sessions")]
     pub max_sessions: usize,
+    /// Maximum length in bytes of a request of an activated session, 0 for `max_message_size`. Responses may be longer.
+    #[serde(default)]
+    pub max_request_size: usize,
+    /// Limits on what one client holds.
+    #[serde(default)]
+    pub client: ClientLimits,
+}
+
+impl Limits {
+    /// Maximum length in bytes of a request.
+    pub(crate) fn max_request_message_size(&self) -> usize {
+        match self.max_request_size {
+            0 => self.max_message_size,
+            max => max,
+        }
+    }
 }
 
 impl Default for Limits {
@@ -60,8 +76,34 @@ impl Default for Limits {
             max_query_continuation_points: defaults::max_query_continuation_points(),
             operational: OperationalLimits::default(),
             max_sessions: defaults::max_sessions(),
+            max_request_size: 0,
+            client: ClientLimits::default(),
         }
     }
+}
+
+/// Limits on what one client holds in all its sessions and connections: a user, or the certificate of an anonymous one.
+/// 0 for no limit.
+#[derive(Debug, Copy, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ClientLimits {
+    /// Maximum number of activated sessions. One more takes the place of a session whose connection is gone.
+    pub max_sessions: usize,
+    /// Maximum number of subscriptions.
+    pub max_subscriptions: usize,
+    /// Maximum number of monitored items.
+    pub max_monitored_items: usize,
+    /// Maximum number of values that wait to be published or acknowledged, beyond the newest one of each item. Queues
+    /// overflow where there are more.
+    pub max_queued_values: usize,
+    /// Maximum number of continuation points of Browse.
+    pub max_continuation_points: usize,
+    /// Maximum number of requests in progress.
+    pub max_requests: usize,
+    /// Maximum number of bytes in requests that are incomplete or in progress.
+    pub max_request_bytes: usize,
+    /// Maximum number of bytes in responses that are not sent.
+    pub max_response_bytes: usize,
 }
 
 #[derive(Debug, Copy, Clone, PartialEq, Serialize, Deserialize)]
@@ -364,6 +406,8 @@ mod tests {
                 max_history_continuation_points: 500,
                 max_query_continuation_points: 500,
                 max_sessions: 20,
+                max_request_size: 0,
+                client: ClientLimits::default(),
                 subscriptions: SubscriptionLimits {
                     max_subscriptions_per_session: 100,
                     max_pending_publish_requests: 20,

@@ -29,6 +29,7 @@ use crate::{
     authenticator::UserToken,
     info::ServerInfo,
     node_manager::NodeManagers,
+    shares::{ClientShare, SharedResource},
     subscriptions::SubscriptionCache,
     transport::tcp::{Request, TcpTransport, TransportPollResult},
     transport::Connector,
@@ -117,6 +118,10 @@ pub(crate) struct SessionController {
     /// When the connection ends unless a session was activated on it.
     activation_deadline: Option<Instant>,
     permit: Option<Arc<dyn ConnectionPermit>>,
+    /// Alive as long as the connection, for its sessions.
+    alive: Arc<()>,
+    /// The share of the client that signed in last on the connection.
+    share: Option<Arc<ClientShare>>,
 }
 
 enum RequestProcessResult {
@@ -240,6 +245,8 @@ impl SessionController {
             identity,
             pending_messages: FuturesUnordered::new(),
             permit,
+            alive: Arc::new(()),
+            share: None,
         }
     }
 
@@ -255,6 +262,10 @@ impl SessionController {
             let deadline = match self.activation_deadline {
                 Some(limit) => self.deadline.min(limit),
                 None => self.deadline,
+            };
+            let deadline = match self.transport.unfinished_message_deadline() {
+                Some(limit) if !self.transport.is_closing() => deadline.min(limit),
+                _ => deadline,
             };
 
             tokio::select! {
@@ -386,6 +397,7 @@ impl SessionController {
         );
 
         let id = req.request_id;
+        let request_bytes = req.bytes;
         match req.message {
             RequestMessage::OpenSecureChannel(r) => {
                 let _h = span.enter();
@@ -469,6 +481,7 @@ impl SessionController {
                 let received_at = Instant::now();
                 let res = activate_session(
                     &self.session_manager,
+                    &self.alive,
                     &mut self.channel,
                     &self.identity,
                     &self.certificate_store,
@@ -482,8 +495,14 @@ impl SessionController {
                     delay_refusal(received_at).await;
                 }
                 let _h = span.enter();
-                if res.is_ok() && !self.transport.is_authenticated() {
-                    self.transport.set_authenticated();
+                let is_first = !self.transport.is_authenticated();
+                let res = res.map(|(response, share)| {
+                    self.transport
+                        .set_authenticated(&share, self.info.config.limits.max_request_size);
+                    self.share = Some(share);
+                    response
+                });
+                if res.is_ok() && is_first {
                     self.channel.set_decoding_options(self.info.decoding_options());
                     self.activation_deadline = None;
                     if let Some(permit) = &self.permit {
@@ -648,6 +667,23 @@ impl SessionController {
                     }
                 };
                 let request_handle = message.request_handle();
+                // Publish requests wait for long, and each session has a bound of its own for them.
+                let place = match &self.share {
+                    Some(share) if !matches!(message, RequestMessage::Publish(_)) => {
+                        match share.take(SharedResource::Requests, 1) {
+                            Ok(place) => Some(place),
+                            Err(refusal) => {
+                                drop(mgr);
+                                return self.process_service_result(
+                                    Err::<ServiceFault, _>(refusal),
+                                    request_handle,
+                                    id,
+                                );
+                            }
+                        }
+                    }
+                    _ => None,
+                };
 
                 match self
                     .message_handler
@@ -656,6 +692,7 @@ impl SessionController {
                     super::message_handler::HandleMessageResult::AsyncMessage(mut handle) => {
                         self.pending_messages
                             .push(Box::pin(async move {
+                                let _held = (place, request_bytes);
                                 // Select biased because if for some reason there's a long time between polls,
                                 // we want to return the response even if the timeout expired. We only want to send a timeout
                                 // if the call has not been finished yet.

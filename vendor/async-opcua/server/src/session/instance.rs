@@ -1,5 +1,5 @@
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 use std::time::{Duration, Instant};
 
 use arc_swap::ArcSwap;
@@ -11,6 +11,7 @@ use crate::authenticator::UserToken;
 use crate::identity_token::IdentityToken;
 use crate::info::ServerInfo;
 use crate::node_manager::{BrowseContinuationPoint, QueryContinuationPoint};
+use crate::shares::{ClientShare, Held, SharedResource};
 use opcua_crypto::X509;
 use opcua_types::{
     ApplicationDescription, ByteString, MessageSecurityMode, NodeId, StatusCode, UAString,
@@ -59,7 +60,7 @@ pub struct Session {
     /// Time of last service request.
     last_service_request: ArcSwap<Instant>,
     /// Continuation points for browse.
-    browse_continuation_points: HashMap<ByteString, BrowseContinuationPoint>,
+    browse_continuation_points: HashMap<ByteString, (BrowseContinuationPoint, Option<Held>)>,
     /// Continuation points for history.
     history_continuation_points: HashMap<ByteString, ContinuationPoint>,
     /// Continuation points for querying.
@@ -68,6 +69,10 @@ pub struct Session {
     user_token: Option<UserToken>,
     /// Whether the session has been closed.
     is_closed: bool,
+    /// The place among the sessions of its client, once it is activated.
+    place: Option<Held>,
+    /// Alive as long as the connection on which the session was activated last.
+    connection: Weak<()>,
 }
 
 impl Session {
@@ -120,6 +125,8 @@ impl Session {
             application_description,
             message_security_mode,
             is_closed: false,
+            place: None,
+            connection: Weak::new(),
         }
     }
 
@@ -171,15 +178,22 @@ impl Session {
         }
     }
 
-    /// Activate the session.
+    /// Activate the session. The place is that of a client that has none with this session yet.
+    #[allow(clippy::too_many_arguments)]
     pub(crate) fn activate(
         &mut self,
+        connection: Weak<()>,
+        place: Option<Held>,
         secure_channel_id: u32,
         server_nonce: ByteString,
         identity: IdentityToken,
         locale_ids: Option<Vec<UAString>>,
         user_token: UserToken,
     ) {
+        if place.is_some() {
+            self.place = place;
+        }
+        self.connection = connection;
         self.user_token = Some(user_token);
         self.secure_channel_id = secure_channel_id;
         self.session_nonce = server_nonce;
@@ -189,6 +203,18 @@ impl Session {
 
     pub(crate) fn close(&mut self) {
         self.is_closed = true;
+        self.place = None;
+        self.browse_continuation_points.clear();
+    }
+
+    /// The share of the client, of an activated session.
+    pub(crate) fn share(&self) -> Option<&Arc<ClientShare>> {
+        self.place.as_ref().map(Held::share)
+    }
+
+    /// Whether the connection is open on which the session was activated last.
+    pub(crate) fn is_connected(&self) -> bool {
+        self.connection.strong_count() > 0
     }
 
     pub(crate) fn is_closed(&self) -> bool {
@@ -238,7 +264,13 @@ impl Session {
         {
             Err(())
         } else {
-            self.browse_continuation_points.insert(cp.id.clone(), cp);
+            let held = self
+                .share()
+                .map(|share| share.take(SharedResource::ContinuationPoints, 1))
+                .transpose()
+                .map_err(|_| ())?;
+            self.browse_continuation_points
+                .insert(cp.id.clone(), (cp, held));
             Ok(())
         }
     }
@@ -247,7 +279,7 @@ impl Session {
         &mut self,
         id: &ByteString,
     ) -> Option<BrowseContinuationPoint> {
-        self.browse_continuation_points.remove(id)
+        self.browse_continuation_points.remove(id).map(|(cp, _)| cp)
     }
 
     pub(crate) fn add_history_continuation_point(

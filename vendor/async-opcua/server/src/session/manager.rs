@@ -16,7 +16,10 @@ use tracing::{error, info};
 
 use crate::{
     authenticator::UserToken, identity_token::IdentityToken, info::ServerInfo, CertificateBearer,
-    node_manager::NodeManagers, subscriptions::SubscriptionCache, ServerIdentity,
+    node_manager::NodeManagers,
+    shares::{ClientShare, Held, SharedResource},
+    subscriptions::SubscriptionCache,
+    ClientKey, ServerIdentity,
 };
 use opcua_types::{
     ActivateSessionRequest, ActivateSessionResponse, ApplicationDescription, ByteString, CloseSessionRequest, CloseSessionResponse,
@@ -80,6 +83,7 @@ impl SessionManager {
         identity: &ServerIdentity,
         request: &CreateSessionRequest,
     ) -> Result<CreateSessionResponse, StatusCode> {
+        self.limit_inactive_sessions(client_certificate.as_ref());
         if self.sessions.len() >= self.info.config.limits.max_sessions
             && !self.close_oldest_inactive_session()
         {
@@ -117,7 +121,7 @@ impl SessionManager {
             .config
             .max_session_timeout_ms
             .min(request.requested_session_timeout.floor() as u64);
-        let max_request_message_size = self.info.config.limits.max_message_size as u32;
+        let max_request_message_size = self.info.config.limits.max_request_message_size() as u32;
 
         let server_signature = if let Some(ref pkey) = identity.private_key {
             opcua_crypto::create_signature_data(
@@ -234,6 +238,50 @@ impl SessionManager {
         oldest.is_some()
     }
 
+    /// Make room among the sessions that were not activated yet, of one certificate, so that who creates sessions without end
+    /// takes those of others not away between their creation and activation.
+    fn limit_inactive_sessions(&mut self, certificate: Option<&X509>) {
+        let max = self.info.config.limits.client.max_sessions;
+        if max == 0 {
+            return;
+        }
+        let certificate = certificate.map(X509::as_byte_string);
+        let mut inactive: Vec<_> = self
+            .sessions
+            .iter()
+            .filter_map(|(id, session)| {
+                let session = session.read();
+                let is_meant = !session.is_activated()
+                    && session.client_certificate().map(X509::as_byte_string) == certificate;
+                is_meant.then(|| (session.session_id_numeric(), id.clone()))
+            })
+            .collect();
+        inactive.sort_by_key(|(number, _)| *number);
+        // With the one that is about to be created.
+        let surplus = (inactive.len() + 1).saturating_sub(max);
+        for (_, id) in inactive.into_iter().take(surplus) {
+            self.expire_session(&id);
+        }
+    }
+
+    /// Close the first session of a client whose connection is gone. Returns whether there was one.
+    fn close_disconnected_session_of(&mut self, share: &Arc<ClientShare>) -> bool {
+        let first = self
+            .sessions
+            .iter()
+            .filter_map(|(id, session)| {
+                let session = session.read();
+                let is_meant = !session.is_connected()
+                    && session.share().is_some_and(|own| Arc::ptr_eq(own, share));
+                is_meant.then(|| (session.session_id_numeric(), id.clone()))
+            })
+            .min_by_key(|(number, _)| *number);
+        if let Some((_, id)) = &first {
+            self.expire_session(id);
+        }
+        first.is_some()
+    }
+
     pub(crate) fn expire_session(&mut self, id: &NodeId) {
         let Some(session) = self.sessions.remove(id) else {
             return;
@@ -245,10 +293,14 @@ impl SessionManager {
 
         info!("Session {id} has expired, removing it from the session map. Subscriptions will remain until they individually expire");
 
-        let mut session = trace_write_lock!(session);
-        session.close();
+        let user_token = {
+            let mut session = trace_write_lock!(session);
+            session.close();
+            session.user_token().cloned()
+        };
+        // The observer may look at sessions.
         if let Some(observer) = &self.info.session_observer {
-            observer.session_expired(id.clone(), session.user_token().cloned());
+            observer.session_expired(id.clone(), user_token);
         }
     }
 
@@ -375,6 +427,22 @@ fn check_session_certificate(
     )
 }
 
+/// Take a place among the sessions of a client. One whose connection is gone makes room; its subscriptions stay for the
+/// client to take over.
+fn take_place(
+    mgr_lck: &RwLock<SessionManager>,
+    share: &Arc<ClientShare>,
+) -> Result<Held, StatusCode> {
+    share.take(SharedResource::Sessions, 1).or_else(|refusal| {
+        if trace_write_lock!(mgr_lck).close_disconnected_session_of(share) {
+            share.take(SharedResource::Sessions, 1)
+        } else {
+            error!("A client has as many sessions as its share");
+            Err(refusal)
+        }
+    })
+}
+
 // This is a non-self method to avoid holding the manager
 // across an await point.
 pub(crate) async fn close_session(
@@ -471,15 +539,17 @@ pub(crate) async fn terminate_sessions(
     ended
 }
 
+#[allow(clippy::too_many_arguments)]
 pub(crate) async fn activate_session(
     mgr_lck: &RwLock<SessionManager>,
+    connection: &Arc<()>,
     channel: &mut SecureChannel,
     identity: &ServerIdentity,
     certificate_store: &RwLock<CertificateStore>,
     peer_address: Option<SocketAddr>,
     request: &ActivateSessionRequest,
     handler: &mut MessageHandler,
-) -> Result<ActivateSessionResponse, StatusCode> {
+) -> Result<(ActivateSessionResponse, Arc<ClientShare>), StatusCode> {
     let security_policy = channel.security_policy();
     let security_mode = channel.security_mode();
     let secure_channel_id = channel.secure_channel_id();
@@ -546,6 +616,20 @@ pub(crate) async fn activate_session(
         )
         .await?;
 
+    let share = info.client_shares.of(ClientKey::new(
+        &user_token,
+        bearer.0.as_ref(),
+        peer_address,
+    ));
+    let has_place = trace_read_lock!(session_lck)
+        .share()
+        .is_some_and(|own| Arc::ptr_eq(own, &share));
+    let place = if has_place {
+        None
+    } else {
+        Some(take_place(mgr_lck, &share)?)
+    };
+
     let (server_nonce, session_id) = {
         let mut session = trace_write_lock!(session_lck);
 
@@ -564,6 +648,8 @@ pub(crate) async fn activate_session(
         // "Tear down connections to an underlying system and re-establish them using the new credentials". We need some way to
         // handle this eventuality, perhaps a dedicated node-manager endpoint that can be called here.
         session.activate(
+            Arc::downgrade(connection),
+            place,
             secure_channel_id,
             server_nonce,
             IdentityToken::new(request.user_identity_token.clone()),
@@ -583,10 +669,11 @@ pub(crate) async fn activate_session(
 
     // TODO: Audit
 
-    Ok(ActivateSessionResponse {
+    let response = ActivateSessionResponse {
         response_header: ResponseHeader::new_good(&request.request_header),
         server_nonce,
         results: None,
         diagnostic_infos: None,
-    })
+    };
+    Ok((response, share))
 }

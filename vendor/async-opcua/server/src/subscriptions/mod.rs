@@ -39,6 +39,7 @@ use super::{
     authenticator::UserToken,
     info::ServerInfo,
     node_manager::{MonitoredItemRef, MonitoredItemUpdateRef, RequestContext, ServerContext},
+    shares::{Held, SharedResource},
     session::instance::Session,
     SubscriptionLimits,
 };
@@ -258,6 +259,10 @@ impl SubscriptionCache {
         request: &CreateSubscriptionRequest,
         context: &RequestContext,
     ) -> Result<CreateSubscriptionResponse, StatusCode> {
+        let place = trace_read_lock!(context.session)
+            .share()
+            .map(|share| share.take(SharedResource::Subscriptions, 1))
+            .transpose()?;
         let mut lck = trace_write_lock!(self.inner);
         let cache = lck
             .session_subscriptions
@@ -272,7 +277,7 @@ impl SubscriptionCache {
             })
             .clone();
         let mut cache_lck = cache.lock();
-        let res = cache_lck.create_subscription(request, &context.info)?;
+        let res = cache_lck.create_subscription(request, &context.info, place)?;
         lck.subscription_to_session
             .insert(res.subscription_id, session_id);
         context
@@ -437,6 +442,7 @@ impl SubscriptionCache {
         session_id: u32,
         subscription_id: u32,
         requests: &[CreateMonitoredItem],
+        places: Option<Held>,
     ) -> Result<Vec<MonitoredItemCreateResult>, StatusCode> {
         let mut lck = trace_write_lock!(self.inner);
         let Some(cache) = lck.session_subscriptions.get(&session_id).cloned() else {
@@ -444,7 +450,7 @@ impl SubscriptionCache {
         };
 
         let mut cache_lck = cache.lock();
-        let result = cache_lck.create_monitored_items(subscription_id, requests);
+        let result = cache_lck.create_monitored_items(subscription_id, requests, places);
         if let Ok(res) = &result {
             for (create, res) in requests.iter().zip(res.iter()) {
                 if res.status_code.is_good() {
@@ -733,6 +739,8 @@ pub(crate) struct PendingPublish {
 struct NonAckedPublish {
     message: NotificationMessage,
     subscription_id: u32,
+    /// Its values, of the client's share.
+    _values: Option<Held>,
 }
 
 #[derive(Debug, Clone)]

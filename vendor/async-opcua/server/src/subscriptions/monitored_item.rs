@@ -5,7 +5,11 @@ use opcua_nodes::{Event, ParsedEventFilter, TypeTree};
 use tracing::{error, warn};
 
 use super::MonitoredItemHandle;
-use crate::{info::ServerInfo, node_manager::ParsedReadValueId};
+use crate::{
+    info::ServerInfo,
+    node_manager::ParsedReadValueId,
+    shares::{Held, SharedResource},
+};
 use opcua_types::status_code::StatusCodeInfoType;
 use opcua_types::{
     match_extension_object_owned, AttributeId, DataChangeFilter, DataValue, DateTime, EventFieldList,
@@ -307,6 +311,10 @@ pub struct MonitoredItem {
     sample_skipped_data_value: Option<DataValue>,
     any_new_notification: bool,
     eu_range: Option<(f64, f64)>,
+    /// The place among the items of its client.
+    place: Option<Held>,
+    /// Queued values beyond the newest one, of the client's share.
+    queued_values: Option<Held>,
 }
 
 #[derive(Debug)]
@@ -335,6 +343,8 @@ impl MonitoredItem {
             queue_overflow: false,
             any_new_notification: false,
             eu_range: request.eu_range,
+            place: None,
+            queued_values: None,
         };
         let now = DateTime::now();
         if request.item_to_monitor.attribute_id == AttributeId::EventNotifier {
@@ -398,6 +408,7 @@ impl MonitoredItem {
             }
             // Shrink the queue
             self.notification_queue.shrink_to_fit();
+            self.count_queued_values();
         }
         (filter_res, StatusCode::Good)
     }
@@ -594,9 +605,34 @@ impl MonitoredItem {
         true
     }
 
+    /// Let the item count in the share of its client.
+    pub(super) fn set_place(&mut self, place: Option<Held>) {
+        self.queued_values = place
+            .as_ref()
+            .map(|place| place.share().none_of(SharedResource::QueuedValues));
+        self.place = place;
+    }
+
+    fn count_queued_values(&mut self) {
+        let beyond = self.notification_queue.len().saturating_sub(1);
+        if let Some(values) = &mut self.queued_values {
+            values.resize(beyond);
+        }
+    }
+
+    /// Whether the queue takes one more value: it has a length, and the client a share.
+    fn has_room(&mut self) -> bool {
+        let len = self.notification_queue.len();
+        len < self.queue_size
+            && self
+                .queued_values
+                .as_mut()
+                .is_none_or(|values| values.resize(len))
+    }
+
     fn enqueue_notification(&mut self, notification: impl Into<Notification>) {
         self.any_new_notification = true;
-        let overflow = self.notification_queue.len() == self.queue_size;
+        let overflow = !self.has_room();
         if overflow {
             if self.discard_oldest {
                 self.notification_queue.pop_front();
@@ -654,7 +690,9 @@ impl MonitoredItem {
     }
 
     pub(super) fn pop_notification(&mut self) -> Option<Notification> {
-        self.notification_queue.pop_front()
+        let notification = self.notification_queue.pop_front();
+        self.count_queued_values();
+        notification
     }
 
     /// Adds or removes other monitored items which will be triggered when this monitored item changes
@@ -768,6 +806,10 @@ pub(super) mod tests {
     };
 
     use super::{FilterType, MonitoredItem};
+    use crate::{
+        shares::{ClientShare, ClientShares},
+        ClientKey, ClientLimits, SharedResource,
+    };
 
     pub(crate) fn new_monitored_item(
         id: u32,
@@ -795,6 +837,8 @@ pub(super) mod tests {
             sample_skipped_data_value: None,
             any_new_notification: false,
             eu_range: None,
+            place: None,
+            queued_values: None,
         };
 
         let now = DateTime::now();
@@ -1116,5 +1160,53 @@ pub(super) mod tests {
         assert!(item.maybe_enqueue_skipped_value(&t.into()));
         assert_eq!(item.notification_queue.len(), 1);
         assert!(item.sample_skipped_data_value.is_none());
+    }
+
+    #[test]
+    fn a_queue_overflows_where_its_client_has_no_share_left() {
+        let limits = ClientLimits {
+            max_queued_values: 2,
+            ..ClientLimits::default()
+        };
+        let shares = ClientShares::new(limits, None);
+        let share = shares.of(ClientKey::User("vera".to_owned()));
+        let start = DateTime::now();
+        let item = |share: &std::sync::Arc<ClientShare>| {
+            let mut item = new_monitored_item(
+                1,
+                ReadValueId {
+                    node_id: NodeId::null(),
+                    attribute_id: AttributeId::Value as u32,
+                    ..Default::default()
+                },
+                MonitoringMode::Reporting,
+                FilterType::None,
+                SamplingInterval::Zero,
+                true,
+                Some(DataValue::new_at(0, start)),
+            );
+            item.set_place(Some(share.none_of(SharedResource::MonitoredItems)));
+            for value in 1..10 {
+                item.notify_data_value(DataValue::new_at(value, start), &start, false);
+            }
+            item
+        };
+        let mut items: Vec<_> = (0..3).map(|_| item(&share)).collect();
+        let lengths: Vec<_> = items.iter().map(|item| item.notification_queue.len()).collect();
+        // The newest value is kept always.
+        assert_eq!(lengths, [3, 1, 1]);
+        let newest = items[1].pop_notification();
+        let Some(Notification::MonitoredItemNotification(newest)) = newest else {
+            panic!("a value: {newest:?}");
+        };
+        assert_eq!(newest.value.value, Some(9.into()));
+        assert!(newest.value.status().overflow());
+        // Another client has a share of its own.
+        let other = shares.of(ClientKey::User("otto".to_owned()));
+        assert_eq!(item(&other).notification_queue.len(), 3);
+        // What was published, or goes with its item, is free again.
+        while items[0].pop_notification().is_some() {}
+        assert_eq!(item(&share).notification_queue.len(), 3);
+        assert_eq!(item(&share).notification_queue.len(), 3);
     }
 }

@@ -6,7 +6,7 @@ use std::{
 
 use super::{
     monitored_item::MonitoredItem,
-    subscription::{MonitoredItemHandle, Subscription, TickReason, TickResult},
+    subscription::{value_count, MonitoredItemHandle, Subscription, TickReason, TickResult},
     CreateMonitoredItem, NonAckedPublish, PendingPublish, PersistentSessionKey,
 };
 use hashbrown::{HashMap, HashSet};
@@ -16,6 +16,7 @@ use crate::{
     info::ServerInfo,
     node_manager::{MonitoredItemRef, MonitoredItemUpdateRef, TypeTreeForUserStatic},
     session::instance::Session,
+    shares::{ClientShare, Held, SharedResource},
     SubscriptionLimits,
 };
 use opcua_core::sync::RwLock;
@@ -150,6 +151,7 @@ impl SessionSubscriptions {
         &mut self,
         request: &CreateSubscriptionRequest,
         info: &ServerInfo,
+        place: Option<Held>,
     ) -> Result<CreateSubscriptionResponse, StatusCode> {
         if self.subscriptions.len() >= self.limits.max_subscriptions_per_session {
             return Err(StatusCode::BadTooManySubscriptions);
@@ -164,7 +166,7 @@ impl SessionSubscriptions {
                 request.requested_lifetime_count,
             );
 
-        let subscription = Subscription::new(
+        let mut subscription = Subscription::new(
             subscription_id,
             request.publishing_enabled,
             Duration::from_millis(revised_publishing_interval as u64),
@@ -174,6 +176,7 @@ impl SessionSubscriptions {
             self.limits.max_queued_notifications,
             self.revise_max_notifications_per_publish(request.max_notifications_per_publish),
         );
+        subscription.set_place(place);
         self.subscriptions.insert(subscription.id(), subscription);
         Ok(CreateSubscriptionResponse {
             response_header: ResponseHeader::new_good(&request.request_header),
@@ -268,6 +271,7 @@ impl SessionSubscriptions {
         &mut self,
         subscription_id: u32,
         requests: &[CreateMonitoredItem],
+        mut places: Option<Held>,
     ) -> Result<Vec<MonitoredItemCreateResult>, StatusCode> {
         let Some(sub) = self.subscriptions.get_mut(&subscription_id) else {
             return Err(StatusCode::BadSubscriptionIdInvalid);
@@ -280,7 +284,8 @@ impl SessionSubscriptions {
                 .map(|r| ExtensionObject::from_message(r.clone()))
                 .unwrap_or_else(ExtensionObject::null);
             if item.status_code().is_good() {
-                let new_item = MonitoredItem::new(item);
+                let mut new_item = MonitoredItem::new(item);
+                new_item.set_place(places.as_mut().map(|places| places.split(1)));
                 results.push(MonitoredItemCreateResult {
                     status_code: StatusCode::Good,
                     monitored_item_id: new_item.id(),
@@ -551,6 +556,7 @@ impl SessionSubscriptions {
         retransmission_queue: &mut VecDeque<NonAckedPublish>,
         max_retransmission_queue_len: usize,
         subscription_id: u32,
+        share: Option<Arc<ClientShare>>,
         notification: &NotificationMessage,
     ) {
         // Keep-alive messages intentionally reuse the next sequence number, so they must not
@@ -562,9 +568,20 @@ impl SessionSubscriptions {
         if retransmission_queue.len() >= max_retransmission_queue_len {
             retransmission_queue.pop_front();
         }
+        let mut values = share.map(|share| share.none_of(SharedResource::QueuedValues));
+        if let Some(values) = &mut values {
+            let count = value_count(notification);
+            while !values.resize(count) {
+                // Older messages of the same client make room, and without any this one cannot be asked for again.
+                if retransmission_queue.pop_front().is_none() {
+                    return;
+                }
+            }
+        }
         retransmission_queue.push_back(NonAckedPublish {
             message: notification.clone(),
             subscription_id,
+            _values: values,
         });
     }
 
@@ -594,6 +611,8 @@ impl SessionSubscriptions {
         }
 
         request.ack_results = self.process_subscription_acks(&request.request);
+        // Done with, and possibly long, while the request may wait for long.
+        request.request.subscription_acknowledgements = None;
         self.publish_request_queue.push_back(request);
         self.tick(now, now_instant, TickReason::ReceivePublishRequest);
     }
@@ -682,10 +701,12 @@ impl SessionSubscriptions {
             let is_last = idx == num_responses - 1;
             let max_retransmission_queue_len = self.max_publish_requests() * 2;
 
+            let share = self.subscriptions.get(&subscription_id);
             Self::enqueue_retransmission_notification(
                 &mut self.retransmission_queue,
                 max_retransmission_queue_len,
                 subscription_id,
+                share.and_then(Subscription::share).cloned(),
                 &notification,
             );
 
@@ -835,9 +856,12 @@ impl SessionSubscriptions {
 mod tests {
     use std::collections::VecDeque;
 
-    use opcua_types::{DateTime, NotificationMessage, StatusCode};
+    use opcua_types::{
+        DataValue, DateTime, MonitoredItemNotification, NotificationMessage, StatusCode,
+    };
 
     use super::{NonAckedPublish, SessionSubscriptions};
+    use crate::{shares::ClientShares, ClientKey, ClientLimits, SharedResource};
 
     #[test]
     fn keep_alive_messages_are_not_queued_for_retransmission() {
@@ -847,6 +871,7 @@ mod tests {
             &mut retransmission_queue,
             2,
             1,
+            None,
             &NotificationMessage::keep_alive(7, DateTime::now()),
         );
 
@@ -861,11 +886,49 @@ mod tests {
             &mut retransmission_queue,
             2,
             1,
+            None,
             &NotificationMessage::status_change(7, DateTime::now(), StatusCode::BadTimeout),
         );
 
         assert_eq!(retransmission_queue.len(), 1);
         assert_eq!(retransmission_queue[0].subscription_id, 1);
         assert_eq!(retransmission_queue[0].message.sequence_number, 7);
+    }
+
+    #[test]
+    fn unacknowledged_values_are_kept_as_far_as_the_share_of_their_client_goes() {
+        let limits = ClientLimits {
+            max_queued_values: 5,
+            ..ClientLimits::default()
+        };
+        let share = ClientShares::new(limits, None).of(ClientKey::User("vera".to_owned()));
+        let mut queue = VecDeque::<NonAckedPublish>::new();
+        for (number, values) in [(1, 2), (2, 2), (3, 3), (4, 9)] {
+            let value = MonitoredItemNotification {
+                client_handle: 1,
+                value: DataValue::new_now(1),
+            };
+            SessionSubscriptions::enqueue_retransmission_notification(
+                &mut queue,
+                100,
+                1,
+                Some(share.clone()),
+                &NotificationMessage::data_change(
+                    number,
+                    DateTime::now(),
+                    vec![value; values],
+                    vec![],
+                ),
+            );
+            let kept: Vec<_> = queue.iter().map(|n| n.message.sequence_number).collect();
+            match number {
+                2 => assert_eq!(kept, [1, 2]),
+                3 => assert_eq!(kept, [2, 3]),
+                // One that is longer than the share is not kept, and nothing that came before.
+                4 => assert_eq!(kept, [0; 0]),
+                _ => {}
+            }
+        }
+        assert!(share.take(SharedResource::QueuedValues, 5).is_ok());
     }
 }

@@ -1,14 +1,19 @@
 use std::{
     collections::{HashMap, HashSet, VecDeque},
+    sync::Arc,
     time::{Duration, Instant},
 };
 
 use opcua_core::handle::Handle;
 use opcua_nodes::{Event, TypeTree};
-use opcua_types::{DataValue, DateTime, DateTimeUtc, NotificationMessage, StatusCode};
+use opcua_types::{
+    DataChangeNotification, DataValue, DateTime, DateTimeUtc, EventNotificationList,
+    ExtensionObject, NotificationMessage, StatusCode,
+};
 use tracing::{debug, trace, warn};
 
 use super::monitored_item::{MonitoredItem, Notification};
+use crate::shares::{ClientShare, Held, SharedResource};
 
 #[derive(Debug, Copy, Clone, PartialEq)]
 /// Current internal state of the subscription.
@@ -127,6 +132,29 @@ pub struct Subscription {
     max_queued_notifications: usize,
     /// Maximum number of notifications per publish.
     max_notifications_per_publish: usize,
+    /// The place among the subscriptions of its client.
+    place: Option<Held>,
+    /// Values in outstanding notifications, of the client's share.
+    queued_values: Option<Held>,
+}
+
+/// Number of values and events in a notification.
+pub(super) fn value_count(notification: &NotificationMessage) -> usize {
+    let of_data = |data: &ExtensionObject| {
+        if let Some(changes) = data.inner_as::<DataChangeNotification>() {
+            changes.monitored_items.as_ref().map_or(0, Vec::len)
+        } else if let Some(events) = data.inner_as::<EventNotificationList>() {
+            events.events.as_ref().map_or(0, Vec::len)
+        } else {
+            0
+        }
+    };
+    notification
+        .notification_data
+        .iter()
+        .flatten()
+        .map(of_data)
+        .sum()
 }
 
 #[derive(Debug, Copy, Clone, PartialEq)]
@@ -168,7 +196,22 @@ impl Subscription {
             notifications: VecDeque::new(),
             max_queued_notifications,
             max_notifications_per_publish: max_notifications_per_publish as usize,
+            place: None,
+            queued_values: None,
         }
+    }
+
+    /// Let the subscription count in the share of its client.
+    pub(super) fn set_place(&mut self, place: Option<Held>) {
+        self.queued_values = place
+            .as_ref()
+            .map(|place| place.share().none_of(SharedResource::QueuedValues));
+        self.place = place;
+    }
+
+    /// The share of its client.
+    pub(super) fn share(&self) -> Option<&Arc<ClientShare>> {
+        self.place.as_ref().map(Held::share)
     }
 
     /// Get the number of monitored items in this subscription.
@@ -536,15 +579,33 @@ impl Subscription {
     fn enqueue_notification(&mut self, notification: NotificationMessage) {
         if self.notifications.len() >= self.max_queued_notifications {
             warn!("Maximum number of queued notifications exceeded, dropping oldest. Subscription ID: {}", self.id);
-            self.notifications.pop_front();
+            self.take_notification();
+        }
+        let count = value_count(&notification);
+        while !self.add_queued_values(count) {
+            // One is kept always.
+            if self.take_notification().is_none() {
+                break;
+            }
+            warn!("Maximum number of queued values of a client exceeded, dropping oldest notification. Subscription ID: {}", self.id);
         }
 
         // debug!("Enqueuing notification {:?}", notification);
         self.notifications.push_back(notification);
     }
 
+    fn add_queued_values(&mut self, count: usize) -> bool {
+        self.queued_values
+            .as_mut()
+            .is_none_or(|values| values.resize(values.amount() + count))
+    }
+
     pub(super) fn take_notification(&mut self) -> Option<NotificationMessage> {
-        self.notifications.pop_front()
+        let notification = self.notifications.pop_front()?;
+        if let Some(values) = &mut self.queued_values {
+            values.resize(values.amount().saturating_sub(value_count(&notification)));
+        }
+        Some(notification)
     }
 
     pub(super) fn more_notifications(&self) -> bool {
@@ -804,6 +865,8 @@ mod tests {
     };
 
     use super::{Subscription, TickReason};
+    use crate::{shares::ClientShares, ClientKey, ClientLimits, SharedResource};
+    use opcua_types::MonitoredItemNotification;
 
     fn get_notifications(message: &NotificationMessage) -> Vec<Notification> {
         let mut res = Vec::new();
@@ -1024,5 +1087,36 @@ mod tests {
                 panic!("Wrong notification type");
             };
         }
+    }
+
+    #[test]
+    fn the_oldest_notifications_go_where_the_client_has_no_share_left() {
+        let limits = ClientLimits {
+            max_queued_values: 5,
+            ..ClientLimits::default()
+        };
+        let shares = ClientShares::new(limits, None);
+        let share = shares.of(ClientKey::User("vera".to_owned()));
+        let mut sub = Subscription::new(1, true, Duration::from_millis(100), 100, 20, 1, 100, 1000);
+        sub.set_place(Some(share.none_of(SharedResource::Subscriptions)));
+        let message = |number: u32, values: usize| {
+            let value = MonitoredItemNotification {
+                client_handle: 1,
+                value: DataValue::new_now(1),
+            };
+            NotificationMessage::data_change(number, DateTime::now(), vec![value; values], vec![])
+        };
+        for number in 1..=4 {
+            sub.enqueue_notification(message(number, 2));
+        }
+        let left = |sub: &Subscription| -> Vec<_> {
+            sub.notifications.iter().map(|n| n.sequence_number).collect()
+        };
+        assert_eq!(left(&sub), [3, 4]);
+        // One that is longer than the share is kept by itself.
+        sub.enqueue_notification(message(5, 9));
+        assert_eq!(left(&sub), [5]);
+        sub.take_notification();
+        assert!(share.take(SharedResource::QueuedValues, 5).is_ok());
     }
 }

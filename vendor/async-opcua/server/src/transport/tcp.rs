@@ -20,7 +20,10 @@ use opcua_core::{
 use tracing::error;
 use tracing_futures::Instrument;
 
-use crate::info::ServerInfo;
+use crate::{
+    info::ServerInfo,
+    shares::{ClientShare, Held, SharedResource},
+};
 use opcua_types::{DecodingOptions, Error, ResponseHeader, ServiceFault, StatusCode};
 
 use futures::StreamExt;
@@ -47,6 +50,14 @@ pub(crate) struct TcpTransport {
     unsent_messages: usize,
     /// Whether a session was activated on this connection. Until then messages may only have a few chunks.
     is_authenticated: bool,
+    /// Longest message in bytes that a client may send once it has activated a session, 0 for what was negotiated.
+    max_request_size: usize,
+    /// When the first chunk of a message came that is not complete.
+    unfinished_since: Option<Instant>,
+    /// Bytes of the message that is not complete, of the client's share.
+    request_bytes: Option<Held>,
+    /// Bytes that wait to be sent, of the client's share.
+    response_bytes: Option<Held>,
     /// Where the connection comes from.
     pub(crate) peer_address: Option<SocketAddr>,
 }
@@ -65,6 +76,12 @@ const UNAUTHENTICATED_MAX_MESSAGE_SIZE: usize = 65_536;
 /// Like [`MAX_UNSENT_MESSAGES`], of clients without an activated session. They have no reason to send requests before
 /// the answer to the last one, and a description of all endpoints is long.
 const UNAUTHENTICATED_MAX_UNSENT_MESSAGES: usize = 4;
+
+/// Bytes that wait to be sent before no further requests are read.
+const MAX_UNSENT_BYTES: usize = 8 << 20;
+
+/// Longest time from the first chunk of a message to its last one.
+const UNFINISHED_MESSAGE_TIMEOUT: Duration = Duration::from_secs(30);
 
 enum TransportState {
     Running,
@@ -85,6 +102,8 @@ pub(crate) struct Request {
     pub message: RequestMessage,
     pub chunk_info: ChunkInfo,
     pub request_id: u32,
+    /// Its length, of the client's share for as long as it is in progress.
+    pub bytes: Option<Held>,
 }
 
 #[derive(Debug)]
@@ -207,14 +226,20 @@ impl TcpConnector {
 
         let decoding_options = &self.decoding_options;
 
+        let max_message_size = min_zero_infinite(
+            decoding_options.max_message_size as u32,
+            hello.max_message_size,
+        );
+
         // Send acknowledge
         let acknowledge = AcknowledgeMessage::new(
             server_protocol_version,
             (self.config.receive_buffer_size as u32).min(hello.send_buffer_size),
             (buffer.send_buffer_size as u32).min(hello.receive_buffer_size),
+            // That of requests.
             min_zero_infinite(
-                decoding_options.max_message_size as u32,
-                hello.max_message_size,
+                info.config.limits.max_request_size as u32,
+                max_message_size,
             ),
             min_zero_infinite(
                 decoding_options.max_chunk_count as u32,
@@ -223,7 +248,7 @@ impl TcpConnector {
         );
         buffer.revise(
             acknowledge.send_buffer_size as usize,
-            acknowledge.max_message_size as usize,
+            max_message_size as usize,
             acknowledge.max_chunk_count as usize,
         );
 
@@ -291,14 +316,48 @@ impl TcpTransport {
             sequence_numbers: SequenceNumberHandle::new(true),
             unsent_messages: 0,
             is_authenticated: false,
+            max_request_size: 0,
+            unfinished_since: None,
+            request_bytes: None,
+            response_bytes: None,
             client_protocol_version: 0,
             send_buffer,
         }
     }
 
-    /// Note that a session was activated: the client may send messages up to the negotiated limits from now on.
-    pub(crate) fn set_authenticated(&mut self) {
+    /// Note that a session was activated: the client may send messages up to the negotiated limits from now on, or up to
+    /// `max_request_size` where that is not 0, as far as its share goes.
+    pub(crate) fn set_authenticated(&mut self, share: &Arc<ClientShare>, max_request_size: usize) {
         self.is_authenticated = true;
+        self.max_request_size = max_request_size;
+        let is_known = |held: &Held| Arc::ptr_eq(held.share(), share);
+        if !self.request_bytes.as_ref().is_some_and(is_known) {
+            self.request_bytes = Some(share.none_of(SharedResource::RequestBytes));
+            self.response_bytes = Some(share.none_of(SharedResource::ResponseBytes));
+        }
+    }
+
+    /// When the connection ends unless the rest of an unfinished message comes.
+    pub(crate) fn unfinished_message_deadline(&self) -> Option<Instant> {
+        self.unfinished_since
+            .map(|since| since + UNFINISHED_MESSAGE_TIMEOUT)
+    }
+
+    /// Forget the chunks of a message that is complete, or was given up.
+    fn clear_pending_chunks(&mut self) {
+        self.pending_chunks.clear();
+        self.unfinished_since = None;
+        if let Some(bytes) = &mut self.request_bytes {
+            bytes.resize(0);
+        }
+    }
+
+    /// Count what waits to be sent. Returns false where it is more than the client's share.
+    fn count_unsent(&mut self) -> bool {
+        let unsent = self.send_buffer.queued_bytes();
+        self.response_bytes
+            .as_mut()
+            .is_none_or(|bytes| bytes.resize(unsent))
     }
 
     /// Whether a session was activated on this connection.
@@ -318,6 +377,7 @@ impl TcpTransport {
 
     pub(crate) fn enqueue_error(&mut self, message: ErrorMessage) {
         self.send_buffer.write_error(message);
+        self.count_unsent();
     }
 
     pub(crate) fn enqueue_message_for_send(
@@ -328,7 +388,11 @@ impl TcpTransport {
     ) -> Result<(), StatusCode> {
         self.unsent_messages += 1;
         match self.send_buffer.write(request_id, message, channel) {
-            Ok(_) => Ok(()),
+            Ok(_) if self.count_unsent() => Ok(()),
+            Ok(_) => {
+                tracing::warn!("A client takes its responses too slowly");
+                Err(StatusCode::BadTcpNotEnoughResources)
+            }
             Err(e) => {
                 tracing::warn!("Failed to encode outgoing message: {e:?}");
                 if let Some((request_id, request_handle)) = e.full_context() {
@@ -368,6 +432,7 @@ impl TcpTransport {
             if let Err(e) = self.send_buffer.encode_next_chunk(channel) {
                 return TransportPollResult::Error(e);
             }
+            self.count_unsent();
         }
 
         // If there is something in the send buffer, write to the stream.
@@ -378,7 +443,8 @@ impl TcpTransport {
         } else {
             UNAUTHENTICATED_MAX_UNSENT_MESSAGES
         };
-        let takes_responses = self.unsent_messages < max_unsent_messages;
+        let takes_responses = self.unsent_messages < max_unsent_messages
+            && self.send_buffer.queued_bytes() < MAX_UNSENT_BYTES;
         // Nothing more is read once the last message is enqueued: after an error the stream ends, which would end the
         // connection before the client learns of the error.
         let is_closing = self.is_closing();
@@ -426,15 +492,15 @@ impl TcpTransport {
             Ok(message) => match self.process_message(message, channel) {
                 Ok(None) => TransportPollResult::IncomingChunk,
                 Ok(Some(message)) => {
-                    self.pending_chunks.clear();
+                    self.clear_pending_chunks();
                     TransportPollResult::IncomingMessage(message)
                 }
                 Err(e) if is_open_channel => {
-                    self.pending_chunks.clear();
+                    self.clear_pending_chunks();
                     TransportPollResult::OpenChannelError(e.status(), received_at)
                 }
                 Err(e) => {
-                    self.pending_chunks.clear();
+                    self.clear_pending_chunks();
                     if let Some((id, handle)) = e.full_context() {
                         TransportPollResult::RecoverableError(e.status(), id, handle)
                     } else {
@@ -459,18 +525,28 @@ impl TcpTransport {
                 let header = chunk.message_header(&channel.decoding_options())?;
 
                 if header.is_final == MessageIsFinalType::FinalError {
-                    self.pending_chunks.clear();
+                    self.clear_pending_chunks();
                     Ok(None)
                 } else {
                     // Counted before anything is decrypted.
-                    if !self.is_authenticated {
-                        let size: usize = self.pending_chunks.iter().map(|c| c.data.len()).sum();
-                        if size + chunk.data.len() > UNAUTHENTICATED_MAX_MESSAGE_SIZE {
-                            return Err(Error::new(
-                                StatusCode::BadTcpMessageTooLarge,
-                                "Message is longer than any before a session is activated",
-                            ));
-                        }
+                    let pending: usize = self.pending_chunks.iter().map(|c| c.data.len()).sum();
+                    let size = pending + chunk.data.len();
+                    let max_size = if self.is_authenticated {
+                        self.max_request_size
+                    } else {
+                        UNAUTHENTICATED_MAX_MESSAGE_SIZE
+                    };
+                    if max_size > 0 && size > max_size {
+                        return Err(Error::new(
+                            StatusCode::BadTcpMessageTooLarge,
+                            "Message is longer than requests may be",
+                        ));
+                    }
+                    if self.request_bytes.as_mut().is_some_and(|bytes| !bytes.resize(size)) {
+                        return Err(Error::new(
+                            SharedResource::RequestBytes.refusal(),
+                            "The client sends more at once than its share",
+                        ));
                     }
                     let chunk = channel.verify_and_remove_security_server(chunk.data)?;
 
@@ -490,6 +566,7 @@ impl TcpTransport {
                     self.pending_chunks.push(chunk);
 
                     if header.is_final == MessageIsFinalType::Intermediate {
+                        self.unfinished_since.get_or_insert_with(Instant::now);
                         return Ok(None);
                     }
 
@@ -499,7 +576,9 @@ impl TcpTransport {
 
                     let request = Chunker::decode(&self.pending_chunks, channel, None)
                         .map_err(|e| e.with_request_id(chunk_info.sequence_header.request_id))?;
+                    let bytes = self.request_bytes.as_mut().map(|bytes| bytes.split(size));
                     Ok(Some(Request {
+                        bytes,
                         request_id: chunk_info.sequence_header.request_id,
                         chunk_info,
                         message: request,

@@ -11,6 +11,7 @@ use crate::{
             invoke_service_concurrently, invoke_service_concurrently_mut, ServiceCb, ServiceCbRef,
         },
     },
+    shares::SharedResource,
     subscriptions::CreateMonitoredItem,
 };
 use opcua_core::ResponseMessage;
@@ -173,6 +174,16 @@ pub(crate) async fn create_monitored_items(
         return service_fault!(request, StatusCode::BadTooManyMonitoredItems);
     }
 
+    // Before node managers learn of any.
+    let share = request.session.read().share().cloned();
+    let places = match share
+        .map(|share| share.take(SharedResource::MonitoredItems, items_to_create.len()))
+        .transpose()
+    {
+        Ok(places) => places,
+        Err(refusal) => return service_fault!(request, refusal),
+    };
+
     // Try to get EURange for each item with a percent deadband filter.
     let mut items_needing_deadband = Vec::new();
     for item in &items_to_create {
@@ -248,6 +259,7 @@ pub(crate) async fn create_monitored_items(
         request.session_id,
         request.request.subscription_id,
         &items,
+        places,
     ) {
         Ok(r) => r,
         // Shouldn't happen, would be due to a race condition. If it does happen we're fine with failing.

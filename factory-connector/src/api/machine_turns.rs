@@ -1,0 +1,124 @@
+//! Turns at local servers: what people look at there takes little of a machine that has a plant to run, and what one
+//! person looks at does not hold up the others.
+
+use std::{collections::HashMap, sync::Arc, time::Duration};
+
+use daemon::web::{Problem, shares::count_refusal};
+use parking_lot::Mutex;
+use shop_floor::SourceId;
+use tokio::{
+    sync::{OwnedSemaphorePermit, Semaphore},
+    time::{Instant, sleep_until, timeout},
+};
+
+/// Requests to one server at a time.
+const AT_A_TIME: usize = 2;
+/// Time that a turn takes at least, so that a server gets 20 requests a second.
+const TURN_MIN: Duration = Duration::from_millis(100);
+/// Requests of one person to one server at a time, those that wait for their turn included.
+const OF_A_PERSON_MAX: usize = 4;
+/// Longest time that a request waits for its turn.
+const WAIT_MAX: Duration = Duration::from_secs(10);
+/// Time after which another attempt makes sense.
+const RETRY_AFTER: Duration = Duration::from_secs(1);
+
+/// Turns of all servers; clones share them. Servers and people without a request are forgotten.
+#[derive(Clone, Default)]
+pub(super) struct MachineTurns(Arc<Mutex<HashMap<SourceId, OfServer>>>);
+
+struct OfServer {
+    turns: Arc<Semaphore>,
+    /// Requests of each person.
+    persons: HashMap<String, usize>,
+}
+
+impl Default for OfServer {
+    fn default() -> Self {
+        Self { turns: Arc::new(Semaphore::new(AT_A_TIME)), persons: HashMap::new() }
+    }
+}
+
+/// Turn at a server, which ends when this is dropped.
+pub(super) struct MachineTurn {
+    permit: Option<OwnedSemaphorePermit>,
+    place: Option<Place>,
+    ends_not_before: Instant,
+}
+
+/// Request of a person among those of its server.
+struct Place {
+    turns: MachineTurns,
+    source: SourceId,
+    person: String,
+}
+
+impl MachineTurns {
+    /// Waits for the turn of a person's request.
+    ///
+    /// # Errors
+    /// 429 `TOO_MANY_REQUESTS` where the person has too many requests to this server, or where the turn does not come in
+    /// time.
+    pub async fn take(&self, source: &SourceId, person: &str) -> Result<MachineTurn, Problem> {
+        let refused = |detail| {
+            count_refusal("machine_requests", person);
+            Problem::too_many(detail, RETRY_AFTER)
+        };
+        let (place, turns) = self.place(source, person).ok_or_else(|| {
+            refused(
+                "You look at too much of this server at a time; wait until some of it is there.",
+            )
+        })?;
+        let permit = timeout(WAIT_MAX, turns.acquire_owned()).await.map_err(|_| {
+            refused("The server is slow, and others look at it; try again in a moment.")
+        })?;
+        let permit = permit.expect("the semaphore is never closed");
+        let ends_not_before = Instant::now() + TURN_MIN;
+        Ok(MachineTurn { permit: Some(permit), place: Some(place), ends_not_before })
+    }
+
+    fn place(&self, source: &SourceId, person: &str) -> Option<(Place, Arc<Semaphore>)> {
+        let mut servers = self.0.lock();
+        let server = servers.entry(source.clone()).or_default();
+        let count = server.persons.entry(person.to_owned()).or_default();
+        if *count >= OF_A_PERSON_MAX {
+            return None;
+        }
+        *count += 1;
+        let turns = Arc::clone(&server.turns);
+        let place =
+            Place { turns: self.clone(), source: source.clone(), person: person.to_owned() };
+        Some((place, turns))
+    }
+}
+
+impl Drop for MachineTurn {
+    fn drop(&mut self) {
+        let (permit, place, end) = (self.permit.take(), self.place.take(), self.ends_not_before);
+        if Instant::now() < end {
+            // The answer does not wait for the end of its turn.
+            tokio::spawn(async move {
+                sleep_until(end).await;
+                drop((permit, place));
+            });
+        }
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        let mut servers = self.turns.0.lock();
+        let Some(server) = servers.get_mut(&self.source) else { return };
+        if let Some(count) = server.persons.get_mut(&self.person) {
+            *count -= 1;
+            if *count == 0 {
+                server.persons.remove(&self.person);
+            }
+        }
+        if server.persons.is_empty() {
+            servers.remove(&self.source);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

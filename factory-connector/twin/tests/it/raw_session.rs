@@ -1,0 +1,122 @@
+//! A session whose messages are written byte by byte, without what a client of a library does by itself.
+
+use opcua_stack::opcua::types::{
+    ActivateSessionRequest, ActivateSessionResponse, AnonymousIdentityToken, BinaryDecodable,
+    BinaryEncodable, ContextOwned, CreateMonitoredItemsRequest, CreateMonitoredItemsResponse,
+    CreateSessionRequest, CreateSessionResponse, CreateSubscriptionRequest,
+    CreateSubscriptionResponse, DateTime, ExtensionObject, MonitoredItemCreateRequest, NodeId,
+    PublishRequest, PublishResponse, RequestHeader, TimestampsToReturn,
+};
+use tokio::{io::AsyncWriteExt, net::TcpStream};
+
+use crate::{
+    harness::{DEADLINE, TestTwin},
+    wire::{channel, chunk_header, frame, framed},
+};
+
+// Numbers of the requests' binary encodings.
+const CREATE_SESSION: u16 = 461;
+const ACTIVATE_SESSION: u16 = 467;
+const CREATE_MONITORED_ITEMS: u16 = 751;
+const CREATE_SUBSCRIPTION: u16 = 787;
+const PUBLISH: u16 = 826;
+
+/// A session of an anonymous client whose messages are written byte by byte.
+pub struct RawSession {
+    pub stream: TcpStream,
+    token: NodeId,
+    channel: u32,
+    sequence: u32,
+}
+
+impl RawSession {
+    pub async fn sign_in(twin: &TestTwin) -> Self {
+        let (stream, channel) = channel(twin).await;
+        let mut session = Self { stream, token: NodeId::null(), channel, sequence: 2 };
+        let create = CreateSessionRequest {
+            request_header: session.header(),
+            endpoint_url: twin.url.as_ref().into(),
+            requested_session_timeout: 60_000.0,
+            ..CreateSessionRequest::default()
+        };
+        let created: CreateSessionResponse = session.exchange(CREATE_SESSION, &create).await;
+        session.token = created.authentication_token;
+        let activate = ActivateSessionRequest {
+            request_header: session.header(),
+            user_identity_token: ExtensionObject::from_message(AnonymousIdentityToken {
+                policy_id: "anonymous".into(),
+            }),
+            ..ActivateSessionRequest::default()
+        };
+        let _: ActivateSessionResponse = session.exchange(ACTIVATE_SESSION, &activate).await;
+        session
+    }
+
+    pub fn header(&self) -> RequestHeader {
+        RequestHeader {
+            timeout_hint: 20_000,
+            ..RequestHeader::new(&self.token, &DateTime::now(), self.sequence)
+        }
+    }
+
+    /// Creates a subscription of a priority; its id.
+    pub async fn subscribe(&mut self, priority: u8) -> u32 {
+        let request = CreateSubscriptionRequest {
+            request_header: self.header(),
+            requested_publishing_interval: 100.0,
+            requested_lifetime_count: 1000,
+            requested_max_keep_alive_count: 1,
+            max_notifications_per_publish: 0,
+            publishing_enabled: true,
+            priority,
+        };
+        let created: CreateSubscriptionResponse =
+            self.exchange(CREATE_SUBSCRIPTION, &request).await;
+        created.subscription_id
+    }
+
+    /// Creates one monitored item.
+    pub async fn monitor(&mut self, subscription: u32, item: MonitoredItemCreateRequest) {
+        let request = CreateMonitoredItemsRequest {
+            request_header: self.header(),
+            subscription_id: subscription,
+            timestamps_to_return: TimestampsToReturn::Both,
+            items_to_create: Some(vec![item]),
+        };
+        let created: CreateMonitoredItemsResponse =
+            self.exchange(CREATE_MONITORED_ITEMS, &request).await;
+        let result = created.results.unwrap().remove(0);
+        assert!(result.status_code.is_good(), "{}", result.status_code);
+    }
+
+    /// Takes the next notification.
+    pub async fn publish(&mut self) -> PublishResponse {
+        let request =
+            PublishRequest { request_header: self.header(), subscription_acknowledgements: None };
+        self.exchange(PUBLISH, &request).await
+    }
+
+    /// Sends a request in one chunk, and waits for its response.
+    pub async fn exchange<T: BinaryDecodable>(
+        &mut self,
+        type_id: u16,
+        request: &impl BinaryEncodable,
+    ) -> T {
+        let context = ContextOwned::default();
+        let context = context.context();
+        let mut body = [[1, 0], type_id.to_le_bytes()].concat();
+        request.encode(&mut body, &context).unwrap();
+        self.chunk(b"MSGF", &body).await.unwrap();
+        let answer = tokio::time::timeout(DEADLINE, frame(&mut self.stream)).await.unwrap();
+        assert_eq!(&answer[..4], b"MSGF", "{answer:02x?}");
+        // Not a ServiceFault, whose type is 397.
+        assert_ne!(u16::from_le_bytes([answer[26], answer[27]]), 397, "{answer:02x?}");
+        T::decode(&mut &answer[28..], &context).unwrap()
+    }
+
+    pub async fn chunk(&mut self, kind: &[u8; 4], body: &[u8]) -> std::io::Result<()> {
+        let header = chunk_header(self.channel, self.sequence, self.sequence);
+        self.sequence += 1;
+        self.stream.write_all(&framed(kind, &[header, body.to_vec()].concat())).await
+    }
+}
