@@ -56,6 +56,7 @@ pub enum Side {
 }
 
 impl Side {
+    /// Returns the peer's side.
     pub fn other(self) -> Self {
         match self {
             Self::Server => Self::Client,

@@ -145,7 +145,7 @@ async fn continuation_points_count_over_all_sessions_of_a_client() {
         let results = client.session.browse(&vec![wanted.clone(); 60], 1, None).await.unwrap();
         results.iter().filter(|result| result.status_code.is_good()).count()
     };
-    assert_eq!((browse(&first).await, browse(&second).await, browse(&other).await), (60, 40, 60));
+    assert_eq!([browse(&first).await, browse(&second).await, browse(&other).await], [60, 40, 60]);
     // They end with their session.
     first.close().await;
     assert_eq!(browse(&second).await, 60);

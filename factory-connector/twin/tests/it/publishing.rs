@@ -1,4 +1,4 @@
-//! Which notifications come, and in which order.
+//! Notifications: what they have in them, and their order.
 
 use std::time::Duration;
 

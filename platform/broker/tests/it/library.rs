@@ -21,7 +21,7 @@ const FRAME_BYTES: usize = 60_000;
 /// Bytes that a peer may get rid of before it has to wait: what waits, and what the system buffers.
 const TAKEN_MAX: usize = 32 << 20;
 
-/// How far the library takes what a peer sends.
+/// Part of what a peer sends that is taken, and no more.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Taken {
     Connection,
