@@ -1419,15 +1419,3 @@ cfg_wasm32! {
         Ok(connection_handle)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use url::Url;
-
-    #[test]
-    fn test_url_name_resolution() {
-        let url: Url = "amqp://example.net/".try_into().unwrap();
-        assert_eq!(url.port(), None);
-        let _addrs = url.socket_addrs(|| Some(5672)).unwrap();
-    }
-}

@@ -1547,13 +1547,8 @@ impl SecureChannel {
 
     // Panic code which requires a policy
     fn expect_supported_security_policy(&self) {
-        match self.security_policy {
-            SecurityPolicy::Basic256Sha256
-            | SecurityPolicy::Aes128Sha256RsaOaep
-            | SecurityPolicy::Aes256Sha256RsaPss => {}
-            _ => {
-                panic!("Unsupported security policy");
-            }
+        if self.security_policy == SecurityPolicy::None || !self.security_policy.is_supported() {
+            panic!("Unsupported security policy");
         }
     }
 
