@@ -104,7 +104,8 @@ export const settings: typeof English = {
         'So viele Tage vor seinem Ablauf wird das eigene Zertifikat des Zwillings erneuert.',
       'twin.security.certificate_validity_days': 'So viele Tage gilt ein erneuertes Zertifikat.',
       'twin.limits.sessions_max': 'Gleichzeitige Sitzungen von OPC-UA-Clients.',
-      'twin.limits.sessions_per_client_max': 'Gleichzeitige Sitzungen eines Benutzers von OPC-UA-Clients.',
+      'twin.limits.sessions_per_client_max':
+        'Gleichzeitige Sitzungen eines Benutzers von OPC-UA-Clients.',
       'twin.limits.connections_max': 'Gleichzeitige Verbindungen von OPC-UA-Clients.',
       'twin.limits.connections_per_address_max': 'Gleichzeitige Verbindungen von einer Adresse.',
       'twin.limits.subscriptions_per_client_max': 'Abonnements eines Benutzers.',
