@@ -146,9 +146,9 @@ impl Api {
         Ok(self.parts.readers.reserved_for(ReaderUse::SignIn).session().await?)
     }
 
-    /// Takes a reading connection to the store.
+    /// Takes a reading connection to the store, for what is read within some seconds.
     pub(super) async fn store(&self) -> Result<StoreSession, Problem> {
-        Ok(self.parts.readers.session().await?)
+        Ok(self.parts.readers.page_session().await?)
     }
 }
 

@@ -68,6 +68,14 @@ pub enum AttemptProblems {
 
 impl From<StoreError> for Problem {
     fn from(error: StoreError) -> Self {
+        if let StoreError::TooExpensive { .. } = error {
+            tracing::warn!(%error, "A page asked for more than can be read in its time.");
+            return Self::unavailable(
+                "TOO_EXPENSIVE",
+                "This takes longer to read than a page may keep others waiting. Ask for less at once, as a smaller limit \
+                 or one field or recipient alone, or try again later.",
+            );
+        }
         Self::internal(&error)
     }
 }

@@ -2,6 +2,9 @@
 
 use std::path::PathBuf;
 
+/// SQLite's code of a statement that was ended from outside (`SQLITE_INTERRUPT`).
+const INTERRUPTED: &str = "9";
+
 /// The durable file could not be used.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
@@ -28,6 +31,12 @@ pub enum StoreError {
         action: &'static str,
         source: sqlx::Error,
     },
+    /// A page's reads took longer than pages may keep a reader.
+    #[error("cannot {action}: it takes too long")]
+    TooExpensive {
+        /// Verb and object, for a sentence that begins with "cannot".
+        action: &'static str,
+    },
     /// The database refused to write.
     #[error("cannot {action}")]
     Write {
@@ -52,8 +61,14 @@ pub enum StoreError {
 
 impl StoreError {
     /// Makes an argument for `map_err` after a statement.
-    pub(super) const fn while_doing(action: &'static str) -> impl FnOnce(sqlx::Error) -> Self {
-        move |source| Self::Database { action, source }
+    pub(super) fn while_doing(action: &'static str) -> impl FnOnce(sqlx::Error) -> Self {
+        move |source| {
+            let code = source.as_database_error().and_then(|error| error.code());
+            if code.is_some_and(|code| code == INTERRUPTED) {
+                return Self::TooExpensive { action };
+            }
+            Self::Database { action, source }
+        }
     }
 
     /// Makes an argument for `map_err` after a statement of the writing connection.

@@ -169,6 +169,13 @@ impl Store {
 async fn open_readers(database: &Path, connections_max: u32) -> Result<SqlitePool, StoreError> {
     SqlitePoolOptions::new()
         .max_connections(connections_max)
+        // The limit of a page is none for an export that gets the connection next.
+        .after_release(|connection, _| {
+            Box::pin(async move {
+                connection.lock_handle().await?.remove_progress_handler();
+                Ok(true)
+            })
+        })
         // So that nothing is written beside the one connection that writes.
         .connect_with(options(database).read_only(true))
         .await

@@ -1,6 +1,9 @@
 //! Connections for reading, and the repositories that borrow them.
 
-use std::sync::Arc;
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use sqlx::{Sqlite, SqliteConnection, SqlitePool, pool::PoolConnection};
 
@@ -34,6 +37,12 @@ use super::{
     users::Users,
     writers::Writers,
 };
+
+/// Time within which all that a page reads has to be read: a page that asks for more gives its connection back to
+/// others.
+const PAGE_READS_MAX: Duration = Duration::from_secs(5);
+/// Steps of SQLite's machine between two looks at the clock: a millisecond at most where a disk is fast.
+const STEPS_PER_LOOK: i32 = 1_000;
 
 /// Use that has reading connections of its own, so that nobody stops another by asking for much.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,6 +97,25 @@ impl Readers {
         let connection =
             self.pool().acquire().await.map_err(StoreError::while_doing("connect to the store"))?;
         Ok(StoreSession(Connection::Pooled(connection)))
+    }
+
+    /// Takes a connection for what a page reads. A statement that takes too long fails with
+    /// [`StoreError::TooExpensive`].
+    ///
+    /// # Errors
+    /// [`StoreError::Database`], for instance when the store is closed.
+    pub async fn page_session(&self) -> Result<StoreSession, StoreError> {
+        self.session_within(PAGE_READS_MAX).await
+    }
+
+    async fn session_within(&self, reads_max: Duration) -> Result<StoreSession, StoreError> {
+        let mut session = self.session().await?;
+        let end = Instant::now() + reads_max;
+        let locked = session.connection().lock_handle().await;
+        let mut handle = locked.map_err(StoreError::while_doing("connect to the store"))?;
+        handle.set_progress_handler(STEPS_PER_LOOK, move || Instant::now() < end);
+        drop(handle);
+        Ok(session)
     }
 
     pub(super) async fn close(&self) {
@@ -273,5 +301,55 @@ impl StoreSession {
             Connection::Own(connection) => connection,
             Connection::Pooled(connection) => connection,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use asi_model::DateTime;
+
+    use super::*;
+    use crate::store::Store;
+
+    /// Reads for seconds, in one statement.
+    async fn reads_much(session: &mut StoreSession, numbers: i64) -> Result<(), StoreError> {
+        let sql = "WITH RECURSIVE numbers (n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM numbers WHERE n < $1)
+                   SELECT SUM(n) FROM numbers";
+        let read = sqlx::query(sql).bind(numbers).fetch_all(session.connection());
+        read.await.map(drop).map_err(StoreError::while_doing("count"))
+    }
+
+    #[tokio::test]
+    async fn what_a_page_reads_for_too_long_ends_and_an_export_takes_its_time() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let factory = "F".parse().expect("an id");
+        let now = DateTime::from_ticks(1);
+        let store = Store::open(folder.path(), &factory, now).await.expect("it opens");
+        let readers = store.readers();
+        // As often as there are connections, so that each of them has been a page's.
+        for _ in 0..4 {
+            let within = Duration::from_millis(100);
+            let mut session = readers.session_within(within).await.expect("a connection");
+            let ended =
+                tokio::time::timeout(Duration::from_secs(20), reads_much(&mut session, 1 << 60));
+            let error = ended.await.expect("it ends").expect_err("too much");
+            assert!(matches!(error, StoreError::TooExpensive { action: "count" }), "{error:?}");
+            let problem = daemon::web::Problem::from(error);
+            assert_eq!((problem.status, &*problem.code), (503, "TOO_EXPENSIVE"));
+        }
+        let mut held = Vec::new();
+        for _ in 0..4 {
+            let mut session = readers.session().await.expect("a connection");
+            tokio::time::sleep(Duration::from_millis(120)).await;
+            reads_much(&mut session, 100_000).await.expect("no page's limit is left");
+            held.push(session);
+        }
+        drop(held);
+        let mut session = readers.page_session().await.expect("a connection");
+        let ended =
+            tokio::time::timeout(Duration::from_secs(30), reads_much(&mut session, 1 << 60));
+        ended.await.expect("it ends").expect_err("too much");
+        drop(session);
+        store.close().await;
     }
 }
