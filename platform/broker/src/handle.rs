@@ -137,12 +137,18 @@ impl BrokerHandle {
         self.core.declare(queue, options).await.map(drop)
     }
 
-    /// Deletes a queue with its messages and ends its links. Returns the number of its messages.
+    /// Deletes a queue with its messages and dead letters, and ends its links. Returns the number of its messages.
     ///
     /// # Errors
     /// [`BrokerError::UnknownQueue`], [`BrokerError::Store`] or [`BrokerError::Stopped`].
     pub async fn delete_queue(&self, queue: &QueueName) -> Result<u64, BrokerError> {
-        self.core.delete(queue).await
+        let messages = self.core.delete(queue).await?;
+        // After it: no further letter comes of it.
+        let letters = store::dead_letters_of(self.core.readers(), queue.as_str()).await;
+        let letters = letters
+            .map_err(|source| BrokerError::Store { action: "read the dead letters", source })?;
+        self.purge_dead_letters(&letters).await?;
+        Ok(messages)
     }
 
     /// Returns the status of all queues, sorted by name.

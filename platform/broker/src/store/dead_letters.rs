@@ -60,6 +60,17 @@ pub(crate) async fn dead_letters_beyond(
     .await
 }
 
+/// Returns the ids of the dead letters of a queue.
+pub(crate) async fn dead_letters_of(
+    pool: &SqlitePool,
+    queue: &str,
+) -> Result<Vec<i64>, sqlx::Error> {
+    sqlx::query_scalar("SELECT message_id FROM dead_letters WHERE origin = ?")
+        .bind(queue)
+        .fetch_all(pool)
+        .await
+}
+
 /// Reads the body of a dead letter; empty when it is neither bytes nor text.
 pub(crate) async fn dead_letter_body(
     pool: &SqlitePool,

@@ -288,6 +288,10 @@ async fn each_queue_has_dead_letters_of_its_own() {
         if ids == ["m0", "m8", "m9"] { Ok(()) } else { Err(format!("{ids:?}")) }
     });
     kept.await.expect("few are kept");
+    broker.handle.delete_queue(&queue(consumed[0])).await.expect("deleted");
+    let letters = broker.handle.dead_letters(0, 100).await.expect("read");
+    let ids: Vec<_> = letters.into_iter().filter_map(|letter| letter.message_id).collect();
+    assert_eq!(ids, ["m0"], "those of a queue that is deleted go with it");
     link.stop().await;
     broker.stop().await;
 }
