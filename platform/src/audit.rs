@@ -80,12 +80,12 @@ impl RecordingStore {
         Ok(RecordedWork { work, agent, operation, clock, repeats })
     }
 
-    /// Begins a unit of work that only reads, on one consistent state.
+    /// Begins a unit of work of a page, which only reads, on one consistent state and within some seconds.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
     pub async fn read(&self) -> Result<Work, StoreError> {
-        self.store.read().await
+        self.store.page_reader().read().await
     }
 
     /// Returns what reads the store and cannot change it.

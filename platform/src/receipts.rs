@@ -7,6 +7,7 @@ use asi_model::{
     FactoryId,
     messages::{PlatformMessage, Receipt},
 };
+use messaging::LogicalAddress;
 use tokio_util::sync::CancellationToken;
 
 use crate::{
@@ -28,6 +29,8 @@ pub struct Receipter {
 /// Most writers in one receipt; each takes at most some 12 KB, so that a receipt stays under the
 /// limit of a message.
 const WRITERS_PER_RECEIPT_MAX: usize = 50;
+/// Messages that wait for a factory beyond which it gets no receipts.
+const MESSAGES_WAITING_MAX: u64 = 10_000;
 /// Most writers of one round, of each factory in turn; the others follow in the next.
 const WRITERS_PER_ROUND_MAX: u32 = 5_000;
 
@@ -76,6 +79,11 @@ impl Receipter {
         }
         let mut count = 0;
         for (factory, rows) in factories {
+            let address = LogicalAddress::FactoryRequests(factory.clone());
+            // One that reads none has enough to read: what it lacks it gets once it has.
+            if work.outgoing().waiting(&address).await? >= MESSAGES_WAITING_MAX {
+                continue;
+            }
             for rows in rows.chunks(WRITERS_PER_RECEIPT_MAX) {
                 let receipt_list: Vec<_> = rows
                     .iter()
@@ -149,6 +157,50 @@ mod tests {
         let mut work = store.read().await.expect("begun");
         let rows = work.writers().unreceipted(10_000).await.expect("read");
         rows.into_iter().map(|row| row.key).collect()
+    }
+
+    #[tokio::test]
+    async fn a_factory_that_reads_nothing_gets_no_more_receipts_until_it_does() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let store = store_with_factories(&folder).await;
+        let address = LogicalAddress::FactoryRequests(id("A"));
+        let mut work = store.begin().await.expect("begun");
+        for _ in 0..MESSAGES_WAITING_MAX {
+            let receipt = Receipt {
+                message_id: new_message_id(),
+                factory_id: id("A"),
+                receipt_list: Vec::new(),
+            };
+            let message =
+                outgoing(&id("A"), &PlatformMessage::Receipt(receipt), DateTime::from_ticks(1));
+            work.outgoing().add(&message).await.expect("stored");
+        }
+        work.commit().await.expect("committed");
+        for factory in ["A", "B"] {
+            are_due(&store, factory, 1..2).await;
+        }
+        let receipter = Receipter::new(
+            store.clone(),
+            BrokerAccess::new(Vec::new()),
+            Clock::from_fn(|| DateTime::from_ticks(1)),
+            Duration::from_secs(1),
+        );
+        assert_eq!(receipter.round().await.expect("written"), 1, "the other's");
+        let mut work = store.begin().await.expect("begun");
+        assert_eq!(work.outgoing().waiting(&address).await.expect("read"), MESSAGES_WAITING_MAX);
+        work.outgoing().record(&sent(MESSAGES_WAITING_MAX)).await.expect("sent");
+        work.commit().await.expect("committed");
+        assert_eq!(receipter.round().await.expect("written"), 1, "it was not forgotten");
+    }
+
+    /// Outcomes of so many messages that were sent, the oldest.
+    fn sent(count: u64) -> Vec<messaging::RowOutcome> {
+        let outcome = |row: u64| messaging::RowOutcome {
+            id: messaging::RowId(i64::try_from(row).expect("few")),
+            outcome: messaging::SendOutcome::Accepted,
+            at: std::time::SystemTime::UNIX_EPOCH.into(),
+        };
+        (1..=count).map(outcome).collect()
     }
 
     #[tokio::test]

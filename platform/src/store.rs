@@ -58,7 +58,8 @@ mod writers;
 pub use accesses::{AccessQuery, Accesses, AccessesKept, ListedAccess, StoredAccessLog};
 pub use asked_requests::AskedRequests;
 pub use audit::{
-    AuditAgent, AuditAgentKind, AuditEntries, AuditEntry, AuditOutcome, AuditSubject, NewAuditEntry,
+    AuditAgent, AuditAgentKind, AuditEntries, AuditEntry, AuditKept, AuditOutcome, AuditSubject,
+    NewAuditEntry,
 };
 pub use collaborations::{Collaboration, Collaborations};
 pub use comments::{CommentEntry, Comments, NewComment};
@@ -81,7 +82,7 @@ pub use ledger_logs::LedgerLogs;
 pub use meta_data::MetaData;
 pub use networks::{NetworkRow, NetworkSummary, Networks};
 pub use organisations::{Organisation, Organisations};
-pub use outgoing::{NewOutgoing, OutgoingMessages};
+pub use outgoing::{ANSWERS_WAITING_MAX, NewOutgoing, OutgoingMessages};
 pub use ownership::Ownership;
 pub use parts::{NetworkPart, PartState, Parts, SeenPart};
 pub use passkeys::Passkeys;
@@ -89,7 +90,7 @@ pub use past_releases::{PastReleases, ReleasedRange};
 pub use quotas::{Kept, Quotas};
 pub use recipient_sets::{RecipientSetId, RecipientSets};
 pub use recipients::{Recipient, Recipients};
-pub use removals::{Leaver, RemovalEffects, Removals};
+pub use removals::{Leaver, RemainingRecords, RemovalEffects, Removals};
 pub use report_cursor::ReportCursor;
 pub use reports::{NewReport, Report, ReportQuery, Reports};
 pub use revocations::{RevocationEntry, Revocations};
@@ -101,4 +102,6 @@ pub use tools::{Tool, Tools};
 pub use users::{Role, User, Users};
 pub use visibility::{NetworkOwners, Sight, Visibility, part_of, viewers};
 pub use work::Work;
-pub use writers::{GAPS_PER_WRITER_MAX, SeenWriter, StoredGap, WriterKey, WriterRow, Writers};
+pub use writers::{
+    GAPS_PER_WRITER_MAX, SeenWriter, StoredGap, WriterKey, WriterRow, Writers, WritersWanted,
+};

@@ -26,6 +26,9 @@ const NAME: &str = "verbund-platform/witness";
 /// Name of the key's file in the data directory.
 const KEY_FILE: &str = "witness-key.pem";
 
+/// Longest checkpoint, signatures included. One has three lines and a signature; more are for extensions.
+const CHECKPOINT_BYTES_MAX: usize = 4 * 1024;
+
 /// The witness's key cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum WitnessError {
@@ -119,6 +122,12 @@ impl WitnessKey {
         let known = newest.filter(|newest| newest.epoch == message.epoch);
         let request: AddCheckpoint =
             message.add_checkpoint.parse().map_err(|error| format!("{error}."))?;
+        let bytes = request.checkpoint.to_string().len();
+        if bytes > CHECKPOINT_BYTES_MAX {
+            return Err(format!(
+                "The checkpoint has {bytes} bytes; {CHECKPOINT_BYTES_MAX} are allowed."
+            ));
+        }
         let key = log_key(message)?;
         if let Some(known) = known.filter(|known| known.verifier_key != key) {
             let log = Some(known.refusing(&request, now));

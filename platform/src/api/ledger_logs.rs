@@ -3,11 +3,14 @@
 
 use asi_model::{DateTime, FactoryId, OrganisationId};
 use axum::{Json, extract::State};
-use daemon::web::{ApiPath, Problem, session::SignedIn};
+use daemon::web::{ApiPath, ApiQuery, Problem, session::SignedIn};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::{page::Page, problems::ReadProblems};
+use super::{
+    page::{Page, PageQuery},
+    problems::ReadProblems,
+};
 use crate::{application::Application, principal::Principal, witness::WitnessedLog};
 
 /// Log of what a factory discloses to one organisation.
@@ -65,20 +68,32 @@ impl LedgerLogView {
 /// Lists the logs of a factory's ledger with their countersigned checkpoints: for a recipient those
 /// about what it gets, for the factory's own organisation all.
 #[utoipa::path(get, operation_id = "listLedgerLogs", path = "/factories/{factoryId}/ledger-logs", tag = "factories", security(("session" = [])),
-    params(("factoryId" = String, Path)), responses((status = 200, body = Page<LedgerLogView>), ReadProblems))]
+    params(("factoryId" = String, Path), PageQuery), responses((status = 200, body = Page<LedgerLogView>), ReadProblems))]
 pub async fn list(
     State(app): State<Application>,
     who: SignedIn<Principal>,
     ApiPath(id): ApiPath<FactoryId>,
+    ApiQuery(page): ApiQuery<PageQuery>,
 ) -> Result<Json<Page<LedgerLogView>>, Problem> {
     let scope = who.principal.scope();
     let mut work = app.store.read().await?;
     if work.factories().lookup(&scope, &id).await?.is_none() {
         return Err(Problem::not_found(format_args!("factory {id}")));
     }
-    let logs = work.ledger_logs().of_factory(&scope, &id).await?;
+    let after = page.cursor.as_deref().and_then(recipient_and_epoch);
+    let logs = work.ledger_logs().of_factory(&scope, &id, after, page.limit()).await?;
     let key = app.witness.verifier().to_string();
-    let views =
-        logs.into_iter().map(|(recipient, log)| LedgerLogView::new(recipient, log, key.clone()));
-    Ok(Json(Page::whole(views.collect())))
+    let views = logs
+        .into_iter()
+        .map(|(recipient, log)| LedgerLogView::new(recipient, log, key.clone()))
+        .collect();
+    Ok(Json(Page::new(views, page.limit(), |last: &LedgerLogView| {
+        format!("{}.{}", last.recipient_id, last.epoch)
+    })))
+}
+
+/// Reads a cursor; any other text starts at the first page.
+fn recipient_and_epoch(cursor: &str) -> Option<(&str, u32)> {
+    let (recipient, epoch) = cursor.rsplit_once('.')?;
+    Some((recipient, epoch.parse().ok()?))
 }

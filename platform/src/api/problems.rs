@@ -26,6 +26,9 @@ pub enum ReadProblems {
     /// The resource does not exist, or the viewer has no part in it.
     #[response(status = 404, content_type = "application/problem+json")]
     NotFound(Problem),
+    /// Reading takes too long; ask for less at once.
+    #[response(status = 503, content_type = "application/problem+json")]
+    Unavailable(Problem),
 }
 
 /// Problems of operations that change something.
@@ -84,6 +87,14 @@ pub enum AttemptProblems {
 
 impl From<StoreError> for Problem {
     fn from(error: StoreError) -> Self {
+        if let StoreError::TooExpensive { .. } = error {
+            tracing::warn!(%error, "A page asked for more than can be read in its time.");
+            return Self::unavailable(
+                "TOO_EXPENSIVE",
+                "This takes longer to read than a page may keep others waiting. Ask for less at once, as a smaller limit \
+                 or one network or request alone, or try again later.",
+            );
+        }
         Self::internal(&error)
     }
 }
@@ -168,7 +179,7 @@ impl From<ChangeError> for Problem {
             ),
             ChangeError::QuotaExceeded { .. } => quota_exceeded(&error.to_string()),
             ChangeError::Faulty(faults) => faulty(faults, ""),
-            ChangeError::Store(error) => Self::internal(&error),
+            ChangeError::Store(error) => error.into(),
         }
     }
 }

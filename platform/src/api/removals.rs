@@ -123,6 +123,9 @@ async fn leave(
     }
     work.removals().leave(&leaver, app.clock.now()).await?;
     work.commit(subject, AuditOutcome::Done).await?;
+    if let Leaver::Factory(id) = &leaver {
+        app.ingest.forget(id);
+    }
     if let Some(holder) = leaver.holder() {
         app.broker_access.revoked(&app.store.reader(), &holder).await?;
     }

@@ -3,7 +3,7 @@
 use asi_model::{
     DataValue, DateTime, DynamicDataRequestId, FactoryId, MessageId, OperationId,
     OperationNetworkId, OrganisationId, RequestKey,
-    messages::{FactoryMessage, MESSAGE_BYTES_MAX},
+    messages::FactoryMessage,
     opcua_json::Leniency,
     pubsub::{
         DataSetMessage, DataSetMessageKind, DataSetMetaData, MetaDataLookup, NetworkMessage,
@@ -11,13 +11,15 @@ use asi_model::{
         recipient_list,
     },
 };
+use bytes::Bytes;
 use message_signature::PublicKey;
-use messaging::{Delivery, Envelope, LogicalAddress};
+use messaging::{BodyError, Envelope, LogicalAddress};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
 use super::{
     dead_letter::{DeadLetterReason, dead_letter},
+    portion::Unpacked,
     signatures::{check_body, examine},
 };
 use crate::{
@@ -112,14 +114,15 @@ pub struct IncomingReport {
     pub position: usize,
 }
 
-/// Understands a delivery. `lookup` knows the metadata of the factory's writers, `signing` its keys.
+/// Understands a message. `lookup` knows the metadata of the factory's writers, `signing` its keys.
 #[must_use]
 pub fn decode(
     address: &LogicalAddress,
-    delivery: &Delivery,
+    message: &Unpacked,
     lookup: &dyn MetaDataLookup,
     signing: &SigningState,
 ) -> Incoming {
+    let delivery = &message.delivery;
     let mut envelope = delivery.envelope.clone();
     let received_at = DateTime::from(delivery.received_at);
     let examined = examine(address, &envelope, signing);
@@ -130,7 +133,7 @@ pub fn decode(
         envelope.lease = verified.properties.lease;
     }
     let understood = examined.and_then(|verified| {
-        let text = text_of(&envelope)?;
+        let text = text_of(&message.text)?;
         let (id, kind, content) = understand(address, &text, lookup)?;
         if let Some(verified) = &verified {
             check_body(&verified.properties, id.as_ref(), &kind)?;
@@ -163,9 +166,8 @@ pub fn decode(
     }
 }
 
-fn text_of(envelope: &Envelope) -> Result<String, DeadLetterReason> {
-    let unpacked = envelope.unpacked(MESSAGE_BYTES_MAX);
-    let unpacked = unpacked.map_err(|error| ("UNREADABLE_BODY", error.to_string()))?;
+fn text_of(unpacked: &Result<Bytes, BodyError>) -> Result<String, DeadLetterReason> {
+    let unpacked = unpacked.as_ref().map_err(|error| ("UNREADABLE_BODY", error.to_string()))?;
     String::from_utf8(unpacked.to_vec())
         .map_err(|_| ("NOT_UTF8", "The body is not UTF-8.".to_owned()))
 }

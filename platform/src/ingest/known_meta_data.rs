@@ -19,6 +19,11 @@ impl MetaDataTable {
         self.0.insert((factory, writer), Arc::new(for_decoding(meta_data)));
     }
 
+    /// Forgets the metadata of one factory's writers.
+    pub(super) fn forget(&mut self, factory: &FactoryId) {
+        self.0.retain(|(of, _), _| of != factory);
+    }
+
     /// Returns the metadata of one factory's writers.
     pub(super) const fn of<'t>(&'t self, factory: Option<&'t FactoryId>) -> KnownMetaData<'t> {
         KnownMetaData { factory, table: self }

@@ -12,6 +12,7 @@ use messaging::{Envelope, LogicalAddress};
 use super::{
     decode::{Content, Incoming},
     heartbeats::Heartbeats,
+    quota_arbiter::ANSWERS,
     unit::IngestUnit,
 };
 use crate::{
@@ -85,6 +86,27 @@ impl<'w> LeaseArbiter<'w> {
         metrics::counter!("verbund_lease_requests_total", "result" => result).increment(1);
         unit.work.leases().put(factory, &lease).await?;
         unit.effects.has_outgoing = true;
+        if unit
+            .work
+            .outgoing()
+            .takes_answers(&LogicalAddress::FactoryLeases(factory.clone()))
+            .await?
+        {
+            self.answer(unit, request, decision, &lease).await?;
+        } else {
+            unit.effects.refused(ANSWERS, factory);
+        }
+        self.leases.insert(factory.clone(), Some(lease));
+        Ok(())
+    }
+
+    async fn answer(
+        &self,
+        unit: &mut IngestUnit<'_>,
+        request: &LeaseRequest,
+        decision: LeaseDecision,
+        lease: &FactoryLease,
+    ) -> Result<(), StoreError> {
         // A broker may serve two consumers of one address in turns, so that each would get the
         // other's answers for ever: of two equal answers each gets one.
         let copies = if lease.contenders.is_empty() { 1 } else { 2 };
@@ -92,7 +114,6 @@ impl<'w> LeaseArbiter<'w> {
             let answer = lease.answer(request, decision, self.heartbeats.silence(), unit.now);
             unit.work.outgoing().add(&outgoing(answer, unit.now)).await?;
         }
-        self.leases.insert(factory.clone(), Some(lease));
         Ok(())
     }
 

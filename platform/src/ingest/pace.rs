@@ -47,6 +47,15 @@ pub(super) struct Pace {
     whole_at: Mutex<HashMap<LogicalAddress, Instant>>,
 }
 
+/// Excess of a sender over its share.
+#[derive(Debug, Default)]
+pub(super) struct Excess {
+    /// Time until it is within its share; zero where it is, and where it cannot wait.
+    pub(super) wait: Duration,
+    /// Reason for which its messages are set aside, where it cannot wait.
+    pub(super) reason: Option<String>,
+}
+
 impl Pace {
     /// Shares of which nothing is used yet.
     pub(super) fn new(may_wait: bool) -> Self {
@@ -56,22 +65,29 @@ impl Pace {
     /// Waits until so many messages of an address are within its share. The broker keeps the others meanwhile.
     /// Returns why they are beyond it, where it cannot wait.
     pub(super) async fn keep(&self, address: &LogicalAddress, messages: usize) -> Option<String> {
+        let Excess { wait, reason } = self.charge(address, messages);
+        tokio::time::sleep(wait).await;
+        reason
+    }
+
+    /// Takes so many messages off the share of an address at once.
+    pub(super) fn charge(&self, address: &LogicalAddress, messages: usize) -> Excess {
         if !self.may_wait && address.tool_id().is_none() {
-            return None;
+            return Excess::default();
         }
         let wait = self.take(address, messages, Instant::now());
         if wait.is_zero() {
-            return None;
+            return Excess::default();
         }
         count_refusal(MESSAGES, &holder(&address.to_string()));
         if self.may_wait {
-            tokio::time::sleep(wait).await;
-            return None;
+            return Excess { wait, reason: None };
         }
         let Rate { per_second, at_once } = OF_TOOL;
-        Some(format!(
+        let reason = format!(
             "The tool sends more than {per_second} messages a second, after {at_once} at once."
-        ))
+        );
+        Excess { wait: Duration::ZERO, reason: Some(reason) }
     }
 
     /// Takes messages off the share of an address, and returns the time until they are within it.
@@ -124,7 +140,7 @@ mod tests {
             delivery_count: 0,
             received_at: time::OffsetDateTime::UNIX_EPOCH,
         };
-        cost(&decode(&address, &delivery, &(), &SigningState::default()))
+        cost(&decode(&address, &delivery.into(), &(), &SigningState::default()))
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! Quotas of a factory in what the platform keeps of its messages. What exceeds one becomes a dead
-//! letter of that factory, and others do not feel it.
+//! Quotas of a factory in what the platform keeps of its messages, and of who asks in answers that wait. What exceeds
+//! one becomes a dead letter of that sender, and others do not feel it.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -7,13 +7,16 @@ use asi_model::{FactoryId, messages::FactoryMessage};
 use messaging::LogicalAddress;
 
 use super::{
+    dead_letter::holder,
     decode::{Content, Incoming},
     unit::IngestUnit,
 };
-use crate::store::{Kept, StoreError};
+use crate::store::{ANSWERS_WAITING_MAX, Kept, StoreError};
 
 /// Share of a factory in missing ranges and announced gaps.
 pub(super) const GAPS: &str = "gaps";
+/// Share of a factory or tool in answers that wait for it.
+pub(super) const ANSWERS: &str = "answers";
 /// Code of dead letters whose factory has used a quota up.
 pub(super) const QUOTA_EXCEEDED: &str = "QUOTA_EXCEEDED";
 /// Most writers of a factory, each epoch counted by itself.
@@ -56,6 +59,13 @@ const REVOCATIONS: Quota = Quota {
     rows_max: 10_000,
     bytes_max: 64 * 1024 * 1024,
 };
+/// Logs: one for each recipient, and one more each time that a factory replaces it.
+const LEDGER_LOGS: Quota = Quota {
+    share: "ledger_logs",
+    what: "logs of its ledger",
+    rows_max: 2_000,
+    bytes_max: 16 * 1024 * 1024,
+};
 const COMMENTS: Quota = Quota {
     share: "comments",
     what: "comments on a network",
@@ -79,13 +89,17 @@ impl QuotaArbiter {
         address: &LogicalAddress,
         incoming: &Incoming,
     ) -> Result<bool, StoreError> {
-        let LogicalAddress::FactoryIngress(factory) = address else { return Ok(true) };
-        let refusal = match self.writers_refused(unit, factory, incoming).await? {
-            None => rows_refused(unit, factory, incoming).await?,
-            refusal => refusal,
-        };
+        let mut refusal = answers_refused(unit, incoming).await?;
+        if let LogicalAddress::FactoryIngress(factory) = address {
+            if refusal.is_none() {
+                refusal = self.writers_refused(unit, factory, incoming).await?;
+            }
+            if refusal.is_none() {
+                refusal = rows_refused(unit, factory, incoming).await?;
+            }
+        }
         let Some((share, reason)) = refusal else { return Ok(true) };
-        unit.effects.refused(share, factory);
+        unit.effects.refused(share, holder(&address.to_string()));
         unit.reject(address, incoming, QUOTA_EXCEEDED, reason).await?;
         Ok(false)
     }
@@ -120,6 +134,30 @@ impl QuotaArbiter {
     }
 }
 
+/// Returns share and reason where a message asks for an answer, and its sender reads none.
+async fn answers_refused(
+    unit: &mut IngestUnit<'_>,
+    incoming: &Incoming,
+) -> Result<Option<(&'static str, String)>, StoreError> {
+    let reader = match &incoming.content {
+        Content::DataRequest(request) => LogicalAddress::ToolReports(request.tool_id.clone()),
+        Content::Factory(message) => match &**message {
+            FactoryMessage::LedgerCheckpoint(checkpoint) => {
+                LogicalAddress::FactoryRequests(checkpoint.factory_id.clone())
+            }
+            _ => return Ok(None),
+        },
+        _ => return Ok(None),
+    };
+    if unit.work.outgoing().takes_answers(&reader).await? {
+        return Ok(None);
+    }
+    let reason = format!(
+        "{ANSWERS_WAITING_MAX} answers wait at {reader}, the most allowed: read them first."
+    );
+    Ok(Some((ANSWERS, reason)))
+}
+
 /// Returns share and reason where a message would add to rows of which a factory has the most allowed.
 async fn rows_refused(
     unit: &mut IngestUnit<'_>,
@@ -135,6 +173,10 @@ async fn rows_refused(
             }
             FactoryMessage::PastRelease(_) => (PAST_RELEASES, kept.past_releases(factory).await?),
             FactoryMessage::Revocation(_) => (REVOCATIONS, kept.revocations(factory).await?),
+            FactoryMessage::LedgerCheckpoint(checkpoint) => {
+                let except = (&checkpoint.recipient_id, checkpoint.epoch);
+                (LEDGER_LOGS, kept.ledger_logs(factory, except).await?)
+            }
             FactoryMessage::Comment(comment) => {
                 let network = &comment.operation_network_id;
                 (COMMENTS, kept.comments_of_factory(network, factory).await?)

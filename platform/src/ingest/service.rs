@@ -1,23 +1,21 @@
-//! The task that writes what arrives, and the handle that brings it.
+//! The task that writes what arrives.
 
 use std::{sync::Arc, time::Duration};
 
 use asi_model::pubsub::{PubSubMessage, json::decode};
-use async_trait::async_trait;
 use daemon::web::shares::count_refusal;
-use messaging::{Delivery, LogicalAddress, Settlement};
+use messaging::LogicalAddress;
 use parking_lot::RwLock;
-use tokio::sync::{mpsc, oneshot};
+use tokio::sync::mpsc;
 use tokio_util::sync::CancellationToken;
 
 use super::{
     apply::Applier,
-    decode::{Incoming, decode as understand},
+    decode::Incoming,
+    handle::{Batch, IngestHandle, chain},
     heartbeats::Heartbeats,
     known_meta_data::MetaDataTable,
-    pace::{Pace, cost},
-    quota_arbiter::QUOTA_EXCEEDED,
-    room::{Room, RoomConfig},
+    room::RoomConfig,
     signs_of_life::SignsOfLife,
     unit::Effects,
 };
@@ -27,13 +25,10 @@ use crate::{
     clock::{Clock, new_access_id},
     live::LiveLog,
     progress_notifier::ProgressNotifierHandle,
-    signing::SigningState,
-    store::{Store, StoreError, StoreReader},
+    store::{Store, StoreError},
     witness::WitnessKey,
 };
 
-/// Batches up to this size are decoded where they are; larger ones would hold up other tasks.
-const DECODED_INLINE_BYTES_MAX: usize = 64 * 1024;
 /// Batches that wait for the writer.
 const BATCHES_WAITING_MAX: usize = 64;
 /// Batches written in one transaction.
@@ -69,25 +64,6 @@ pub struct Ingest {
     ending: CancellationToken,
 }
 
-/// Brings messages to a running [`Ingest`].
-#[derive(Clone)]
-pub struct IngestHandle {
-    store: StoreReader,
-    meta_data: Arc<RwLock<Arc<MetaDataTable>>>,
-    batches: mpsc::Sender<Batch>,
-    pace: Arc<Pace>,
-    room: Arc<Room>,
-    /// Cancelled when the platform ends.
-    ending: CancellationToken,
-}
-
-struct Batch {
-    address: LogicalAddress,
-    messages: Vec<Incoming>,
-    /// Answered with true when the batch is committed.
-    stored: oneshot::Sender<Vec<bool>>,
-}
-
 impl Ingest {
     /// A service over the store; knows the metadata that was received before.
     ///
@@ -114,15 +90,9 @@ impl Ingest {
         let meta_data = Arc::new(RwLock::new(Arc::new(table)));
         let (sender, batches) = mpsc::channel(BATCHES_WAITING_MAX);
         let IngestConfig { resend_after, silence, witness, room } = config;
-        let (ending, may_wait) = (CancellationToken::new(), room.may_wait);
-        let handle = IngestHandle {
-            ending: ending.clone(),
-            room: Arc::new(Room::new(room, store.reserved_reader())),
-            store: store.reserved_reader(),
-            meta_data: Arc::clone(&meta_data),
-            batches: sender,
-            pace: Arc::new(Pace::new(may_wait)),
-        };
+        let ending = CancellationToken::new();
+        let handle =
+            IngestHandle::new(&store, Arc::clone(&meta_data), sender, room, ending.clone());
         let (signs, heartbeats) = (SignsOfLife::default(), Heartbeats::new(silence));
         Ok((
             Self {
@@ -242,12 +212,13 @@ impl Ingest {
             self.broker_access.wake_link();
         }
         if !effects.meta_data.is_empty() {
+            let mut known = self.meta_data.write();
             // A copy: those who decode at the moment hold the table as it was.
-            let mut table = (**self.meta_data.read()).clone();
+            let mut table = (**known).clone();
             for ((factory, writer), meta_data) in effects.meta_data {
                 table.put(factory, writer, meta_data);
             }
-            *self.meta_data.write() = Arc::new(table);
+            *known = Arc::new(table);
         }
         self.live.publish(effects.notifications);
         self.progress.changed(effects.networks);
@@ -270,104 +241,6 @@ impl Ingest {
     }
 }
 
-#[async_trait]
-impl messaging::Inbox for IngestHandle {
-    async fn receive(
-        &self,
-        address: &LogicalAddress,
-        deliveries: Vec<Delivery>,
-    ) -> Vec<Settlement> {
-        let beyond = self.pace.keep(address, deliveries.len()).await;
-        let lacking = match self.room.of(address, self.ending.cancelled()).await {
-            // Not stored any more: the platform ends.
-            Ok(Some(_)) if self.room.may_wait() => return Vec::new(),
-            Ok(lacking) => beyond.or(lacking),
-            Err(error) => {
-                tracing::warn!(cause = %chain(&error), "The room of a sender cannot be read; its messages wait.");
-                return Vec::new();
-            }
-        };
-        let Some(mut messages) = self.understand(address, deliveries).await else {
-            return Vec::new();
-        };
-        // What they count as beyond their number shows once they are unpacked.
-        let more = messages.iter().map(cost).sum::<usize>() - messages.len();
-        let beyond = if more > 0 { self.pace.keep(address, more).await } else { None };
-        let lacking = lacking.or(beyond);
-        for (message, reason) in messages.iter_mut().zip(lacking.iter().cycle()) {
-            *message = message.set_aside(address, QUOTA_EXCEEDED, reason.clone());
-        }
-        let stored = self.write(address, messages).await;
-        stored
-            .into_iter()
-            .map(|is_stored| if is_stored { Settlement::Accept } else { Settlement::Release })
-            .collect()
-    }
-}
-
-impl IngestHandle {
-    /// Takes a message once more that was set aside, whatever the lease under which it came. Returns
-    /// whether it is written now.
-    pub async fn replay(&self, address: &LogicalAddress, delivery: Delivery) -> bool {
-        let Some(mut messages) = self.understand(address, vec![delivery]).await else {
-            return false;
-        };
-        for message in &mut messages {
-            message.envelope.lease = None;
-        }
-        self.write(address, messages).await == [true]
-    }
-
-    /// Verifies and decodes; none where that cannot be done at the moment, so that all comes again.
-    async fn understand(
-        &self,
-        address: &LogicalAddress,
-        deliveries: Vec<Delivery>,
-    ) -> Option<Vec<Incoming>> {
-        let signing = match self.signing(address).await {
-            Ok(signing) => signing,
-            Err(error) => {
-                tracing::warn!(cause = %chain(&error), "The keys of a factory cannot be read; its messages wait.");
-                return None;
-            }
-        };
-        let table = Arc::clone(&self.meta_data.read());
-        let bytes: usize = deliveries.iter().map(|delivery| delivery.envelope.body.len()).sum();
-        let decoded_address = address.clone();
-        let decode_all = move || -> Vec<Incoming> {
-            let known = table.of(decoded_address.factory_id());
-            deliveries
-                .iter()
-                .map(|delivery| understand(&decoded_address, delivery, &known, &signing))
-                .collect()
-        };
-        if bytes <= DECODED_INLINE_BYTES_MAX {
-            Some(decode_all())
-        } else {
-            tokio::task::spawn_blocking(decode_all).await.ok()
-        }
-    }
-
-    /// Reads the keys of a factory, for each batch: what an administrator changed counts at once.
-    async fn signing(&self, address: &LogicalAddress) -> Result<SigningState, StoreError> {
-        let LogicalAddress::FactoryIngress(factory) = address else {
-            return Ok(SigningState::default());
-        };
-        self.store.read().await?.signing_keys().of_factory(factory).await
-    }
-
-    /// Hands messages to the writer. Returns for each whether it is written; nothing where the writer
-    /// has ended, and what is missing counts as released.
-    async fn write(&self, address: &LogicalAddress, messages: Vec<Incoming>) -> Vec<bool> {
-        let (stored, answer) = oneshot::channel();
-        let batch = Batch { address: address.clone(), messages, stored };
-        if self.batches.send(batch).await.is_err() {
-            return Vec::new();
-        }
-        answer.await.unwrap_or_default()
-    }
-}
-
 /// Returns true if the database rejected the data itself, so that a retry would fail again.
 fn is_refused(error: &StoreError) -> bool {
     match error {
@@ -378,12 +251,5 @@ fn is_refused(error: &StoreError) -> bool {
         }
         StoreError::Corrupt { .. } => true,
         _ => false,
-    }
-}
-
-fn chain(error: &dyn std::error::Error) -> String {
-    match error.source() {
-        Some(cause) => format!("{error}: {}", chain(cause)),
-        None => error.to_string(),
     }
 }

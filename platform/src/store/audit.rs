@@ -157,6 +157,15 @@ macro_rules! own {
     };
 }
 
+/// Entries that are kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AuditKept {
+    /// Time of the oldest.
+    pub since: DateTime,
+    /// Most entries in the share of an organisation.
+    pub count: u64,
+}
+
 /// Repository of entries.
 pub struct AuditEntries<'w>(pub(super) &'w mut Connection);
 
@@ -166,8 +175,11 @@ impl AuditEntries<'_> {
     /// # Errors
     /// [`StoreError::Statement`].
     pub async fn add(&mut self, entry: &NewAuditEntry<'_>) -> Result<(), StoreError> {
+        // What an administrator does is in no share, also where it has an organisation.
         let sql = "INSERT INTO audit_entry (recorded_at, agent_kind, agent_name, organisation_id, operation, subject,
-                       concerned_id, outcome, opaque_id) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9)";
+                       concerned_id, outcome, opaque_id, share)
+                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, CASE WHEN $2 = 'USER' AND EXISTS (
+                       SELECT 1 FROM user_account WHERE user_name = $3 AND role = 'ADMINISTRATOR') THEN NULL ELSE $4 END)";
         sqlx::query(sql)
             .bind(entry.recorded_at.ticks())
             .bind(entry.agent.kind.as_str())
@@ -238,67 +250,109 @@ impl AuditEntries<'_> {
         rows.iter().map(|row| read(row, scope)).collect()
     }
 
-    /// Forgets the oldest entries of each organisation: those of before a time, and those beyond its newest
-    /// `retained`; not more than `rows` in all. What one organisation does pushes out nothing of another.
+    /// Forgets the oldest entries: those of before a time, and of each organisation those beyond its share; not
+    /// more than `rows` in all. What one organisation does pushes out nothing of another, and of what administrators
+    /// and commands did nothing goes before its time. Returns the number, and the organisations beyond their shares.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
     pub async fn forget(
         &mut self,
-        before: DateTime,
-        retained: u64,
+        kept: AuditKept,
         rows: u32,
-    ) -> Result<u64, StoreError> {
-        let mut forgotten = 0;
-        for organisation in self.organisations().await? {
-            let left = u64::from(rows).saturating_sub(forgotten);
-            forgotten += self.forget_of(organisation.as_deref(), before, retained, left).await?;
+    ) -> Result<(u64, Vec<OrganisationId>), StoreError> {
+        let (mut forgotten, mut beyond) = (0, Vec::new());
+        for share in self.shares().await? {
+            let left = |forgotten| u64::from(rows).saturating_sub(forgotten);
+            forgotten += self.forget_old(share.as_ref(), kept.since, left(forgotten)).await?;
+            let Some(organisation) = share else { continue };
+            let number = self.forget_beyond(&organisation, kept.count, left(forgotten)).await?;
+            forgotten += number;
+            if number > 0 {
+                beyond.push(organisation);
+            }
         }
-        Ok(forgotten)
+        Ok((forgotten, beyond))
     }
 
-    /// Returns the organisations whose people and programs have entries; `None` among them for those without one.
-    async fn organisations(&mut self) -> Result<Vec<Option<String>>, StoreError> {
+    /// Returns the time of the newest entry that says that entries of an organisation were forgotten.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn forgotten_at(
+        &mut self,
+        organisation: &OrganisationId,
+    ) -> Result<Option<DateTime>, StoreError> {
+        let sql = "SELECT MAX(recorded_at) AS recorded_at FROM audit_entry
+                   WHERE operation = 'forgetAuditEntries' AND concerned_id = $1";
+        let row = sqlx::query(sql)
+            .bind(organisation.as_str())
+            .fetch_one(&mut *self.0)
+            .await
+            .map_err(StoreError::during("look up what was forgotten of the audit"))?;
+        row.time_option("recorded_at")
+    }
+
+    /// Returns the organisations with a share; `None` among them for what is in none.
+    async fn shares(&mut self) -> Result<Vec<Option<OrganisationId>>, StoreError> {
         // From one to the next in the index, however many entries there are of each.
         let sql = "WITH RECURSIVE known(id) AS (
-                       SELECT MIN(organisation_id) FROM audit_entry
+                       SELECT MIN(share) FROM audit_entry
                        UNION ALL
-                       SELECT (SELECT MIN(organisation_id) FROM audit_entry WHERE organisation_id > known.id)
+                       SELECT (SELECT MIN(share) FROM audit_entry WHERE share > known.id)
                        FROM known WHERE known.id IS NOT NULL)
                    SELECT id FROM known WHERE id IS NOT NULL UNION ALL SELECT NULL";
-        sqlx::query_scalar(sql)
+        let rows = sqlx::query(sql)
             .fetch_all(&mut *self.0)
             .await
-            .map_err(StoreError::during("list whose entries of the audit there are"))
+            .map_err(StoreError::during("list whose entries of the audit there are"))?;
+        rows.iter().map(|row| row.parsed_option("id")).collect()
     }
 
-    async fn forget_of(
+    async fn forget_old(
         &mut self,
-        organisation: Option<&str>,
-        before: DateTime,
-        retained: u64,
+        share: Option<&OrganisationId>,
+        since: DateTime,
         rows: u64,
     ) -> Result<u64, StoreError> {
         // In the order of the numbers: one that is older than its predecessor waits for it.
         let sql = "DELETE FROM audit_entry WHERE audit_entry_id IN (
                        SELECT e.audit_entry_id FROM audit_entry e
-                       WHERE e.organisation_id IS $1 AND e.audit_entry_id < MAX(
+                       WHERE e.share IS $1 AND e.audit_entry_id <
                            COALESCE((SELECT y.audit_entry_id FROM audit_entry y
-                                     WHERE y.organisation_id IS $1 AND y.recorded_at >= $2
+                                     WHERE y.share IS $1 AND y.recorded_at >= $2
                                      ORDER BY y.audit_entry_id LIMIT 1),
-                                    (SELECT MAX(l.audit_entry_id) + 1 FROM audit_entry l)),
-                           COALESCE((SELECT n.audit_entry_id + 1 FROM audit_entry n
-                                     WHERE n.organisation_id IS $1
-                                     ORDER BY n.audit_entry_id DESC LIMIT 1 OFFSET $3), 0))
-                       ORDER BY e.audit_entry_id LIMIT $4)";
+                                    (SELECT MAX(l.audit_entry_id) + 1 FROM audit_entry l))
+                       ORDER BY e.audit_entry_id LIMIT $3)";
         let result = sqlx::query(sql)
-            .bind(organisation)
-            .bind(before.ticks())
-            .bind(signed(retained))
+            .bind(share.map(OrganisationId::as_str))
+            .bind(since.ticks())
             .bind(signed(rows))
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("forget old entries of the audit"))?;
+        Ok(result.rows_affected())
+    }
+
+    async fn forget_beyond(
+        &mut self,
+        share: &OrganisationId,
+        count: u64,
+        rows: u64,
+    ) -> Result<u64, StoreError> {
+        let sql = "DELETE FROM audit_entry WHERE audit_entry_id IN (
+                       SELECT e.audit_entry_id FROM audit_entry e
+                       WHERE e.share = $1 AND e.audit_entry_id <= (
+                           SELECT n.audit_entry_id FROM audit_entry n WHERE n.share = $1
+                           ORDER BY n.audit_entry_id DESC LIMIT 1 OFFSET $2)
+                       ORDER BY e.audit_entry_id LIMIT $3)";
+        let result = sqlx::query(sql)
+            .bind(share.as_str())
+            .bind(signed(count))
+            .bind(signed(rows))
+            .execute(&mut *self.0)
+            .await
+            .map_err(StoreError::during("forget entries of the audit beyond a share"))?;
         Ok(result.rows_affected())
     }
 }

@@ -1,6 +1,9 @@
 //! Opening of the SQLite database, its migrations, and the start of transactions.
 
-use std::{path::Path, time::Duration};
+use std::{
+    path::Path,
+    time::{Duration, Instant},
+};
 
 use sqlx::{
     Connection as _, SqlSafeStr, SqlitePool,
@@ -10,7 +13,7 @@ use sqlx::{
 
 use super::{error::StoreError, work::Work};
 
-const MIGRATIONS: [(i64, &str, &str); 23] = [
+const MIGRATIONS: [(i64, &str, &str); 24] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
@@ -38,12 +41,21 @@ const MIGRATIONS: [(i64, &str, &str); 23] = [
     (40, "revoked access", include_str!("../../migrations/sqlite/0040_revoked_access.sql")),
     (41, "room", include_str!("../../migrations/sqlite/0041_room.sql")),
     (42, "turns", include_str!("../../migrations/sqlite/0042_turns.sql")),
+    (
+        43,
+        "shares of the record",
+        include_str!("../../migrations/sqlite/0043_shares_of_the_record.sql"),
+    ),
 ];
 
 /// Reads of pages at once; more would only share the same disk.
 const READERS_MAX: u32 = 6;
 /// Reads beside those of pages: of sessions, of sign-in and of ingest, which wait for no page.
 const RESERVED_MAX: u32 = 3;
+/// Time within which all that a page reads has to be read: a page that asks for more gives its reader back to others.
+const PAGE_READS_MAX: Duration = Duration::from_secs(5);
+/// Steps of SQLite's machine between two looks at the clock: a millisecond at most where a disk is fast.
+const STEPS_PER_LOOK: i32 = 1_000;
 /// Time to wait for the lock of a command that writes beside the running platform.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 /// Room for the statements of ingest and of pages at once; an evicted one is compiled again.
@@ -62,16 +74,27 @@ pub struct Store {
 
 /// Reading side of the platform's database. Clones share the connections.
 #[derive(Debug, Clone)]
-pub struct StoreReader(SqlitePool);
+pub struct StoreReader {
+    pool: SqlitePool,
+    /// Time within which a unit of work has to end its statements; none where it may take its time.
+    reads_max: Option<Duration>,
+}
 
 impl StoreReader {
-    /// Begins a unit of work that only reads, on one consistent state.
+    /// Begins a unit of work that only reads, on one consistent state. A statement of a page that takes too long
+    /// fails with [`StoreError::TooExpensive`].
     ///
     /// # Errors
     /// [`StoreError::Statement`].
     pub async fn read(&self) -> Result<Work, StoreError> {
-        let begun = self.0.begin().await;
-        begun.map(Work::new).map_err(StoreError::during("begin to read"))
+        let failed = StoreError::during("begin to read");
+        let mut begun = self.pool.begin().await.map_err(&failed)?;
+        if let Some(reads_max) = self.reads_max {
+            let end = Instant::now() + reads_max;
+            let mut handle = begun.lock_handle().await.map_err(failed)?;
+            handle.set_progress_handler(STEPS_PER_LOOK, move || Instant::now() < end);
+        }
+        Ok(Work::new(begun))
     }
 }
 
@@ -110,6 +133,13 @@ impl Store {
         let options = options.read_only(true).pragma("query_only", "true");
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS_MAX)
+            // The limit of a page is none for a download that gets the connection next.
+            .after_release(|connection, _| {
+                Box::pin(async move {
+                    connection.lock_handle().await?.remove_progress_handler();
+                    Ok(true)
+                })
+            })
             .connect_with(options.clone())
             .await
             .map_err(failed)?;
@@ -143,13 +173,19 @@ impl Store {
     /// Returns what reads the store and cannot change it.
     #[must_use]
     pub fn reader(&self) -> StoreReader {
-        StoreReader(self.readers.clone())
+        StoreReader { pool: self.readers.clone(), reads_max: None }
+    }
+
+    /// Returns what reads for pages: each has to be read within some seconds.
+    #[must_use]
+    pub fn page_reader(&self) -> StoreReader {
+        StoreReader { reads_max: Some(PAGE_READS_MAX), ..self.reader() }
     }
 
     /// Returns what reads for sign-in, sessions and ingest alone: it waits for no reads of pages.
     #[must_use]
     pub fn reserved_reader(&self) -> StoreReader {
-        StoreReader(self.reserved.clone())
+        StoreReader { pool: self.reserved.clone(), reads_max: None }
     }
 
     /// Empties the write-ahead log, which has the pages of before, as far as nobody else reads them.

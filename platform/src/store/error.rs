@@ -2,6 +2,9 @@
 
 use std::path::PathBuf;
 
+/// SQLite's code of a statement that was ended from outside (`SQLITE_INTERRUPT`).
+const INTERRUPTED: &str = "9";
+
 /// Failure of the platform's database or of what it holds.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
@@ -18,6 +21,9 @@ pub enum StoreError {
         action: &'static str,
         source: sqlx::Error,
     },
+    /// A page's reads took longer than pages may keep a reader.
+    #[error("cannot {action}: it takes too long")]
+    TooExpensive { action: &'static str },
     /// A stored value is not what this version stores.
     #[error("the column {column} holds what it never should: {reason}")]
     Corrupt {
@@ -30,6 +36,12 @@ pub enum StoreError {
 impl StoreError {
     /// Returns a function for `map_err` that names the failed `action`.
     pub(super) fn during(action: &'static str) -> impl Fn(sqlx::Error) -> Self {
-        move |source| Self::Statement { action, source }
+        move |source| {
+            let code = source.as_database_error().and_then(|error| error.code());
+            if code.is_some_and(|code| code == INTERRUPTED) {
+                return Self::TooExpensive { action };
+            }
+            Self::Statement { action, source }
+        }
     }
 }

@@ -41,7 +41,7 @@ impl LedgerLogs<'_> {
     }
 
     /// Lists a factory's logs that the viewer may see: those about itself, and all of its own
-    /// factory. By recipient, the newest epoch of each last.
+    /// factory. By recipient, the newest epoch of each last; from behind the log of recipient and epoch `after`.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -49,16 +49,23 @@ impl LedgerLogs<'_> {
         &mut self,
         scope: &Scope,
         factory: &FactoryId,
+        after: Option<(&str, u32)>,
+        limit: u32,
     ) -> Result<Vec<(OrganisationId, WitnessedLog)>, StoreError> {
         let sql = format!(
             "SELECT {COLUMNS} FROM ledger_log l JOIN factory f ON f.factory_id = l.factory_id
              WHERE l.factory_id = $1 AND (CAST($2 AS TEXT) IS NULL OR l.organisation_id = $2
                  OR f.organisation_id = $2)
-             ORDER BY l.organisation_id, l.epoch"
+               AND (l.organisation_id, l.epoch) > ($3, $4)
+             ORDER BY l.organisation_id, l.epoch LIMIT $5"
         );
+        let (after_recipient, after_epoch) = after.unwrap_or_default();
         let rows = sqlx::query(sqlx::AssertSqlSafe(sql))
             .bind(factory.as_str())
             .bind(scope.recipient())
+            .bind(after_recipient)
+            .bind(i64::from(after_epoch))
+            .bind(i64::from(limit))
             .fetch_all(&mut *self.0)
             .await
             .map_err(StoreError::during("list the logs of a ledger"))?;

@@ -11,9 +11,14 @@ use messaging::{
 use super::{
     database::Connection,
     error::StoreError,
+    holder::Holder,
+    removals::Removals,
     revoked_access::RevokedAccess,
     row::{Columns, DatabaseRow},
 };
+
+/// Most answers that wait for a factory or tool: one that never reads them gets no more.
+pub const ANSWERS_WAITING_MAX: u64 = 10_000;
 
 /// A message to send.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -36,11 +41,16 @@ pub struct NewOutgoing {
 pub struct OutgoingMessages<'w>(pub(super) &'w mut Connection);
 
 impl OutgoingMessages<'_> {
-    /// Stores a message to send.
+    /// Stores a message to send; nothing for who has left.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
     pub async fn add(&mut self, message: &NewOutgoing) -> Result<(), StoreError> {
+        if let Some(reader) = Holder::of(&message.address)
+            && Removals(&mut *self.0).has_left(&reader).await?
+        {
+            return Ok(());
+        }
         let sql = "INSERT INTO outbox (address, message_id, subject, correlation_id, created_at, time_to_live_ms,
                        content_encoding, body, attempts) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, 0)";
         sqlx::query(sql)
@@ -58,17 +68,18 @@ impl OutgoingMessages<'_> {
         RevokedAccess(&mut *self.0).hold_new(&message.address, message.message_id.as_str()).await
     }
 
-    /// Removes the messages that wait for an address; returns their number.
+    /// Returns true while fewer answers wait for an address than may.
     ///
     /// # Errors
-    /// [`StoreError::Statement`].
-    pub async fn clear(&mut self, address: &LogicalAddress) -> Result<u64, StoreError> {
-        let result = sqlx::query("DELETE FROM outbox WHERE address = $1")
+    /// [`StoreError`].
+    pub async fn takes_answers(&mut self, address: &LogicalAddress) -> Result<bool, StoreError> {
+        let sql = "SELECT COUNT(*) AS waiting FROM outbox WHERE address = $1 AND correlation_id IS NOT NULL";
+        let row = sqlx::query(sql)
             .bind(address.to_string())
-            .execute(&mut *self.0)
+            .fetch_one(&mut *self.0)
             .await
-            .map_err(StoreError::during("remove outgoing messages"))?;
-        Ok(result.rows_affected())
+            .map_err(StoreError::during("count answers"))?;
+        Ok(row.unsigned::<u64>("waiting")? < ANSWERS_WAITING_MAX)
     }
 
     /// Counts the messages that wait for an address.

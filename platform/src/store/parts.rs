@@ -249,6 +249,8 @@ impl Parts<'_> {
     ) -> Result<Vec<NetworkPart>, StoreError> {
         let sql = "SELECT p.* FROM network_part p WHERE p.state = 'SENT' AND (p.resend_at <= $1 OR p.sent_at > $1)
                    AND NOT EXISTS (SELECT 1 FROM outbox o WHERE o.message_id = p.message_id)
+                   AND NOT EXISTS (SELECT 1 FROM factory f
+                       WHERE f.factory_id = p.factory_id AND f.removed_at IS NOT NULL)
                    ORDER BY p.resend_at LIMIT $2";
         let rows = sqlx::query(sql)
             .bind(now.ticks())

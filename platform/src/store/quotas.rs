@@ -92,6 +92,23 @@ impl Quotas<'_> {
         self.kept(sqlx::query(sql).bind(factory.as_str()), "count revocations").await
     }
 
+    /// Returns what is kept of a factory's logs other than the one for this recipient in this epoch.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    pub async fn ledger_logs(
+        &mut self,
+        factory: &FactoryId,
+        (recipient, epoch): (&OrganisationId, u32),
+    ) -> Result<Kept, StoreError> {
+        let sql = "SELECT COUNT(*) AS number, COALESCE(SUM(octet_length(checkpoint)
+                       + COALESCE(octet_length(refused_checkpoint), 0)), 0) AS bytes
+                   FROM ledger_log WHERE factory_id = $1 AND NOT (organisation_id = $2 AND epoch = $3)";
+        let query =
+            sqlx::query(sql).bind(factory.as_str()).bind(recipient.as_str()).bind(i64::from(epoch));
+        self.kept(query, "count the logs of a ledger").await
+    }
+
     /// Returns what is kept of a factory's comments on a network.
     ///
     /// # Errors

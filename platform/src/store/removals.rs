@@ -1,13 +1,16 @@
 //! Removals: people, tools, factories and organisations leave the platform, members and factories a
 //! collaboration. Nothing leaves while something of it is in force.
 
+mod left_behind;
+
 use asi_model::{CollaborationId, DateTime, FactoryId, OrganisationId, ToolId};
+pub use left_behind::RemainingRecords;
 use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::{
     audit::AuditSubject, credentials::Credentials, database::Connection, error::StoreError,
-    holder::Holder, outgoing::OutgoingMessages, row::Columns,
+    holder::Holder, row::Columns,
 };
 
 /// Things that are listed of each kind; who wants to leave ends them one by one anyway.
@@ -35,6 +38,24 @@ impl Leaver {
             Self::Organisation(id) => format!("organisations/{id}"),
             Self::Member(of, id) => format!("collaborations/{of}/members/{id}"),
             Self::CollaborationFactory(of, id) => format!("collaborations/{of}/factories/{id}"),
+        }
+    }
+
+    /// Returns what stays of it.
+    #[must_use]
+    pub fn remaining_records(&self) -> Vec<RemainingRecords> {
+        use RemainingRecords::{
+            Accesses, Audit, Comments, LedgerLogs, Networks, Reports, Revocations,
+        };
+        match self {
+            Self::User(_) => vec![Networks, Comments, Accesses, Audit],
+            Self::Tool(_) => vec![Networks, Accesses, Audit],
+            Self::Factory(_)
+            | Self::Organisation(_)
+            | Self::Member(..)
+            | Self::CollaborationFactory(..) => {
+                vec![Reports, Networks, Comments, Revocations, LedgerLogs, Accesses, Audit]
+            }
         }
     }
 
@@ -66,6 +87,8 @@ pub struct RemovalEffects {
     pub credentials: u64,
     /// Places of requests whose reports no tool gets any more, at most a hundred.
     pub requests: Vec<String>,
+    /// Records that stay, since others have a right to them. All else goes, large amounts within minutes.
+    pub remains: Vec<RemainingRecords>,
 }
 
 /// Repository of removals.
@@ -129,7 +152,8 @@ impl Removals<'_> {
     /// # Errors
     /// [`StoreError`].
     pub async fn preview(&mut self, leaver: &Leaver) -> Result<RemovalEffects, StoreError> {
-        let mut removal = RemovalEffects::default();
+        let remains = leaver.remaining_records();
+        let mut removal = RemovalEffects { remains, ..RemovalEffects::default() };
         match leaver {
             Leaver::User(name) => {
                 removal.people.push(name.clone());
@@ -164,19 +188,48 @@ impl Removals<'_> {
         Ok(removal)
     }
 
-    /// Lets a person, program, plant or organisation leave. What happened with it stays; it is hidden from now on, and its id
-    /// is never given again, but for the name of a person.
+    /// Lets a person, program, plant or organisation leave. What others have a right to stays; it is hidden from now
+    /// on, and its id is never given again, but for the name of a person.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
     pub async fn leave(&mut self, leaver: &Leaver, now: DateTime) -> Result<(), StoreError> {
         if let Some(holder) = leaver.holder() {
             Credentials(&mut *self.0).revoke(&holder, now).await?;
-            // Their queues are deleted, so that these could never be sent.
-            for address in holder.reads() {
-                OutgoingMessages(&mut *self.0).clear(&address).await?;
-            }
         }
+        self.hide(leaver, now).await?;
+        left_behind::clear_at_once(self.0).await
+    }
+
+    /// Removes rows of those who have left that nobody has a right to, of kinds of which there may be many: at most
+    /// `rows` of each. Returns the largest number of them.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn clear(&mut self, rows: u32) -> Result<u64, StoreError> {
+        left_behind::clear(self.0, rows).await
+    }
+
+    /// Returns true where a factory or tool has left.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn has_left(&mut self, holder: &Holder) -> Result<bool, StoreError> {
+        let sql = match holder {
+            Holder::Factory(_) => {
+                "SELECT 1 FROM factory WHERE factory_id = $1 AND removed_at IS NOT NULL"
+            }
+            Holder::Tool(_) => "SELECT 1 FROM tool WHERE tool_id = $1 AND removed_at IS NOT NULL",
+        };
+        let found = sqlx::query(sql)
+            .bind(holder.id())
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("ask who has left"))?;
+        Ok(found.is_some())
+    }
+
+    async fn hide(&mut self, leaver: &Leaver, now: DateTime) -> Result<(), StoreError> {
         match leaver {
             // The sessions go with the account.
             Leaver::User(name) => {
@@ -184,12 +237,6 @@ impl Removals<'_> {
                     .await
             }
             Leaver::Tool(id) => {
-                self.run(
-                    "DELETE FROM request_tool WHERE tool_id = $1 AND $2 = ''",
-                    id.as_str(),
-                    "",
-                )
-                .await?;
                 self.remove("UPDATE tool SET removed_at = $2 WHERE tool_id = $1", id.as_str(), now)
                     .await
             }

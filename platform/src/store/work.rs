@@ -216,7 +216,7 @@ impl Work {
         Writers(self.connection())
     }
 
-    fn connection(&mut self) -> &mut Connection {
+    pub(super) fn connection(&mut self) -> &mut Connection {
         &mut self.0
     }
 }

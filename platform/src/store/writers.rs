@@ -5,7 +5,7 @@ mod seen;
 
 use asi_model::{DateTime, FactoryId, messages::GapCause};
 
-pub use seen::SeenWriter;
+pub use seen::{SeenWriter, WritersWanted};
 
 use super::{
     database::Connection,

@@ -6,8 +6,8 @@ use platform::{
     audit::{CommandLine, RecordingStore},
     clock::Clock,
     store::{
-        AuditAgent, AuditAgentKind, AuditEntry, AuditOutcome, AuditSubject, Organisation, Scope,
-        Store,
+        AuditAgent, AuditAgentKind, AuditEntry, AuditKept, AuditOutcome, AuditSubject,
+        Organisation, Role, Scope, Store, User,
     },
 };
 use reqwest::Method;
@@ -264,7 +264,7 @@ async fn entries_are_never_changed_and_only_the_oldest_removed() {
     let (folder, store) = store().await;
     let recording = RecordingStore::new(store.clone(), Clock::system());
     for number in 1..=5 {
-        let work = recording.begin(CommandLine, "addOrganisation").await.expect("begun");
+        let work = recording.begin(person("a"), "addOrganisation").await.expect("begun");
         let subject = AuditSubject::shared(format!("organisations/{number}"));
         work.commit(subject, AuditOutcome::Done).await.expect("committed");
     }
@@ -280,17 +280,60 @@ async fn entries_are_never_changed_and_only_the_oldest_removed() {
     pool.close().await;
     let mut work = store.begin().await.expect("begun");
     let now = Clock::system().now();
-    let none = work.audit().forget(asi_model::DateTime::from_ticks(0), 100, 100).await;
-    assert_eq!(none.expect("nothing is old"), 0);
-    let beyond = work.audit().forget(asi_model::DateTime::from_ticks(0), 3, 1).await;
-    assert_eq!(beyond.expect("one at a time"), 1);
-    work.audit().forget(asi_model::DateTime::from_ticks(0), 3, 100).await.expect("the other");
+    let none = work.audit().forget(newest(100), 100).await;
+    assert_eq!(none.expect("nothing is old"), (0, Vec::new()));
+    let beyond = work.audit().forget(newest(3), 1).await;
+    assert_eq!(beyond.expect("one at a time"), (1, vec!["a".parse().expect("an id")]));
+    work.audit().forget(newest(3), 100).await.expect("the other");
     work.commit().await.expect("committed");
     let numbers: Vec<u64> = all(&store).await.into_iter().map(|entry| entry.number).collect();
     assert_eq!(numbers, [3, 4, 5]);
     let later = now.after(std::time::Duration::from_secs(60));
     let mut work = store.begin().await.expect("begun");
-    assert_eq!(work.audit().forget(later, 100, 100).await.expect("all are old"), 3);
+    let kept = AuditKept { since: later, count: 100 };
+    let forgotten = work.audit().forget(kept, 100).await;
+    assert_eq!(forgotten.expect("all are old"), (3, Vec::new()));
+}
+
+fn person(organisation: &str) -> AuditAgent {
+    let organisation_id = Some(organisation.parse().expect("an id"));
+    AuditAgent { kind: AuditAgentKind::User, name: "p".to_owned(), organisation_id }
+}
+
+/// The newest entries of each share, however old.
+fn newest(count: u64) -> AuditKept {
+    AuditKept { since: asi_model::DateTime::from_ticks(0), count }
+}
+
+#[tokio::test]
+async fn what_administrators_and_commands_did_is_kept_its_whole_time() {
+    let (_folder, store) = store().await;
+    let mut work = store.begin().await.expect("begun");
+    work.organisations().add(&organisation("a")).await.expect("added");
+    for (name, role) in [("root", Role::Administrator), ("p", Role::Planner)] {
+        let organisation_id = Some("a".parse().expect("an id"));
+        let user = User { user_name: name.to_owned(), role, organisation_id };
+        let hash = daemon::web::session::PasswordHash::from_stored("x".to_owned());
+        work.users().put(&user, &hash, Clock::system().now()).await.expect("stored");
+    }
+    work.commit().await.expect("committed");
+    let recording = RecordingStore::new(store.clone(), Clock::system());
+    let root = AuditAgent { name: "root".to_owned(), ..person("a") };
+    for (agent, count) in [(root, 5), (CommandLine.into(), 5), (person("a"), 20)] {
+        for number in 0..count {
+            let work = recording.begin(agent.clone(), "putNetwork").await.expect("begun");
+            let subject = AuditSubject::shared(format!("{}/{number}", agent.name));
+            work.commit(subject, AuditOutcome::Done).await.expect("committed");
+        }
+    }
+    let mut work = store.begin().await.expect("begun");
+    let (forgotten, beyond) = work.audit().forget(newest(3), 1_000).await.expect("forgotten");
+    work.commit().await.expect("committed");
+    assert_eq!((forgotten, beyond), (17, vec!["a".parse().expect("an id")]));
+    let of = |name: &'static str| move |entry: &&AuditEntry| entry.subject.starts_with(name);
+    let left = all(&store).await;
+    let counts = ["root/", "platform/", "p/"].map(|name| left.iter().filter(of(name)).count());
+    assert_eq!(counts, [5, 5, 3]);
 }
 
 #[tokio::test]
@@ -299,18 +342,13 @@ async fn what_one_organisation_does_pushes_out_no_entry_of_another() {
     let recording = RecordingStore::new(store.clone(), Clock::system());
     for number in 1..=7 {
         let organisation = if number == 1 { "quiet" } else { "busy" };
-        let agent = AuditAgent {
-            kind: AuditAgentKind::User,
-            name: "p".to_owned(),
-            organisation_id: Some(organisation.parse().expect("an id")),
-        };
-        let work = recording.begin(agent, "addOrganisation").await.expect("begun");
+        let work = recording.begin(person(organisation), "addOrganisation").await.expect("begun");
         let subject = AuditSubject::shared(format!("{organisation}/{number}"));
         work.commit(subject, AuditOutcome::Done).await.expect("committed");
     }
     let mut work = store.begin().await.expect("begun");
-    let beyond = work.audit().forget(asi_model::DateTime::from_ticks(0), 3, 100).await;
-    assert_eq!(beyond.expect("the oldest of the busy one"), 3);
+    let (forgotten, beyond) = work.audit().forget(newest(3), 100).await.expect("forgotten");
+    assert_eq!((forgotten, beyond), (3, vec!["busy".parse().expect("an id")]), "of the busy one");
     work.commit().await.expect("committed");
     let subjects: Vec<String> = all(&store).await.into_iter().map(|entry| entry.subject).collect();
     assert_eq!(subjects, ["quiet/1", "busy/5", "busy/6", "busy/7"]);

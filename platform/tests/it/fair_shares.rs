@@ -14,7 +14,7 @@ use platform::{
     store::{
         Collaboration, DEAD_LETTER_BYTES_PER_ADDRESS_MAX, DEAD_LETTERS_PER_ADDRESS_MAX,
         GAPS_PER_WRITER_MAX, NetworkRow, NewComment, NewDeadLetter, Organisation, Scope, Store,
-        Work, WriterKey, WriterRow,
+        Work, WriterKey, WriterRow, WritersWanted,
     },
 };
 use reqwest::{Method, Response};
@@ -108,6 +108,8 @@ async fn dead_letters_of_a_factory_have_a_bounded_number_of_bytes() {
     assert_eq!(letters(&mut work, "G").await, 1);
 }
 
+const FIRST: WritersWanted = WritersWanted { after: None, limit: 100 };
+
 fn gap(factory: &str, number: u32) -> Gap {
     Gap {
         message_id: id("m"),
@@ -136,7 +138,7 @@ async fn the_oldest_gaps_of_a_writer_become_a_coarse_one_which_says_so() {
             .await
             .expect("stored");
     }
-    let seen = work.writers().of_factory(&Scope::Platform, &id("F")).await.expect("read");
+    let seen = work.writers().of_factory(&Scope::Platform, &id("F"), FIRST).await.expect("read");
     let gaps = &seen[0].gaps;
     assert!(gaps.len() as u64 <= GAPS_PER_WRITER_MAX, "{}", gaps.len());
     assert!(gaps[0].is_coarse && !gaps[1].is_coarse);
@@ -145,7 +147,7 @@ async fn the_oldest_gaps_of_a_writer_become_a_coarse_one_which_says_so() {
             gaps.iter().any(|gap| (gap.first_sequence..=gap.last_sequence).contains(&(2 * number)));
         assert!(is_in, "{number} was announced and is not lost");
     }
-    let seen = work.writers().of_factory(&Scope::Platform, &id("G")).await.expect("read");
+    let seen = work.writers().of_factory(&Scope::Platform, &id("G"), FIRST).await.expect("read");
     assert_eq!((seen[0].gaps.len(), seen[0].gaps[0].is_coarse), (1, false));
 }
 

@@ -11,7 +11,7 @@ use platform::{
     accesses::{AccessStorage as _, Contents, Reading},
     store::{
         AccessQuery, AccessesKept, NewReport, ReportQuery, Scope, SeenWriter, Store,
-        StoredAccessLog, Work,
+        StoredAccessLog, Work, WritersWanted,
     },
 };
 use serde_json::json;
@@ -111,7 +111,9 @@ async fn what_was_stored_stays_with_those_who_could_read_it() {
         // The metadata of one describes the member that names recipients.
         let names = work.factories().names_recipients(&factory).await.expect("read");
         assert_eq!(names, is_asked, "{factory}");
-        let writers = work.writers().of_factory(&organisation("a"), &factory).await.expect("read");
+        let first = WritersWanted { after: None, limit: 100 };
+        let writers =
+            work.writers().of_factory(&organisation("a"), &factory, first).await.expect("read");
         assert_eq!(writers.len(), usize::from(is_asked), "{factory}");
         for SeenWriter { writer, is_whole, .. } in writers {
             let stated = (writer.sequences.through(), writer.received, is_whole);

@@ -34,10 +34,15 @@ async fn receipts_name_missing_reports_until_they_come_or_are_announced() {
     munich.receive("receipt", |receipt| entry(receipt)["missingList"] == json!([])).await;
     story::value_is(&buyer, "5").await;
     // The second report is held: no gap denies it.
-    let writers = admin.get("/factories/FOR_MUC/writers").await.expect_ok();
-    let gaps = writers["items"][0]["gaps"].as_array().expect("gaps").iter();
-    let range = |gap: &Value| (gap["firstSequence"].as_u64(), gap["lastSequence"].as_u64());
-    assert_eq!(gaps.map(range).collect::<Vec<_>>(), [(Some(1), Some(1)), (Some(3), Some(3))]);
+    eventually("the gaps", || async {
+        let writers = admin.get("/factories/FOR_MUC/writers").await.expect_ok();
+        let gaps = writers["items"][0]["gaps"].as_array().expect("gaps").iter();
+        let range = |gap: &Value| (gap["firstSequence"].as_u64(), gap["lastSequence"].as_u64());
+        let ranges: Vec<_> = gaps.map(range).collect();
+        let expected = [(Some(1), Some(1)), (Some(3), Some(3))];
+        if ranges == expected { Ok(()) } else { Err(format!("{ranges:?}")) }
+    })
+    .await;
 
     // A repeat is receipted again: the receipt may have been lost on its way.
     let before = munich.count("receipt");

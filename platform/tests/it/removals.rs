@@ -85,7 +85,17 @@ async fn what_has_left_gets_in_no_more_and_its_id_is_never_given_again() {
 
     let shown = preview(&admin, "/factories/FOR_MUC").await;
     assert_eq!((&shown["credentials"], &shown["isDone"]), (&json!(2), &json!(false)));
-    admin.delete("/factories/FOR_MUC").await.expect_ok();
+    let remains = json!([
+        "REPORTS",
+        "NETWORKS",
+        "COMMENTS",
+        "REVOCATIONS",
+        "LEDGER_LOGS",
+        "ACCESSES",
+        "AUDIT"
+    ]);
+    assert_eq!(shown["remains"], remains);
+    assert_eq!(admin.delete("/factories/FOR_MUC").await.expect_ok()["remains"], remains);
     let token = json!({ "token": token["token"] });
     world.anonymous().post("/enrolments", token).await.expect_problem(403, "TOKEN_REFUSED");
     let id: FactoryId = "FOR_MUC".parse().expect("an id");

@@ -83,6 +83,14 @@ pub async fn countersigned(peer: &Peer) {
     assert_eq!(ask(peer, &log.message(0, 3)).await["result"], "COSIGNED");
 }
 
+/// Lets the platform countersign logs of FOR_MUC that replace each other.
+pub async fn countersigned_epochs(peer: &Peer, epochs: std::ops::RangeInclusive<u32>) {
+    for epoch in epochs {
+        let log = Log::new(epoch, 1, &GENUINE);
+        assert_eq!(ask(peer, &log.message(0, 3)).await["result"], "COSIGNED");
+    }
+}
+
 const GENUINE: [&str; 6] = ["start", "a", "b", "c", "d", "e"];
 
 #[tokio::test(flavor = "multi_thread")]
@@ -154,6 +162,19 @@ async fn a_log_of_which_nothing_is_held_begins_with_the_first_checkpoint() {
     assert_eq!(shown["items"][0]["firstSize"], 5, "from here on it is witnessed: {shown}");
 }
 
+/// A request whose checkpoint has signatures of many others, which the platform would keep.
+fn signed_by_many(request: &Value) -> Value {
+    let text = request.as_str().expect("a request");
+    let own = text.trim_end().rsplit('\n').next().expect("a signature");
+    let (_, signature) = own.rsplit_once(' ').expect("a name and a signature");
+    let others: String = (0..12)
+        .map(|number| {
+            format!("\u{2014} witness-{number}.example/{} {signature}\n", "x".repeat(300))
+        })
+        .collect();
+    json!(format!("{text}{others}"))
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn a_checkpoint_that_says_nothing_is_a_dead_letter() {
     let world = World::start().await;
@@ -172,6 +193,7 @@ async fn a_checkpoint_that_says_nothing_is_a_dead_letter() {
         with("recipientId", json!("nobody")),
         with("epoch", json!(0)),
         with("addCheckpoint", Log::new(1, 2, &GENUINE).message(0, 3)["addCheckpoint"].clone()),
+        with("addCheckpoint", signed_by_many(&log.message(0, 3)["addCheckpoint"])),
     ];
     for message in &messages {
         munich.send("ledger-checkpoint", message);
@@ -186,7 +208,8 @@ async fn a_checkpoint_that_says_nothing_is_a_dead_letter() {
         letters.as_array().into_iter().flatten().filter(|letter| letter["code"] == code).count()
     };
     let counts = ["INVALID_CHECKPOINT", "UNKNOWN_ORGANISATION", "INVALID_MESSAGE"].map(count);
-    assert_eq!(counts, [4, 1, 1], "{letters}");
+    assert_eq!(counts, [5, 1, 1], "{letters}");
+    assert!(letters.to_string().contains("4096 are allowed"), "{letters}");
     assert_eq!(munich.count("ledger-cosignature"), 0);
 }
 

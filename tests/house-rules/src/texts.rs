@@ -25,11 +25,12 @@ pub(crate) enum TextKind {
 
 /// Banned words that an API has as names of members. A page cannot choose another word.
 pub(crate) const NAMES_OF_MEMBERS: [&str; 3] = ["grounds", "resting", "standing"];
-/// Migrations that stores have run: a store refuses one whose checksum has changed since.
-pub(crate) const RUN_MIGRATIONS: [&str; 3] = [
+/// Migrations that stores have run, which refuse one whose checksum has changed since; and one with a table of those.
+pub(crate) const RUN_MIGRATIONS: [&str; 4] = [
     "factory-connector/migrations/0020_policies.sql",
     "platform/migrations/sqlite/0001_house.sql",
     "platform/migrations/sqlite/0003_leases.sql",
+    "platform/migrations/sqlite/0043_shares_of_the_record.sql",
 ];
 /// Folder of what a program builds for the pages.
 const BUILT_PAGES: &str = "dist";

@@ -101,7 +101,7 @@ impl Platform {
                 delivery_count: 0,
                 received_at: time::OffsetDateTime::UNIX_EPOCH,
             };
-            let incoming = decode(&address, &delivery, &(), &SigningState::default());
+            let incoming = decode(&address, &delivery.into(), &(), &SigningState::default());
             applier.batch(&address, &[incoming]).await.expect("applied");
         }
         applier.finish().await.expect("finished");

@@ -1,7 +1,7 @@
 //! Tests of decoding: good, forged and broken messages.
 
 use asi_model::pubsub::MetaDataVersion;
-use messaging::Envelope;
+use messaging::Delivery;
 use serde_json::{Value, json};
 use uuid::Uuid;
 
@@ -37,7 +37,7 @@ fn report() -> Value {
 }
 
 fn check(body: &Value) -> Incoming {
-    decode(&ingress(), &delivery(body.to_string()), &(), &SigningState::default())
+    decode(&ingress(), &delivery(body.to_string()).into(), &(), &SigningState::default())
 }
 
 fn code_of(incoming: &Incoming) -> Option<&'static str> {
@@ -78,8 +78,8 @@ fn a_report_that_should_name_its_recipients_and_does_not_is_for_nobody() {
             configuration_version: MetaDataVersion { major, minor: major },
             ..DataSetMetaData::default()
         });
-        let incoming =
-            decode(&ingress(), &delivery(former.to_string()), &known, &SigningState::default());
+        let delivery = delivery(former.to_string()).into();
+        let incoming = decode(&ingress(), &delivery, &known, &SigningState::default());
         let Content::Reports { reports, .. } = incoming.content else { panic!("reports") };
         assert_eq!(reports[0].released_to, expected, "{names_recipients} {major}");
     };
@@ -125,7 +125,8 @@ fn invalid_messages_are_rejected_with_a_reason() {
         (Vec::from(r#"{"messageType":"decision"}"#), "INVALID_MESSAGE"),
         (vec![b' '; 300 * 1024], "UNREADABLE_BODY"),
     ] {
-        let incoming = decode(&ingress(), &delivery(body.clone()), &(), &SigningState::default());
+        let delivery = delivery(body.clone()).into();
+        let incoming = decode(&ingress(), &delivery, &(), &SigningState::default());
         assert_eq!(
             code_of(&incoming),
             Some(expected),

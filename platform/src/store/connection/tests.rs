@@ -110,3 +110,47 @@ async fn reads_of_pages_leave_readers_to_sign_in_and_ingest() {
     let read = tokio::time::timeout(Duration::from_secs(2), reserved.read()).await;
     drop(read.expect("at once").expect("a reader"));
 }
+
+/// Reads for seconds, in one statement.
+async fn reads_much(work: &mut Work, numbers: u64) -> Result<(), StoreError> {
+    let sql =
+        "WITH RECURSIVE numbers (n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM numbers WHERE n < $1)
+               SELECT SUM(n) FROM numbers";
+    let read =
+        sqlx::query(sql).bind(i64::try_from(numbers).expect("few")).fetch_all(work.connection());
+    read.await.map(drop).map_err(StoreError::during("count"))
+}
+
+#[tokio::test]
+async fn what_a_page_reads_for_too_long_ends_and_a_download_takes_its_time() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let store = Store::open(&folder.path().join("store.sqlite")).await.expect("it opens");
+    let pages = StoreReader { reads_max: Some(Duration::from_millis(100)), ..store.page_reader() };
+    // As often as there are connections, so that each of them has been a page's.
+    for _ in 0..READERS_MAX {
+        let mut work = pages.read().await.expect("a reader");
+        let ended = tokio::time::timeout(Duration::from_secs(20), reads_much(&mut work, 1 << 60));
+        let error = ended.await.expect("it ends").expect_err("too much");
+        assert!(matches!(error, StoreError::TooExpensive { action: "count" }), "{error:?}");
+        let problem = daemon::web::Problem::from(error);
+        assert_eq!((problem.status, &*problem.code), (503, "TOO_EXPENSIVE"));
+    }
+    let mut held = Vec::new();
+    for _ in 0..READERS_MAX {
+        let mut work = store.read().await.expect("a reader");
+        tokio::time::sleep(Duration::from_millis(120)).await;
+        reads_much(&mut work, 100_000).await.expect("no page's limit is left");
+        held.push(work);
+    }
+}
+
+#[tokio::test]
+async fn whatever_the_api_reads_ends_after_seconds() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let store = Store::open(&folder.path().join("store.sqlite")).await.expect("it opens");
+    let store = crate::audit::RecordingStore::new(store, crate::clock::Clock::system());
+    let mut work = store.read().await.expect("a reader");
+    let ended = tokio::time::timeout(Duration::from_secs(30), reads_much(&mut work, 1 << 60));
+    let error = ended.await.expect("it ends").expect_err("too much");
+    assert!(matches!(error, StoreError::TooExpensive { .. }), "{error:?}");
+}

@@ -1,14 +1,25 @@
 //! Writers as a viewer may know them: numbers and times of reports that were released to it.
 
-use std::collections::HashMap;
-
 use asi_model::FactoryId;
 
 use super::{
-    super::{error::StoreError, row::Columns, scope::Scope},
-    StoredGap, WriterKey, WriterRow, Writers, read, read_key,
+    super::{
+        error::StoreError,
+        row::{Columns, DatabaseRow, signed},
+        scope::Scope,
+    },
+    GAPS_PER_WRITER_MAX, StoredGap, WriterKey, WriterRow, Writers, read,
 };
-use crate::{sequences::SequenceSet, store::database::Connection};
+use crate::sequences::SequenceSet;
+
+/// Part of a factory's writers, in their order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WritersWanted {
+    /// Writer and epoch behind which it begins; none for the beginning.
+    pub after: Option<(u16, u32)>,
+    /// Most of them.
+    pub limit: u32,
+}
 
 /// A writer as a viewer may know it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -32,8 +43,15 @@ struct SeenRange {
     has_past: bool,
 }
 
+impl WritersWanted {
+    /// Returns numbers that are less than those of all wanted.
+    fn behind(self) -> (i64, i64) {
+        self.after.map_or((-1, -1), |(writer, epoch)| (writer.into(), epoch.into()))
+    }
+}
+
 impl Writers<'_> {
-    /// Lists the writers of a factory, by writer and epoch: all to the factory's own organisation and
+    /// Lists writers of a factory, by writer and epoch: all to the factory's own organisation and
     /// to administrators, to others those of whose reports at least one was released to them, with
     /// the numbers of these reports.
     ///
@@ -43,39 +61,80 @@ impl Writers<'_> {
         &mut self,
         scope: &Scope,
         factory: &FactoryId,
+        wanted: WritersWanted,
     ) -> Result<Vec<SeenWriter>, StoreError> {
-        let mut gaps = gaps(self.0, factory).await?;
-        let mut seen = self.whole(scope, factory).await?;
-        if seen.is_empty() {
-            seen = self.released(scope, factory).await?;
-        }
-        let seen = seen.into_iter().map(|(writer, released)| {
-            let announced = gaps.remove(&writer.key).unwrap_or_default();
+        let writers = if self.is_own(scope, factory).await? {
+            self.whole(factory, wanted).await?
+        } else {
+            self.released(scope, factory, wanted).await?
+        };
+        let mut seen = Vec::with_capacity(writers.len());
+        for (writer, released) in writers {
+            let announced = self.gaps(&writer.key).await?;
             let is_whole = released.is_none();
             let gaps = match released {
                 Some(released) => released.gaps(announced),
                 None => announced,
             };
-            SeenWriter { writer, gaps, is_whole }
-        });
-        Ok(seen.collect())
+            seen.push(SeenWriter { writer, gaps, is_whole });
+        }
+        Ok(seen)
+    }
+
+    /// Returns true for the factory's own organisation and for administrators.
+    async fn is_own(&mut self, scope: &Scope, factory: &FactoryId) -> Result<bool, StoreError> {
+        let sql = "SELECT 1 FROM factory WHERE factory_id = $2
+                   AND (CAST($1 AS TEXT) IS NULL OR organisation_id = $1)";
+        let found = sqlx::query(sql)
+            .bind(scope.member())
+            .bind(factory.as_str())
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("ask whose a factory is"))?;
+        Ok(found.is_some())
     }
 
     async fn whole(
         &mut self,
-        scope: &Scope,
         factory: &FactoryId,
+        wanted: WritersWanted,
     ) -> Result<Vec<(WriterRow, Option<SeenRange>)>, StoreError> {
-        let sql = "SELECT w.* FROM data_set_writer w JOIN factory f ON f.factory_id = w.factory_id
-                   WHERE w.factory_id = $2 AND (CAST($1 AS TEXT) IS NULL OR f.organisation_id = $1)
-                   ORDER BY w.data_set_writer_id, w.epoch";
+        let sql = "SELECT * FROM data_set_writer
+                   WHERE factory_id = $1 AND (data_set_writer_id, epoch) > ($2, $3)
+                   ORDER BY data_set_writer_id, epoch LIMIT $4";
+        let (writer, epoch) = wanted.behind();
         let rows = sqlx::query(sql)
-            .bind(scope.member())
             .bind(factory.as_str())
+            .bind(writer)
+            .bind(epoch)
+            .bind(i64::from(wanted.limit))
             .fetch_all(&mut *self.0)
             .await
             .map_err(StoreError::during("list writers"))?;
         rows.iter().map(|row| Ok((read(row)?, None))).collect()
+    }
+
+    /// Reads the newest gaps that a factory announced of a writer, in the order of their arrival.
+    async fn gaps(&mut self, key: &WriterKey) -> Result<Vec<StoredGap>, StoreError> {
+        let sql = "SELECT * FROM sequence_gap WHERE factory_id = $1 AND data_set_writer_id = $2 AND epoch = $3
+                   ORDER BY sequence_gap_id DESC LIMIT $4";
+        let rows = sqlx::query(sql)
+            .bind(key.factory_id.as_str())
+            .bind(i64::from(key.data_set_writer_id))
+            .bind(i64::from(key.epoch))
+            .bind(signed(GAPS_PER_WRITER_MAX))
+            .fetch_all(&mut *self.0)
+            .await
+            .map_err(StoreError::during("list gaps"))?;
+        let gap = |row: &DatabaseRow| {
+            Ok(StoredGap {
+                first_sequence: row.unsigned("first_sequence")?,
+                last_sequence: row.unsigned("last_sequence")?,
+                cause: row.json("cause")?,
+                is_coarse: row.unsigned::<u8>("is_coarse")? != 0,
+            })
+        };
+        rows.iter().rev().map(gap).collect()
     }
 
     /// Lists the writers of which reports were released to the viewer, with the numbers of these.
@@ -83,6 +142,7 @@ impl Writers<'_> {
         &mut self,
         scope: &Scope,
         factory: &FactoryId,
+        wanted: WritersWanted,
     ) -> Result<Vec<(WriterRow, Option<SeenRange>)>, StoreError> {
         let sql = "SELECT w.factory_id, w.data_set_writer_id, w.epoch, w.through_sequence, w.missing, w.duplicates,
                        w.last_keep_alive_at, w.needs_receipt, w.coarse_through, s.first_sequence AS released_first,
@@ -100,10 +160,20 @@ impl Writers<'_> {
                        AND s.data_set_writer_id = w.data_set_writer_id AND s.epoch = w.epoch
                    JOIN recipient_set_member m ON m.recipient_set_id = s.recipient_set_id
                    WHERE m.organisation_id = $1 AND w.factory_id = $2 AND s.through_sequence IS NOT NULL
+                     AND (w.data_set_writer_id, w.epoch) IN (
+                         SELECT DISTINCT s.data_set_writer_id, s.epoch FROM writer_recipient_set s
+                         JOIN recipient_set_member m ON m.recipient_set_id = s.recipient_set_id
+                         WHERE m.organisation_id = $1 AND s.factory_id = $2 AND s.through_sequence IS NOT NULL
+                           AND (s.data_set_writer_id, s.epoch) > ($3, $4)
+                         ORDER BY s.data_set_writer_id, s.epoch LIMIT $5)
                    ORDER BY w.data_set_writer_id, w.epoch, s.through_sequence";
+        let (after_writer, after_epoch) = wanted.behind();
         let rows = sqlx::query(sql)
             .bind(scope.member())
             .bind(factory.as_str())
+            .bind(after_writer)
+            .bind(after_epoch)
+            .bind(i64::from(wanted.limit))
             .fetch_all(&mut *self.0)
             .await
             .map_err(StoreError::during("list writers of recipients"))?;
@@ -170,32 +240,4 @@ impl SeenRange {
         };
         announced.into_iter().filter(is_known).collect()
     }
-}
-
-/// Most gaps that are read of a factory: the newest.
-const GAPS_READ_MAX: i64 = 20_000;
-
-/// Reads the newest gaps that a factory announced, by writer and epoch, in the order of their arrival.
-async fn gaps(
-    connection: &mut Connection,
-    factory: &FactoryId,
-) -> Result<HashMap<WriterKey, Vec<StoredGap>>, StoreError> {
-    let sql = "SELECT * FROM sequence_gap WHERE factory_id = $1
-               ORDER BY sequence_gap_id DESC LIMIT $2";
-    let rows = sqlx::query(sql)
-        .bind(factory.as_str())
-        .bind(GAPS_READ_MAX)
-        .fetch_all(connection)
-        .await
-        .map_err(StoreError::during("list gaps"))?;
-    let mut gaps: HashMap<WriterKey, Vec<StoredGap>> = HashMap::new();
-    for row in rows.iter().rev() {
-        gaps.entry(read_key(row)?).or_default().push(StoredGap {
-            first_sequence: row.unsigned("first_sequence")?,
-            last_sequence: row.unsigned("last_sequence")?,
-            cause: row.json("cause")?,
-            is_coarse: row.unsigned::<u8>("is_coarse")? != 0,
-        });
-    }
-    Ok(gaps)
 }
