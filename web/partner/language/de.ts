@@ -155,6 +155,7 @@ export const de: Texts = {
     through: 'Vollständig bis',
     missing: 'Es fehlen',
     gaps: 'Angekündigte Lücken',
+    earlierGaps: (n: number) => (n === 1 ? '1 frühere' : `${n} frühere`),
     received: 'Empfangen',
     duplicates: 'Verworfene Wiederholungen',
     complete: 'Vollständig',
@@ -262,6 +263,8 @@ export const de: Texts = {
       removeFactory: 'hat eine Fabrik entfernt',
       removeOrganisation: 'hat eine Organisation entfernt',
       removeMember: 'hat ein Mitglied aus einer Zusammenarbeit genommen',
+      forgetAuditEntries:
+        'hat die ältesten Einträge einer Organisation über ihrem Anteil vergessen',
       removeCollaborationFactory: 'hat eine Fabrik aus einer Zusammenarbeit genommen',
     } as Record<string, string>,
   },
@@ -287,7 +290,16 @@ export const de: Texts = {
     people: (names: string) => `die Konten von ${names}`,
     requests: (paths: string) => `die Zustellung von Berichten zu ${paths}`,
     stays:
-      'Was aufgezeichnet und freigegeben wurde, bleibt. Eine Kennung wird nie wieder vergeben.',
+      'Darauf haben andere ein Recht, deshalb bleibt es. Alles andere geht. Eine Kennung wird nie wieder vergeben.',
+    remains: {
+      REPORTS: 'Berichte, für die, für die sie freigegeben wurden',
+      NETWORKS: 'Netze und Anfragen, mit denen, die zeichneten und fragten',
+      COMMENTS: 'Kommentare, für die, die sie wechselten',
+      REVOCATIONS: 'Quittungen von Widerrufen, für die Empfänger der Werte',
+      LEDGER_LOGS: 'Prüfpunkte von Verzeichnissen, die Prüfdateien beweisen',
+      ACCESSES: 'Wer Werte gelesen hat, solange es aufbewahrt wird',
+      AUDIT: 'Wer was geändert hat, solange es aufbewahrt wird',
+    },
   },
   live: {
     title: 'Live-Strom',

@@ -15,6 +15,7 @@ const removal = (more: Partial<Removal> = {}): Removal => ({
   sessions: 2,
   credentials: 0,
   requests: [],
+  remains: ['COMMENTS', 'AUDIT'],
   ...more,
 })
 
@@ -31,6 +32,8 @@ describe('a removal', () => {
     render(RemovalDialog, { leaver: person('anna', 'acme'), onclose: vi.fn(), onleft })
     expect(await screen.findByText(texts.removals.sessions(2))).toBeTruthy()
     expect(log.map(({ path }) => path)).toEqual(['/users/anna?dryRun=true'])
+    expect(screen.getByText(texts.removals.remains.COMMENTS)).toBeTruthy()
+    expect(screen.queryByText(texts.removals.remains.REPORTS)).toBeNull()
     await userEvent.click(screen.getByRole('button', { name: texts.removals.remove }))
     await vi.waitFor(() => {
       expect(onleft).toHaveBeenCalledOnce()
