@@ -148,7 +148,7 @@ async fn a_count_goes_on_after_transactions_that_failed() {
     running.close().await;
 }
 
-/// What the engine yielded last is lost with the transaction: it yields it again, though its source is silent.
+/// Yielding again: the engine's last candidate is lost with the transaction, and its source is silent.
 #[tokio::test]
 async fn the_last_value_comes_again_after_a_transaction_that_failed() {
     let mut running = Running::open().await;
