@@ -291,10 +291,10 @@ async fn greet(mut stream: TcpStream, is_signed_in: bool, bytes: &[u8]) -> anyho
             stream.write_all(AMQP_HEADER).await?;
         }
         stream.write_all(bytes).await?;
-        // What follows a header of four bytes, or of a list without end.
-        stream.write_all(&[0; 64]).await?;
-        let mut rest = Vec::new();
-        stream.read_to_end(&mut rest).await?;
+        // What follows a header of four bytes, or of a list without end. A client that closes without reading it resets
+        // the connection, which is an end, too.
+        stream.write_all(&[0; 64]).await.ok();
+        stream.read_to_end(&mut Vec::new()).await.ok();
         anyhow::Ok(())
     };
     timeout(PATIENCE, answering).await?
