@@ -31,8 +31,7 @@ async fn enrol_again(folder: &Path, platform: &Api) {
 /// Returns how many reports of the factory arrived, and how many numbers before them are missing.
 async fn arrived(platform: &Api) -> Result<(u64, u64), String> {
     let path = format!("/api/v1/factories/{MUNICH}/writers");
-    let answer: Value = platform.get(&path).await.map_err(|error| format!("{error:#}"))?;
-    let writers = answer["items"].as_array().cloned().unwrap_or_default();
+    let writers = platform.list(&path).await.map_err(|error| format!("{error:#}"))?;
     let sum = |key: &str| writers.iter().filter_map(|writer| writer[key].as_u64()).sum();
     Ok((sum("received"), sum("missingCount")))
 }

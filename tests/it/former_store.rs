@@ -257,14 +257,15 @@ async fn spool_size(connector: &Api) -> anyhow::Result<u64> {
 async fn all_reports_arrived(platform: &Api, connector: &Api, factory_id: &str) {
     let path = format!("/api/v1/factories/{factory_id}/writers");
     eventually("every report is on the platform", PATIENCE, || async {
-        let writers: Value = platform.get(&path).await.map_err(|e| format!("{e:#}"))?;
-        let items = writers["items"].as_array().cloned().unwrap_or_default();
+        let items = platform.list(&path).await.map_err(|e| format!("{e:#}"))?;
         let is_whole = |writer: &Value| {
             let through = writer["throughSequence"].as_u64();
             writer["missingCount"] == 0 && writer["received"].as_u64() == through.map(|s| s + 1)
         };
         match spool_size(connector).await {
-            Ok(_) if items.is_empty() || !items.iter().all(is_whole) => Err(writers.to_string()),
+            Ok(_) if items.is_empty() || !items.iter().all(is_whole) => {
+                Err(Value::from(items).to_string())
+            }
             Ok(size) if size >= 60 => Err(format!("{size} reports in the spool")),
             Ok(_) => Ok(()),
             Err(error) => Err(format!("{error:#}")),

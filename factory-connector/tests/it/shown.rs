@@ -1,5 +1,5 @@
-//! What a person was shown holds: decisions on a field that changed meanwhile are refused, and a
-//! source is removed by who knows what it feeds.
+//! Decisions rest on what a person was shown: those on a field that changed meanwhile are refused,
+//! and a source says what it feeds before it is removed.
 
 use reqwest::Method;
 use serde_json::{Value, json};

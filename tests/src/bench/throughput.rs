@@ -138,8 +138,6 @@ async fn map(cast: &Cast) -> anyhow::Result<()> {
 }
 
 async fn received(platform: &Api) -> anyhow::Result<u64> {
-    let answer: Value = platform.get(&format!("/api/v1/factories/{MUNICH}/writers")).await?;
-    let writers =
-        answer.as_array().or_else(|| answer["items"].as_array()).cloned().unwrap_or_default();
+    let writers = platform.list(&format!("/api/v1/factories/{MUNICH}/writers")).await?;
     Ok(writers.iter().filter_map(|writer| writer["received"].as_u64()).sum())
 }

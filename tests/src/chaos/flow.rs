@@ -71,9 +71,9 @@ pub(super) async fn flows(stage: &mut Stage) -> anyhow::Result<()> {
 
 /// Returns the number of reports that the platform has of each request to a factory.
 async fn received(platform: &Api, factory: &str) -> anyhow::Result<Counts> {
-    let answer: Value = platform.get(&format!("/api/v1/factories/{factory}/writers")).await?;
+    let writers = platform.list(&format!("/api/v1/factories/{factory}/writers")).await?;
     let mut counts = Counts::new();
-    for writer in answer["items"].as_array().into_iter().flatten() {
+    for writer in &writers {
         if let Some(request) = writer["dynamicDataRequestId"].as_str() {
             let count = writer["received"].as_u64().unwrap_or_default();
             *counts.entry(request.to_owned()).or_default() += count;

@@ -64,6 +64,21 @@ impl Api {
         self.call(Method::GET, path, None::<&()>).await
     }
 
+    /// GET of every item of a list, page by page.
+    ///
+    /// # Errors
+    /// As [`Self::get`].
+    pub async fn list(&self, path: &str) -> anyhow::Result<Vec<Value>> {
+        let mut items = Vec::new();
+        let mut page: Value = self.get(path).await?;
+        loop {
+            items.extend(page["items"].as_array_mut().into_iter().flat_map(std::mem::take));
+            let Some(cursor) = page["nextCursor"].as_str() else { return Ok(items) };
+            let separator = if path.contains('?') { '&' } else { '?' };
+            page = self.get(&format!("{path}{separator}cursor={cursor}")).await?;
+        }
+    }
+
     /// GET of what is not JSON, as `/metrics`.
     ///
     /// # Errors

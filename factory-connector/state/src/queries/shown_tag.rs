@@ -12,7 +12,7 @@ const TAG_BYTES: usize = 8;
 
 /// Returns a tag of everything on which a decision about a field rests: the decision in force, the
 /// definition of the field, and who asks, for whom, why, how often and until when. It differs after
-/// each change of any of these, whoever made it.
+/// each change of any of these.
 #[must_use]
 pub fn shown_tag(state: &ConnectorState, key: &FieldKey) -> Option<String> {
     let field = state.field(key)?;

@@ -77,19 +77,14 @@ pub(super) async fn nothing_lost(cast: &Cast) -> anyhow::Result<String> {
     for factory_id in [MUNICH, HAMBURG] {
         let count = eventually("no sequence is missing", Duration::from_secs(30), || async {
             let path = format!("/api/v1/factories/{factory_id}/writers");
-            let answer: Value = cast.platform.get(&path).await.map_err(|e| format!("{e:#}"))?;
-            let writers = answer
-                .as_array()
-                .or_else(|| answer["items"].as_array())
-                .cloned()
-                .unwrap_or_default();
+            let writers = cast.platform.list(&path).await.map_err(|e| format!("{e:#}"))?;
             let has_hole = |writer: &Value| {
                 writer["missing"]
                     .as_array()
                     .map_or_else(|| writer["missing"].as_u64() > Some(0), |m| !m.is_empty())
             };
             if writers.is_empty() || writers.iter().any(has_hole) {
-                return Err(answer.to_string());
+                return Err(Value::from(writers).to_string());
             }
             Ok(writers.iter().filter_map(|writer| writer["received"].as_u64()).sum::<u64>())
         })
