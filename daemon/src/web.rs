@@ -12,6 +12,7 @@ pub mod headers;
 pub mod health;
 mod held_body;
 mod in_flight;
+pub mod page_listener;
 pub mod problem;
 mod responses;
 pub mod roles;

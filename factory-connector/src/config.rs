@@ -21,6 +21,7 @@ use daemon::{
     web::{
         address_range::AddressRange,
         client_address::{ForwardedHeader, TrustedProxies},
+        page_listener::PageListener,
         server::{ListenerLimits, TlsFiles},
         shares::PersonShare,
     },
@@ -150,16 +151,23 @@ impl WebConfig {
         self.public_url.clone().unwrap_or_else(|| format!("{scheme}://{listener}"))
     }
 
+    /// Returns the listener with what is in front of it.
+    #[must_use]
+    pub fn page_listener(&self) -> PageListener<'_> {
+        PageListener {
+            listen: self.listen,
+            has_tls: self.tls.is_some(),
+            public_url: self.public_url.as_deref(),
+            trusted_proxies: &self.trusted_proxies,
+        }
+    }
+
     /// Returns the bounds of their server.
     #[must_use]
     pub fn limits(&self) -> ListenerLimits {
         ListenerLimits {
             shared_addresses: self.trusted_proxies.clone(),
-            // Without TLS of its own, an open listener is for the proxy that has it.
-            only_shared: self.tls.is_none()
-                && !self.listen.ip().is_loopback()
-                && !self.allow_plaintext
-                && !self.trusted_proxies.is_empty(),
+            only_shared: self.page_listener().serves_proxies_alone(),
             ..ListenerLimits::default()
         }
     }

@@ -7,6 +7,9 @@ use serde::{Deserialize, Deserializer};
 /// Bits of an IPv6 address that name one customer's link; who has one address of it has all.
 const IPV6_LINK_BITS: u8 = 64;
 
+/// Fewest bits of a network of proxies: what is wider is no network of one's own.
+const PROXIES_BITS_MIN: (u8, u8) = (8, 16);
+
 /// Addresses that begin with the same bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct AddressRange {
@@ -37,6 +40,20 @@ impl AddressRange {
         let address = address.to_canonical();
         let prefix_bits = if address.is_ipv6() { IPV6_LINK_BITS } else { bits_of(address) };
         Self::new(address, prefix_bits)
+    }
+
+    /// Returns true if all its addresses are those of this machine alone.
+    #[must_use]
+    pub fn is_loopback(&self) -> bool {
+        let bits_min = if self.first.is_ipv4() { 8 } else { 128 };
+        self.first.is_loopback() && self.prefix_bits >= bits_min
+    }
+
+    /// Returns true if it is too wide for proxies, whose word about their clients is believed.
+    #[must_use]
+    pub const fn is_beyond_proxies(&self) -> bool {
+        let (of_v4, of_v6) = PROXIES_BITS_MIN;
+        self.prefix_bits < if self.first.is_ipv4() { of_v4 } else { of_v6 }
     }
 
     /// Returns true if the address lies in this range. IPv4 inside IPv6 counts as IPv4.
@@ -124,6 +141,30 @@ mod tests {
         }
         for wrong in ["", "localhost", "10.0.0.0/33", "10.0.0.0/", "::/129", "1.2.3.4:80"] {
             assert!(wrong.parse::<AddressRange>().is_err(), "{wrong:?}");
+        }
+    }
+
+    #[test]
+    fn a_range_of_proxies_is_this_machine_or_a_network_of_ones_own() {
+        for (text, is_loopback, is_beyond_proxies) in [
+            ("127.0.0.1", true, false),
+            ("127.0.0.0/8", true, false),
+            ("::1", true, false),
+            ("::ffff:127.0.0.1", true, false),
+            ("126.0.0.0/7", false, true),
+            ("::/127", false, false),
+            ("10.0.0.7", false, false),
+            ("10.0.0.0/8", false, false),
+            ("10.0.0.0/7", false, true),
+            ("0.0.0.0/0", false, true),
+            ("2001:db8::/32", false, false),
+            ("2001::/16", false, false),
+            ("2000::/15", false, true),
+            ("::/0", false, true),
+        ] {
+            let range: AddressRange = text.parse().expect("a range");
+            assert_eq!(range.is_loopback(), is_loopback, "{text}");
+            assert_eq!(range.is_beyond_proxies(), is_beyond_proxies, "{text}");
         }
     }
 

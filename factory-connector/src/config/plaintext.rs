@@ -20,13 +20,14 @@ impl ConnectorConfig {
             Some(url) => plain_broker("broker.url", url),
             None => plain_broker("the enrolment's broker", named),
         };
-        let pages = self.plain_pages().into_iter().map(|(way, _)| way);
+        let pages = self.web.page_listener().plain_ways().into_iter().map(|(way, _)| way);
         pages.chain(broker).chain(self.plain_proxy()).collect()
     }
 
     /// Returns the faults of addresses without TLS that no section allows.
     pub(super) fn plaintext_faults(&self) -> Vec<String> {
-        let pages = self.plain_pages().into_iter().filter(|_| !self.web.allow_plaintext);
+        let listener = self.web.page_listener();
+        let pages = listener.plain_ways().into_iter().filter(|_| !self.web.allow_plaintext);
         let public_url = self.web.public_url.as_deref();
         let is_invalid = public_url.is_some_and(|url| http_way(url) == HttpWay::Invalid);
         let invalid = is_invalid
@@ -38,6 +39,7 @@ impl ConnectorConfig {
         pages
             .map(|(way, remedy)| way.fault("web", remedy))
             .chain(invalid)
+            .chain(listener.proxy_faults())
             .chain(broker.map(|way| way.fault("broker", BROKER_REMEDY)))
             .chain(proxy.map(|way| way.fault("broker.proxy", PROXY_REMEDY)))
             .collect()
@@ -72,18 +74,6 @@ impl ConnectorConfig {
         }
     }
 
-    /// Returns the ways to the pages without TLS, each with its remedy.
-    fn plain_pages(&self) -> Vec<(PlaintextWay, &'static str)> {
-        let is_open = self.web.tls.is_none() && !self.web.listen.ip().is_loopback();
-        let open = is_open.then(|| {
-            let remedy = "give certificate and key in [web.tls], or listen on 127.0.0.1 behind a proxy that speaks TLS";
-            (PlaintextWay::new("web.listen", self.web.listen), remedy)
-        });
-        let url = self.web.public_url.as_ref().filter(|url| http_way(url) == HttpWay::Plaintext);
-        let named = url.map(|url| (PlaintextWay::new("web.public_url", url), "write https://"));
-        open.into_iter().chain(named).collect()
-    }
-
     /// The proxy, if it gets user name and password without TLS. What goes through it to the broker has
     /// the broker's TLS.
     fn plain_proxy(&self) -> Option<PlaintextWay> {
@@ -115,6 +105,12 @@ mod tests {
         for (text, key) in [
             ("[web]\nlisten = \"0.0.0.0:8090\"\n", "web.listen"),
             ("[web]\npublic_url = \"http://plant.example\"\n", "web.public_url"),
+            // The TLS of a proxy on another machine ends there.
+            (
+                "[web]\nlisten = \"0.0.0.0:8090\"\npublic_url = \"https://plant.example\"\n\
+                 trusted_proxies = [\"127.0.0.1\", \"10.0.0.7\"]\n",
+                "web.trusted_proxies",
+            ),
             ("[broker]\nurl = \"amqp://broker.example\"\n", "broker.url"),
             ("[broker]\nurl = \"mqtt+ws://broker.example\"\n", "broker.url"),
             (
@@ -147,6 +143,28 @@ mod tests {
             "[broker]\nallow_plaintext = true\n[broker.proxy]\nurl = \"http://proxy.example\"\n{login}"
         );
         assert_eq!(parse(&text).faults().len(), 1, "the word for the broker is none for the proxy");
+    }
+
+    #[test]
+    fn proxies_of_the_pages_on_this_machine_need_no_word_and_others_are_served_alone() {
+        let open = "[web]\nlisten = \"0.0.0.0:8090\"\npublic_url = \"https://plant.example\"\n";
+        let own = parse(&format!("{open}trusted_proxies = [\"127.0.0.1\"]\n"));
+        assert_eq!(own.faults(), Vec::<String>::new());
+        assert_eq!(own.plaintext_ways(&url("amqps://broker.example")), []);
+        let text = format!("{open}trusted_proxies = [\"10.0.0.7\"]\nallow_plaintext = true\n");
+        for config in [own, parse(&text)] {
+            assert!(config.web.limits().only_shared);
+        }
+    }
+
+    #[test]
+    fn the_whole_world_is_no_proxy() {
+        for range in ["0.0.0.0/0", "8.0.0.0/7", "::/0"] {
+            let text = format!("[web]\nallow_plaintext = true\ntrusted_proxies = [\"{range}\"]\n");
+            let faults = parse(&text).faults();
+            let is_named = faults.len() == 1 && faults[0].starts_with("web.trusted_proxies");
+            assert!(is_named && faults[0].contains(range), "{faults:?}");
+        }
     }
 
     #[test]

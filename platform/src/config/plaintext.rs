@@ -8,10 +8,6 @@ use super::PlatformConfig;
 /// Remedy for an address of a broker.
 const BROKER_REMEDY: &str = "write amqps://, amqp+wss://, mqtts:// or mqtt+wss://";
 
-/// Remedy for an address of the pages that is open to other machines.
-const LISTENER_REMEDY: &str = "set web.tls; or listen on 127.0.0.1 behind a proxy that speaks TLS; or, where that one \
-                               runs elsewhere, name it in web.trusted_proxies and write web.public_url with https://";
-
 /// A way with the section whose key allows it, and the remedy that needs no key.
 struct Use {
     way: PlaintextWay,
@@ -39,33 +35,19 @@ impl PlatformConfig {
         if public_url.is_some_and(|url| http_way(url) == HttpWay::Invalid) {
             faults.push("web.public_url: write an address as https://verbund.example".to_owned());
         }
+        faults.extend(self.web.page_listener().proxy_faults());
         faults
     }
 
-    /// Returns true where a proxy that is named speaks TLS. An address with `https` alone proves none: whatever it
-    /// says, passwords reach an open listener as they were sent.
-    fn is_behind_tls(&self) -> bool {
-        let is_https =
-            self.web.public_url.as_deref().is_some_and(|url| url.starts_with("https://"));
-        is_https && !self.web.trusted_proxies.is_empty()
-    }
-
     fn plaintext_uses(&self) -> Vec<Use> {
-        let web = |key, address: &dyn ToString, remedy| Use {
-            way: PlaintextWay::new(key, address.to_string()),
+        let pages = self.web.page_listener().plain_ways().into_iter();
+        let of_pages = pages.map(|(way, remedy)| Use {
+            way,
             section: "web",
             is_allowed: self.web.allow_plaintext,
             remedy,
-        };
-        let mut uses = Vec::new();
-        let public_url = self.web.public_url.as_deref();
-        let is_plain_url = |url: &&str| http_way(url) == HttpWay::Plaintext;
-        let is_open = self.web.tls.is_none() && !self.web.listen.ip().is_loopback();
-        if let Some(url) = public_url.filter(is_plain_url) {
-            uses.push(web("web.public_url", &url, "write https://"));
-        } else if is_open && !self.is_behind_tls() {
-            uses.push(web("web.listen", &self.web.listen, LISTENER_REMEDY));
-        }
+        });
+        let mut uses: Vec<_> = of_pages.collect();
         let public_url = self.broker.public_url.iter().filter(|url| is_plaintext(url));
         uses.extend(public_url.map(|url| Use {
             way: PlaintextWay::new("broker.public_url", url),
@@ -125,6 +107,13 @@ mod tests {
                     .to_owned(),
                 "web.listen",
             ),
+            // The TLS of a proxy on another machine ends there.
+            (
+                "[web]\nlisten = \"0.0.0.0:80\"\npublic_url = \"https://verbund.example\"\n\
+                 trusted_proxies = [\"127.0.0.1\", \"10.0.0.7\"]\n"
+                    .to_owned(),
+                "web.trusted_proxies: 10.0.0.7/32 ",
+            ),
             ("[broker]\npublic_url = \"amqp://broker.example\"\n".to_owned(), "broker.public_url"),
             (external("\"amqp://broker.example\"", ""), "broker.external.urls"),
             (
@@ -160,7 +149,9 @@ mod tests {
     fn tls_and_this_machine_need_no_word() {
         for text in [
             "[web]\nlisten = \"0.0.0.0:80\"\npublic_url = \"https://verbund.example\"\n\
-             trusted_proxies = [\"10.0.0.7\"]\n"
+             trusted_proxies = [\"127.0.0.1\", \"::1\"]\n"
+                .to_owned(),
+            "[web]\npublic_url = \"https://verbund.example\"\ntrusted_proxies = [\"10.0.0.7\"]\n"
                 .to_owned(),
             "[web]\npublic_url = \"https://verbund.example\"\n".to_owned(),
             "[web]\npublic_url = \"http://127.0.0.1:8080\"\n".to_owned(),
@@ -170,6 +161,26 @@ mod tests {
             let config = parse(&text);
             assert_eq!(config.faults(), Vec::<String>::new(), "{text}");
             assert_eq!(config.plaintext_ways(), [], "{text}");
+        }
+    }
+
+    #[test]
+    fn who_goes_round_a_proxy_elsewhere_is_not_served_though_its_way_is_allowed() {
+        let config = parse(
+            "[web]\nlisten = \"0.0.0.0:80\"\npublic_url = \"https://verbund.example\"\n\
+             trusted_proxies = [\"10.0.0.7\"]\nallow_plaintext = true\n",
+        );
+        assert_eq!(config.faults(), Vec::<String>::new());
+        assert!(config.web.limits().only_shared);
+    }
+
+    #[test]
+    fn the_whole_world_is_no_proxy() {
+        for range in ["0.0.0.0/0", "8.0.0.0/7", "::/0"] {
+            let text = format!("[web]\nallow_plaintext = true\ntrusted_proxies = [\"{range}\"]\n");
+            let faults = parse(&text).faults();
+            let is_named = faults.len() == 1 && faults[0].starts_with("web.trusted_proxies");
+            assert!(is_named && faults[0].contains(range), "{faults:?}");
         }
     }
 

@@ -8,6 +8,7 @@ use std::{
 use daemon::web::{
     address_range::AddressRange,
     client_address::{ForwardedHeader, TrustedProxies},
+    page_listener::PageListener,
     server::{ListenerLimits, TlsFiles},
     shares::{FairShareConfig, OrganisationShare, PersonShare},
 };
@@ -21,7 +22,7 @@ pub struct WebConfig {
     pub listen: SocketAddr,
     /// Base URL for browsers and connectors; part of enrolment tokens.
     pub public_url: Option<String>,
-    /// Certificate and key; without them plain HTTP, for loopback or behind a proxy that speaks
+    /// Certificate and key; without them plain HTTP, for loopback or behind a proxy on this machine that speaks
     /// TLS.
     pub tls: Option<TlsFiles>,
     /// PEM file of the certificate that clients are shown at the public URL, or of an authority that is
@@ -71,16 +72,23 @@ impl WebConfig {
         }
     }
 
+    /// Returns the listener with what is in front of it.
+    #[must_use]
+    pub fn page_listener(&self) -> PageListener<'_> {
+        PageListener {
+            listen: self.listen,
+            has_tls: self.tls.is_some(),
+            public_url: self.public_url.as_deref(),
+            trusted_proxies: &self.trusted_proxies,
+        }
+    }
+
     /// Returns the bounds of their server.
     #[must_use]
     pub fn limits(&self) -> ListenerLimits {
         ListenerLimits {
             shared_addresses: self.trusted_proxies.clone(),
-            // Without TLS of its own, an open listener is for the proxy that has it.
-            only_shared: self.tls.is_none()
-                && !self.listen.ip().is_loopback()
-                && !self.allow_plaintext
-                && !self.trusted_proxies.is_empty(),
+            only_shared: self.page_listener().serves_proxies_alone(),
             ..ListenerLimits::default()
         }
     }

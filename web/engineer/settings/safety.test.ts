@@ -36,4 +36,17 @@ describe('what protects and what does not', () => {
     })
     expect(screen.getByRole('alert').textContent).toMatch(/WITHOUT TLS.*broker.url.*amqp:/)
   })
+
+  it('names each proxy of one key', () => {
+    const proxies = ['10.0.0.7/32', '10.0.0.8/32']
+    shown({
+      plaintextWays: proxies.map((address) => ({ key: 'web.trusted_proxies', address })),
+      scriptWorkers: [],
+    })
+    const alerts = screen.getAllByRole('alert').map((alert) => alert.textContent)
+    expect(alerts).toHaveLength(proxies.length)
+    proxies.forEach((address, index) => {
+      expect(alerts[index]).toContain(address)
+    })
+  })
 })

@@ -73,7 +73,7 @@ export const settings: typeof English = {
       'web.public_url':
         'Adresse für Browser, etwa wo ein Proxy TLS spricht. Mit https gilt das Cookie der Sitzung nur über TLS. Passkeys brauchen hier einen Domainnamen und HTTPS.',
       'web.trusted_proxies':
-        'Proxys vor den Seiten. Nur ihnen wird geglaubt, welche Adresse ihr Gegenüber hat.',
+        'Proxys vor den Seiten. Nur ihnen wird geglaubt, welche Adresse ihr Gegenüber hat. Auf anderen Rechnern brauchen sie auch hier TLS; ohne TLS bedient ein offener Zugang nur diese Proxys.',
       'web.forwarded_header': 'Kopfzeile, in der die Proxys diese Adresse nennen.',
       'web.share_per_person.requests_per_second':
         'Anfragen einer Person je Sekunde auf Dauer. Was darüber hinausgeht, wird eine Weile abgelehnt.',
@@ -86,7 +86,7 @@ export const settings: typeof English = {
       'web.share_per_person.body_mib':
         'MiB, die eine Person zur gleichen Zeit senden darf, über alle ihre Anfragen.',
       'web.tls.certificate':
-        'Zertifikat als PEM. Ohne Zertifikat und Schlüssel unverschlüsselt, nur für diesen Rechner oder hinter einem Proxy mit TLS.',
+        'Zertifikat als PEM. Ohne Zertifikat und Schlüssel unverschlüsselt, nur für diesen Rechner oder hinter einem Proxy auf ihm, der TLS spricht.',
       'web.tls.key': 'Schlüssel als PEM.',
       'twin.listen': 'Wo der OPC-UA-Server mit den Schnittstellen der Vorgänge erreichbar ist.',
       'twin.host_names':

@@ -72,7 +72,7 @@ export const settings = {
       'web.public_url':
         'Address for browsers, as where a proxy speaks TLS. With https the session’s cookie is for TLS only. Passkeys need a domain name here, and HTTPS.',
       'web.trusted_proxies':
-        'Proxies in front of the pages. They alone are believed about the address of their client.',
+        'Proxies in front of the pages. They alone are believed about the address of their client. Those on other machines need TLS here, too; without it an open listener serves these proxies alone.',
       'web.forwarded_header': 'Header in which the proxies tell that address.',
       'web.share_per_person.requests_per_second':
         'Requests of one person per second, for long. Beyond it they are refused for a while.',
@@ -84,7 +84,7 @@ export const settings = {
       'web.share_per_person.body_mib':
         'MiB that one person may send at the same time, over all its requests.',
       'web.tls.certificate':
-        'Certificate as PEM. Without certificate and key plain HTTP, for this machine only or behind a proxy that speaks TLS.',
+        'Certificate as PEM. Without certificate and key plain HTTP, for this machine only or behind a proxy on it that speaks TLS.',
       'web.tls.key': 'Key as PEM.',
       'twin.listen': 'Where the OPC UA server with the interfaces of the operations listens.',
       'twin.host_names':
