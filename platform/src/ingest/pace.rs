@@ -34,6 +34,9 @@ struct Rate {
 
 /// A factory's: a message carries up to 64 KiB of reports.
 const OF_FACTORY: Rate = Rate { per_second: 2_000, at_once: 20_000 };
+/// A factory's that cannot wait: what came while the platform or its line was down arrives at once, and is not to be
+/// set aside for that.
+const OF_FACTORY_ON_ONE_LINE: Rate = Rate { at_once: 100_000, ..OF_FACTORY };
 /// A tool's: each of its messages may change a network.
 const OF_TOOL: Rate = Rate { per_second: 20, at_once: 200 };
 
@@ -41,7 +44,8 @@ const OF_TOOL: Rate = Rate { per_second: 20, at_once: 200 };
 #[derive(Debug)]
 pub(super) struct Pace {
     /// True where the broker keeps senders apart, so that one waits and others do not. Where all come over one
-    /// line, as with MQTT, a factory goes on and what is beyond a tool's share is set aside.
+    /// line, as with MQTT, who waits holds up all: the broker counts what is on its way (Receive Maximum) of all topics
+    /// together. What is beyond a share is set aside there, with its body, so that it can be replayed.
     may_wait: bool,
     /// Times at which the share of an address is whole again.
     whole_at: Mutex<HashMap<LogicalAddress, Instant>>,
@@ -70,11 +74,8 @@ impl Pace {
         reason
     }
 
-    /// Takes so many messages off the share of an address at once.
+    /// Takes so many messages off the share of an address at once; those that are set aside are not taken off.
     pub(super) fn charge(&self, address: &LogicalAddress, messages: usize) -> Excess {
-        if !self.may_wait && address.tool_id().is_none() {
-            return Excess::default();
-        }
         let wait = self.take(address, messages, Instant::now());
         if wait.is_zero() {
             return Excess::default();
@@ -83,23 +84,35 @@ impl Pace {
         if self.may_wait {
             return Excess { wait, reason: None };
         }
-        let Rate { per_second, at_once } = OF_TOOL;
+        let Rate { per_second, at_once } = self.rate(address);
+        let sender = if address.tool_id().is_some() { "tool" } else { "factory" };
         let reason = format!(
-            "The tool sends more than {per_second} messages a second, after {at_once} at once."
+            "The {sender} sends more than {per_second} messages a second, after {at_once} at once."
         );
         Excess { wait: Duration::ZERO, reason: Some(reason) }
     }
 
     /// Takes messages off the share of an address, and returns the time until they are within it.
-    fn take(&self, address: &LogicalAddress, messages: usize, now: Instant) -> Duration {
-        let rate = if address.tool_id().is_some() { OF_TOOL } else { OF_FACTORY };
+    pub(super) fn take(&self, address: &LogicalAddress, messages: usize, now: Instant) -> Duration {
+        let rate = self.rate(address);
         let second = Duration::from_secs(1);
         let messages = u32::try_from(messages).unwrap_or(u32::MAX);
         let mut all = self.whole_at.lock();
         let whole_at = all.get(address).copied().unwrap_or(now).max(now);
         let whole_at = whole_at + second * messages / rate.per_second;
-        all.insert(address.clone(), whole_at);
-        (whole_at - now).saturating_sub(second * rate.at_once / rate.per_second)
+        let wait = (whole_at - now).saturating_sub(second * rate.at_once / rate.per_second);
+        if self.may_wait || wait.is_zero() {
+            all.insert(address.clone(), whole_at);
+        }
+        wait
+    }
+
+    fn rate(&self, address: &LogicalAddress) -> Rate {
+        match (address.tool_id(), self.may_wait) {
+            (Some(_), _) => OF_TOOL,
+            (None, true) => OF_FACTORY,
+            (None, false) => OF_FACTORY_ON_ONE_LINE,
+        }
     }
 }
 
@@ -184,9 +197,9 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn nobody_waits_where_all_come_over_one_line() {
+    async fn nobody_waits_where_all_come_over_one_line_and_each_has_its_share() {
         let pace = Pace::new(false);
-        let [tool, factory] = ["tool.T.requests", "factory.F.ingress"]
+        let [tool, factory, other] = ["tool.T.requests", "factory.F.ingress", "factory.G.ingress"]
             .map(|text| text.parse::<LogicalAddress>().expect("an address"));
         let begun = Instant::now();
         for _ in 0..20 {
@@ -195,6 +208,23 @@ mod tests {
         let reason = pace.keep(&tool, 10_000).await.expect("beyond its share");
         assert!(reason.contains("20 messages a second"), "{reason}");
         assert_eq!(pace.keep(&factory, 100_000).await, None);
+        let reason = pace.keep(&factory, 100_000).await.expect("beyond its share");
+        assert!(reason.starts_with("The factory sends more than 2000 messages"), "{reason}");
+        assert_eq!(pace.keep(&other, 100_000).await, None, "another factory has its own");
         assert!(begun.elapsed() < Duration::from_secs(5), "nobody waited");
+    }
+
+    #[test]
+    fn what_is_set_aside_is_not_taken_off_so_that_a_factory_comes_back_to_its_share() {
+        let pace = Pace::new(false);
+        let factory: LogicalAddress = "factory.F.ingress".parse().expect("an address");
+        let now = Instant::now();
+        assert_eq!(pace.take(&factory, 100_000, now), Duration::ZERO);
+        for _ in 0..1_000 {
+            assert!(pace.take(&factory, 100, now) > Duration::ZERO);
+        }
+        let later = now + Duration::from_secs(1);
+        assert_eq!(pace.take(&factory, 2_000, later), Duration::ZERO);
+        assert!(pace.take(&factory, 1, later) > Duration::ZERO);
     }
 }

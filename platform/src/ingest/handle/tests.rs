@@ -5,7 +5,7 @@ use std::time::Duration;
 use messaging::{Envelope, Inbox as _};
 
 use super::*;
-use crate::ingest::portion::PORTION_BYTES_MAX;
+use crate::ingest::{decode::Content, portion::PORTION_BYTES_MAX};
 
 /// Unpacked bytes of each message; on its way it has some hundred.
 const MESSAGE_BYTES: usize = 200 * 1024;
@@ -24,16 +24,57 @@ fn deliveries(count: usize) -> Vec<Delivery> {
 }
 
 async fn handle(folder: &tempfile::TempDir) -> (IngestHandle, mpsc::Receiver<Batch>) {
+    handle_where(folder, true).await
+}
+
+/// Returns a handle where senders wait at the broker, or where all come over one line.
+async fn handle_where(
+    folder: &tempfile::TempDir,
+    may_wait: bool,
+) -> (IngestHandle, mpsc::Receiver<Batch>) {
     let store = Store::open(&folder.path().join("store.sqlite")).await.expect("it opens");
     let room = RoomConfig {
         data_directory: folder.path().to_owned(),
         factory_bytes_max: u64::MAX,
         tool_bytes_max: u64::MAX,
-        may_wait: true,
+        may_wait,
     };
     let (sender, batches) = mpsc::channel(100);
     let ending = CancellationToken::new();
     (IngestHandle::new(&store, Arc::default(), sender, room, ending), batches)
+}
+
+/// Takes one batch of two messages from a factory, and returns the codes with which they are set aside.
+async fn codes_of_next(
+    handle: &IngestHandle,
+    batches: &mut mpsc::Receiver<Batch>,
+    factory: usize,
+) -> Vec<&'static str> {
+    let handle = handle.clone();
+    let receiving =
+        tokio::spawn(async move { handle.receive(&address(factory), deliveries(2)).await });
+    let Batch { messages, stored, .. } = batches.recv().await.expect("a batch");
+    stored.send(vec![true; messages.len()]).expect("it waits for the answer");
+    assert_eq!(receiving.await.expect("it ends"), vec![Settlement::Accept; 2]);
+    let code = |message: &Incoming| match &message.content {
+        Content::Dead(letter) => Some(letter.code),
+        _ => None,
+    };
+    messages.iter().filter_map(code).collect()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn beyond_its_share_a_factory_on_one_line_is_set_aside_and_another_one_is_not() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (handle, mut batches) = handle_where(&folder, false).await;
+    let begun = std::time::Instant::now();
+    // Used up for a minute.
+    let free = handle.pace.take(&address(1), 100_000, begun + Duration::from_secs(60));
+    assert_eq!(free, Duration::ZERO);
+    assert_eq!(codes_of_next(&handle, &mut batches, 1).await, [QUOTA_EXCEEDED; 2]);
+    let of_other = codes_of_next(&handle, &mut batches, 2).await;
+    assert!(!of_other.contains(&QUOTA_EXCEEDED), "{of_other:?}");
+    assert!(begun.elapsed() < Duration::from_secs(20), "nobody waited");
 }
 
 fn address(factory: usize) -> LogicalAddress {
