@@ -32,12 +32,12 @@ mod tools;
 mod users;
 mod writers;
 
-use axum::Router;
+use axum::{Router, middleware};
 use daemon::web::{
     self, Problem,
     api::{Operations, Shell},
     problem::ProblemFault,
-    shares::{downloads, streams},
+    shares::{downloads, read_in_turn, streams},
 };
 use utoipa::OpenApi;
 use utoipa_axum::{router::OpenApiRouter, routes};
@@ -88,8 +88,17 @@ fn operations() -> Operations<Application> {
     Operations { guarded: guarded(), open: open() }
 }
 
-/// Operations that need a session.
+/// Operations that need a session. What lasts has shares of its own; all else that reads comes in turns.
 fn guarded() -> OpenApiRouter<Application> {
+    in_turns()
+        .route_layer(middleware::from_fn(read_in_turn))
+        .routes(downloads(routes!(accesses::export)))
+        .routes(downloads(routes!(audit::export)))
+        .routes(streams(routes!(live::stream)))
+}
+
+/// Operations that need a session and end soon.
+fn in_turns() -> OpenApiRouter<Application> {
     OpenApiRouter::new()
         .routes(routes!(session::show, session::sign_out))
         .routes(routes!(account::change_password))
@@ -121,9 +130,7 @@ fn guarded() -> OpenApiRouter<Application> {
         .routes(routes!(writers::list))
         .routes(routes!(accesses::list))
         .routes(routes!(accesses::checkpoint))
-        .routes(downloads(routes!(accesses::export)))
         .routes(routes!(audit::list))
-        .routes(downloads(routes!(audit::export)))
         .routes(routes!(tools::list, tools::add))
         .routes(routes!(tools::make_credential, tools::revoke))
         .routes(routes!(collaborations::list, collaborations::add))
@@ -139,7 +146,6 @@ fn guarded() -> OpenApiRouter<Application> {
         .routes(routes!(dead_letters::list))
         .routes(routes!(dead_letters::replay))
         .routes(routes!(ledger_logs::list))
-        .routes(streams(routes!(live::stream)))
 }
 
 /// Operations without a session.

@@ -34,7 +34,7 @@ use daemon::{
             PasswordPolicy, RecoveryCodes, SecondFactorBegin, SecondFactorCode, SecondFactorOffer,
             SecondFactorRemoval, SessionConfig, SessionList, Sessions, SignIn, SignedIn,
         },
-        shares::{hold_download, hold_stream},
+        shares::{hold_download, hold_stream, read_in_turn},
     },
 };
 use futures::{Stream, StreamExt as _, stream};
@@ -168,6 +168,18 @@ async fn remove_passkey(
     Ok(StatusCode::NO_CONTENT)
 }
 
+/// Reads by one of the store's readers, for a moment.
+async fn page(State(sessions): State<Sessions<Memory>>) -> &'static str {
+    let _reader = sessions.accounts().readers.0.acquire().await.expect("it is never closed");
+    "read"
+}
+
+/// Reads by one of the store's readers, until nobody waits for the answer.
+async fn endless_page(State(sessions): State<Sessions<Memory>>) -> &'static str {
+    let _reader = sessions.accounts().readers.0.acquire().await.expect("it is never closed");
+    std::future::pending().await
+}
+
 /// Says something once, and is never over.
 async fn live() -> Sse<impl Stream<Item = Result<Event, Infallible>>> {
     Sse::new(stream::once(async { Ok(Event::default().data("here")) }).chain(stream::pending()))
@@ -240,6 +252,8 @@ impl Harness {
         let readiness = Readiness::new();
         let operations = Operations {
             guarded: OpenApiRouter::new()
+                .route("/page", get(page).layer(from_fn(read_in_turn)))
+                .route("/page/endless", get(endless_page).layer(from_fn(read_in_turn)))
                 .route("/live", get(live).layer(from_fn(hold_stream)))
                 .route("/export", get(export).layer(from_fn(hold_download)))
                 .route("/session", get(who).delete(sign_out))

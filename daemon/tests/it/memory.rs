@@ -12,6 +12,7 @@ use daemon::web::session::{
     StoredSecondFactor, StoredSession,
 };
 use parking_lot::Mutex;
+use tokio::sync::Semaphore;
 
 #[derive(Clone, Default)]
 pub struct Memory {
@@ -22,6 +23,21 @@ pub struct Memory {
     pub passkeys: Arc<Mutex<Vec<(String, StoredPasskey)>>>,
     /// Endless answers that are being sent.
     pub floods: Arc<AtomicUsize>,
+    pub readers: PageReaders,
+}
+
+/// Readers of a store, as few as a platform has.
+#[derive(Clone)]
+pub struct PageReaders(pub Arc<Semaphore>);
+
+impl PageReaders {
+    pub const COUNT: usize = 6;
+}
+
+impl Default for PageReaders {
+    fn default() -> Self {
+        Self(Arc::new(Semaphore::new(Self::COUNT)))
+    }
 }
 
 #[async_trait]

@@ -1,6 +1,10 @@
 //! Shares of people and organisations: what one uses up, others do not feel.
 
-use std::{convert::Infallible, num::NonZeroU32, time::Duration};
+use std::{
+    convert::Infallible,
+    num::NonZeroU32,
+    time::{Duration, Instant},
+};
 
 use futures::stream;
 use reqwest::{Body, Method, Response};
@@ -8,12 +12,14 @@ use serde_json::Value;
 use testkit::{ApiClient, wait::eventually};
 use tokio::{task::JoinHandle, time::timeout};
 
-use crate::harness::Harness;
+use crate::{harness::Harness, memory::PageReaders};
 
 const SESSION: &str = "/api/v1/session";
 const PASSWORD: &str = "/api/v1/session/password";
 const EXPORT: &str = "/api/v1/export";
 const LIVE: &str = "/api/v1/live";
+const PAGE: &str = "/api/v1/page";
+const ENDLESS_PAGE: &str = "/api/v1/page/endless";
 
 fn number(value: u32) -> NonZeroU32 {
     NonZeroU32::new(value).expect("not zero")
@@ -135,6 +141,83 @@ async fn downloads_hold_a_place_until_they_have_ended_and_others_do_not_feel_it(
 #[tokio::test]
 async fn live_streams_hold_a_place_until_they_have_ended_and_others_do_not_feel_it() {
     places_are_bounded(LIVE, "TOO_MANY_STREAMS").await;
+}
+
+/// Asks for so many pages that are read without end, and waits until readers are held.
+async fn ask_without_end(
+    harness: &Harness,
+    client: &ApiClient,
+    held: usize,
+) -> Vec<JoinHandle<reqwest::Result<Response>>> {
+    let asking = (0..50).map(|_| tokio::spawn(client.request(Method::GET, ENDLESS_PAGE).send()));
+    let asking = asking.collect();
+    let readers = &harness.memory.readers.0;
+    let begun = eventually("readers are held", Duration::from_secs(20), async || {
+        let free = readers.available_permits();
+        if free <= PageReaders::COUNT - held { Ok(()) } else { Err(free.to_string()) }
+    });
+    begun.await.expect("its first pages are read");
+    // The others are there, too.
+    tokio::time::sleep(Duration::from_millis(500)).await;
+    assert_eq!(readers.available_permits(), PageReaders::COUNT - held, "the others wait");
+    asking
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn pages_without_end_of_one_member_leave_readers_to_others() {
+    let harness = Harness::start().await;
+    let (ann, amy) = (harness.person("ann@a").await, harness.person("amy@a").await);
+    let (zoe, bob) = (harness.person("zoe@a").await, harness.person("bob@b").await);
+    let is_served = async |client: &ApiClient| {
+        let begun = Instant::now();
+        let answer = timeout(Duration::from_secs(5), get(client, PAGE)).await;
+        assert_eq!(answer.expect("it is served meanwhile").status(), 200);
+        assert!(begun.elapsed() < Duration::from_secs(1), "{:?}", begun.elapsed());
+    };
+    let of_ann = ask_without_end(&harness, &ann, 2).await;
+    is_served(&amy).await;
+    is_served(&bob).await;
+    let of_amy = ask_without_end(&harness, &amy, 4).await;
+    is_served(&bob).await;
+    let waits = timeout(Duration::from_millis(500), get(&zoe, PAGE)).await;
+    assert!(waits.is_err(), "the organisation has its four");
+    for asking in of_ann.into_iter().chain(of_amy) {
+        asking.abort();
+    }
+    is_served_soon(&zoe).await;
+}
+
+/// Waits until pages of a person are read again.
+async fn is_served_soon(client: &ApiClient) {
+    let served = timeout(Duration::from_secs(8), get(client, PAGE)).await;
+    assert_eq!(served.expect("those who gave up left their places").status(), 200);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn who_asks_for_too_many_pages_at_once_is_refused() {
+    let harness = Harness::start().await;
+    let (ann, bob) = (harness.person("ann@a").await, harness.person("bob@b").await);
+    let mut asking: Vec<_> = Vec::new();
+    for _ in 0..3 {
+        asking.extend(ask_without_end(&harness, &ann, 2).await);
+    }
+    let beyond = asking.len() - 2 - 100;
+    let answered = eventually("all beyond are refused", Duration::from_secs(5), async || {
+        let count = asking.iter().filter(|one| one.is_finished()).count();
+        if count == beyond { Ok(()) } else { Err(count.to_string()) }
+    });
+    answered.await.expect("two are read, and a hundred wait");
+    for one in asking {
+        if one.is_finished() {
+            let answer = one.await.expect("it ends").expect("an answer");
+            assert_eq!(problem(answer).await, ("2".to_owned(), "TOO_MANY_READS".into()));
+        } else {
+            one.abort();
+        }
+    }
+    assert_eq!(get(&bob, PAGE).await.status(), 200);
+    let metrics = harness.get("/metrics").await.text().await.expect("a text");
+    assert!(metrics.contains(r#"verbund_share_refusals_total{share="reads",who="a"} "#));
 }
 
 /// Sends a request whose body never comes, and which counts as 4 MiB.

@@ -23,6 +23,7 @@ mod members;
 mod migration;
 mod opaque_ids;
 mod openapi;
+mod page_turns;
 mod pages;
 mod passkeys;
 mod past_releases;

@@ -48,6 +48,25 @@ pub async fn hold_stream(request: Request, next: Next) -> Response {
     hold(Share::Streams, request, next).await
 }
 
+/// Middleware of operations behind a session that read a store with few readers: each waits for its turn, which ends
+/// when its answer begins. Changes pass: their bodies may come slowly, and they hold readers for moments.
+pub async fn read_in_turn(request: Request, next: Next) -> Response {
+    if !request.method().is_safe() {
+        return next.run(request).await;
+    }
+    let Some(claim) = request.extensions().get::<Claim>().cloned() else {
+        return Problem::unauthorized().into_response();
+    };
+    match claim.shares.take_read_turn(&claim.member).await {
+        Ok(turn) => {
+            let answer = next.run(request).await;
+            drop(turn);
+            answer
+        }
+        Err(problem) => problem.into_response(),
+    }
+}
+
 async fn hold(share: Share, request: Request, next: Next) -> Response {
     let Some(claim) = request.extensions().get::<Claim>() else {
         return Problem::unauthorized().into_response();

@@ -12,6 +12,7 @@ use parking_lot::Mutex;
 use super::{
     bucket::Bucket,
     config::FairShareConfig,
+    read_turns::{ReadTurn, ReadTurns},
     refusals::count_refusal,
     share::{Places, Share},
 };
@@ -50,6 +51,7 @@ pub struct FairShares(Arc<SharedUsage>);
 struct SharedUsage {
     config: FairShareConfig,
     usage: Mutex<Usages>,
+    reads: ReadTurns,
 }
 
 /// Usage of people and organisations that asked lately or hold a place. What is as good as unused is
@@ -75,7 +77,7 @@ impl FairShares {
     /// Returns shares of which nothing is used yet.
     #[must_use]
     pub fn new(config: FairShareConfig) -> Self {
-        Self(Arc::new(SharedUsage { config, usage: Mutex::default() }))
+        Self(Arc::new(SharedUsage { config, usage: Mutex::default(), reads: ReadTurns::default() }))
     }
 
     /// Takes a request off the shares of its person and organisation.
@@ -124,6 +126,15 @@ impl FairShares {
             organisation.places.take(share);
         }
         Ok(HeldShare::new(self.clone(), share, member.clone()))
+    }
+
+    /// Waits for a turn to read, which ends once it is dropped.
+    ///
+    /// # Errors
+    /// 429 `TOO_MANY_READS` where too many requests of the person wait, or one waits too long.
+    pub(super) async fn take_read_turn(&self, member: &Member) -> Result<ReadTurn, Problem> {
+        let taken = self.0.reads.take(&member.person, member.organisation.as_deref()).await;
+        taken.inspect_err(|_| count_refusal("reads", member.who()))
     }
 
     /// Takes the bytes of a body, which are free again once the hold is dropped. Who has none under way
