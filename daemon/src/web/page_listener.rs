@@ -52,8 +52,8 @@ impl PageListener<'_> {
         let wide = self.trusted_proxies.iter().filter(|range| range.is_beyond_proxies());
         let fault = |range: &AddressRange| {
             format!(
-                "web.trusted_proxies: {range} is too wide, so that strangers would be believed about their address; name \
-                 the proxies, or a network of at least /8 (IPv4) or /16 (IPv6)"
+                "web.trusted_proxies: {range} is too wide, so that strangers would be believed about their address; \
+                 name the proxies, or a network of at least /8 (IPv4) or /16 (IPv6)"
             )
         };
         wide.map(fault).collect()

@@ -139,8 +139,8 @@ fn leave(lines: &mut HashMap<String, Line>, name: &str) {
 
 fn refused() -> Problem {
     let detail = format!(
-        "At most {OF_A_PERSON} pages of a person and {OF_AN_ORGANISATION} of an organisation are read at the same time, \
-         and the others wait; too many of yours do."
+        "At most {OF_A_PERSON} pages of a person and {OF_AN_ORGANISATION} of an organisation are read at the same \
+         time, and the others wait; too many of yours do."
     );
     Problem {
         retry_after_seconds: Some(RETRY_AFTER.as_secs()),
