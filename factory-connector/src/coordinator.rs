@@ -28,7 +28,11 @@ pub use config::CoordinatorConfig;
 use connector_state::{
     ChangeSet, ConnectorEvent, ConnectorState, Snapshot,
     transaction::{self, DeliveryState},
-    use_cases::{seal, validity, values, witness},
+    use_cases::{
+        seal, validity,
+        values::{self, TakenCandidate},
+        witness,
+    },
 };
 use handle::Reply;
 pub use handle::{CoordinatorCommand, CoordinatorError, CoordinatorHandle, WriteOutcome};
@@ -50,6 +54,9 @@ use crate::{
 const GROUP_MAX: usize = 1024;
 /// Most batches of candidates in one transaction.
 const CANDIDATE_BATCHES_MAX: usize = 64;
+/// Most candidates that are not committed. With more, a transaction is due; where it fails, candidates wait at the
+/// mapping engine, and changes at the shop floor, which coalesces them.
+const UNCOMMITTED_MAX: usize = 65_536;
 /// Time for which gate and transform states without a report may stay unwritten.
 const UNREPORTED_STATE_MAX: Duration = Duration::from_secs(1);
 /// Shortest time between two events about the ledger for open pages. Entries come with every
@@ -63,6 +70,9 @@ pub struct Coordinator {
     work: UnitOfWork,
     commands: mpsc::Receiver<CoordinatorCommand>,
     candidates: mpsc::Receiver<Vec<Candidate>>,
+    /// Candidates that were taken since the last commit. Nobody has them but this transaction: where it fails, they are
+    /// taken again, each of them once, so that a sum or a mean over them stays right.
+    uncommitted: Vec<TakenCandidate>,
     /// Answers to give when the transaction has ended.
     replies: Vec<Reply>,
     schedule: MaintenanceSchedule,
@@ -117,6 +127,7 @@ impl Coordinator {
             work: UnitOfWork { config, store, state, pending, outputs, key },
             commands,
             candidates,
+            uncommitted: Vec::new(),
             replies: Vec::new(),
             schedule: MaintenanceSchedule::default(),
             timing: Timing {
@@ -149,7 +160,7 @@ impl Coordinator {
                 self.queue_reply(reply);
             }
             let now = now();
-            validity::begin_requests(&mut self.work.state, now);
+            self.uncommitted.extend(validity::begin_requests(&mut self.work.state, now));
             self.work.pending.merge(validity::end_requests(&mut self.work.state, now));
             values::release_due(&mut self.work.state, now);
             maintenance::run_maintenance(&mut self.work, &mut self.schedule).await?;
@@ -180,11 +191,11 @@ impl Coordinator {
         shutdown: &CancellationToken,
     ) -> (VecDeque<CoordinatorCommand>, Vec<Vec<Candidate>>) {
         let (mut commands, mut batches) = (VecDeque::new(), Vec::new());
-        let wake_at = self.wake_at();
+        let (wake_at, has_room) = (self.wake_at(), self.has_room(&[]));
         tokio::select! {
             () = shutdown.cancelled() => {}
             command = self.commands.recv() => commands.extend(command),
-            batch = self.candidates.recv() => batches.extend(batch),
+            batch = self.candidates.recv(), if has_room => batches.extend(batch),
             () = tokio::time::sleep_until(wake_at) => {}
         }
         // What came meanwhile joins the transaction, so that one flush to the disk serves all of
@@ -195,11 +206,18 @@ impl Coordinator {
             commands.push_back(command);
         }
         while batches.len() < CANDIDATE_BATCHES_MAX
+            && self.has_room(&batches)
             && let Ok(batch) = self.candidates.try_recv()
         {
             batches.push(batch);
         }
         (commands, batches)
+    }
+
+    /// Returns true while candidates may be taken beside those that are not committed and these.
+    fn has_room(&self, batches: &[Vec<Candidate>]) -> bool {
+        let taken: usize = batches.iter().map(Vec::len).sum();
+        self.uncommitted.len() + taken < UNCOMMITTED_MAX
     }
 
     /// Follows the machine's clock: deadlines are times of day, so they change when it is set back.
@@ -216,7 +234,9 @@ impl Coordinator {
 
     fn receive_candidates(&mut self, batches: Vec<Vec<Candidate>>) {
         if batches.iter().any(|batch| !batch.is_empty()) {
-            candidates::receive(&mut self.work, batches.into_iter().flatten(), now());
+            let candidates = candidates::of_fields(batches.into_iter().flatten());
+            let outcomes = candidates::receive(&mut self.work, candidates.clone(), now());
+            self.uncommitted.extend(TakenCandidate::all_of(candidates, outcomes));
             self.timing.oldest_unwritten.get_or_insert_with(Instant::now);
         }
     }
@@ -242,6 +262,7 @@ impl Coordinator {
         let oldest = self.timing.oldest_unwritten;
         (has_work && Instant::now() >= self.timing.next_publish)
             || self.work.pending.is_urgent()
+            || !self.has_room(&[])
             || oldest.is_some_and(|oldest| oldest.elapsed() >= UNREPORTED_STATE_MAX)
     }
 
@@ -269,6 +290,7 @@ impl Coordinator {
         {
             return self.recover(&error).await;
         }
+        self.uncommitted.clear();
         self.work.outputs.in_flight.confirm_recalls();
         self.are_epochs_due &= !are_epochs_begun;
         metrics::counter!("verbund_reports_total").increment(report_count as u64);
@@ -327,7 +349,15 @@ impl Coordinator {
         let UnitOfWork { config, state, pending, key, .. } = &mut self.work;
         snapshot.last_row = snapshot.last_row.max(state.last_row());
         snapshot.last_field = state.fields().last_id();
-        (*state, *pending) = load(config, snapshot, key, self.are_epochs_due)?;
+        let (mut read, changes) = load(config, snapshot, key, self.are_epochs_due)?;
+        let now = now();
+        values::know_again(&mut read, state, now);
+        (*state, *pending) = (read, changes);
+        if !self.uncommitted.is_empty() {
+            let taken = std::mem::take(&mut self.uncommitted);
+            self.uncommitted = values::take_again(state, taken, now);
+            self.timing.oldest_unwritten = Some(Instant::now());
+        }
         Ok(())
     }
 }

@@ -43,7 +43,7 @@ pub struct PublishRequest {
     /// A shadow mapping runs on live values for its status only: it yields no candidates.
     pub is_shadow: bool,
     /// True where a mapping that runs already goes on, if it is this one with this target: its state is then newer
-    /// than `state`. It yields its last candidate again, for one that was not committed.
+    /// than `state`. It yields nothing twice: the consumer keeps the candidates that it has not committed.
     pub goes_on: bool,
 }
 

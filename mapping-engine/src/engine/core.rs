@@ -114,7 +114,7 @@ impl Core {
         requests: &mut Vec<Arc<MonitorRequest>>,
         now: DateTime,
     ) -> Result<(), EngineError> {
-        if compiled.goes_on && self.go_on(&compiled) {
+        if compiled.goes_on && self.runs(&compiled) {
             return Ok(());
         }
         let mapping = Arc::clone(&compiled.mapping);
@@ -135,21 +135,14 @@ impl Core {
         result
     }
 
-    /// Lets a mapping go on that runs already, and yields its last candidate again. Returns false where none
-    /// runs, or another one.
-    fn go_on(&mut self, wanted: &Compiled) -> bool {
-        let Some(slot) = self.inventory.slot_of(&wanted.mapping.mapping_id) else { return false };
-        let is_wanted = |running: &&RunningMapping| {
+    /// Returns true where a mapping runs already, for the same target.
+    fn runs(&self, wanted: &Compiled) -> bool {
+        let slot = self.inventory.slot_of(&wanted.mapping.mapping_id);
+        slot.and_then(|slot| self.inventory.get(slot)).is_some_and(|running| {
             running.target == wanted.target
                 && running.is_shadow == wanted.is_shadow
                 && running.mapping == wanted.mapping
-        };
-        let Some(running) = self.inventory.get(slot).filter(is_wanted) else { return false };
-        let has_yielded = running.counters.last_yielded_at.is_some();
-        if let Some(value) = running.transform.shown().filter(|_| has_yielded) {
-            self.offer(slot, value);
-        }
-        true
+        })
     }
 
     fn insert(&mut self, compiled: Compiled, now: DateTime) -> Result<(), EngineError> {
@@ -339,12 +332,6 @@ impl Core {
         let Some(running) = self.inventory.get_mut(slot) else { return };
         running.counters.yielded += 1;
         running.counters.last_yielded_at = Some(now);
-        self.offer(slot, value);
-    }
-
-    /// Puts a value among the candidates that wait for the consumer.
-    fn offer(&mut self, slot: usize, value: DataValue) {
-        let Some(running) = self.inventory.get(slot) else { return };
         // A shadow mapping yields for its status only: nothing of it reaches the gate.
         if !running.is_shadow {
             self.pending.push(Candidate { target: running.target, value, state: None });

@@ -175,3 +175,71 @@ async fn the_last_value_comes_again_after_a_transaction_that_failed() {
     assert_eq!(reported(&running, 2).await, [1, 2]);
     running.close().await;
 }
+
+/// Window of the sum: longer than the transactions of its test take together.
+const WINDOW: Duration = Duration::from_secs(8);
+
+/// Waits until the connector has taken this count from the engine.
+async fn taken(running: &Running, count: u64) {
+    let begun = std::time::Instant::now();
+    let newest = |state: &ConnectorState| {
+        state.field(&field("made")).and_then(|made| made.newest().cloned())
+    };
+    loop {
+        let last = running.coordinator.read(newest).await.expect("read");
+        if last.is_some_and(|last| last.value == count.into()) {
+            return;
+        }
+        assert!(begun.elapsed() < DEADLINE, "{count} does not come");
+        tokio::time::sleep(PAUSE).await;
+    }
+}
+
+/// A candidate that was committed is not taken again, one that was lost with its transaction is, and each of several.
+#[tokio::test]
+async fn a_sum_has_each_value_once_though_transactions_fail() {
+    let mut running = Running::open().await;
+    let mut engine = Engine::start(&mut running);
+    running.receive("operation-network", network(1)).await;
+    let sum = json!({ "aggregate": { "function": "SUM", "windowMs": 8000 } });
+    let sum: DisclosurePolicy = serde_json::from_value(sum).expect("a policy");
+    for (name, value_source) in [("made", ValueSource::Mapping), ("note", ValueSource::Manual)] {
+        let is_made = name == "made";
+        let mapping = is_made.then(counting);
+        let policy = if is_made { sum.clone() } else { DisclosurePolicy::default() };
+        let command = DecisionCommand::Map { value_source, mapping, policy };
+        decide_field(&running.coordinator, field(name), command).await;
+    }
+    // A window that has begun before the decision has no sum.
+    let begins = now().floor_to(WINDOW).after(WINDOW);
+    tokio::time::sleep(begins.since(now()) + Duration::from_millis(50)).await;
+    for _ in 0..2 {
+        engine.give().await;
+    }
+    taken(&running, 2).await;
+    running.enter(vec![entry("note", json!("committed"))]).await.expect("written");
+
+    let mut beside = connect(&running.folder).await;
+    break_table(&mut beside, "report").await;
+    for given in [2, 4] {
+        while engine.given < given {
+            engine.give().await;
+        }
+        taken(&running, given).await;
+        let lost = vec![entry("note", json!("lost"))];
+        assert_eq!(running.enter(lost).await, Err(CoordinatorError::NotWritten));
+    }
+    mend_table(&mut beside).await;
+    engine.give().await;
+    taken(&running, 5).await;
+
+    let begun = std::time::Instant::now();
+    let expected: u64 = (1..=5).sum();
+    while counts(&running).await.iter().sum::<u64>() < expected {
+        assert!(begun.elapsed() < DEADLINE, "{:?}", counts(&running).await);
+        tokio::time::sleep(PAUSE).await;
+    }
+    let sums = counts(&running).await;
+    assert_eq!(sums.iter().sum::<u64>(), expected, "{sums:?}");
+    running.close().await;
+}

@@ -149,6 +149,11 @@ impl Field {
         &self.key
     }
 
+    /// Returns the candidate that is kept until the request begins.
+    pub(crate) const fn kept(&self) -> Option<&DataValue> {
+        self.kept.as_ref()
+    }
+
     /// Returns the number within this store; candidates, mappings and store rows refer to it.
     #[must_use]
     pub const fn id(&self) -> i64 {

@@ -90,6 +90,11 @@ impl FieldMut<'_> {
         self.index.deadlines.note_beginning(field.id(), from);
     }
 
+    /// Notes the newest candidate, which the gate has had.
+    pub(crate) fn know(&mut self, newest: DataValue) {
+        self.entry.field.newest = Some(newest);
+    }
+
     /// Takes the candidate away that was kept until the request begins.
     pub(crate) fn take_kept(&mut self) -> Option<DataValue> {
         self.entry.field.kept.take()

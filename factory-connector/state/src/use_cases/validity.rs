@@ -4,15 +4,15 @@ use std::collections::BTreeSet;
 
 use asi_model::DateTime;
 
-use super::values::{FieldCandidate, receive_candidates};
+use super::values::{FieldCandidate, TakenCandidate, receive_candidates};
 use crate::{ChangeSet, ConnectorState, Field, LogRecord, consents, endings};
 
 /// Reason that a partner reads when its request has ended.
 const ENDED: &str = "The request's validity has ended.";
 
 /// Releases the values that were kept for requests which ask for them from now on, all at once: a state
-/// among them withholds the others.
-pub fn begin_requests(state: &mut ConnectorState, now: DateTime) {
+/// among them withholds the others. Returns them.
+pub fn begin_requests(state: &mut ConnectorState, now: DateTime) -> Vec<TakenCandidate> {
     let mut kept = Vec::new();
     while let Some(id) = state.fields.pop_beginning(now) {
         let Some(mut field) = state.fields.by_id_mut(id) else { continue };
@@ -21,7 +21,8 @@ pub fn begin_requests(state: &mut ConnectorState, now: DateTime) {
             kept.push(FieldCandidate { field: id, source, mapping_version, value, transform });
         }
     }
-    receive_candidates(state, kept, now);
+    let outcomes = receive_candidates(state, kept.clone(), now);
+    TakenCandidate::all_of(kept, outcomes)
 }
 
 /// Ends the consents to fields whose requests have ended: they are undecided again. Values that

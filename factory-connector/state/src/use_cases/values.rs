@@ -19,6 +19,24 @@ pub struct FieldCandidate {
     pub transform: Option<TransformState>,
 }
 
+/// A candidate with what its gate made of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TakenCandidate {
+    candidate: FieldCandidate,
+    outcome: Option<GateOutcome>,
+}
+
+impl TakenCandidate {
+    /// Joins candidates with the outcomes of [`receive_candidates`].
+    pub fn all_of(
+        candidates: Vec<FieldCandidate>,
+        outcomes: Vec<Option<GateOutcome>>,
+    ) -> Vec<Self> {
+        let joined = candidates.into_iter().zip(outcomes);
+        joined.map(|(candidate, outcome)| Self { candidate, outcome }).collect()
+    }
+}
+
 /// Offers candidates that came together to their fields. States in which other fields are withheld
 /// are judged first, wherever they stand among the candidates: no value of the same batch is
 /// released. `None` where a field accepts no candidate from its source, or none now.
@@ -132,6 +150,67 @@ pub fn write_value(
     let id = state.field(key).map(Field::id);
     id.and_then(|id| receive_candidate(state, id, source, value, None, now))
         .ok_or(refusal.unwrap_or(StatusCode::BAD_NOT_WRITABLE))
+}
+
+/// Lets a state that was read again after a failed transaction know what the former one knew of machines: the newest
+/// values, which say whether they withhold others, and those that are kept until their requests begin.
+pub fn know_again(state: &mut ConnectorState, former: &ConnectorState, now: DateTime) {
+    let is_mapped = |field: &Field| field.decision().is_open_for(ValueSource::Mapping);
+    let mut known = Vec::new();
+    for field in state.fields.iter().filter(|field| is_mapped(field)) {
+        let before = former.fields.by_id(field.id()).filter(|before| is_mapped(before));
+        let before = before.filter(|before| before.target_key() == field.target_key());
+        known.extend(before.and_then(|before| {
+            let newest = before.newest()?.clone();
+            Some((field.id(), field.validity().from, newest, before.kept().cloned()))
+        }));
+    }
+    for (id, from, newest, kept) in known {
+        if let Some(mut field) = state.fields.by_id_mut(id) {
+            if let Some((kept, from)) = kept.zip(from) {
+                field.keep_until(kept, false, from);
+            }
+            field.know(newest);
+        }
+        if let Some(key) = state.fields.key_with_dependents(id) {
+            dependencies::notify(state, &key, now);
+        }
+    }
+}
+
+/// Takes candidates of a failed transaction again, each once. What a state withheld stays withheld, though the state may
+/// have ended meanwhile.
+pub fn take_again(
+    state: &mut ConnectorState,
+    taken: Vec<TakenCandidate>,
+    now: DateTime,
+) -> Vec<TakenCandidate> {
+    let again = taken.into_iter().map(|TakenCandidate { candidate, outcome }| {
+        let outcome = match outcome {
+            Some(GateOutcome::Suppressed) => {
+                withhold(state, candidate.clone(), now);
+                outcome
+            }
+            _ => take(state, candidate.clone(), now),
+        };
+        TakenCandidate { candidate, outcome }
+    });
+    again.collect()
+}
+
+/// Notes a candidate that is not to be released, with the state that it has itself.
+fn withhold(state: &mut ConnectorState, candidate: FieldCandidate, now: DateTime) {
+    if !is_accepted(state, &candidate, now) {
+        return;
+    }
+    let FieldCandidate { field: id, value, transform, .. } = candidate;
+    if let Some(mut field) = state.fields.by_id_mut(id) {
+        field.receive(value.clone(), transform, now);
+    }
+    through_gate(state, id, now, |gate| {
+        // Its own state may have begun with it, and a mean pauses then.
+        gate.withholds(now, &value).then(|| gate.on(now, value))
+    });
 }
 
 /// Asks every gate whose deadline is over.

@@ -145,7 +145,8 @@ impl Plant {
                 state: None,
             })
             .collect();
-        let of_batch = candidates::receive(&mut self.work, batch.into_iter(), now);
+        let of_batch =
+            candidates::receive(&mut self.work, candidates::of_fields(batch.into_iter()), now);
         for (place, outcome) in mapped.iter().zip(of_batch) {
             outcomes[*place] = outcome;
         }
