@@ -24,7 +24,8 @@ fn is_list(der: &[u8]) -> bool {
 }
 
 /// Returns whether a list that one of the authorities signed names a certificate that it issued: the one given, or that of
-/// an authority above it. A list that is out of date is obeyed, too: what was revoked stays so.
+/// an authority above it. A list that is out of date is obeyed, too: what was revoked stays so. So is one that none of the
+/// authorities signed, where it is of the issuer's name: its authority may be gone from here.
 pub(super) fn is_revoked(der: &[u8], authorities: &[Vec<u8>], lists: &[Vec<u8>]) -> bool {
     let Ok((_, certificate)) = X509Certificate::from_der(der) else { return false };
     let authorities: Vec<X509Certificate<'_>> = authorities
@@ -40,6 +41,12 @@ pub(super) fn is_revoked(der: &[u8], authorities: &[Vec<u8>], lists: &[Vec<u8>])
     for _ in 0..=CHAIN_LENGTH_MAX {
         let mut above: Vec<&X509Certificate<'_>> = Vec::new();
         for subject in level {
+            let is_of_issuer = |list: &&CertificateRevocationList<'_>| {
+                list.issuer().as_raw() == subject.issuer().as_raw() && has(list, subject)
+            };
+            if lists.iter().filter(is_of_issuer).any(|list| !is_signed(list, &authorities)) {
+                return true;
+            }
             for issuer in authorities.iter().filter(|one| is_issuer(one, subject)) {
                 if lists.iter().any(|list| names(list, subject, issuer)) {
                     return true;
@@ -67,8 +74,19 @@ fn names(
     issuer: &X509Certificate<'_>,
 ) -> bool {
     list.issuer().as_raw() == issuer.subject().as_raw()
-        && list
-            .iter_revoked_certificates()
-            .any(|revoked| revoked.raw_serial() == certificate.raw_serial())
+        && has(list, certificate)
         && list.verify_signature(issuer.public_key()).is_ok()
+}
+
+/// Returns whether the list has the certificate's number.
+fn has(list: &CertificateRevocationList<'_>, certificate: &X509Certificate<'_>) -> bool {
+    list.iter_revoked_certificates().any(|revoked| revoked.raw_serial() == certificate.raw_serial())
+}
+
+/// Returns whether one of the authorities signed the list.
+fn is_signed(list: &CertificateRevocationList<'_>, authorities: &[X509Certificate<'_>]) -> bool {
+    authorities.iter().any(|authority| {
+        authority.subject().as_raw() == list.issuer().as_raw()
+            && list.verify_signature(authority.public_key()).is_ok()
+    })
 }

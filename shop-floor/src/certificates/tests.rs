@@ -117,8 +117,13 @@ fn an_approved_certificate_that_its_issuer_revoked_is_not_trusted() {
     };
     write("crl/namesake.crl", &namesake.revoke(7));
     write("issuers/namesake.der", &namesake.certificate);
+    assert_eq!(examine(&pki, &revoked), TrustFinding::Trusted, "an authority of the same name");
     write("crl/machines.crl", &authority.revoke(7));
-    assert_eq!(examine(&pki, &revoked), TrustFinding::Trusted, "its issuer is not known here");
+    assert_eq!(
+        examine(&pki, &revoked),
+        TrustFinding::Revoked,
+        "though its issuer is not known here"
+    );
     write("issuers/machines.der", &authority.certificate);
     assert_eq!(examine(&pki, &revoked), TrustFinding::Revoked);
     assert_eq!(examine(&pki, &other), TrustFinding::Trusted);

@@ -35,7 +35,8 @@ pub(crate) fn names(
 }
 
 /// Returns whether a list that one of the authorities signed names the certificate, or that of an authority above it. Lists
-/// that are out of date are obeyed, too: what was revoked stays so.
+/// that are out of date are obeyed, too: what was revoked stays so. So are lists that none of the authorities signed, where
+/// they are of the issuer's name: its authority may be gone from here, and nobody can say that the list is not its own.
 pub(crate) fn is_revoked(
     certificate: &X509Certificate<'_>,
     authorities: &[X509Certificate<'_>],
@@ -45,6 +46,14 @@ pub(crate) fn is_revoked(
     for _ in 0..=CHAIN_LENGTH_MAX {
         let mut above: Vec<&X509Certificate<'_>> = Vec::new();
         for subject in level {
+            let may_be_its_issuers = |list: &CertificateRevocationList<'_>| {
+                list.issuer().as_raw() == subject.issuer().as_raw()
+                    && names(list, subject)
+                    && !is_signed(list, authorities)
+            };
+            if lists.iter().any(may_be_its_issuers) {
+                return true;
+            }
             let issuers = authorities.iter().filter(|authority| {
                 authority.is_ca()
                     && subject.issuer().as_raw() == authority.subject().as_raw()
@@ -63,6 +72,13 @@ pub(crate) fn is_revoked(
         level = above;
     }
     false
+}
+
+/// Returns whether one of the authorities signed a revocation list.
+fn is_signed(list: &CertificateRevocationList<'_>, authorities: &[X509Certificate<'_>]) -> bool {
+    authorities.iter().any(|authority| {
+        authority.subject().as_raw() == list.issuer().as_raw() && is_signed_by(list, authority)
+    })
 }
 
 /// Returns the revocation lists that an authority signed.

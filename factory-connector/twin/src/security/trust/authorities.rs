@@ -1,6 +1,6 @@
 //! Certificates of authorities: trusted ones, and those that only complete chains.
 
-use std::fs;
+use std::{fs, io};
 
 use asi_model::DateTime;
 use opcua_stack::opcua::crypto::CertificateStore;
@@ -106,13 +106,13 @@ impl TrustList {
         Ok(())
     }
 
-    /// Removes an authority's certificate: its clients are rejected, and their open sessions end.
-    /// False when there is none.
+    /// Removes an authority's certificate: its clients are rejected, and their open sessions end. What it revoked is
+    /// denied from now on. False when there is none.
     ///
     /// # Errors
     /// [`TwinError::Pki`] when it cannot be removed.
     pub fn remove_authority(&self, thumbprint: &str, by: &str) -> Result<bool, TwinError> {
-        let mut is_removed = false;
+        let mut paths = Vec::new();
         for folder in [TRUSTED, ISSUERS] {
             let Some(path) = self.find(folder, thumbprint)? else { continue };
             let der =
@@ -120,14 +120,22 @@ impl TrustList {
             let is_authority = X509Certificate::from_der(&der)
                 .is_ok_and(|(_, parsed)| faults::is_authority(&parsed));
             if is_authority || folder == ISSUERS {
-                fs::remove_file(&path).map_err(|source| TwinError::Pki { path, source })?;
-                is_removed = true;
+                paths.push(path);
             }
         }
-        if is_removed {
-            self.changed(by, format!("The authority's certificate {thumbprint} was removed."));
+        if paths.is_empty() {
+            return Ok(false);
         }
-        Ok(is_removed)
+        self.deny_revoked(by)?;
+        for path in paths {
+            match fs::remove_file(&path) {
+                // It was revoked itself, and is among the denied ones.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+                removed => removed.map_err(|source| TwinError::Pki { path, source })?,
+            }
+        }
+        self.changed(by, format!("The authority's certificate {thumbprint} was removed."));
+        Ok(true)
     }
 
     /// Returns the files of a folder with their content, as many as are listed. Files that cannot be read are left out

@@ -3,19 +3,24 @@
 use std::{fs, path::PathBuf};
 
 use asi_model::DateTime;
+use opcua_stack::opcua::crypto::CertificateStore;
 use x509_parser::{
     certificate::X509Certificate, prelude::FromDer, revocation_list::CertificateRevocationList,
     time::ASN1Time,
 };
 
-use super::{ISSUERS, REVOCATION_LISTS, TRUSTED, TrustList, faults, read, refuse, time};
+use super::{DENIED, ISSUERS, REVOCATION_LISTS, TRUSTED, TrustList, faults, read, refuse, time};
 use crate::{
     error::TwinError,
     security::{
-        issuance::{is_signed_by, lists_in},
+        certificate_files,
+        issuance::{certificates_in, is_revoked, is_signed_by, lists_in},
         rejected_clients::thumbprint,
     },
 };
+
+/// Finds the certificates or the lists in the content of a file.
+type ItemsIn = fn(&[u8]) -> Option<Vec<Vec<u8>>>;
 
 /// An authority's list of certificates that it revoked.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,7 +35,7 @@ pub struct RevocationList {
     pub next_update: Option<DateTime>,
     /// Number of revoked certificates.
     pub revoked: usize,
-    /// True when an authority of the trust list signed it; otherwise it is ignored.
+    /// True when an authority of the trust list signed it; otherwise it lets nobody in, and what it names is refused.
     pub is_signed_by_known_authority: bool,
 }
 
@@ -99,7 +104,7 @@ impl TrustList {
     }
 
     /// Removes a revocation list: certificates of its authority are rejected until there is a new
-    /// one. False when there is none.
+    /// one, and what it named is denied from now on. False when there is none.
     ///
     /// # Errors
     /// [`TwinError::Pki`] when it cannot be removed.
@@ -108,9 +113,63 @@ impl TrustList {
         let Some(path) = self.files(REVOCATION_LISTS, "crl")?.into_iter().find(has_id) else {
             return Ok(false);
         };
+        self.deny_revoked(by)?;
         fs::remove_file(&path).map_err(|source| TwinError::Pki { path, source })?;
         self.changed(by, format!("The revocation list {id} was removed."));
         Ok(true)
+    }
+
+    /// Denies what is revoked, before a list or an authority goes by which that is known: a revocation ends when a person
+    /// trusts the certificate again, and not when one tidies up.
+    pub(super) fn deny_revoked(&self, by: &str) -> Result<(), TwinError> {
+        let mut files = self.items(TRUSTED, "der", certificates_in)?;
+        files.extend(self.items(ISSUERS, "der", certificates_in)?);
+        let lists = self.items(REVOCATION_LISTS, "crl", lists_in)?;
+        let authorities: Vec<X509Certificate<'_>> = files
+            .iter()
+            .flat_map(|(_, items)| items)
+            .filter_map(|der| Some(X509Certificate::from_der(der).ok()?.1))
+            .collect();
+        let lists: Vec<CertificateRevocationList<'_>> = lists
+            .iter()
+            .flat_map(|(_, items)| items)
+            .filter_map(|der| Some(CertificateRevocationList::from_der(der).ok()?.1))
+            .collect();
+        for (path, items) in &files {
+            for der in items {
+                let Ok((_, parsed)) = X509Certificate::from_der(der) else { continue };
+                let Ok(certificate) = read(der) else { continue };
+                if !is_revoked(&parsed, &authorities, &lists) {
+                    continue;
+                }
+                self.write(DENIED, &CertificateStore::cert_file_name(&certificate), der)?;
+                // A file with others, too, stays: what is denied is refused, though it is trusted.
+                if items.len() == 1 {
+                    fs::remove_file(path)
+                        .map_err(|source| TwinError::Pki { path: path.clone(), source })?;
+                }
+                let thumbprint = thumbprint(&certificate);
+                self.changed(
+                    by,
+                    format!("The certificate {thumbprint} was revoked and is denied."),
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns what the files of a folder hold, as DER, without files that cannot be read.
+    fn items(
+        &self,
+        folder: &str,
+        extension: &str,
+        items_in: ItemsIn,
+    ) -> Result<Vec<(PathBuf, Vec<Vec<u8>>)>, TwinError> {
+        let read = |path: PathBuf| {
+            let items = items_in(&certificate_files::read(&path).ok()?)?;
+            Some((path, items))
+        };
+        Ok(self.files(folder, extension)?.into_iter().filter_map(read).collect())
     }
 
     /// Returns the revocation lists as DER, each with the path of its file.

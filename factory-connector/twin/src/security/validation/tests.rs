@@ -205,14 +205,67 @@ fn a_revoked_certificate_is_refused_though_it_is_trusted_itself() {
     let crl = |name: &str, list: Vec<u8>| {
         fs::write(fixture.folder.path().join("crl").join(name), list).unwrap();
     };
+    assert_eq!(fixture.check(&client), Ok(()), "it needs no list");
     crl("namesake.crl", namesake.revoke(7, 2096));
-    crl("plant.crl", authority.revoke(7, 2021));
-    assert_eq!(fixture.check(&client), Ok(()), "no authority is known that signed a list");
+    assert_eq!(
+        fixture.check(&client),
+        Err(CertificateError::Revoked),
+        "no authority is known that signed the list, so it may be the issuer's"
+    );
     fixture.list.add_issuer(&namesake.certificate, "anna").unwrap();
     assert_eq!(fixture.check(&client), Ok(()), "an authority of the same name did not issue it");
+    crl("plant.crl", authority.revoke(7, 2021));
+    assert_eq!(fixture.check(&client), Err(CertificateError::Revoked), "nobody else signed it");
+    assert_eq!(fixture.check(&other), Ok(()), "no list names it");
     fixture.list.add_issuer(&authority.certificate, "anna").unwrap();
     assert_eq!(fixture.check(&client), Err(CertificateError::Revoked), "the list is out of date");
     assert_eq!(fixture.check(&other), Ok(()), "it needs no list of its own");
+}
+
+#[test]
+fn a_revocation_outlasts_the_list_and_the_authority_by_which_it_is_known() {
+    for (has_list, has_authority) in [(false, true), (true, false), (false, false)] {
+        let fixture = Fixture::new(false);
+        let (list, authority) = (&fixture.list, Authority::new("Plant CA"));
+        let (client, other) = (authority.issue(7), authority.issue(8));
+        fixture.trust(&client);
+        fixture.trust(&other);
+        list.add_issuer(&authority.certificate, "anna").unwrap();
+        list.put_revocation_list(&authority.revoke(7, 2096), "anna").unwrap();
+        assert_eq!(fixture.check(&client), Err(CertificateError::Revoked));
+        let (authorities, lists) = (list.authorities().unwrap(), list.revocation_lists().unwrap());
+        if !has_authority {
+            assert!(list.remove_authority(&authorities[0].thumbprint, "anna").unwrap());
+        }
+        if !has_list {
+            assert!(list.remove_revocation_list(&lists[0].id, "anna").unwrap());
+        }
+        let case = format!("list {has_list}, authority {has_authority}");
+        assert_eq!(fixture.check(&client), Err(CertificateError::Denied), "{case}");
+        assert_eq!(fixture.check(&other), Ok(()), "{case}");
+        // Until an engineer trusts it again, and no list names it.
+        assert!(list.trust(&thumbprint(&client), "anna").unwrap());
+        let expected = if has_list { Err(CertificateError::Revoked) } else { Ok(()) };
+        assert_eq!(fixture.check(&client), expected, "{case}");
+    }
+}
+
+#[test]
+fn an_authority_that_the_one_above_revoked_lets_nobody_in_once_that_list_is_gone() {
+    let fixture = Fixture::new(false);
+    let (root, list) = (Authority::new("Root CA"), &fixture.list);
+    let plant = root.below("Plant CA", 9);
+    let (client, single) = (plant.issue(1), plant.issue(2));
+    list.add_issuer(&root.certificate, "anna").unwrap();
+    list.trust_new(&plant.certificate, "anna").unwrap();
+    list.put_revocation_list(&plant.revoke(8, 2096), "anna").unwrap();
+    list.put_revocation_list(&root.revoke(9, 2096), "anna").unwrap();
+    fixture.trust(&single);
+    let lists = list.revocation_lists().unwrap();
+    let of_root = lists.iter().find(|list| list.issuer.contains("Root CA")).unwrap();
+    assert!(list.remove_revocation_list(&of_root.id, "anna").unwrap());
+    assert_eq!(fixture.check(&client), Err(CertificateError::Unknown));
+    assert_eq!(fixture.check(&single), Err(CertificateError::Denied));
 }
 
 #[test]
@@ -281,7 +334,11 @@ fn a_damaged_issuer_lets_nobody_in_and_one_in_pem_is_found() {
             assert_eq!(fixture.check(&client), Err(expected), "{folder}");
         }
         fs::remove_file(&path).unwrap();
-        assert_eq!(fixture.check(&client), Ok(()), "no authority is known that signed the list");
+        assert_eq!(
+            fixture.check(&client),
+            Err(CertificateError::Revoked),
+            "the list is obeyed, though no authority is known that signed it"
+        );
     }
 }
 
