@@ -12,7 +12,12 @@ use opcua::{client::ClientBuilder, server::ServerBuilder};
 
 /// Longest message in bytes, each way. Holds a notification of some 500 000 small changes.
 pub const MESSAGE_BYTES_MAX: usize = 64 << 20;
-/// Most chunks of one message; with chunks of 64 KiB more than [`MESSAGE_BYTES_MAX`] needs.
+/// Longest message in bytes of a server that nobody vouches for: the connection is not protected, so anybody may answer.
+/// Holds a notification of some 100 000 small changes.
+pub const STRANGERS_MESSAGE_BYTES_MAX: usize = 16 << 20;
+/// Longest chunk in bytes that a client reads: the stack refuses longer ones by their header.
+const CHUNK_BYTES_MAX: usize = 64 << 10;
+/// Most chunks of one message to a server; with chunks of 64 KiB more than [`MESSAGE_BYTES_MAX`] needs.
 pub const CHUNKS_PER_MESSAGE_MAX: usize = 2000;
 /// Most elements of an array, so also most changes in one notification.
 pub const ARRAY_ELEMENTS_MAX: usize = 1_000_000;
@@ -67,14 +72,32 @@ pub fn raise_server(mut builder: ServerBuilder) -> ServerBuilder {
         .max_session_timeout_ms(3_600_000)
 }
 
-/// Raises the limits of a client.
+/// Raises the limits of a client of a server whose certificate is trusted, so that each chunk is signed by it.
 ///
 /// The caller still decides on reconnecting, certificates and trust.
 #[must_use]
 pub fn raise_client(builder: ClientBuilder) -> ClientBuilder {
+    raise_client_to(builder, MESSAGE_BYTES_MAX)
+}
+
+/// Raises the limits of a client of a server that may be anybody.
+///
+/// The caller still decides on reconnecting.
+#[must_use]
+pub fn raise_client_of_stranger(builder: ClientBuilder) -> ClientBuilder {
+    raise_client_to(builder, STRANGERS_MESSAGE_BYTES_MAX)
+}
+
+/// Returns the most chunks of a message that a client keeps. The stack adds up no bytes: it counts the chunks of an
+/// answer, and notices with the first one more.
+const fn chunks_max(message_bytes_max: usize) -> usize {
+    message_bytes_max / CHUNK_BYTES_MAX - 1
+}
+
+fn raise_client_to(builder: ClientBuilder, message_bytes_max: usize) -> ClientBuilder {
     builder
-        .max_message_size(MESSAGE_BYTES_MAX)
-        .max_chunk_count(CHUNKS_PER_MESSAGE_MAX)
+        .max_message_size(message_bytes_max)
+        .max_chunk_count(chunks_max(message_bytes_max))
         .max_array_length(ARRAY_ELEMENTS_MAX)
         .max_string_length(STRING_BYTES_MAX)
         .max_byte_string_length(STRING_BYTES_MAX)
@@ -94,5 +117,14 @@ mod tests {
         assert_eq!(limits.subscriptions.max_queued_notifications, QUEUED_NOTIFICATIONS_MAX);
         assert!(limits.subscriptions.min_sampling_interval_ms.abs() < f64::EPSILON);
         assert_eq!(builder.config().subscription_poll_interval_ms, 5);
+    }
+
+    #[test]
+    fn as_many_chunks_as_a_client_keeps_are_no_longer_than_a_message() {
+        assert_eq!(CHUNK_BYTES_MAX, opcua::core::comms::tcp_codec::DEFAULT_MAX_CHUNK_SIZE);
+        for message_bytes_max in [STRANGERS_MESSAGE_BYTES_MAX, MESSAGE_BYTES_MAX] {
+            let kept = (chunks_max(message_bytes_max) + 1) * CHUNK_BYTES_MAX;
+            assert!(kept <= message_bytes_max, "{kept} of {message_bytes_max} bytes");
+        }
     }
 }

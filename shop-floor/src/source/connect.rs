@@ -17,8 +17,8 @@ use opcua_stack::{
 use tokio::{sync::watch, task::AbortHandle};
 
 use crate::{
-    ChosenEndpoint, EndpointOffer, Identity, SecurityPolicy, ShopFloorError, SourceConfig,
-    SourceProblem, SourceProblemKind as Kind,
+    ChosenEndpoint, EndpointOffer, Identity, MessageSecurity, SecurityPolicy, ShopFloorError,
+    SourceConfig, SourceProblem, SourceProblemKind as Kind,
     certificates::{PkiDirectory, TrustFinding, fingerprint},
     clock,
     context::SourceContext,
@@ -109,7 +109,6 @@ pub(super) async fn open_session(
 ) -> Result<OpenSession, SourceProblem> {
     ensure_own_certificate(context).await?;
     let offered = endpoints(&discovery_client(context)?, &source.endpoint_url).await?;
-    let client = client(context, source)?;
     let mut endpoint = choose(&offered, source.security, &source.identity)?.clone();
     let policy = policy_of(&endpoint).unwrap_or(SecurityPolicy::None);
     if exposes_password(&endpoint, &source.identity) {
@@ -119,6 +118,8 @@ pub(super) async fn open_session(
         check_trust(context, &endpoint).await?;
     }
     let trusted = (policy != SecurityPolicy::None).then(|| endpoint.clone());
+    let is_signed = mode_of(endpoint.security_mode) != MessageSecurity::None;
+    let client = client(context, source, trusted.is_some() && is_signed)?;
     // Servers behind address translation, or with a wrong host name, return addresses that cannot
     // be reached from here.
     endpoint.endpoint_url =
@@ -228,9 +229,16 @@ fn discovery_client(context: &SourceContext) -> Result<Client, SourceProblem> {
     built(common(ClientBuilder::new(), context))
 }
 
-fn client(context: &SourceContext, source: &SourceConfig) -> Result<Client, SourceProblem> {
+/// A client for the session. A server whose certificate is trusted has signed each chunk before it is kept; any other one
+/// may be anybody, before the sign-in and after.
+fn client(
+    context: &SourceContext,
+    source: &SourceConfig,
+    is_trusted: bool,
+) -> Result<Client, SourceProblem> {
     let name = format!("{} {}", context.config.application_name, source.source_id);
-    built(common(limits::raise_client(ClientBuilder::new()), context).session_name(name))
+    let raise = if is_trusted { limits::raise_client } else { limits::raise_client_of_stranger };
+    built(common(raise(ClientBuilder::new()), context).session_name(name))
 }
 
 fn common(builder: ClientBuilder, context: &SourceContext) -> ClientBuilder {

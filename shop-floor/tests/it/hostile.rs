@@ -4,11 +4,14 @@ use std::time::{Duration, Instant};
 
 use tokio::{
     io::{AsyncReadExt as _, AsyncWriteExt as _},
-    net::TcpListener,
+    net::{
+        TcpListener, TcpStream,
+        tcp::{OwnedReadHalf, OwnedWriteHalf},
+    },
     sync::oneshot,
 };
 
-use crate::support::TestShopFloor;
+use crate::support::{Simulation, TestShopFloor, unprotected, within};
 
 /// Most bytes that the network itself may take before the client's end is noticed.
 const IN_FLIGHT_MAX: usize = 32 << 20;
@@ -62,5 +65,105 @@ async fn what_a_server_claims_is_not_buffered() {
         assert!(start.elapsed() < Duration::from_secs(4), "{what}: {:?}", start.elapsed());
         let sent = sent.await.expect("the server ends");
         assert!(sent < IN_FLIGHT_MAX, "{what}: the client took {sent} bytes");
+    }
+}
+
+/// Bytes of a chunk of an endless answer, and the number of chunks: some more than the 16 MiB that a stranger's message
+/// may have, and far fewer than the 64 MiB of a trusted server's.
+const CHUNK_BYTES: usize = 65_000;
+const CHUNKS: u32 = 300;
+
+/// An address behind which a machine answers, but in the second connection, the session's, the answer with this number
+/// never ends: chunk follows chunk, and none is the final one. Heard of when all are sent.
+async fn endless(machine: String, answer: usize) -> (String, oneshot::Receiver<()>) {
+    let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
+    let address = listener.local_addr().expect("bound");
+    let (sender, receiver) = oneshot::channel();
+    tokio::spawn(async move {
+        let (mut client, _) = listener.accept().await.expect("a client asks for the endpoints");
+        let mut server = TcpStream::connect(&machine).await.expect("the machine listens");
+        tokio::spawn(
+            async move { tokio::io::copy_bidirectional(&mut client, &mut server).await.ok() },
+        );
+        let (client, _) = listener.accept().await.expect("a client opens a session");
+        let server = TcpStream::connect(&machine).await.expect("the machine listens");
+        let (mut from_client, mut to_client) = client.into_split();
+        let (mut from_server, mut to_server) = server.into_split();
+        tokio::spawn(async move { tokio::io::copy(&mut from_client, &mut to_server).await.ok() });
+        for _ in 0..answer {
+            let frame = frame(&mut from_server).await;
+            to_client.write_all(&frame).await.expect("the client listens");
+        }
+        let first = frame(&mut from_server).await;
+        flood(first, &mut to_client).await;
+        let _ = sender.send(());
+        // Open still: the client is not to end for want of a connection.
+        std::future::pending::<()>().await;
+    });
+    (address.to_string(), receiver)
+}
+
+/// Reads one message of a machine.
+async fn frame(stream: &mut OwnedReadHalf) -> Vec<u8> {
+    let mut frame = vec![0; 8];
+    stream.read_exact(&mut frame).await.expect("a header");
+    frame.resize(number_at(&frame, 4) as usize, 0);
+    stream.read_exact(&mut frame[8..]).await.expect("a message");
+    frame
+}
+
+/// Sends chunks of the message that this chunk would have been all of.
+async fn flood(first: Vec<u8>, stream: &mut OwnedWriteHalf) {
+    let at = sequence_at(&first);
+    let begun = number_at(&first, at);
+    let mut chunk = first[..at + 8].to_vec();
+    chunk.resize(CHUNK_BYTES, 0);
+    chunk[3] = b'C';
+    let size = u32::try_from(CHUNK_BYTES).expect("small");
+    chunk[4..8].copy_from_slice(&size.to_le_bytes());
+    for number in begun..begun + CHUNKS {
+        chunk[at..at + 4].copy_from_slice(&number.to_le_bytes());
+        if stream.write_all(&chunk).await.is_err() {
+            return;
+        }
+    }
+}
+
+/// Where an unprotected chunk has its number, with that of the request behind it.
+fn sequence_at(chunk: &[u8]) -> usize {
+    if chunk.starts_with(b"MSG") {
+        return 16;
+    }
+    // A channel is opened with the names of the policy and of two certificates, which may be absent.
+    let mut at = 12;
+    for _ in 0..3 {
+        let length = number_at(chunk, at).cast_signed();
+        at += 4 + usize::try_from(length).unwrap_or(0);
+    }
+    at
+}
+
+fn number_at(bytes: &[u8], at: usize) -> u32 {
+    u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"))
+}
+
+#[tokio::test]
+async fn an_answer_without_end_is_given_up_before_anybody_is_signed_in() {
+    let simulation = Simulation::milling_cell().await;
+    let machine = simulation.machine("Cell");
+    let direct = unprotected(&machine);
+    let rest = direct.endpoint_url.strip_prefix("opc.tcp://").expect("a URL of OPC UA");
+    let host = rest.split('/').next().expect("a host").to_owned();
+    // The first message acknowledges the greeting.
+    for (what, answer) in [("the channel's opening", 1), ("the session's creation", 2)] {
+        let floor = TestShopFloor::start();
+        let (address, sent) = endless(host.clone(), answer).await;
+        let mut source = direct.clone();
+        source.endpoint_url = direct.endpoint_url.replace(&host, &address);
+        let id = source.source_id.clone();
+        floor.handle.put_source(source).expect("a valid source");
+        sent.await.expect("the server sends");
+        // Long before the request's own time is over.
+        within(Duration::from_secs(4), what, || floor.status(&id).problem.is_some()).await;
     }
 }
