@@ -114,6 +114,9 @@ impl Sealer {
         let credential = credentials.map(|folder| folder.join(CREDENTIAL));
         let place = match (credential.filter(|path| path.exists()), &config.key_file) {
             (Some(path), _) => KeyPlace::Credential(path),
+            (None, Some(path)) if is_within(path, data_directory) => {
+                KeyPlace::BesideStore(path.clone())
+            }
             (None, Some(path)) => KeyPlace::Configured(path.clone()),
             (None, None) => KeyPlace::BesideStore(data_directory.join(KEY_FILE)),
         };
@@ -124,6 +127,24 @@ impl Sealer {
     #[must_use]
     pub const fn place(&self) -> &KeyPlace {
         &self.place
+    }
+
+    /// Returns whether the key lies beside the store: a copy of the folder has the key, too.
+    #[must_use]
+    pub const fn is_beside_store(&self) -> bool {
+        matches!(self.place, KeyPlace::BesideStore(_))
+    }
+
+    /// Warns at the start of a daemon where the key lies beside the store.
+    pub fn warn_of_place(&self) {
+        if self.is_beside_store() {
+            tracing::warn!(
+                key = %self.place.path().display(),
+                "The key that seals passwords lies BESIDE THE STORE: who has a copy of the data directory has the passwords. \
+                 Pass it as the credential {CREDENTIAL} of the service manager, or set sealing.key_file to a file on another \
+                 medium; docs/secrets.md says how to move it."
+            );
+        }
     }
 
     /// Seals a password for one purpose, such as the name of its row. Makes the key where the file is
@@ -170,6 +191,13 @@ impl Sealer {
         }
         Ok(KeyFile::renew(self.place.path())?)
     }
+}
+
+/// Returns whether a file lies in a folder or below, by the folders as they are or, before they are made, by their names.
+fn is_within(file: &Path, folder: &Path) -> bool {
+    let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    file.starts_with(folder)
+        || file.parent().is_some_and(|parent| real(parent).starts_with(real(folder)))
 }
 
 /// Returns a new key as a line of a key's file.
@@ -227,117 +255,4 @@ fn parts(sealed: &str) -> Result<(&str, Vec<u8>), SealingError> {
 }
 
 #[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::*;
-
-    fn sealer(folder: &Path) -> Sealer {
-        Sealer::with_credentials(&SealingConfig::default(), folder, None)
-    }
-
-    #[test]
-    fn a_password_opens_for_its_purpose_alone() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let sealer = sealer(folder.path());
-        let sealed = sealer.seal("source/press", "canary").expect("sealed");
-        assert!(!sealed.contains("canary"));
-        assert_ne!(
-            sealed,
-            sealer.seal("source/press", "canary").expect("sealed"),
-            "no nonce twice"
-        );
-        assert_eq!(sealer.open("source/press", &sealed).expect("opened").expose(), "canary");
-        for other in ["source/robot", ""] {
-            let refused = sealer.open(other, &sealed);
-            assert!(matches!(refused, Err(SealingError::Unreadable)), "{other}");
-        }
-    }
-
-    #[test]
-    fn a_changed_text_opens_nowhere() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let sealer = sealer(folder.path());
-        let sealed = sealer.seal("broker", "canary").expect("sealed");
-        let body = sealed.rfind('.').expect("parts") + 1;
-        for at in body..sealed.len() {
-            let mut changed = sealed.clone().into_bytes();
-            changed[at] = if changed[at] == b'A' { b'B' } else { b'A' };
-            let changed = String::from_utf8(changed).expect("text");
-            // The last sign has bits that count for nothing.
-            if parts(&changed).is_ok_and(|(_, bytes)| parts(&sealed).is_ok_and(|(_, b)| b == bytes))
-            {
-                continue;
-            }
-            assert!(sealer.open("broker", &changed).is_err(), "sign {at}");
-        }
-    }
-
-    #[test]
-    fn a_store_without_its_key_names_the_key() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let other = tempfile::tempdir().expect("a folder");
-        let sealed = sealer(folder.path()).seal("broker", "canary").expect("sealed");
-        let none = sealer(other.path()).open("broker", &sealed).expect_err("no key");
-        assert!(matches!(none, SealingError::Key(_)), "{none}");
-        assert!(!other.path().join(KEY_FILE).exists(), "opening makes no key");
-        sealer(other.path()).seal("broker", "x").expect("another key");
-        let other = sealer(other.path()).open("broker", &sealed).expect_err("another key");
-        assert!(matches!(other, SealingError::UnknownKey { .. }), "{other}");
-    }
-
-    #[test]
-    fn a_renewed_key_opens_what_the_one_before_has_sealed() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let sealer = sealer(folder.path());
-        let first = sealer.seal("broker", "canary").expect("sealed");
-        sealer.renew().expect("renewed");
-        let second = sealer.seal("broker", "canary").expect("sealed");
-        assert!(
-            !sealer.is_current(&first).expect("a key")
-                && sealer.is_current(&second).expect("a key")
-        );
-        assert_eq!(sealer.open("broker", &first).expect("opened").expose(), "canary");
-        sealer.renew().expect("renewed again");
-        assert!(matches!(sealer.open("broker", &first), Err(SealingError::UnknownKey { .. })));
-        assert_eq!(sealer.open("broker", &second).expect("opened").expose(), "canary");
-    }
-
-    #[test]
-    fn a_credential_comes_before_a_file_and_is_never_written() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let config = SealingConfig { key_file: Some(folder.path().join("configured")) };
-        let credentials = folder.path().join("credentials");
-        std::fs::create_dir(&credentials).expect("made");
-        let chosen =
-            || Sealer::with_credentials(&config, folder.path(), Some(&credentials)).place().clone();
-        assert_eq!(chosen(), KeyPlace::Configured(folder.path().join("configured")));
-        let credential = credentials.join(CREDENTIAL);
-        std::fs::write(&credential, new_key().expect("a key").expose()).expect("written");
-        let for_the_service = std::os::unix::fs::PermissionsExt::from_mode(0o400);
-        std::fs::set_permissions(&credential, for_the_service).expect("ours");
-        assert_eq!(chosen(), KeyPlace::Credential(credential.clone()));
-        let sealer = Sealer::with_credentials(&config, folder.path(), Some(&credentials));
-        let sealed = sealer.seal("broker", "canary").expect("sealed");
-        assert_eq!(sealer.open("broker", &sealed).expect("opened").expose(), "canary");
-        assert!(matches!(sealer.renew(), Err(SealingError::Credential)));
-    }
-
-    proptest! {
-        #[test]
-        fn any_password_survives(password in ".{0,200}", purpose in ".{0,40}") {
-            let key = Key::random().expect("random bytes");
-            let sealed = seal_with(&key, &purpose, &password).expect("sealed");
-            let (_, body) = parts(&sealed).expect("ours");
-            let opened = open_with(&key, &purpose, body).expect("opened");
-            prop_assert_eq!(opened.expose(), &password);
-        }
-
-        #[test]
-        fn any_text_is_met_without_panic(text in ".{0,200}") {
-            if let Ok((_, body)) = parts(&text) {
-                drop(open_with(&Key::random().expect("random bytes"), "", body));
-            }
-        }
-    }
-}
+mod tests;

@@ -144,8 +144,10 @@ async fn prepare(config: &ConnectorConfig) -> anyhow::Result<Enrolment> {
     let directory = &config.data_directory;
     data_directory::create(directory, config.allow_shared_data_directory)?;
     let mut session = Store::connect(directory).await?;
+    let sealer = config.sealer();
+    sealer.warn_of_place();
     // Before anything reads them: a store of before has them in plain text.
-    let sealed = sealing::seal_all(&mut session, &config.sealer()).await?;
+    let sealed = sealing::seal_all(&mut session, &sealer).await?;
     if sealed > 0 {
         tracing::info!(secrets.count = sealed, "Secrets in the store were sealed.");
     }

@@ -273,6 +273,7 @@ fn warned(config: &PlatformConfig) -> Vec<plaintext::PlaintextWay> {
     if let Some(note) = config.untested_broker() {
         tracing::warn!("{note}");
     }
+    config.sealer().warn_of_place();
     plaintext::warned(config.plaintext_ways())
 }
 

@@ -5718,6 +5718,8 @@ export interface components {
         /** @description Status of the connector, with evidence. */
         Status: {
             factoryId: string;
+            /** @description True where the key that seals passwords lies beside the store, so that a copy of the folder has both. */
+            isSealingKeyBesideStore: boolean;
             /** @description Lease to speak for the factory. */
             lease: components["schemas"]["LeaseStatus"];
             /**

@@ -2319,6 +2319,11 @@ export interface components {
         Status: {
             /** @description Connections of the embedded broker; for administrators. */
             connections?: components["schemas"]["ConnectionStatus"][] | null;
+            /**
+             * @description True where the key that seals passwords lies beside the store, so that a copy of the folder has both; for
+             *     administrators.
+             */
+            isSealingKeyBesideStore?: boolean | null;
             link?: components["schemas"]["LinkState"] | null;
             /** @description Its own clock, to tell ages by. */
             now: components["schemas"]["DateTime"];

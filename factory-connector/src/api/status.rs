@@ -38,6 +38,8 @@ pub struct Status {
     script_workers: Vec<ScriptWorkerStatus>,
     /// Ways to other machines without TLS that the configuration allows.
     plaintext_ways: Vec<PlaintextWay>,
+    /// True where the key that seals passwords lies beside the store, so that a copy of the folder has both.
+    is_sealing_key_beside_store: bool,
     /// Conflicts with the platform as the witness of the ledger. While there is one, values wait in
     /// the spool.
     ledger_conflicts: Vec<LedgerConflictStatus>,
@@ -133,6 +135,7 @@ pub async fn show_status(_: Viewer, State(api): State<Api>) -> Result<Json<Statu
         sources: api.shop_floor.states(),
         script_workers: api.engine.script_workers(),
         plaintext_ways: api.instance.plaintext_ways.clone(),
+        is_sealing_key_beside_store: api.instance.sealer.is_beside_store(),
         ledger_conflicts,
     }))
 }

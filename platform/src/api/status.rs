@@ -24,6 +24,10 @@ pub struct Status {
     /// Ways to other machines without TLS that the configuration allows; for administrators.
     #[serde(skip_serializing_if = "Option::is_none")]
     plaintext_ways: Option<Vec<PlaintextWay>>,
+    /// True where the key that seals passwords lies beside the store, so that a copy of the folder has both; for
+    /// administrators.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    is_sealing_key_beside_store: Option<bool>,
     /// State of the link to the broker; for administrators, since its times are those of the messages
     /// of all factories.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -52,6 +56,8 @@ pub async fn show(State(app): State<Application>, who: SignedIn<Principal>) -> J
         started_at: app.started_at,
         now: app.clock.now(),
         plaintext_ways: is_administrator.then(|| app.plaintext_ways.clone()),
+        is_sealing_key_beside_store: is_administrator
+            .then(|| app.config.sealer().is_beside_store()),
         link: link.map(|link| link.state().borrow().clone()),
         queues,
         connections,

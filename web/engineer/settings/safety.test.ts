@@ -3,7 +3,9 @@ import { describe, expect, it } from 'vitest'
 import type { Status } from '../api/types'
 import SafetyPanel from './SafetyPanel.svelte'
 
-function shown(part: Pick<Status, 'plaintextWays' | 'scriptWorkers'>): string {
+type Part = Pick<Status, 'plaintextWays' | 'isSealingKeyBesideStore' | 'scriptWorkers'>
+
+function shown(part: Part): string {
   const status = part as Status
   return render(SafetyPanel, { status }).container.textContent.replace(/\s+/g, ' ')
 }
@@ -19,6 +21,7 @@ describe('what protects and what does not', () => {
     }
     const text = shown({
       plaintextWays: [],
+      isSealingKeyBesideStore: false,
       scriptWorkers: [
         { purpose: 'mappings', number: 0, engine: 'quickjs-ng', walls },
         { purpose: 'dryRuns', number: 0, fault: 'scripts are not run: no filter' },
@@ -27,11 +30,13 @@ describe('what protects and what does not', () => {
     expect(text).toMatch(/quickjs-ng.*System calls are NOT filtered.*in part.*user 65534/)
     expect(text).toContain('scripts are not run: no filter')
     expect(text).toContain('Nothing leaves this machine without TLS.')
+    expect(text).toContain('Not in the folder of the store.')
   })
 
   it('is an alert for each way without TLS', () => {
     shown({
       plaintextWays: [{ key: 'broker.url', address: 'amqp://broker.example:5672' }],
+      isSealingKeyBesideStore: false,
       scriptWorkers: [],
     })
     expect(screen.getByRole('alert').textContent).toMatch(/WITHOUT TLS.*broker.url.*amqp:/)
@@ -48,5 +53,10 @@ describe('what protects and what does not', () => {
     proxies.forEach((address, index) => {
       expect(alerts[index]).toContain(address)
     })
+  })
+
+  it('is an alert where the key of the passwords lies beside the store', () => {
+    shown({ plaintextWays: [], isSealingKeyBesideStore: true, scriptWorkers: [] })
+    expect(screen.getByRole('alert').textContent).toMatch(/BESIDE THE STORE.*sealing\.key_file/)
   })
 })

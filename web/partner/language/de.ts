@@ -335,6 +335,9 @@ export const de: Texts = {
     noPlaintext: 'Keine.',
     withoutTls: (key: string, address: string) =>
       `OHNE TLS, wie ausdrücklich erlaubt: ${key}, ${address}. Wer am Weg sitzt, liest Passwörter und Werte.`,
+    sealingKey: 'Schlüssel der zweiten Faktoren',
+    keyBesideStore:
+      'NEBEN DEM SPEICHER: Eine Kopie des Datenordners enthält die Geheimnisse. Den Schlüssel als Credential des Dienstverwalters übergeben oder mit sealing.key_file in eine Datei auf einem anderen Medium legen.',
     organisations: 'Organisationen',
     deadLetters: 'Unzustellbare Nachrichten',
     noDeadLetters: 'Noch nie wurde eine Nachricht abgewiesen.',

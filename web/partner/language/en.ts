@@ -331,6 +331,9 @@ export const en = {
     noPlaintext: 'None.',
     withoutTls: (key: string, address: string) =>
       `WITHOUT TLS, as allowed by name: ${key}, ${address}. Anybody on the way reads passwords and values.`,
+    sealingKey: 'Key of second factors',
+    keyBesideStore:
+      'BESIDE THE STORE: a copy of the data directory has the secrets. Pass the key as a credential of the service manager, or set sealing.key_file to a file on another medium.',
     organisations: 'Organisations',
     deadLetters: 'Dead letters',
     noDeadLetters: 'No message was ever rejected.',

@@ -7,6 +7,10 @@ export const settings: typeof English = {
     noPlaintext: 'Nichts verlässt diesen Rechner ohne TLS.',
     withoutTls: (key: string, address: string) =>
       `OHNE TLS, wie ausdrücklich erlaubt: ${key}, ${address}. Wer am Weg sitzt, liest Passwörter und Werte.`,
+    sealingKey: 'Schlüssel der Passwörter',
+    keyBesideStore:
+      'NEBEN DEM SPEICHER: Eine Kopie des Datenordners enthält die Passwörter. Den Schlüssel als Credential des Dienstverwalters übergeben oder mit sealing.key_file in eine Datei auf einem anderen Medium legen.',
+    keyApart: 'Nicht im Ordner des Speichers.',
     workers: 'Prozesse für Skripte',
     worker: {
       none: 'Noch wurde keiner gestartet.',

@@ -5,6 +5,10 @@ export const settings = {
     noPlaintext: 'Nothing leaves this machine without TLS.',
     withoutTls: (key: string, address: string) =>
       `WITHOUT TLS, as allowed by name: ${key}, ${address}. Anybody on the way reads passwords and values.`,
+    sealingKey: 'Key of the passwords',
+    keyBesideStore:
+      'BESIDE THE STORE: a copy of the data directory has the passwords. Pass the key as a credential of the service manager, or set sealing.key_file to a file on another medium.',
+    keyApart: 'Not in the folder of the store.',
     workers: 'Workers of scripts',
     worker: {
       none: 'None was started yet.',
