@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use asi_model::messages::ValueSource;
+use asi_model::{DataValue, Variant, messages::ValueSource};
 use disclosure::Versioned;
 use ledger::{Head, Heads};
 use serde_json::json;
@@ -14,7 +14,9 @@ use crate::{
     use_cases::{
         decide::{DecisionCommand, DecisionRequest},
         policies::{put_policy, set_recipient_policy},
-        values::release_due,
+        values::{
+            FieldCandidate, TakenCandidate, know_again, receive_candidates, release_due, take_again,
+        },
     },
     writes::{DocumentRow, FieldRow, FieldValueRow, WriterRow},
 };
@@ -187,4 +189,43 @@ fn a_state_from_before_a_restart_releases_nothing() {
     assert!(!reported(&mut scene, 5001));
     scene.candidate("note", ValueSource::Mapping, "RUN", 5002);
     assert!(disclosed(&scene) && reported(&mut scene, 5003), "it is known again");
+}
+
+/// Offers values of machines one after the other, and returns them as they were taken.
+fn take(scene: &mut Scene, values: &[(&str, Variant)], ms: i64) -> Vec<TakenCandidate> {
+    let mut taken = Vec::new();
+    for (name, value) in values {
+        let candidate = FieldCandidate {
+            field: scene.state.field(&field(name)).expect("a field").id(),
+            source: ValueSource::Mapping,
+            mapping_version: None,
+            value: DataValue::good(value.clone(), at(ms)),
+            transform: None,
+        };
+        let outcomes = receive_candidates(&mut scene.state, vec![candidate.clone()], at(ms));
+        taken.extend(TakenCandidate::all_of(vec![candidate], outcomes));
+    }
+    taken
+}
+
+#[test]
+fn what_a_failed_transaction_took_is_taken_again_and_what_it_withheld_stays_withheld() {
+    for last in [None, Some(8_u64)] {
+        let (mut scene, mut stored) = (Scene::default(), Stored::default());
+        scene.map("note", ValueSource::Mapping, "{}");
+        let policy = r#"{"withholdWhile":[{"field":"note","states":["SETUP"]}]}"#;
+        scene.map("made", ValueSource::Mapping, policy);
+        take(&mut scene, &[("note", "SETUP".into())], 1);
+        stored.write(scene.commit(2).0);
+        let mut values: Vec<(&str, Variant)> = vec![("made", 7_u64.into()), ("note", "RUN".into())];
+        values.extend(last.map(|last| ("made", last.into())));
+        let taken = take(&mut scene, &values, 3);
+        // The transaction fails, and the state is read again. The state that withheld 7 is over by then.
+        let mut again = stored.load(4);
+        know_again(&mut again.state, &scene.state, at(4));
+        take_again(&mut again.state, taken, at(4));
+        let made = again.state.field(&field("made")).expect("a field");
+        let disclosed = made.gate().disclosed().map(|released| released.value.clone());
+        assert_eq!(disclosed, last.map(Variant::from));
+    }
 }
