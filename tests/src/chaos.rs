@@ -16,6 +16,7 @@ mod disk;
 mod disturbances;
 mod findings;
 mod flow;
+mod interruptions;
 mod line;
 mod observed;
 mod plan;

@@ -10,6 +10,7 @@ use super::{
     stage::Stage,
     stores::{self, ReportKey, given_up},
 };
+use crate::{frame_order::HAMBURG, scenario::load};
 
 /// Faults shown at most.
 const SHOWN_MAX: usize = 20;
@@ -81,7 +82,13 @@ pub(super) async fn of_factory(
             .filter(|key| !left.contains_key(**key))
             .map(|key| format!("never left: {key:?}")),
     );
-    faults.extend(given_up::faults(factory, &announced, &given_up));
+    let toggled = load::toggled_request(factory);
+    let reasons = given_up::Reasons {
+        left: &left,
+        toggled: &toggled,
+        interruptions: (factory == HAMBURG).then_some(&stage.interruptions),
+    };
+    faults.extend(given_up::faults(&announced, &given_up, &reasons));
     let held_gaps = announced.keys().filter(|key| held.contains_key(key));
     faults.extend(held_gaps.map(|key| format!("announced as given up, and is held: {key:?}")));
     faults.extend(holes(left.keys()));

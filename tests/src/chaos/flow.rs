@@ -66,6 +66,7 @@ pub(super) async fn flows(stage: &mut Stage) -> anyhow::Result<()> {
             tokio::time::sleep(Duration::from_millis(50)).await;
         }
     }
+    stage.note_room().await?;
     Ok(())
 }
 

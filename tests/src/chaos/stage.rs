@@ -1,5 +1,7 @@
 //! The world with everything in it that can go wrong.
 
+mod supervised;
+
 use std::{
     collections::{BTreeMap, BTreeSet},
     net::{Ipv4Addr, SocketAddr},
@@ -16,6 +18,7 @@ use super::{
     control::LostControls,
     disk::Disk,
     disturbances::{self, Disturbances},
+    interruptions::{Interruptions, interrupts},
     line::{Condition, Line},
     plan::{ClockOffset, Fault, PLATFORM},
     stores::{self, given_up},
@@ -27,8 +30,8 @@ use crate::{
     world::{BrokerKind, ExternalBroker, Places, World},
 };
 
-/// Size of a spool, in bytes, that has no room for the values of an outage.
-const SMALL_SPOOL: &str = "32768";
+/// Size of a spool, in bytes, that has room for what waits for a receipt, and none for the values of an outage.
+const SMALL_SPOOL: i64 = 128 << 10;
 
 /// Name of the jumps back of a connector's clock, beside the number of all jumps.
 const SET_BACK: &str = "connector clock set back";
@@ -36,11 +39,10 @@ const SET_BACK: &str = "connector clock set back";
 const SET_BACK_MIN_S: i32 = 60;
 /// Time after an outage in which the small spool gives up what it has no room for.
 const SPOOL_IS_FULL: Duration = Duration::from_secs(20);
+/// Bytes in the small spool up to which it has room for what comes.
+const ROOM: i64 = SMALL_SPOOL / 2;
 /// Time in which a platform that was just started has its broker.
 const BROKER_STARTS: Duration = Duration::from_secs(10);
-
-/// Time after a full disk in which its program may still give up.
-const END_AFTER_FULL_DISK: Duration = Duration::from_secs(30);
 
 /// Time before a fault in which many comments are on their way.
 const HURRY: Duration = Duration::from_millis(250);
@@ -58,6 +60,8 @@ pub(super) struct Stage {
     pub lost_controls: LostControls,
     /// Times in which connectors may miss values.
     pub disturbed: Disturbances,
+    /// Reports that the small spool may have had no room for.
+    pub interruptions: Interruptions,
     /// Comments that the broker may have had when it lost its store.
     pub lost_comments: BTreeSet<stores::Comment>,
     /// True where much should be on its way: something is about to be killed, or a disk is full.
@@ -114,6 +118,7 @@ impl Stage {
             set_back: BTreeSet::new(),
             lost_controls: LostControls::default(),
             disturbed: Disturbances::default(),
+            interruptions: Interruptions::default(),
             lost_comments: BTreeSet::new(),
             comments_hurry: watch::Sender::new(false),
             counts: BTreeMap::new(),
@@ -142,7 +147,7 @@ impl Stage {
             // A run is too short to wait a minute for each report that a broker lost.
             connector.set_environment("VERBUND_SPOOL__RESEND_AFTER_S", "5");
             if factory.id == HAMBURG {
-                connector.set_environment("VERBUND_SPOOL__BYTES_MAX", SMALL_SPOOL);
+                connector.set_environment("VERBUND_SPOOL__BYTES_MAX", &SMALL_SPOOL.to_string());
             }
             if let Some(clock) = Clock::of(connector, &folder)? {
                 self.clocks.insert(factory.id, clock);
@@ -191,6 +196,10 @@ impl Stage {
     /// it could not be caused, or nobody noticed.
     pub async fn strike(&mut self, fault: Fault) -> anyhow::Result<bool> {
         self.supervise()?;
+        let spool = self.note_room().await?;
+        if interrupts(fault, HAMBURG) {
+            self.interruptions.begin(spool.first);
+        }
         if fault.kills() > 0 || matches!(fault, Fault::FullDisk(..)) {
             self.comments_hurry.send_replace(true);
             tokio::time::sleep(HURRY).await;
@@ -250,6 +259,15 @@ impl Stage {
             Fault::PausePlatform(span) => return pause(&mut self.world.platform, span).await,
         }
         Ok(true)
+    }
+
+    /// Ends an interruption where the small spool has room again. Returns what is in the spool.
+    pub async fn note_room(&mut self) -> anyhow::Result<stores::SpoolSample> {
+        let spool = stores::spool(&self.world.places.folder, HAMBURG).await?;
+        if spool.bytes <= ROOM {
+            self.interruptions.end(spool.last);
+        }
+        Ok(spool)
     }
 
     async fn through(&self, condition: Condition, span: Duration) {
@@ -345,32 +363,6 @@ impl Stage {
 
     fn connector(&mut self, factory: &str) -> anyhow::Result<&mut Daemon> {
         self.world.factory(factory)?.connector.as_mut().context("the connector was started")
-    }
-
-    /// Starts what has ended by itself. A program may give up where its disk is full, and a while after; its supervisor
-    /// starts it again. Otherwise that is a fault.
-    pub fn supervise(&mut self) -> anyhow::Result<()> {
-        let since = std::mem::replace(&mut self.supervised_at, disturbances::now());
-        for daemon in self.world.daemons() {
-            let Some(status) = daemon.ended()? else { continue };
-            let name = daemon.name().to_owned();
-            say(&format!("    {name} ended by itself with {status}:\n{}", daemon.log_tail(6)));
-            daemon.restart()?;
-            self.ended += 1;
-            let may_end = self.full_until.iter().any(|(whose, until)| {
-                let is_its_disk = name == *whose || name == format!("connector-{whose}");
-                is_its_disk && until.elapsed() < END_AFTER_FULL_DISK
-            });
-            if !may_end {
-                self.faults.push(format!("{name} ended by itself with {status}"));
-            }
-            for factory in [MUNICH, HAMBURG] {
-                if name.ends_with(factory) {
-                    self.disturbed.ended(factory, since);
-                }
-            }
-        }
-        Ok(())
     }
 }
 

@@ -93,6 +93,28 @@ pub(super) async fn unreceipted_reports(
         .collect())
 }
 
+/// Reports of a connector that no receipt covers so far.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SpoolSample {
+    pub bytes: i64,
+    /// Number of the oldest one; that of the next report where there is none.
+    pub first: i64,
+    /// Number of the newest report of all.
+    pub last: i64,
+}
+
+/// Returns what waits for a receipt in a connector's spool.
+pub(super) async fn spool(folder: &Path, factory: &str) -> anyhow::Result<SpoolSample> {
+    let mut store = open(&connector_store(folder, factory)).await?;
+    let sql = "SELECT coalesce(sum(bytes), 0) AS bytes, min(id) AS first, \
+               (SELECT coalesce(max(id), 0) FROM report) AS last \
+               FROM report WHERE state IN ('SENT', 'WAITING')";
+    let row = sqlx::query(sql).fetch_one(&mut store).await?;
+    let last: i64 = row.get("last");
+    let first: Option<i64> = row.get("first");
+    Ok(SpoolSample { bytes: row.get("bytes"), first: first.unwrap_or(last + 1), last })
+}
+
 /// Returns the number of gaps that were announced and that no receipt covered so far.
 pub(super) async fn unsettled_gaps(folder: &Path, factory: &str) -> anyhow::Result<i64> {
     let mut store = open(&connector_store(folder, factory)).await?;

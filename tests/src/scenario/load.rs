@@ -109,15 +109,20 @@ pub(crate) fn refuse(factory: &str, field: &str, reason: &str) -> (String, Value
     (format!("{path}/decision"), json!({ "mappingState": "REFUSED", "reason": reason }))
 }
 
+/// Returns the id of the request of which the consents end and come back while it runs.
+pub(crate) fn toggled_request(factory: &str) -> String {
+    request_id(factory, 0)
+}
+
 /// Returns the key of a field whose decision changes while others stay as they are.
 pub(crate) fn toggled_field(factory: &str) -> Value {
     json!({ "operationNetworkId": NETWORK, "operationId": operation(factory),
-            "dynamicDataRequestId": request_id(factory, 0), "fieldName": TOGGLED })
+            "dynamicDataRequestId": toggled_request(factory), "fieldName": TOGGLED })
 }
 
 /// Returns path and body of the decision that maps this field with a disclosure policy.
 pub(crate) fn toggle(factory: &str, disclosure: Value) -> (String, Value) {
-    let path = story::field_path(operation(factory), &request_id(factory, 0), TOGGLED);
+    let path = story::field_path(operation(factory), &toggled_request(factory), TOGGLED);
     let mut decision = mapped(power(factory), "Double", json!([]), json!({}));
     decision["disclosure"] = disclosure;
     (format!("{path}/decision"), decision)

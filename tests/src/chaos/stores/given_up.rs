@@ -9,13 +9,35 @@ use anyhow::Context as _;
 use serde_json::Value;
 use sqlx::Row as _;
 
-use super::{ReportKey, connector_store, open, platform_store};
-use crate::frame_order::HAMBURG;
+use super::{Left, ReportKey, connector_store, open, platform_store};
+use crate::chaos::interruptions::Interruptions;
 
 /// Reports by why they were given up: an event of the ledger, or the cause of an announced gap.
 pub(in crate::chaos) type Causes = BTreeMap<ReportKey, BTreeSet<String>>;
 
 const COALESCED: &str = "COALESCED";
+const PURGED: &str = "PURGED";
+
+/// Reasons for which one factory may give reports up. No run is as long as reports are kept.
+pub(in crate::chaos) struct Reasons<'r> {
+    /// Everything that ever left it.
+    pub left: &'r BTreeMap<ReportKey, Left>,
+    /// Request of which consents end and change. Those to all others stay, and nothing is withdrawn.
+    pub toggled: &'r str,
+    /// Times in which its spool may have been too small; none where it is large.
+    pub interruptions: Option<&'r Interruptions>,
+}
+
+impl Reasons<'_> {
+    fn allow(&self, key: &ReportKey, event: &str) -> bool {
+        let Some(report) = self.left.get(key) else { return false };
+        match event {
+            COALESCED => self.interruptions.is_some_and(|all| all.has(report.id)),
+            PURGED => report.content.request == self.toggled,
+            _ => false,
+        }
+    }
+}
 
 fn add(causes: &mut Causes, factory: &str, numbers: [i64; 4], cause: &str) {
     let [writer, epoch, first, last] = numbers;
@@ -78,11 +100,11 @@ pub(in crate::chaos) async fn gaps(folder: &Path, factory: &str) -> anyhow::Resu
 }
 
 /// Returns gaps with another cause than that for which the reports were given up, and reports that were given up
-/// without a reason: no run is as long as reports are kept, and the spool of one factory alone is small.
+/// without a reason.
 pub(in crate::chaos) fn faults(
-    factory: &str,
     announced: &Causes,
     given_up: &Causes,
+    reasons: &Reasons<'_>,
 ) -> Vec<String> {
     let mut faults = Vec::new();
     for (key, causes) in announced {
@@ -96,12 +118,7 @@ pub(in crate::chaos) fn faults(
         }));
     }
     for (key, events) in given_up {
-        let has_reason = |event: &str| match event {
-            COALESCED => factory == HAMBURG,
-            "PURGED" => true,
-            _ => false,
-        };
-        let wrong = events.iter().filter(|event| !has_reason(event));
+        let wrong = events.iter().filter(|event| !reasons.allow(key, event));
         faults.extend(wrong.map(|event| format!("given up by {event} without a reason: {key:?}")));
     }
     faults
@@ -109,7 +126,8 @@ pub(in crate::chaos) fn faults(
 
 fn is_of(event: &str, cause: &str) -> bool {
     match event {
-        "PURGED" => ["REVOKED", "WITHDRAWN"].contains(&cause),
+        // The other cause, that a request has gone, is none: the requests stay.
+        PURGED => cause == "REVOKED",
         other => other == cause,
     }
 }
@@ -117,35 +135,77 @@ fn is_of(event: &str, cause: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame_order::MUNICH;
+    use crate::{chaos::content::Content, frame_order::HAMBURG};
 
-    fn causes(factory: &str, cause: &str) -> Causes {
+    const TOGGLED: &str = "toggled";
+    const OTHER: &str = "other";
+    /// Number of the report among all that were made.
+    const REPORT: i64 = 40;
+
+    fn causes(cause: &str) -> Causes {
         let mut causes = Causes::new();
-        add(&mut causes, factory, [1, 1, 3, 3], cause);
+        add(&mut causes, HAMBURG, [1, 1, 3, 3], cause);
         causes
+    }
+
+    /// Returns a report of a request, as it left.
+    fn left(request: &str) -> BTreeMap<ReportKey, Left> {
+        let content = Content {
+            request: request.to_owned(),
+            report_time: None,
+            shopfloor_time: None,
+            fields: BTreeMap::new(),
+        };
+        let report = Left { id: REPORT, state: "DONE".to_owned(), recipients: 1, content };
+        let keys = causes("").into_keys();
+        keys.map(|key| (key, report.clone())).collect()
+    }
+
+    fn interrupted(first: i64, last: i64) -> Interruptions {
+        let mut interruptions = Interruptions::default();
+        interruptions.begin(first);
+        interruptions.end(last);
+        interruptions
     }
 
     #[test]
     fn a_gap_has_the_cause_for_which_reports_were_given_up() {
-        let found = |cause: &str, event: &str| {
-            faults(HAMBURG, &causes(HAMBURG, cause), &causes(HAMBURG, event)).len()
-        };
+        let (left, interruptions) = (left(TOGGLED), interrupted(REPORT, REPORT));
+        let reasons =
+            Reasons { left: &left, toggled: TOGGLED, interruptions: Some(&interruptions) };
+        let found =
+            |cause: &str, event: &str| faults(&causes(cause), &causes(event), &reasons).len();
         assert_eq!(found("COALESCED", "COALESCED"), 0);
         assert_eq!(found("REVOKED", "PURGED"), 0);
-        assert_eq!(found("WITHDRAWN", "PURGED"), 0);
+        assert_eq!(found("WITHDRAWN", "PURGED"), 1, "nothing is withdrawn");
         assert_eq!(found("EXPIRED", "COALESCED"), 1);
         assert_eq!(found("COALESCED", "PURGED"), 1);
-        assert_eq!(faults(HAMBURG, &causes(HAMBURG, "COALESCED"), &Causes::new()).len(), 1);
+        assert_eq!(faults(&causes("COALESCED"), &Causes::new(), &reasons).len(), 1);
     }
 
     #[test]
     fn reports_are_given_up_for_a_reason_only() {
-        let found = |factory: &str, event: &str| {
-            faults(factory, &Causes::new(), &causes(factory, event)).len()
+        let found = |request: &str, event: &str, interruptions: Option<&Interruptions>| {
+            let left = left(request);
+            let reasons = Reasons { left: &left, toggled: TOGGLED, interruptions };
+            faults(&Causes::new(), &causes(event), &reasons).len()
         };
-        assert_eq!(found(HAMBURG, "COALESCED"), 0, "its spool is small");
-        assert_eq!(found(MUNICH, "COALESCED"), 1);
-        assert_eq!(found(HAMBURG, "EXPIRED"), 1);
-        assert_eq!(found(MUNICH, "PURGED"), 0);
+        let (in_time, before, after) =
+            (interrupted(9, 40), interrupted(9, 39), interrupted(41, 50));
+        assert_eq!(found(OTHER, "COALESCED", Some(&in_time)), 0, "its spool is small");
+        assert_eq!(found(OTHER, "COALESCED", Some(&before)), 1, "everything could leave");
+        assert_eq!(found(OTHER, "COALESCED", Some(&after)), 1, "it had left before");
+        assert_eq!(found(OTHER, "COALESCED", None), 1, "its spool is large");
+        assert_eq!(found(TOGGLED, "PURGED", None), 0, "a consent to its request ended");
+        assert_eq!(found(OTHER, "PURGED", None), 1, "all consents to its request stay");
+        assert_eq!(found(OTHER, "PURGED", Some(&in_time)), 1);
+        assert_eq!(found(TOGGLED, "EXPIRED", Some(&in_time)), 1);
+    }
+
+    #[test]
+    fn what_is_given_up_and_never_left_has_no_reason() {
+        let left = BTreeMap::new();
+        let reasons = Reasons { left: &left, toggled: TOGGLED, interruptions: None };
+        assert_eq!(faults(&Causes::new(), &causes("PURGED"), &reasons).len(), 1);
     }
 }
