@@ -5,6 +5,7 @@ mod chaos;
 mod credentials;
 mod data_directories;
 mod demo;
+mod faults_of_chaos;
 mod former_store;
 mod hardening;
 mod house;
