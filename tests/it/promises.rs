@@ -253,6 +253,25 @@ fn every_threat_of_every_boundary_has_a_proof_or_says_that_none_does() {
     }
 }
 
+/// A threat is the attack where one of its tests is the attack's: both say what stands against it.
+#[test]
+fn every_attack_at_the_edges_is_a_threat() {
+    let attacks = fs::read_to_string(root().join("docs/attacks.md")).unwrap();
+    let model = fs::read_to_string(root().join("docs/threat-model.md")).unwrap();
+    let (_, edges) = attacks.split_once("\n## At the edges\n").expect("both parts");
+    let (edges, _) =
+        edges.split_once("\n## Findings of the security review\n").expect("both parts");
+    let threats: BTreeSet<String> = named_proofs(&model).into_iter().collect();
+    let rows: Vec<_> = edges.lines().filter(|line| line.starts_with("| ")).skip(1).collect();
+    assert!(rows.len() > 30, "{} attacks were read", rows.len());
+    let is_threat = |row: &&&str| {
+        let proofs = row.split(" | ").nth(1).map(quoted).unwrap_or_default();
+        proofs.iter().any(|proof| threats.contains(proof))
+    };
+    let missing: Vec<_> = rows.iter().filter(|row| !is_threat(row)).collect();
+    assert!(missing.is_empty(), "docs/threat-model.md has no row for these attacks:\n{missing:#?}");
+}
+
 #[test]
 fn every_row_has_a_proof_or_says_what_brings_one() {
     let document = fs::read_to_string(root().join("docs/promises.md")).unwrap();
