@@ -51,7 +51,7 @@ programs: web ## the programs to deliver, release build, without what only the t
 	$(CARGO) build --locked --release $(DELIVERED)
 
 supply-chain: sbom $(CARGO_DENY_INSTALLED) ## licences, sources, banned crates, advisories, notices and bills of materials of what we build on
-	for manifest in Cargo.toml mapping-engine/script-deno/Cargo.toml; do \
+	manifests=$$(node tools/supply-chain/advisories.js --manifests); for manifest in $$manifests; do \
 	  target/tools/bin/cargo-deny --locked --manifest-path $$manifest --config deny.toml check bans licenses sources; done
 	node --test tools/supply-chain/
 	node tools/supply-chain/advisories.js --report

@@ -2,6 +2,7 @@
 //
 //   node advisories.js            ends with 3 where a list of advisories cannot be had
 //   node advisories.js --report   says so and ends with 0: for machines that are known to be cut off
+//   node advisories.js --manifests   prints the manifests that are asked about, and asks nothing
 //
 // 1 means a finding, an exception that has ended, or one that nothing needs any more. RustSec's
 // database comes from its repository, or from a clone of it that ADVISORY_DB names; npm's advisories
@@ -15,8 +16,8 @@ const PLACE = `${ROOT}/target/supply-chain`
 /** The program that `make supply-chain` installs. */
 const CARGO_DENY = `${ROOT}/target/tools/bin/cargo-deny`
 const DATABASE = 'https://github.com/RustSec/advisory-db'
-const MANIFESTS = ['Cargo.toml', 'mapping-engine/script-deno/Cargo.toml']
-const NPM_FOLDERS = ['web', 'tests/browser', 'tests/foreign', 'tools/supply-chain']
+/** Folders with packages of npm. */
+export const NPM_FOLDERS = ['web', 'tests/browser', 'tests/foreign', 'tools/supply-chain']
 /** Advisory of no package, in a database that is there for the check of withdrawn versions alone. */
 const NO_ADVISORY = `\`\`\`toml
 [advisory]
@@ -33,6 +34,18 @@ patched = []
 
 /** @typedef {import('./exceptions.js').Finding} Finding */
 /** @typedef {{ findings: Finding[], unchecked: string[] }} Answer */
+
+/**
+ * Returns the manifests with a lock file of their own: of what is delivered, and of what runs in tests alone, as fuzz
+ * targets, foreign peers and the patched crates' own tests.
+ *
+ * @returns {string[]}
+ */
+export function manifests() {
+  const locks = execFileSync('git', ['ls-files', '*Cargo.lock'], { cwd: ROOT, encoding: 'utf8' })
+  const files = locks.split('\n').filter((file) => file)
+  return files.map((file) => file.replace(/\.lock$/, '.toml'))
+}
 
 /**
  * Reads what cargo-deny reports: a line of JSON each.
@@ -195,7 +208,7 @@ function askRustSec() {
   // What was fetched from one place is no beginning for what another has.
   const folder = clone ? 'clone' : 'rustsec'
   if (clone) rmSync(`${PLACE}/${folder}`, { recursive: true, force: true })
-  for (const manifest of MANIFESTS) {
+  for (const manifest of manifests()) {
     const first = deny(manifest, folder, env)
     const { isLoaded, findings } = first.isLoaded
       ? first
@@ -227,7 +240,10 @@ function askNpm() {
   return answer
 }
 
-if (process.argv[1] === new URL(import.meta.url).pathname) {
+const isProgram = process.argv[1] === new URL(import.meta.url).pathname
+if (isProgram && process.argv.includes('--manifests')) {
+  console.log(manifests().join('\n'))
+} else if (isProgram) {
   mkdirSync(PLACE, { recursive: true })
   const { exceptions } = JSON.parse(
     readFileSync(new URL('advisories.json', import.meta.url), 'utf8'),

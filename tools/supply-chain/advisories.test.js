@@ -4,8 +4,16 @@ import { execFileSync, spawnSync } from 'node:child_process'
 import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs'
 import { tmpdir } from 'node:os'
 import { test } from 'node:test'
-import { findingsOfDeny, findingsOfNpm, findingsOfVendored, vendoredCrates } from './advisories.js'
+import {
+  NPM_FOLDERS,
+  findingsOfDeny,
+  findingsOfNpm,
+  findingsOfVendored,
+  manifests,
+  vendoredCrates,
+} from './advisories.js'
 import { compare, faultsOf } from './exceptions.js'
+import { ROOT } from './programs.js'
 
 const TODAY = '2026-11-25'
 /** @type {import('./exceptions.js').Exception} */
@@ -85,6 +93,33 @@ function run(/** @type {string} */ database, /** @type {string[]} */ ...paramete
   const env = { ...process.env, ADVISORY_DB: database }
   return spawnSync(process.execPath, [program, ...parameters], { encoding: 'utf8', env })
 }
+
+/** Returns the committed files of a name. */
+function committed(/** @type {string} */ name) {
+  const files = execFileSync('git', ['ls-files', `*${name}`], { cwd: ROOT, encoding: 'utf8' })
+  return files.split('\n').filter((file) => file)
+}
+
+test('each workspace has a lock file, and is asked about', () => {
+  const isRoot = (/** @type {string} */ file) =>
+    /^\[workspace\]/m.test(readFileSync(`${ROOT}/${file}`, 'utf8'))
+  const roots = committed('Cargo.toml').filter(isRoot)
+  assert.deepEqual(manifests().sort(), roots.sort())
+  for (const one of ['Cargo.toml', 'vendor/Cargo.toml', 'platform/fuzz/Cargo.toml'])
+    assert.ok(roots.includes(one), one)
+  const folders = committed('package-lock.json').map((file) => file.replace('/package-lock.json', ''))
+  assert.deepEqual([...NPM_FOLDERS].sort(), folders.sort())
+})
+
+test('licences, sources and bans are checked for the same manifests', () => {
+  const said = run('/nowhere/at/all', '--manifests')
+  assert.deepEqual(said.stdout.trim().split('\n'), manifests())
+  const [, after = ''] = readFileSync(`${ROOT}/Makefile`, 'utf8').split('\nsupply-chain:')
+  const [recipe = ''] = after.split('\n\n')
+  const loop = 'manifests=$$(node tools/supply-chain/advisories.js --manifests); for manifest in $$manifests;'
+  assert.ok(recipe.includes(loop), recipe)
+  assert.match(recipe, /--manifest-path \$\$manifest .* check bans licenses sources/)
+})
 
 test('an advisory about a crate of ours ends with an error', () => {
   const place = mkdtempSync(`${tmpdir()}/advisories-`)
