@@ -88,12 +88,37 @@ mod rules {
     #[cfg(test)]
     mod tests {
         use std::{
+            ffi::{c_long, c_uint, c_void},
             fs::File,
             io,
             net::{TcpListener, TcpStream},
+            os::{
+                linux::net::SocketAddrExt as _,
+                unix::net::{SocketAddr, UnixListener, UnixStream},
+            },
+            ptr,
         };
 
+        use rustix::process::{getppid, test_kill_process};
+
         use super::*;
+
+        /// Returns the version of Landlock that the kernel has, if any.
+        #[allow(unsafe_code)]
+        fn landlock_of_the_kernel() -> Option<i32> {
+            // The same number on all processors.
+            const LANDLOCK_CREATE_RULESET: c_long = 444;
+            const LANDLOCK_CREATE_RULESET_VERSION: c_uint = 1;
+            unsafe extern "C" {
+                fn syscall(number: c_long, ...) -> c_long;
+            }
+            let nothing: *const c_void = ptr::null();
+            // SAFETY: asked for its version, the kernel reads and writes no memory of this process.
+            let version = unsafe {
+                syscall(LANDLOCK_CREATE_RULESET, nothing, 0_usize, LANDLOCK_CREATE_RULESET_VERSION)
+            };
+            i32::try_from(version).ok().filter(|version| *version > 0)
+        }
 
         fn is_denied<T>(result: io::Result<T>) -> bool {
             result.is_err_and(|error| error.kind() == io::ErrorKind::PermissionDenied)
@@ -103,16 +128,39 @@ mod rules {
         fn what_is_reported_of_landlock_is_what_the_kernel_denies() {
             let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
             let address = listener.local_addr().expect("bound");
+            let name = format!("verbund-landlock-{}", std::process::id());
+            let socket = SocketAddr::from_abstract_name(name).expect("a name");
+            let _listener = UnixListener::bind_addr(&socket).expect("a socket");
+            // To the process that started this one, where it is in sight.
+            let signal = || match getppid() {
+                Some(parent) => test_kill_process(parent).map_err(io::Error::from),
+                None => Ok(()),
+            };
+            let is_free = signal().is_ok() && getppid().is_some();
+            let to = socket.clone();
             // Rules hold for the thread that asks for them.
             let confined = std::thread::spawn(move || {
                 let reported = enforce();
                 let file = is_denied(File::open("/proc/version"));
-                (reported, file, is_denied(TcpStream::connect(address)))
+                let connection = is_denied(TcpStream::connect(address));
+                let others = is_denied(UnixStream::connect_addr(&to));
+                (reported, file, connection, others, is_denied(signal()))
             });
-            let (reported, file, connection) = confined.join().expect("it ends");
-            assert_eq!(file, reported != Landlock::None, "{reported:?}");
-            assert!(connection || reported != Landlock::Full, "{reported:?}");
+            let (reported, file, connection, others, signalled) = confined.join().expect("it ends");
+            let kernel = landlock_of_the_kernel();
+            let expected = match kernel {
+                None => Landlock::None,
+                Some(version) if ABI::from(version) < NEWEST => Landlock::Partial,
+                Some(_) => Landlock::Full,
+            };
+            assert_eq!(reported, expected, "the kernel has {kernel:?}");
+            assert_eq!(file, kernel.is_some(), "{reported:?}");
+            let is_full = reported == Landlock::Full;
+            assert!(connection || !is_full, "{reported:?}");
+            assert!(others || !is_full, "a socket of no file: {reported:?}");
+            assert!(signalled || !is_full || !is_free, "a signal to another process: {reported:?}");
             assert!(File::open("/proc/version").is_ok(), "others are as free as before");
+            assert!(UnixStream::connect_addr(&socket).is_ok(), "others are as free as before");
         }
     }
 }
