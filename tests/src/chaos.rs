@@ -3,6 +3,7 @@
 //! end the stores of both sides are compared: every report that left is held once, in its order
 //! within each lane, with the fields, values, statuses and times it left with, and the ledger knows of it;
 //! every comment that one side took is on both sides once, and both have the same decisions, revocations and revisions.
+//! No program ends by itself or panics, and all end well when they are asked to.
 //! What was given up is announced, and nothing else is; what the machines counted is in reports. After each round every
 //! writer has to send again.
 
@@ -138,7 +139,7 @@ async fn play(
     }
     let (said, taken) = (comments.end().await?, controls.end().await?);
     steps.run("the machines stop, and what waits arrives", drain(stage)).await?;
-    steps.run("everything stops when asked", async { stage.world.stop().map(|()| "") }).await?;
+    steps.run("everything stops when asked", async { stage.stop().map(|()| "") }).await?;
     let took = start.elapsed();
     steps
         .run(
@@ -218,6 +219,7 @@ async fn round(
 
 /// Lets the last values through: nothing new is made, and nothing waits any more.
 async fn drain(stage: &mut Stage) -> anyhow::Result<String> {
+    stage.supervise()?;
     stage.machines_stopped = Some(disturbances::now());
     for factory in &mut stage.world.factories {
         factory.simulator.stop(Duration::from_secs(15))?;

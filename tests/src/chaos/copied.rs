@@ -121,7 +121,7 @@ async fn beside(
     }
     let said = comments.end().await?;
     steps.run("the machines stop, and what waits arrives", drain(stage)).await?;
-    steps.run("everything stops when asked", async { stage.world.stop().map(|()| "") }).await?;
+    steps.run("everything stops when asked", async { stage.stop().map(|()| "") }).await?;
     steps
         .run("every report is held once, in order, and in the ledger", judge(stage, &said, None))
         .await

@@ -6,7 +6,7 @@ use std::{path::PathBuf, process::Command, time::Duration};
 use anyhow::Context as _;
 use serde_json::{Value, json};
 
-use super::{Fault, Stage, flow::flows};
+use super::{Fault, Stage, findings::breach, flow::flows};
 use crate::{
     frame_order::MUNICH,
     harness::{Api, Daemon, Steps, eventually, say},
@@ -96,7 +96,8 @@ async fn replaced(stage: &mut Stage, steps: &mut Steps) -> anyhow::Result<()> {
             Ok(format!("{count} logs"))
         })
         .await?;
-    steps.run("everything stops when asked", async { stage.world.stop().map(|()| "") }).await
+    steps.run("everything stops when asked", async { stage.stop().map(|()| "") }).await?;
+    if stage.faults.is_empty() { Ok(()) } else { Err(breach(&stage.faults)) }
 }
 
 async fn get(api: &Api, path: &str) -> Result<Value, String> {
