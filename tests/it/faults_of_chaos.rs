@@ -90,6 +90,14 @@ const FOUND: &[(&str, &str)] = &[
     ),
     ("given up by {event} without a reason", "given up by PURGED without a reason: ReportKey {}"),
     ("messages could not be used", "4 messages could not be used"),
+    (
+        "ended with {status} when it was asked to stop",
+        "connector-FOR_MUC ended with exit status: 3 when it was asked to stop",
+    ),
+    (
+        "says that it panicked",
+        "the log of platform says that it panicked: thread 'a' panicked at b",
+    ),
     ("ended by itself with {status}", "connector-FOR_MUC ended by itself with exit status: 3"),
 ];
 
