@@ -1,4 +1,4 @@
-//! Faults that the judge of chaos finds: each has a mutant by which it was seen to find it, or a reason why there is none.
+//! Faults that the judge of chaos finds: by each a mutant has to be found, or there is a reason why there is none.
 
 use std::{
     fs,

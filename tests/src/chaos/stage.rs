@@ -30,8 +30,9 @@ use crate::{
     world::{BrokerKind, ExternalBroker, Places, World},
 };
 
-/// Size of a spool, in bytes, that has room for what waits for a receipt, and none for the values of an outage.
-const SMALL_SPOOL: i64 = 128 << 10;
+/// Size of a spool, in bytes: it has room for the reports of some seconds, which wait for a receipt, and none for those of
+/// an outage.
+const SMALL_SPOOL: i64 = 512 << 10;
 
 /// Name of the jumps back of a connector's clock, beside the number of all jumps.
 const SET_BACK: &str = "connector clock set back";
