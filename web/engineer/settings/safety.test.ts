@@ -46,6 +46,7 @@ describe('what protects and what does not', () => {
     const proxies = ['10.0.0.7/32', '10.0.0.8/32']
     shown({
       plaintextWays: proxies.map((address) => ({ key: 'web.trusted_proxies', address })),
+      isSealingKeyBesideStore: false,
       scriptWorkers: [],
     })
     const alerts = screen.getAllByRole('alert').map((alert) => alert.textContent)
