@@ -5,7 +5,6 @@ use std::{
     time::{Duration, Instant},
 };
 
-use serde_json::Value;
 
 use super::{findings::breach, stage::Stage};
 use crate::{
