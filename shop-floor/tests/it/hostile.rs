@@ -129,7 +129,7 @@ async fn flood(first: Vec<u8>, stream: &mut OwnedWriteHalf) {
     }
 }
 
-/// Where an unprotected chunk has its number, with that of the request behind it.
+/// Returns the place at which an unprotected chunk has its number, with that of the request behind it.
 fn sequence_at(chunk: &[u8]) -> usize {
     if chunk.starts_with(b"MSG") {
         return 16;

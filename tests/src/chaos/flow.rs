@@ -5,7 +5,6 @@ use std::{
     time::{Duration, Instant},
 };
 
-
 use super::{findings::breach, stage::Stage};
 use crate::{
     frame_order::{HAMBURG, MUNICH},
