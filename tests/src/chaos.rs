@@ -292,7 +292,7 @@ async fn judge(stage: &Stage, said: &[Comment], taken: Option<Taken>) -> anyhow:
     let controls = taken.as_ref().map_or(Ok(String::new()), Taken::said)?;
     Ok(format!(
         "{left} reports left, {arrived} arrived ({replayed} of them replayed), {given_up} were given up, {repeats} repeats discarded, \
-         {} set back by a lost broker store; {} comments taken, {} of them on their way to a broker that lost its store{controls}",
+         {} set back by a broker; {} comments taken, {} of them on their way to a broker that lost its store{controls}",
         stage.set_back.len(),
         said.len(),
         stage.lost_comments.len()

@@ -91,6 +91,20 @@ impl Fault {
         }
     }
 
+    /// True where the platform's link to the broker ends, which gives back what is on its way.
+    #[must_use]
+    pub fn ends_the_platforms_link(self) -> bool {
+        matches!(
+            self,
+            Self::KillPlatform
+                | Self::KillAll
+                | Self::RestartBroker
+                | Self::PlatformClock(_)
+                | Self::FullDisk(PLATFORM, _)
+                | Self::PausePlatform(_)
+        )
+    }
+
     /// Returns the fault beside a broker of another make: its store is not ours to change.
     const fn beside_external_broker(self) -> Self {
         match self {

@@ -55,7 +55,8 @@ pub(super) struct Stage {
     // Unmounted after the programs above are gone.
     disks: BTreeMap<&'static str, Disk>,
     clocks: BTreeMap<&'static str, Clock>,
-    /// Reports that the broker may have had when it lost its store: they arrive later, out of their order.
+    /// Reports that the broker may have had when it lost its store, or RabbitMQ when the platform's link ended: they
+    /// arrive later, out of their order.
     pub set_back: BTreeSet<stores::ReportKey>,
     /// Decisions and receipts that the broker may have had when it lost its store.
     pub lost_controls: LostControls,
@@ -206,7 +207,9 @@ impl Stage {
             tokio::time::sleep(HURRY).await;
         }
         let from = disturbances::now();
+        self.note_returned(fault).await?;
         let is_caused = self.cause(fault).await?;
+        self.note_returned(fault).await?;
         self.comments_hurry.send_replace(false);
         // A disk that was full may have cost values though its program did not say so.
         if is_caused || matches!(fault, Fault::FullDisk(..)) {
@@ -217,6 +220,18 @@ impl Stage {
             self.kills += fault.kills();
         }
         Ok(is_caused)
+    }
+
+    /// Notes what RabbitMQ may deliver out of order: it puts what one consumer gives back behind what another gave back
+    /// before, so that two ends of the platform's link in a row turn the order round.
+    async fn note_returned(&mut self, fault: Fault) -> anyhow::Result<()> {
+        let turns_round =
+            self.world.external.as_ref().is_some_and(ExternalBroker::turns_returned_round);
+        if turns_round && fault.ends_the_platforms_link() {
+            let returned = self.unreceipted().await?;
+            self.set_back.extend(returned);
+        }
+        Ok(())
     }
 
     /// Returns false where there is nothing to strike.

@@ -62,6 +62,12 @@ enum Process {
 }
 
 impl ExternalBroker {
+    /// True where messages that a consumer gives back come behind those that another one gave back before.
+    #[must_use]
+    pub const fn turns_returned_round(&self) -> bool {
+        matches!(self.process, Process::RabbitMq(_))
+    }
+
     /// Starts one; none where the platform's own is asked for.
     pub async fn start(kind: BrokerKind) -> Option<Self> {
         let plan = plan();

@@ -30,7 +30,8 @@ const PLACES: [(&str, &[&str]); 17] = [
         ],
     ),
     // The gate of a preview, and the one way in.
-    ("gate.on(", &["src/api/preview.rs 1", "state/src/use_cases/values.rs 1"]),
+    // Beside offered values, those of a failed transaction which their own state withholds.
+    ("gate.on(", &["src/api/preview.rs 1", "state/src/use_cases/values.rs 2"]),
     // Those of the fields, and the drafts of a preview, whose values are not released ones.
     (
         "Gate::new(",
