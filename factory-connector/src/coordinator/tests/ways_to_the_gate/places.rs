@@ -88,7 +88,7 @@ const PLACES: [(&str, &[&str]); 17] = [
             "state/src/gates.rs 1",
             "state/src/use_cases/decide.rs 1",
             "state/src/use_cases/policies.rs 1",
-            "state/src/use_cases/values.rs 3",
+            "state/src/use_cases/values.rs 4",
         ],
     ),
 ];
