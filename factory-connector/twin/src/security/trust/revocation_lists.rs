@@ -21,6 +21,8 @@ use crate::{
 
 /// Finds the certificates or the lists in the content of a file.
 type ItemsIn = fn(&[u8]) -> Option<Vec<Vec<u8>>>;
+/// A file with what it holds, as DER.
+type ItemsOfFile = (PathBuf, Vec<Vec<u8>>);
 
 /// An authority's list of certificates that it revoked.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -164,7 +166,7 @@ impl TrustList {
         folder: &str,
         extension: &str,
         items_in: ItemsIn,
-    ) -> Result<Vec<(PathBuf, Vec<Vec<u8>>)>, TwinError> {
+    ) -> Result<Vec<ItemsOfFile>, TwinError> {
         let read = |path: PathBuf| {
             let items = items_in(&certificate_files::read(&path).ok()?)?;
             Some((path, items))
