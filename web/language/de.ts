@@ -106,10 +106,10 @@ export const de: Words = {
     dark: 'Dunkel',
     likeSystem: 'Wie das System',
     account: 'Konto',
+    menu: 'Menü',
     notFound: 'Hier ist nichts',
     notFoundText: 'Keine Seite hat diese Adresse.',
     toStart: 'Zur Übersicht',
-    menu: 'Menü',
   },
   feed: {
     live: 'Live',
