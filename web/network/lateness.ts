@@ -35,12 +35,17 @@ function standings(
     const end = lateEnd(operation, found.get(operation.operationId))
     if (end !== undefined) ends.set(operation.operationId, end)
   }
+  const following = new Map<string, GraphRelation[]>()
+  for (const relation of relations) {
+    const known = following.get(relation.predecessorOperationId)
+    if (known === undefined) following.set(relation.predecessorOperationId, [relation])
+    else known.push(relation)
+  }
   const waiting = [...ends.keys()]
   for (let steps = 0; waiting.length > 0 && steps < operations.length ** 2; steps += 1) {
     const from = waiting.shift() ?? ''
     const end = ends.get(from) ?? 0
-    for (const relation of relations) {
-      if (relation.predecessorOperationId !== from) continue
+    for (const relation of following.get(from) ?? []) {
       const next = byId.get(relation.successorOperationId)
       const start = time(next?.plannedStart)
       const earliest = earliestStart(relation, end)

@@ -76,6 +76,15 @@ const REQUESTS_BYTES_MAX: usize = 4 * REQUEST_BYTES_MAX;
 /// Bytes of answers that the client does not take.
 const RESPONSES_BYTES_MAX: usize = 2 * limits::MESSAGE_BYTES_MAX;
 
+// Bounds on what all clients hold together: as much as one may hold, and as much again for the others.
+
+/// Values that wait to be published or acknowledged.
+const QUEUED_VALUES_OF_ALL_MAX: usize = 2 * QUEUED_VALUES_MAX;
+/// Bytes of requests that are not complete or in progress.
+const REQUESTS_BYTES_OF_ALL_MAX: usize = 4 * REQUESTS_BYTES_MAX;
+/// Bytes of answers that clients do not take.
+const RESPONSES_BYTES_OF_ALL_MAX: usize = 2 * RESPONSES_BYTES_MAX;
+
 /// The Collaborative Process Twin, ready to run.
 pub struct Twin {
     server: Server,
@@ -243,6 +252,12 @@ fn configure(config: &TwinConfig, factory_id: &FactoryId, application_uri: &str)
     bounds.max_sessions = config.limits.sessions_max;
     bounds.max_request_size = REQUEST_BYTES_MAX;
     bounds.client = client_limits(&config.limits);
+    bounds.all_clients = ClientLimits {
+        max_queued_values: QUEUED_VALUES_OF_ALL_MAX,
+        max_request_bytes: REQUESTS_BYTES_OF_ALL_MAX,
+        max_response_bytes: RESPONSES_BYTES_OF_ALL_MAX,
+        ..ClientLimits::default()
+    };
     bounds.operational.max_nodes_per_browse = BROWSED_NODES_MAX;
     bounds.operational.max_references_per_browse_node = BROWSED_REFERENCES_MAX;
     bounds.subscriptions.max_monitored_items_per_sub =

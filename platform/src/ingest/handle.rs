@@ -2,18 +2,18 @@
 
 use std::sync::Arc;
 
-use asi_model::FactoryId;
+use asi_model::{FactoryId, messages::MESSAGE_BYTES_MAX};
 use async_trait::async_trait;
 use messaging::{Delivery, LogicalAddress, Settlement};
 use parking_lot::RwLock;
-use tokio::sync::{Semaphore, mpsc, oneshot};
+use tokio::sync::{Semaphore, SemaphorePermit, mpsc, oneshot};
 use tokio_util::sync::CancellationToken;
 
 use super::{
     decode::{Incoming, decode as understand},
     known_meta_data::MetaDataTable,
     pace::{Excess, Pace, cost},
-    portion::{self, BatchPortion},
+    portion::{self, BatchPortion, PORTION_BYTES_MAX},
     quota_arbiter::QUOTA_EXCEEDED,
     room::{Room, RoomConfig},
 };
@@ -26,6 +26,9 @@ use crate::{
 const DECODED_INLINE_BYTES_MAX: usize = 64 * 1024;
 /// Unpacked bytes of all senders' messages that are decoded at a time, until they are written.
 const DECODED_BYTES_MAX: usize = 8 * 1024 * 1024;
+/// Unpacked bytes of the largest portion: one that is full but for a byte takes one message more.
+const PORTION_HELD_MAX: u32 = 1280 * 1024;
+const _: () = assert!(PORTION_HELD_MAX as usize == PORTION_BYTES_MAX + MESSAGE_BYTES_MAX);
 
 /// Brings messages to a running [`Ingest`](super::Ingest).
 #[derive(Clone)]
@@ -69,9 +72,14 @@ impl messaging::Inbox for IngestHandle {
         let mut settlements = Vec::with_capacity(deliveries.len());
         let mut batch = deliveries.into_iter();
         while batch.len() > 0 {
+            // Before it is unpacked: what waits for room here is as small as it came.
+            let Ok(mut held) = self.decoded.acquire_many(PORTION_HELD_MAX).await else { break };
             let portion = portion::next(&mut batch);
             let count = portion.messages.len();
-            let stored = self.take_in(address, portion, lacking.as_ref()).await;
+            let bytes = u32::try_from(portion.bytes).unwrap_or(PORTION_HELD_MAX);
+            // What it does not take is there for others.
+            drop(held.split(PORTION_HELD_MAX.saturating_sub(bytes.max(1)) as usize));
+            let stored = self.take_in(address, portion, lacking.as_ref(), held).await;
             let is_whole = stored.len() == count && !stored.contains(&false);
             settlements.extend(stored.into_iter().map(|is_stored| match is_stored {
                 true => Settlement::Accept,
@@ -128,16 +136,14 @@ impl IngestHandle {
     }
 
     /// Decodes and writes a portion; `lacking` says why its sender may add nothing. Returns for each message whether
-    /// it is written, and for none what cannot be done at the moment.
+    /// it is written, and for none what cannot be done at the moment. `held` is its room among what is decoded.
     async fn take_in(
         &self,
         address: &LogicalAddress,
         portion: BatchPortion,
         lacking: Option<&String>,
+        held: SemaphorePermit<'_>,
     ) -> Vec<bool> {
-        let bytes = portion.bytes.clamp(1, DECODED_BYTES_MAX);
-        let bytes = u32::try_from(bytes).expect("the bound is some millions");
-        let Ok(held) = self.decoded.acquire_many(bytes).await else { return Vec::new() };
         let Some(mut messages) = self.understand(address, portion).await else {
             return Vec::new();
         };

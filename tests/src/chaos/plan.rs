@@ -96,12 +96,7 @@ impl Fault {
     pub fn ends_the_platforms_link(self) -> bool {
         matches!(
             self,
-            Self::KillPlatform
-                | Self::KillAll
-                | Self::RestartBroker
-                | Self::PlatformClock(_)
-                | Self::FullDisk(PLATFORM, _)
-                | Self::PausePlatform(_)
+            Self::KillPlatform | Self::KillAll | Self::RestartBroker | Self::FullDisk(PLATFORM, _)
         )
     }
 

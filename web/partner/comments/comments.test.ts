@@ -1,10 +1,12 @@
 import { render, screen } from '@testing-library/svelte'
 import userEvent from '@testing-library/user-event'
 import { afterEach, beforeEach, expect, it, vi } from 'vitest'
+import { Resource } from '@/transport/resource.svelte'
 import { session } from '@/transport/session.svelte'
 import { serve } from '../../vitest.server'
 import type { CommentEntry, DynamicDataRequest } from '../api/types'
 import CommentButton from './CommentButton.svelte'
+import { commentsOf } from './network-comments'
 
 const request = {
   dynamicDataRequestId: 'r',
@@ -37,17 +39,37 @@ afterEach(() => {
 })
 
 it('what a factory writes is read beside the request, and answered', async () => {
-  const items = [comment({}), comment({ commentId: 'c2', dynamicDataRequestId: 'other' })]
   const log = serve({
-    [`GET ${PATH}`]: () => ({ items }),
+    [`GET ${PATH}`]: ({ path }) =>
+      path.includes('cursor=c1')
+        ? { items: [comment({ commentId: 'c2', text: 'Now we do.' })] }
+        : {
+            items: [
+              comment({ commentId: 'c0', dynamicDataRequestId: 'other' }),
+              comment({ commentId: 'c00', factoryId: 'INS_HAM' }),
+              comment({}),
+            ],
+            nextCursor: 'c1',
+          },
     [`POST ${PATH}`]: () => comment({ commentId: 'c3', isFromFactory: false }),
   })
-  const props = { networkId: 'n', operationName: 'Mill', factoryId: 'FOR_MUC', request }
-  render(CommentButton, props)
-  await userEvent.click(await screen.findByRole('button', { name: 'Comments: r' }))
+  const comments = new Resource((signal) => commentsOf('n', signal))
+  void comments.refresh()
+  render(CommentButton, {
+    networkId: 'n',
+    comments,
+    operationName: 'Mill',
+    factoryId: 'FOR_MUC',
+    request,
+  })
+  const button = await screen.findByRole('button', { name: 'Comments: r' })
+  await vi.waitFor(() => {
+    expect(button.textContent.trim()).toBe('2 comments')
+  })
+  await userEvent.click(button)
   await screen.findByText('We measure it next week.')
-  screen.getByText('eva@FOR_MUC')
-  expect(screen.getAllByRole('listitem')).toHaveLength(1)
+  expect(screen.getAllByText('eva@FOR_MUC')).toHaveLength(2)
+  expect(screen.getAllByRole('listitem')).toHaveLength(2)
   await userEvent.selectOptions(screen.getByLabelText('About'), 'made')
   await userEvent.type(screen.getByLabelText(/^Your comment/), 'Thank you')
   await userEvent.click(screen.getByRole('button', { name: 'Send' }))

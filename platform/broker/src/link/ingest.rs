@@ -84,11 +84,15 @@ pub(crate) async fn ingest(
         let answered = match received {
             Ok(delivery) => {
                 let (info, body) = delivery.into_parts();
-                let taken = tokio::select! {
-                    () = cut.cancelled() => return,
-                    taken = store(&core, &queue, &publisher, &order, body) => taken,
+                let answered = async {
+                    let taken = store(&core, &queue, &publisher, &order, body).await;
+                    answer(&receiver, info, taken, &mut pending).await
                 };
-                answer(&receiver, info, taken, &mut pending).await
+                // A publisher that reads nothing must not outlast its right to send.
+                tokio::select! {
+                    () = cut.cancelled() => return,
+                    answered = answered => answered,
+                }
             }
             Err(RecvError::MessageDecode(undecodable)) => {
                 count_refused("decode", 1);

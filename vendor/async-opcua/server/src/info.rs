@@ -93,7 +93,7 @@ pub struct ServerInfo {
     pub certificate_validator: Option<Arc<dyn crate::CertificateValidator>>,
     /// Who is told about secure channels and sessions.
     pub session_observer: Option<Arc<dyn crate::SessionObserver>>,
-    /// What clients hold.
+    /// Shares of clients in all that lasts.
     pub(crate) client_shares: crate::shares::ClientShares,
 }
 

@@ -191,6 +191,7 @@ impl Server {
             certificate_validator: builder.certificate_validator,
             client_shares: ClientShares::new(
                 config.limits.client,
+                config.limits.all_clients,
                 builder.session_observer.clone(),
             ),
             session_observer: builder.session_observer,

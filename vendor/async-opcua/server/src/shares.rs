@@ -16,7 +16,7 @@ use opcua_types::StatusCode;
 
 use crate::{authenticator::UserToken, ClientLimits, SessionObserver};
 
-/// Who has a share.
+/// Identity by which clients are told apart for their shares.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum ClientKey {
     /// A user, by its token.
@@ -42,7 +42,7 @@ impl ClientKey {
     }
 }
 
-/// What clients have shares of.
+/// Resource of the server that clients have shares of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SharedResource {
     /// Activated sessions.
@@ -113,14 +113,20 @@ impl SharedResource {
 /// The shares of all clients that hold something.
 pub(crate) struct ClientShares {
     limits: ClientLimits,
+    all: Arc<Total>,
     observer: Option<Arc<dyn SessionObserver>>,
     clients: Mutex<HashMap<ClientKey, Weak<ClientShare>>>,
 }
 
 impl ClientShares {
-    pub(crate) fn new(limits: ClientLimits, observer: Option<Arc<dyn SessionObserver>>) -> Self {
+    pub(crate) fn new(
+        limits: ClientLimits,
+        all: ClientLimits,
+        observer: Option<Arc<dyn SessionObserver>>,
+    ) -> Self {
         Self {
             limits,
+            all: Arc::new(Total::new(all)),
             observer,
             clients: Mutex::default(),
         }
@@ -135,28 +141,58 @@ impl ClientShares {
         clients.retain(|_, share| share.strong_count() > 0);
         let share = Arc::new(ClientShare {
             key: key.clone(),
-            limits: self.limits,
+            own: Total::new(self.limits),
+            all: self.all.clone(),
             observer: self.observer.clone(),
-            used: Default::default(),
         });
         clients.insert(key, Arc::downgrade(&share));
         share
     }
 }
 
-/// What one client holds.
+/// Sums of what is held, with their limits.
+#[derive(Debug)]
+struct Total {
+    limits: ClientLimits,
+    used: [AtomicUsize; RESOURCES],
+}
+
+impl Total {
+    fn new(limits: ClientLimits) -> Self {
+        Self {
+            limits,
+            used: Default::default(),
+        }
+    }
+
+    fn add(&self, resource: SharedResource, amount: usize) -> bool {
+        let limit = resource.limit(&self.limits);
+        self.used[resource as usize]
+            .fetch_update(Ordering::AcqRel, Ordering::Acquire, |used| {
+                let sum = used.checked_add(amount)?;
+                (limit == 0 || sum <= limit).then_some(sum)
+            })
+            .is_ok()
+    }
+
+    fn sub(&self, resource: SharedResource, amount: usize) {
+        self.used[resource as usize].fetch_sub(amount, Ordering::AcqRel);
+    }
+}
+
+/// Share of one client: its own sums, which are also part of those of all clients.
 pub(crate) struct ClientShare {
     key: ClientKey,
-    limits: ClientLimits,
+    own: Total,
+    all: Arc<Total>,
     observer: Option<Arc<dyn SessionObserver>>,
-    used: [AtomicUsize; RESOURCES],
 }
 
 impl fmt::Debug for ClientShare {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("ClientShare")
             .field("key", &self.key)
-            .field("used", &self.used)
+            .field("own", &self.own)
             .finish()
     }
 }
@@ -186,21 +222,22 @@ impl ClientShare {
     }
 
     fn add(&self, resource: SharedResource, amount: usize) -> bool {
-        let limit = resource.limit(&self.limits);
-        let added = self.used[resource as usize].fetch_update(
-            Ordering::AcqRel,
-            Ordering::Acquire,
-            |used| {
-                let sum = used.checked_add(amount)?;
-                (limit == 0 || sum <= limit).then_some(sum)
-            },
-        );
-        if added.is_err() {
+        let is_within_own = self.own.add(resource, amount);
+        let is_added = is_within_own && self.all.add(resource, amount);
+        if is_within_own && !is_added {
+            self.own.sub(resource, amount);
+        }
+        if !is_added {
             if let Some(observer) = &self.observer {
                 observer.share_exhausted(&self.key, resource);
             }
         }
-        added.is_ok()
+        is_added
+    }
+
+    fn sub(&self, resource: SharedResource, amount: usize) {
+        self.own.sub(resource, amount);
+        self.all.sub(resource, amount);
     }
 }
 
@@ -228,8 +265,7 @@ impl Held {
                 return false;
             }
         } else {
-            self.share.used[self.resource as usize]
-                .fetch_sub(self.amount - amount, Ordering::AcqRel);
+            self.share.sub(self.resource, self.amount - amount);
         }
         self.amount = amount;
         true
@@ -262,7 +298,7 @@ mod tests {
             max_sessions,
             ..ClientLimits::default()
         };
-        ClientShares::new(limits, None)
+        ClientShares::new(limits, ClientLimits::default(), None)
     }
 
     fn user(name: &str) -> ClientKey {
@@ -281,6 +317,32 @@ mod tests {
         assert!(vera.take(SharedResource::Subscriptions, 1000).is_ok());
         drop(first);
         assert!(vera.take(SharedResource::Sessions, 2).is_ok());
+    }
+
+    #[test]
+    fn all_clients_together_have_a_limit_that_none_of_them_keeps_from_the_others_alone() {
+        let own = ClientLimits {
+            max_queued_values: 3,
+            ..ClientLimits::default()
+        };
+        let all = ClientLimits {
+            max_queued_values: 5,
+            ..ClientLimits::default()
+        };
+        let shares = ClientShares::new(own, all, None);
+        let resource = SharedResource::QueuedValues;
+        let (vera, otto) = (shares.of(user("vera")), shares.of(user("otto")));
+        let of_vera = vera.take(resource, 3).unwrap();
+        assert!(vera.take(resource, 1).is_err(), "its own share");
+        let mut of_otto = otto.take(resource, 2).unwrap();
+        assert!(!of_otto.resize(3), "all together");
+        // What was refused is held by none of both sums.
+        drop(of_vera);
+        assert!(of_otto.resize(3));
+        let third = shares.of(user("anna")).take(resource, 2);
+        assert!(third.is_ok() && vera.take(resource, 1).is_err());
+        drop((third, of_otto));
+        assert!(vera.take(resource, 3).is_ok());
     }
 
     #[test]

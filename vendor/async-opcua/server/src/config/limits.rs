@@ -48,6 +48,9 @@ pub struct Limits {
     /// Limits on what one client holds.
     #[serde(default)]
     pub client: ClientLimits,
+    /// Limits on what all clients hold together.
+    #[serde(default)]
+    pub all_clients: ClientLimits,
 }
 
 impl Limits {
@@ -78,6 +81,7 @@ impl Default for Limits {
             max_sessions: defaults::max_sessions(),
             max_request_size: 0,
             client: ClientLimits::default(),
+            all_clients: ClientLimits::default(),
         }
     }
 }

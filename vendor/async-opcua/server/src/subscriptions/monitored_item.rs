@@ -1168,7 +1168,7 @@ pub(super) mod tests {
             max_queued_values: 2,
             ..ClientLimits::default()
         };
-        let shares = ClientShares::new(limits, None);
+        let shares = ClientShares::new(limits, ClientLimits::default(), None);
         let share = shares.of(ClientKey::User("vera".to_owned()));
         let start = DateTime::now();
         let item = |share: &std::sync::Arc<ClientShare>| {

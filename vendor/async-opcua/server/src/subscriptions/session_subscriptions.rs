@@ -901,7 +901,7 @@ mod tests {
             max_queued_values: 5,
             ..ClientLimits::default()
         };
-        let share = ClientShares::new(limits, None).of(ClientKey::User("vera".to_owned()));
+        let share = ClientShares::new(limits, ClientLimits::default(), None).of(ClientKey::User("vera".to_owned()));
         let mut queue = VecDeque::<NonAckedPublish>::new();
         for (number, values) in [(1, 2), (2, 2), (3, 3), (4, 9)] {
             let value = MonitoredItemNotification {

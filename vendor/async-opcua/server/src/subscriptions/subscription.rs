@@ -1095,7 +1095,7 @@ mod tests {
             max_queued_values: 5,
             ..ClientLimits::default()
         };
-        let shares = ClientShares::new(limits, None);
+        let shares = ClientShares::new(limits, ClientLimits::default(), None);
         let share = shares.of(ClientKey::User("vera".to_owned()));
         let mut sub = Subscription::new(1, true, Duration::from_millis(100), 100, 20, 1, 100, 1000);
         sub.set_place(Some(share.none_of(SharedResource::Subscriptions)));
