@@ -60,12 +60,20 @@ const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 /// shutdown.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(5);
 
+/// Connections that wait to be accepted. Beyond it Linux drops what comes, and who comes next tries again after a
+/// second only: with the library's 128 a crowd that comes again and again keeps out everybody else for that long. It
+/// allows 4 096 as a rule.
+const ACCEPT_QUEUE: i32 = 4096;
+
 /// Binds the address; port 0 takes a free one.
 ///
 /// # Errors
 /// [`ServerError::Listen`].
 pub async fn listen(address: SocketAddr) -> Result<TcpListener, ServerError> {
-    TcpListener::bind(address).await.map_err(|source| ServerError::Listen { address, source })
+    let failed = |source| ServerError::Listen { address, source };
+    let listener = TcpListener::bind(address).await.map_err(failed)?;
+    rustix::net::listen(&listener, ACCEPT_QUEUE).map_err(|error| failed(error.into()))?;
+    Ok(listener)
 }
 
 impl TlsFiles {

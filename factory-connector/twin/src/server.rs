@@ -219,9 +219,14 @@ impl NodeManagerBuilder for HostBuilder {
     }
 }
 
+/// Connections that wait to be accepted: the library's 128 are full as soon as a crowd comes, and Linux drops whoever
+/// comes next, who tries again after a second only.
+const ACCEPT_QUEUE: i32 = 4096;
+
 fn listen(config: &TwinConfig) -> Result<(TcpListener, SocketAddr), TwinError> {
     let failed = |source| TwinError::Listen { address: config.listen, source };
     let listener = TcpListener::bind(config.listen).map_err(failed)?;
+    rustix::net::listen(&listener, ACCEPT_QUEUE).map_err(|error| failed(error.into()))?;
     listener.set_nonblocking(true).map_err(failed)?;
     let address = listener.local_addr().map_err(failed)?;
     Ok((listener, address))

@@ -14,6 +14,15 @@ pub struct SequenceGap {
     pub last_sequence: u32,
 }
 
+impl SequenceGap {
+    /// Returns true where the report is missing in it.
+    #[must_use]
+    pub fn has(&self, row: &ReportRow) -> bool {
+        (row.data_set_writer_id, row.epoch) == (self.data_set_writer_id, self.epoch)
+            && (self.first_sequence..=self.last_sequence).contains(&row.sequence)
+    }
+}
+
 /// Joins the rows' sequence numbers into as few gaps as possible, ordered by writer, epoch and
 /// sequence.
 #[must_use]

@@ -49,6 +49,10 @@ impl BoundListener {
     }
 }
 
+/// Connections that wait to be accepted: the library's 128 are full as soon as a crowd comes, and Linux drops whoever
+/// comes next, who tries again after a second only.
+const ACCEPT_QUEUE: i32 = 4096;
+
 /// Binds all listeners and loads their certificates.
 pub(crate) async fn bind(listeners: &[Listener]) -> Result<Vec<BoundListener>, BrokerError> {
     let mut bound = Vec::with_capacity(listeners.len());
@@ -56,6 +60,7 @@ pub(crate) async fn bind(listeners: &[Listener]) -> Result<Vec<BoundListener>, B
         let tls = config.tls.as_ref().map(tls_acceptor).transpose()?;
         let failed = |source| BrokerError::Listen { address: config.address, source };
         let listener = TcpListener::bind(config.address).await.map_err(failed)?;
+        SockRef::from(&listener).listen(ACCEPT_QUEUE).map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
         bound.push(BoundListener { listener, address, tls, carrier: config.carrier });
     }

@@ -1,8 +1,11 @@
-//! Memory of a process, as Linux counts it.
+//! Memory of a process and its time on processors, as Linux counts them.
 
-use std::fs;
+use std::{fs, time::Duration};
 
 use anyhow::Context as _;
+
+/// Unit in which Linux counts the time of processors for programs.
+const TICK_MILLIS: u64 = 10;
 
 /// Memory of a process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,6 +63,13 @@ impl Memory {
         self.line("VmHWM:")
     }
 
+    /// Returns the time of processors that it has used since it began.
+    pub(super) fn processor_time(self) -> anyhow::Result<Duration> {
+        let stat = fs::read_to_string(format!("/proc/{}/stat", self.0))
+            .context("reading the times of a process")?;
+        processor_time_of(&stat).context("a process has times")
+    }
+
     fn line(self, name: &str) -> anyhow::Result<u64> {
         let status = fs::read_to_string(format!("/proc/{}/status", self.0))
             .context("reading the memory of a process")?;
@@ -69,7 +79,27 @@ impl Memory {
     }
 }
 
+/// Returns the time of processors in a line of `/proc/*/stat`: of the program, and of the kernel on its behalf.
+pub(super) fn processor_time_of(stat: &str) -> Option<Duration> {
+    // The name may have spaces. Behind it the state is the third field; the times are the 14th and the 15th.
+    let (_, rest) = stat.rsplit_once(')')?;
+    let mut times = rest.split_whitespace().skip(11).map(str::parse::<u64>);
+    let ticks = times.next()?.ok()? + times.next()?.ok()?;
+    Some(Duration::from_millis(ticks * TICK_MILLIS))
+}
+
 /// Returns whole mebibytes.
 pub(super) const fn mib(bytes: u64) -> u64 {
     bytes >> 20
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_of_processors_are_read_behind_a_name_with_spaces() {
+        let stat = "7 (an (odd) name) S 1 7 7 0 -1 4194560 1 2 3 4 250 50 0 0 20 0 1 0 100";
+        assert_eq!(processor_time_of(stat), Some(Duration::from_secs(3)));
+    }
 }

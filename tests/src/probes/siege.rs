@@ -3,6 +3,7 @@
 //! Honest requests of each kind stay under ten times their usual time, and each single one under a bound; the memory of
 //! each process stays bounded, none ends, and afterwards the memory of each comes back.
 
+mod attackers;
 mod crowd;
 mod honest;
 mod judgement;
@@ -13,9 +14,9 @@ use std::{
     time::{Duration, Instant},
 };
 
+use attackers::Attackers;
 use crowd::{CROWD, CROWD_BEHIND_LAYERS, Count, Crowd, Tally};
 use honest::{Honest, Kind};
-use tokio::task::JoinSet;
 
 use super::{
     amqp,
@@ -45,12 +46,12 @@ pub(super) async fn run(scene: &mut Scene) -> anyhow::Result<()> {
     let watched = judgement::watched(scene)?;
     let (mut siege, tally, _relay) = besiege(scene).await?;
     tokio::time::sleep(Duration::from_secs(5)).await;
-    let (under, failed) = honest.ask(Some(Instant::now() + SPAN)).await;
-    let mut faults = Vec::new();
-    if let Some(ended) = siege.try_join_next() {
-        faults.push(format!("a part of the siege ended: {ended:?}"));
-    }
-    siege.shutdown().await;
+    let begun = Instant::now();
+    let (under, failed) = honest.ask(Some(begun + SPAN)).await;
+    let mut faults = Vec::from_iter(siege.ended());
+    let (used, span) = (siege.processor_time(), begun.elapsed());
+    say(&format!("  processors: {used:.0?} for the attackers, of {span:.0?} on each"));
+    siege.leave().await;
     faults.extend(tally.judge());
     faults.extend(judgement::of_times(&Kind::ALL.map(Kind::name), &usual, &under));
     faults.extend(failed.into_iter().map(|error| format!("under siege: {error}")));
@@ -63,8 +64,8 @@ pub(super) async fn run(scene: &mut Scene) -> anyhow::Result<()> {
 }
 
 /// Begins all attacks. They go on until the set is dropped; the tally says how many there were.
-async fn besiege(scene: &Scene) -> anyhow::Result<(JoinSet<()>, Tally, Relay)> {
-    let (mut siege, mut tally) = (JoinSet::new(), Tally::default());
+async fn besiege(scene: &Scene) -> anyhow::Result<(Attackers, Tally, Relay)> {
+    let (mut siege, mut tally) = (Attackers::gather()?, Tally::default());
     for crowd in crowds(scene)? {
         crowd.gather(&mut siege, &mut tally);
     }
@@ -117,7 +118,7 @@ fn crowds(scene: &Scene) -> anyhow::Result<Vec<Crowd>> {
 }
 
 /// Sign-ins, enrolments, and documents that are too large or too deep, at both programs with pages.
-fn flood_pages(scene: &Scene, siege: &mut JoinSet<()>, tally: &mut Tally) {
+fn flood_pages(scene: &Scene, siege: &mut Attackers, tally: &mut Tally) {
     let places = &scene.world.places;
     let pages = [("platform", places.platform_web), ("connector", places.munich.connector_web)];
     for (program, port) in pages {
@@ -137,7 +138,7 @@ fn flood_pages(scene: &Scene, siege: &mut JoinSet<()>, tally: &mut Tally) {
     }
 }
 
-fn flood_the_broker(scene: &Scene, siege: &mut JoinSet<()>, tally: &mut Tally) {
+fn flood_the_broker(scene: &Scene, siege: &mut Attackers, tally: &mut Tally) {
     let port = scene.world.places.broker_plain;
     let sign_ins = tally.count("guesses at the broker".to_owned(), GUESSES_MIN);
     for n in 1..=10 {
@@ -154,11 +155,11 @@ fn flood_the_broker(scene: &Scene, siege: &mut JoinSet<()>, tally: &mut Tally) {
 /// Guesses come through a relay, since the library chooses the address of a client; it is to live as long as they do.
 async fn flood_the_twin(
     scene: &Scene,
-    siege: &mut JoinSet<()>,
+    siege: &mut Attackers,
     tally: &mut Tally,
 ) -> anyhow::Result<Relay> {
     let twin = Route::hostile(scene.world.places.munich.twin);
-    let relay = Relay::along(twin).await?;
+    let relay = siege.prepare(Relay::along(twin)).await??;
     let url = relay.route().opcua_url();
     let guesses = tally.count("guesses at the OPC UA server".to_owned(), TWIN_GUESSES_MIN);
     for number in 0..TWIN_GUESSERS {

@@ -98,3 +98,33 @@ async fn an_announcement_that_was_lost_comes_again_with_its_cause() {
     assert_eq!(unsettled_gaps(&running, &made).await, Vec::<(u32, u32)>::new());
     running.close().await;
 }
+
+/// A report that the spool gives up for want of room while it is on the wire has left all the same. Where the platform
+/// lacks it nevertheless, the cause is the one that was announced: nothing was revoked.
+#[tokio::test]
+async fn what_was_given_up_while_it_left_and_is_missing_keeps_its_cause() {
+    let running = Running::with_two_open_fields().await;
+    for number in 1..=3 {
+        running.enter_both(number).await;
+    }
+    let rows = running.fetch(Lane::Reports).await;
+    let made = reports(&rows[0])[0].clone();
+    let mut beside = connect(&running.folder).await;
+    let writer = made.writer;
+    for given_up in [
+        format!("UPDATE report SET state = 'DONE' WHERE writer_id = {writer} AND sequence = 1"),
+        format!(
+            "INSERT INTO announced_gap VALUES ({writer}, {}, 1, 1, 'COALESCED', 0)",
+            made.epoch
+        ),
+    ] {
+        sqlx::query(&given_up).execute(&mut beside).await.expect("as without room");
+    }
+    running.accept(&rows).await;
+    running.receipt_without(&made, 2, &[1]).await;
+    let again = gaps(&running).await;
+    assert_eq!(again.iter().map(|gap| &gap["cause"]).collect::<Vec<_>>(), ["COALESCED"]);
+    let entries = running.entries("acme").await;
+    assert!(entries.iter().all(|entry| entry["event"] != "PURGED"), "{entries:?}");
+    running.close().await;
+}

@@ -121,7 +121,7 @@ pub fn record_receipt(
         changes.effects.resent_report_count += resend.len() as u64;
         changes.merge(resend_reports(ids_of(&resend)));
     }
-    end_reports(state, &mut changes, &revoked, GapCause::Revoked, now);
+    end_revoked(state, &mut changes, &revoked, gaps, now);
     if !effect.reopen.is_empty() {
         changes.effects.resent_report_count += effect.reopen.len() as u64;
         changes.effects.link.is_spool_rewound = true;
@@ -131,6 +131,32 @@ pub fn record_receipt(
         announce(state, &mut changes, &lost, cause, now);
     }
     changes
+}
+
+/// Ends reports that were sent, that the platform lacks, and that are not sent again. One that was given up while it was
+/// leaving has a cause already, which the ledger states and which was announced: it is announced once more.
+fn end_revoked(
+    state: &mut ConnectorState,
+    changes: &mut ChangeSet,
+    revoked: &[WaitingRow],
+    announced: &[AnnouncedGapRow],
+    now: DateTime,
+) {
+    use GapCause::{Coalesced, Expired, Revoked, Withdrawn};
+
+    let cause_of = |waiting: &WaitingRow| {
+        let known = announced.iter().find(|known| known.gap.has(&waiting.row));
+        known.map(|known| known.cause)
+    };
+    for cause in [None, Some(Expired), Some(Coalesced), Some(Withdrawn), Some(Revoked)] {
+        let rows: Vec<_> =
+            revoked.iter().filter(|waiting| cause_of(waiting) == cause).cloned().collect();
+        match cause {
+            Some(cause) if !rows.is_empty() => finish(state, changes, &rows, cause, now),
+            Some(_) => {}
+            None => end_reports(state, changes, &rows, Revoked, now),
+        }
+    }
 }
 
 /// Returns lost sequence numbers with the cause that was announced of them. What the spool removed long

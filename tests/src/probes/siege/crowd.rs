@@ -12,10 +12,10 @@ use std::{
 
 use tokio::{
     io::{AsyncReadExt as _, AsyncWriteExt as _},
-    task::JoinSet,
     time::timeout,
 };
 
+use super::attackers::Attackers;
 use crate::{
     harness::say,
     probes::entrance::{Entrance, Wire},
@@ -100,7 +100,7 @@ pub(super) struct Crowd {
 
 impl Crowd {
     /// Lets the connections come from many addresses, and come again.
-    pub fn gather(self, siege: &mut JoinSet<()>, tally: &mut Tally) {
+    pub fn gather(self, siege: &mut Attackers, tally: &mut Tally) {
         let Self { name, entrance, slow, size, open_min } = self;
         let made = tally.count(name.clone(), u64::from(size));
         // A server may end them: the longest of them show how long it bears them.

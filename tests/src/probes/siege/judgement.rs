@@ -102,6 +102,8 @@ pub(super) struct Watched {
     name: String,
     memory: Memory,
     before: u64,
+    /// Time of processors that it had used before.
+    used: Duration,
 }
 
 /// Returns all processes of a world: the programs, and those that they have started.
@@ -116,7 +118,8 @@ pub(super) fn watched(scene: &mut Scene) -> anyhow::Result<Vec<Watched>> {
     }
     let watch = |(name, memory): (String, Memory)| {
         memory.reset_peak()?;
-        Ok(Watched { name, memory, before: memory.resident()? })
+        let (before, used) = (memory.resident()?, memory.processor_time()?);
+        Ok(Watched { name, memory, before, used })
     };
     all.into_iter().map(watch).collect()
 }
@@ -126,12 +129,13 @@ pub(super) fn watched(scene: &mut Scene) -> anyhow::Result<Vec<Watched>> {
 pub(super) async fn of_memory(watched: &[Watched]) -> Vec<String> {
     let deadline = Deadline::after(RELIEF);
     let mut faults = Vec::new();
-    for Watched { name, memory, before } in watched {
+    for Watched { name, memory, before, used } in watched {
         // A supervisor starts a broker or a worker again that has crashed: as another process.
         let Ok(peak) = memory.peak() else {
             faults.push(format!("{name} ended"));
             continue;
         };
+        let used = memory.processor_time().unwrap_or_default().saturating_sub(*used);
         let allowed = before + KEPT_MAX;
         let mut after = memory.resident().unwrap_or_default();
         while after > allowed && !deadline.has_passed() {
@@ -139,7 +143,7 @@ pub(super) async fn of_memory(watched: &[Watched]) -> Vec<String> {
             after = memory.resident().unwrap_or_default();
         }
         say(&format!(
-            "  {name}: {} MiB before, {} MiB at most, {} MiB after the siege",
+            "  {name}: {} MiB before, {} MiB at most, {} MiB after the siege, {used:.0?} of processors",
             mib(*before),
             mib(peak),
             mib(after)
