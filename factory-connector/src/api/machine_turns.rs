@@ -3,7 +3,10 @@
 
 use std::{collections::HashMap, sync::Arc, time::Duration};
 
-use daemon::web::{Problem, shares::count_refusal};
+use daemon::web::{
+    Problem,
+    shares::{ShareOwner, count_refusal},
+};
 use parking_lot::Mutex;
 use shop_floor::SourceId;
 use tokio::{
@@ -60,7 +63,7 @@ impl MachineTurns {
     /// time.
     pub async fn take(&self, source: &SourceId, person: &str) -> Result<MachineTurn, Problem> {
         let refused = |detail| {
-            count_refusal("machine_requests", person);
+            count_refusal("machine_requests", ShareOwner::Person(person));
             Problem::too_many(detail, RETRY_AFTER)
         };
         let (place, turns) = self.place(source, person).ok_or_else(|| {
