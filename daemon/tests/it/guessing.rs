@@ -95,6 +95,23 @@ async fn strangers_do_not_lock_out_a_person_at_the_usual_place() {
 }
 
 #[tokio::test]
+async fn four_clients_cannot_take_all_places_before_a_sign_in() {
+    let harness = behind_proxy().await;
+    let attempts = (0..64_u16).map(|number| {
+        let (user, harness) = (format!("user{number}"), &harness);
+        async move { attempt(harness, elsewhere(number % 4), &user, "wrong").await }
+    });
+    let fifth = async {
+        // Until they have all that they may have.
+        tokio::time::sleep(Duration::from_millis(100)).await;
+        attempt(&harness, elsewhere(99), "ann", "correct horse").await
+    };
+    let (statuses, fifth) = tokio::join!(join_all(attempts), fifth);
+    assert_eq!(fifth, 200);
+    assert!(statuses.iter().all(|status| [401, 503].contains(status)), "{statuses:?}");
+}
+
+#[tokio::test]
 async fn endless_names_are_refused_and_leave_nothing_behind() {
     let harness = behind_proxy().await;
     assert_eq!(attempt(&harness, neighbour(1), &"x".repeat(1024 * 1024), "wrong").await, 413);
