@@ -252,8 +252,16 @@ impl Harness {
         limits: ListenerLimits,
         change: impl FnOnce(&mut SessionConfig, &mut TrustedProxies),
     ) -> Self {
+        Self::start_on(Memory::default(), limits, change).await
+    }
+
+    /// Starts on accounts of before.
+    pub async fn start_on(
+        memory: Memory,
+        limits: ListenerLimits,
+        change: impl FnOnce(&mut SessionConfig, &mut TrustedProxies),
+    ) -> Self {
         drop(rustls::crypto::ring::default_provider().install_default());
-        let memory = Memory::default();
         let hash = PasswordHash::of(&"correct horse".into(), PasswordPolicy::default())
             .expect("long enough");
         memory.users.lock().insert("ann".into(), hash);
