@@ -12,6 +12,7 @@
 //! - [`telemetry`]: logs and metrics.
 //! - [`notices`]: what others wrote, with the licences.
 //! - [`confidential`]: values that must never reach a log.
+//! - [`turns`]: so many of one name at a time.
 //! - [`web`]: problem documents, sessions, security headers, embedded pages, live events, health.
 //!
 //! Independent of the purpose of either daemon.
@@ -27,6 +28,7 @@ pub mod notices;
 pub mod plaintext;
 pub mod sealing;
 pub mod telemetry;
+pub mod turns;
 pub mod web;
 
 pub use confidential::Confidential;

@@ -37,7 +37,7 @@ use daemon::web::{
     self, Problem,
     api::{Operations, Shell},
     problem::ProblemFault,
-    shares::{downloads, read_in_turn, streams},
+    shares::{downloads, in_turn, streams},
 };
 use utoipa::OpenApi;
 use utoipa_axum::{router::OpenApiRouter, routes};
@@ -88,10 +88,11 @@ fn operations() -> Operations<Application> {
     Operations { guarded: guarded(), open: open() }
 }
 
-/// Operations that need a session. What lasts has shares of its own; all else that reads comes in turns.
+/// Operations that need a session. What lasts has shares of its own, and exports read in turns a portion at a time; all
+/// else comes in turns, to read or to change.
 fn guarded() -> OpenApiRouter<Application> {
     in_turns()
-        .route_layer(middleware::from_fn(read_in_turn))
+        .route_layer(middleware::from_fn(in_turn))
         .routes(downloads(routes!(accesses::export)))
         .routes(downloads(routes!(audit::export)))
         .routes(streams(routes!(live::stream)))

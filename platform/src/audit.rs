@@ -94,6 +94,12 @@ impl RecordingStore {
         self.store.reader()
     }
 
+    /// Returns what reads for enrolments and for the users of the broker: it waits for no reads of pages.
+    #[must_use]
+    pub fn reserved_reader(&self) -> StoreReader {
+        self.store.reserved_reader()
+    }
+
     /// Closes all connections; what is committed stays.
     pub async fn close(&self) {
         self.store.close().await;

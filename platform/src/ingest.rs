@@ -23,6 +23,7 @@ mod signature_arbiter;
 mod signatures;
 mod signs_of_life;
 mod unit;
+mod used_up;
 
 pub use decode::{Incoming, IncomingReport, decode};
 pub use handle::IngestHandle;

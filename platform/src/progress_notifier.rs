@@ -85,7 +85,8 @@ impl ProgressNotifier {
     }
 
     async fn publish_progress(&mut self, id: &OperationNetworkId) -> Result<(), StoreError> {
-        let mut work = self.store.read().await?;
+        // One network at a time, by a reader that no page waits for.
+        let mut work = self.store.reserved_reader().read().await?;
         let Some(row) = work.networks().lookup(&Scope::Platform, id).await? else { return Ok(()) };
         let recipients: BTreeSet<&OrganisationId> =
             row.network.requests().flat_map(|(_, _, request)| &request.recipient_list).collect();

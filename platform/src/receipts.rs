@@ -67,7 +67,7 @@ impl Receipter {
     /// [`StoreError`].
     pub async fn round(&self) -> Result<usize, StoreError> {
         // A reader first: most rounds find nothing, and there is only one writer.
-        if !self.store.read().await?.writers().is_receipt_due().await? {
+        if !self.store.reserved_reader().read().await?.writers().is_receipt_due().await? {
             return Ok(0);
         }
         let now = self.clock.now();

@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use asi_model::{DateTime, OrganisationId};
-use daemon::web::shares::count_refusal;
+use daemon::web::shares::{ShareOwner, count_refusal};
 use tokio_util::sync::CancellationToken;
 
 use crate::{
@@ -129,7 +129,7 @@ impl Retention {
         let mut work = self.store.begin().await?;
         let (forgotten, beyond) = work.audit().forget(kept, ROWS_PER_WORK_MAX).await?;
         for organisation in &beyond {
-            count_refusal(AUDIT, organisation.as_str());
+            count_refusal(AUDIT, ShareOwner::Organisation(organisation.as_str()));
             self.state(&mut work, organisation).await?;
         }
         work.commit().await?;

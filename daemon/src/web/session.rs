@@ -18,6 +18,7 @@ mod session_config;
 mod sessions;
 mod sign_in;
 mod sign_in_gate;
+mod sign_in_places;
 mod throttle;
 mod webauthn;
 

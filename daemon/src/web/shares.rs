@@ -3,13 +3,15 @@
 //!
 //! Requests draw on a bucket of their person and on one of the organisation. Downloads, which include
 //! exports, audits and verifications, and live streams hold a place until their answer has ended, and
-//! the bodies of requests their bytes until the answer begins. Operations that read a store with few
-//! readers come in turns. A refusal is a problem document (429) and a count in `verbund_share_refusals_total` that says whose.
+//! the bodies of requests their bytes until the answer begins. Operations at a store with few readers and one writer come
+//! in turns. A refusal is a problem document (429) and a count in `verbund_share_refusals_total` that says whose share
+//! was used up.
 
 mod bodies;
 mod bucket;
 mod config;
-mod read_turns;
+mod member;
+mod member_turns;
 mod refusals;
 mod routes;
 mod share;
@@ -18,10 +20,12 @@ mod usage;
 
 pub use self::{
     config::{FairShareConfig, OrganisationShare, PersonShare},
-    refusals::count_refusal,
-    routes::{downloads, hold_download, hold_stream, read_in_turn, streams},
+    member::Member,
+    member_turns::MemberTurn,
+    refusals::{ShareOwner, count_refusal},
+    routes::{OwnTurns, downloads, hold_download, hold_stream, in_turn, streams},
     share::Share,
-    usage::{FairShares, HeldShare, Member},
+    usage::{FairShares, HeldShare},
 };
 pub(crate) use bodies::hold_body;
 pub(crate) use routes::Claim;

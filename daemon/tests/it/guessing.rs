@@ -2,8 +2,9 @@
 
 use std::{net::IpAddr, time::Duration};
 
+use daemon::web::{client_address::TrustedProxies, server::ListenerLimits, session::SessionConfig};
 use futures::future::join_all;
-use reqwest::Method;
+use reqwest::{Method, header};
 use serde_json::json;
 
 use crate::harness::Harness;
@@ -16,12 +17,13 @@ const WAIT: Duration = Duration::from_secs(600);
 
 /// Starts behind a proxy on loopback, with waits that outlast the test.
 async fn behind_proxy() -> Harness {
-    Harness::start_with(|sessions, proxies| {
-        sessions.throttle.first_wait = WAIT;
-        sessions.throttle.longest_wait = WAIT;
-        proxies.ranges.push("127.0.0.0/8".parse().expect("a range"));
-    })
-    .await
+    Harness::start_with(of_proxy).await
+}
+
+fn of_proxy(sessions: &mut SessionConfig, proxies: &mut TrustedProxies) {
+    sessions.throttle.first_wait = WAIT;
+    sessions.throttle.longest_wait = WAIT;
+    proxies.ranges.push("127.0.0.0/8".parse().expect("a range"));
 }
 
 /// Signs in as a client of the proxy.
@@ -92,6 +94,45 @@ async fn strangers_do_not_lock_out_a_person_at_the_usual_place() {
     assert_eq!(answered(&harness, elsewhere).await.len(), 5);
     assert_eq!(attempt(&harness, elsewhere(99), "ann", "correct horse").await, 429);
     assert_eq!(attempt(&harness, neighbour(2), "ann", "correct horse").await, 200);
+}
+
+#[tokio::test]
+async fn the_usual_place_of_a_person_with_a_session_outlasts_a_start() {
+    let before = behind_proxy().await;
+    let sign_in = before
+        .api
+        .request(Method::POST, SESSION)
+        .header("x-forwarded-for", neighbour(1).to_string())
+        .json(&json!({ "userName": "ann", "password": "correct horse" }));
+    let answer = sign_in.send().await.expect("an answer");
+    assert_eq!(answer.status(), 200);
+    let cookie = answer.headers()[header::SET_COOKIE].to_str().expect("text").to_owned();
+    let cookie = cookie.split(';').next().expect("a cookie").to_owned();
+    let memory = before.memory.clone();
+    drop(before);
+    let after = Harness::start_on(memory, ListenerLimits::default(), of_proxy).await;
+    let page = after.api.request(Method::GET, SESSION).header(header::COOKIE, cookie);
+    assert_eq!(page.send().await.expect("an answer").status(), 200);
+    assert_eq!(answered(&after, elsewhere).await.len(), 5);
+    assert_eq!(attempt(&after, elsewhere(99), "ann", "correct horse").await, 429);
+    assert_eq!(attempt(&after, neighbour(2), "ann", "correct horse").await, 200);
+}
+
+#[tokio::test]
+async fn four_clients_cannot_take_all_places_before_a_sign_in() {
+    let harness = behind_proxy().await;
+    let attempts = (0..64_u16).map(|number| {
+        let (user, harness) = (format!("user{number}"), &harness);
+        async move { attempt(harness, elsewhere(number % 4), &user, "wrong").await }
+    });
+    let fifth = async {
+        // Until they have all that they may have.
+        tokio::time::sleep(Duration::from_millis(100)).await;
+        attempt(&harness, elsewhere(99), "ann", "correct horse").await
+    };
+    let (statuses, fifth) = tokio::join!(join_all(attempts), fifth);
+    assert_eq!(fifth, 200);
+    assert!(statuses.iter().all(|status| [401, 503].contains(status)), "{statuses:?}");
 }
 
 #[tokio::test]

@@ -34,7 +34,7 @@ use daemon::{
             PasswordPolicy, RecoveryCodes, SecondFactorBegin, SecondFactorCode, SecondFactorOffer,
             SecondFactorRemoval, SessionConfig, SessionList, Sessions, SignIn, SignedIn,
         },
-        shares::{hold_download, hold_stream, read_in_turn},
+        shares::{OwnTurns, hold_download, hold_stream, in_turn},
     },
 };
 use futures::{Stream, StreamExt as _, stream};
@@ -180,6 +180,21 @@ async fn endless_page(State(sessions): State<Sessions<Memory>>) -> &'static str 
     std::future::pending().await
 }
 
+/// Changes something, and answers with what was sent.
+async fn change(body: String) -> String {
+    body
+}
+
+/// Reads its first portion by one of the store's readers, in a turn, until nobody waits for it.
+async fn endless_export(State(sessions): State<Sessions<Memory>>, turns: OwnTurns) -> Body {
+    let readers = Arc::clone(&sessions.accounts().readers.0);
+    Body::from_stream(stream::once(async move {
+        let _turn = turns.to_read().await;
+        let _reader = readers.acquire_owned().await.expect("it is never closed");
+        std::future::pending::<Result<&'static str, Infallible>>().await
+    }))
+}
+
 /// Says something once, and is never over.
 async fn live() -> Sse<impl Stream<Item = Result<Event, Infallible>>> {
     Sse::new(stream::once(async { Ok(Event::default().data("here")) }).chain(stream::pending()))
@@ -237,8 +252,16 @@ impl Harness {
         limits: ListenerLimits,
         change: impl FnOnce(&mut SessionConfig, &mut TrustedProxies),
     ) -> Self {
+        Self::start_on(Memory::default(), limits, change).await
+    }
+
+    /// Starts on accounts of before.
+    pub async fn start_on(
+        memory: Memory,
+        limits: ListenerLimits,
+        change: impl FnOnce(&mut SessionConfig, &mut TrustedProxies),
+    ) -> Self {
         drop(rustls::crypto::ring::default_provider().install_default());
-        let memory = Memory::default();
         let hash = PasswordHash::of(&"correct horse".into(), PasswordPolicy::default())
             .expect("long enough");
         memory.users.lock().insert("ann".into(), hash);
@@ -252,10 +275,11 @@ impl Harness {
         let readiness = Readiness::new();
         let operations = Operations {
             guarded: OpenApiRouter::new()
-                .route("/page", get(page).layer(from_fn(read_in_turn)))
-                .route("/page/endless", get(endless_page).layer(from_fn(read_in_turn)))
+                .route("/page", get(page).put(change).layer(from_fn(in_turn)))
+                .route("/page/endless", get(endless_page).layer(from_fn(in_turn)))
                 .route("/live", get(live).layer(from_fn(hold_stream)))
                 .route("/export", get(export).layer(from_fn(hold_download)))
+                .route("/export/endless", get(endless_export).layer(from_fn(hold_download)))
                 .route("/session", get(who).delete(sign_out))
                 .route("/session/password", put(change_password))
                 .route("/session/second-factor", post(begin_factor).put(confirm_factor))

@@ -20,6 +20,7 @@ const EXPORT: &str = "/api/v1/export";
 const LIVE: &str = "/api/v1/live";
 const PAGE: &str = "/api/v1/page";
 const ENDLESS_PAGE: &str = "/api/v1/page/endless";
+const ENDLESS_EXPORT: &str = "/api/v1/export/endless";
 
 fn number(value: u32) -> NonZeroU32 {
     NonZeroU32::new(value).expect("not zero")
@@ -82,7 +83,7 @@ async fn one_person_uses_its_requests_up_and_others_do_not_feel_it() {
         assert_eq!(get(&bob, SESSION).await.status(), 200, "another organisation");
     }
     let metrics = harness.get("/metrics").await.text().await.expect("a text");
-    let count = r#"verbund_share_refusals_total{share="requests",who="a"} "#;
+    let count = r#"verbund_share_refusals_total{of="person",share="requests",who="ann@a"} "#;
     assert!(metrics.contains(count), "{metrics}");
 }
 
@@ -102,6 +103,9 @@ async fn an_organisation_uses_its_requests_up_and_others_do_not_feel_it() {
         answers.push(get(&zoe, SESSION).await.status().as_u16());
     }
     assert!(answers.contains(&429), "a third person finds the organisation's used up: {answers:?}");
+    let metrics = harness.get("/metrics").await.text().await.expect("a text");
+    let count = r#"verbund_share_refusals_total{of="organisation",share="requests",who="a"} "#;
+    assert!(metrics.contains(count), "{metrics}");
     for _ in 0..5 {
         assert_eq!(get(&bob, SESSION).await.status(), 200);
     }
@@ -217,13 +221,52 @@ async fn who_asks_for_too_many_pages_at_once_is_refused() {
     }
     assert_eq!(get(&bob, PAGE).await.status(), 200);
     let metrics = harness.get("/metrics").await.text().await.expect("a text");
-    assert!(metrics.contains(r#"verbund_share_refusals_total{share="reads",who="a"} "#));
+    let count = r#"verbund_share_refusals_total{of="person",share="reads",who="ann@a"} "#;
+    assert!(metrics.contains(count), "{metrics}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_export_reads_in_the_turns_of_its_person() {
+    let harness = Harness::start().await;
+    let ann = harness.person("ann@a").await;
+    let of_ann = ask_without_end(&harness, &ann, 2).await;
+    let export = tokio::spawn(ann.request(Method::GET, ENDLESS_EXPORT).send());
+    tokio::time::sleep(Duration::from_millis(500)).await;
+    let readers = &harness.memory.readers.0;
+    assert_eq!(readers.available_permits(), PageReaders::COUNT - 2, "the export waits");
+    for asking in of_ann {
+        asking.abort();
+    }
+    let read = eventually("the export is read", Duration::from_secs(20), async || {
+        let free = readers.available_permits();
+        if free == PageReaders::COUNT - 1 { Ok(()) } else { Err(free.to_string()) }
+    });
+    read.await.expect("its turn came");
+    drop(export);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_change_has_its_turn_once_its_body_is_there() {
+    let harness = Harness::start().await;
+    let (ann, amy) = (harness.person("ann@a").await, harness.person("amy@a").await);
+    let slow = [slow_body(&ann, PAGE), slow_body(&amy, PAGE)];
+    tokio::time::sleep(Duration::from_millis(500)).await;
+    let change = ann.request(Method::PUT, PAGE).body("all of it").send();
+    let answer = timeout(Duration::from_secs(5), change).await.expect("nobody is before it");
+    let answer = answer.expect("an answer");
+    assert_eq!(
+        (answer.status().as_u16(), answer.text().await.expect("a text")),
+        (200, "all of it".into())
+    );
+    let too_long = ann.request(Method::PUT, PAGE).body(vec![b' '; 1024 * 1024 + 1]).send();
+    assert_eq!(too_long.await.expect("an answer").status(), 413);
+    slow.into_iter().for_each(|sending| sending.abort());
 }
 
 /// Sends a request whose body never comes, and which counts as 4 MiB.
-fn slow_body(client: &ApiClient) -> JoinHandle<reqwest::Result<Response>> {
+fn slow_body(client: &ApiClient, path: &str) -> JoinHandle<reqwest::Result<Response>> {
     let body = Body::wrap_stream(stream::pending::<Result<Vec<u8>, Infallible>>());
-    let request = client.request(Method::PUT, PASSWORD).header("content-type", "application/json");
+    let request = client.request(Method::PUT, path).header("content-type", "application/json");
     tokio::spawn(request.body(body).send())
 }
 
@@ -239,7 +282,7 @@ async fn bodies_of_a_person_have_a_bound_in_sum() {
     let refused = |client: ApiClient| async move {
         let mut held = Vec::new();
         for _ in 0..10 {
-            let mut sending = slow_body(&client);
+            let mut sending = slow_body(&client, PASSWORD);
             match timeout(Duration::from_millis(200), &mut sending).await {
                 Ok(answer) => return (held, answer.expect("it ends").expect("an answer")),
                 Err(_) => held.push(sending),

@@ -3,7 +3,10 @@
 
 use std::{collections::HashMap, sync::Arc, time::Duration};
 
-use daemon::web::{Problem, shares::count_refusal};
+use daemon::web::{
+    Problem,
+    shares::{ShareOwner, count_refusal},
+};
 use parking_lot::Mutex;
 use shop_floor::SourceId;
 use tokio::{
@@ -59,17 +62,19 @@ impl MachineTurns {
     /// 429 `TOO_MANY_REQUESTS` where the person has too many requests to this server, or where the turn does not come in
     /// time.
     pub async fn take(&self, source: &SourceId, person: &str) -> Result<MachineTurn, Problem> {
-        let refused = |detail| {
-            count_refusal("machine_requests", person);
+        let refused = |owner, detail| {
+            count_refusal("machine_requests", owner);
             Problem::too_many(detail, RETRY_AFTER)
         };
         let (place, turns) = self.place(source, person).ok_or_else(|| {
-            refused(
-                "You look at too much of this server at a time; wait until some of it is there.",
-            )
+            let detail =
+                "You look at too much of this server at a time; wait until some of it is there.";
+            refused(ShareOwner::Person(person), detail)
         })?;
+        // The turns of a server are those of all who look at it.
         let permit = timeout(WAIT_MAX, turns.acquire_owned()).await.map_err(|_| {
-            refused("The server is slow, and others look at it; try again in a moment.")
+            let detail = "The server is slow, and others look at it; try again in a moment.";
+            refused(ShareOwner::All, detail)
         })?;
         let permit = permit.expect("the semaphore is never closed");
         let ends_not_before = Instant::now() + TURN_MIN;

@@ -45,13 +45,15 @@ pub async fn list_past_offers(
 ) -> Result<Json<Page<PastOfferView>>, Problem> {
     let mut session = api.store().await?;
     let epochs = session.past_reports().epochs().await?;
-    let added = api.coordinator.read(move |state| added_recipients(state, &epochs)).await?;
+    // The coordinator may be busy, which is no reading of this page.
+    let added = api.coordinator.read(move |state| added_recipients(state, &epochs));
+    let added = session.aside(added).await?;
     let mut offers = Vec::new();
     for added in added {
         let (request, recipient) = (&added.request, &added.recipient);
         let past = session.past_reports().of(request, recipient, added.after).await?;
         let read = api.coordinator.read(move |state| (past_offer(state, &past), past));
-        let (Some(offer), past) = read.await? else { continue };
+        let (Some(offer), past) = session.aside(read).await? else { continue };
         let bodies = session.past_reports().bodies(&offer.newest).await?;
         offers.push(PastOfferView::new(&past, offer, &bodies));
         if offers.len() == OFFERS_MAX {

@@ -5,6 +5,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use parking_lot::Mutex;
 use sqlx::{Sqlite, SqliteConnection, SqlitePool, pool::PoolConnection};
 
 use super::{
@@ -96,7 +97,7 @@ impl Readers {
     pub async fn session(&self) -> Result<StoreSession, StoreError> {
         let connection =
             self.pool().acquire().await.map_err(StoreError::while_doing("connect to the store"))?;
-        Ok(StoreSession(Connection::Pooled(connection)))
+        Ok(StoreSession { connection: Connection::Pooled(connection), reads_end: None })
     }
 
     /// Takes a connection for what a page reads. A statement that takes too long fails with
@@ -110,11 +111,13 @@ impl Readers {
 
     async fn session_within(&self, reads_max: Duration) -> Result<StoreSession, StoreError> {
         let mut session = self.session().await?;
-        let end = Instant::now() + reads_max;
         let locked = session.connection().lock_handle().await;
         let mut handle = locked.map_err(StoreError::while_doing("connect to the store"))?;
-        handle.set_progress_handler(STEPS_PER_LOOK, move || Instant::now() < end);
+        let end = Arc::new(Mutex::new(Instant::now() + reads_max));
+        let looked_at = Arc::clone(&end);
+        handle.set_progress_handler(STEPS_PER_LOOK, move || Instant::now() < *looked_at.lock());
         drop(handle);
+        session.reads_end = Some(end);
         Ok(session)
     }
 
@@ -127,7 +130,11 @@ impl Readers {
 }
 
 /// One connection, which sees every transaction that was committed before its statement.
-pub struct StoreSession(Connection);
+pub struct StoreSession {
+    connection: Connection,
+    /// Time at which all that a page reads has to be read; none where it may take its time.
+    reads_end: Option<Arc<Mutex<Instant>>>,
+}
 
 enum Connection {
     Own(Box<SqliteConnection>),
@@ -136,7 +143,17 @@ enum Connection {
 
 impl StoreSession {
     pub(super) fn new(connection: SqliteConnection) -> Self {
-        Self(Connection::Own(Box::new(connection)))
+        Self { connection: Connection::Own(Box::new(connection)), reads_end: None }
+    }
+
+    /// Awaits something else than the store. The time that it takes is none of the page's reads.
+    pub async fn aside<T>(&mut self, other: impl Future<Output = T>) -> T {
+        let begun = Instant::now();
+        let done = other.await;
+        if let Some(end) = &self.reads_end {
+            *end.lock() += begun.elapsed();
+        }
+        done
     }
 
     /// Begins a view: all that is read from here on is as of one time, while others go on writing.
@@ -290,14 +307,14 @@ impl StoreSession {
 
     /// Ends the session and, unless it is one of a pool, its connection.
     pub(super) async fn close(self) {
-        if let Connection::Own(connection) = self.0 {
+        if let Connection::Own(connection) = self.connection {
             // A connection that does not close in good order is recovered at the next start.
             drop(sqlx::Connection::close(*connection).await);
         }
     }
 
     pub(crate) fn connection(&mut self) -> &mut SqliteConnection {
-        match &mut self.0 {
+        match &mut self.connection {
             Connection::Own(connection) => connection,
             Connection::Pooled(connection) => connection,
         }
@@ -345,6 +362,12 @@ mod tests {
             held.push(session);
         }
         drop(held);
+        let within = Duration::from_millis(200);
+        let mut session = readers.session_within(within).await.expect("a connection");
+        session.aside(tokio::time::sleep(2 * within)).await;
+        reads_much(&mut session, 10_000).await.expect("waiting for others is no reading");
+        reads_much(&mut session, 1 << 60).await.expect_err("too much");
+        drop(session);
         let mut session = readers.page_session().await.expect("a connection");
         let ended =
             tokio::time::timeout(Duration::from_secs(30), reads_much(&mut session, 1 << 60));

@@ -5,6 +5,7 @@ use std::{convert::Infallible, sync::Arc, time::Duration};
 use access_log::{AccessKind, AccessLogKey};
 use asi_model::DateTime;
 use async_trait::async_trait;
+use daemon::turns::Turns;
 use parking_lot::Mutex;
 use tokio_util::sync::CancellationToken;
 
@@ -15,6 +16,9 @@ use crate::clock::Clock;
 const INTERVAL: Duration = Duration::from_secs(60);
 /// Most entries of one transaction, so that nobody waits long for the writer.
 const ENTRIES_PER_WORK_MAX: usize = 500;
+/// Entries of readers of one organisation that are written at a time. Its pages and live streams are many, and only so
+/// many of them wait for the writer among others.
+const OF_AN_ORGANISATION: usize = 2;
 
 /// Failure to record an access; nothing is handed out then.
 #[derive(Debug, thiserror::Error)]
@@ -46,13 +50,16 @@ struct Shared {
     key: AccessLogKey,
     clock: Clock,
     coalescer: Mutex<Coalescer>,
+    /// Turns to write, by organisation.
+    turns: Turns,
 }
 
 impl AccessRecorder {
     /// Creates a recorder that has counted nothing. `key` signs the checkpoints.
     #[must_use]
     pub fn new(storage: Arc<dyn AccessStorage>, key: AccessLogKey, clock: Clock) -> Self {
-        Self(Arc::new(Shared { storage, key, clock, coalescer: Mutex::default() }))
+        let (coalescer, turns) = (Mutex::default(), Turns::new(OF_AN_ORGANISATION));
+        Self(Arc::new(Shared { storage, key, clock, coalescer, turns }))
     }
 
     /// Returns the key that signs the checkpoints.
@@ -163,12 +170,14 @@ impl AccessRecorder {
             contents: contents.clone(),
             since,
         });
-        let due: Vec<Reading> = {
-            let mut coalescer = self.0.coalescer.lock();
-            readings.filter(|reading| !coalescer.count(reading)).collect()
-        };
-        let counted = (contents.len() - due.len()) as u64;
-        metrics::counter!("verbund_accesses_coalesced_total").increment(counted);
+        let due = self.uncounted(readings.collect());
+        if due.is_empty() {
+            return Ok(());
+        }
+        // However many wait: pages have turns of their own, and live streams places.
+        let _turn = self.0.turns.take(reader.organisation_id.as_str(), usize::MAX).await;
+        // Another page of the reader may have entered the same meanwhile.
+        let due = self.uncounted(due);
         if due.is_empty() {
             return Ok(());
         }
@@ -179,6 +188,18 @@ impl AccessRecorder {
             coalescer.recorded(reading);
         }
         Ok(())
+    }
+
+    /// Counts readings of what is on record, and returns the others.
+    fn uncounted(&self, readings: Vec<Reading>) -> Vec<Reading> {
+        let all = readings.len();
+        let mut coalescer = self.0.coalescer.lock();
+        let due: Vec<Reading> =
+            readings.into_iter().filter(|reading| !coalescer.count(reading)).collect();
+        drop(coalescer);
+        let counted = (all - due.len()) as u64;
+        metrics::counter!("verbund_accesses_coalesced_total").increment(counted);
+        due
     }
 }
 

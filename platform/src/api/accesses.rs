@@ -12,7 +12,7 @@ use axum::{
     http::header,
     response::{IntoResponse, Response},
 };
-use daemon::web::{ApiPath, ApiQuery, Problem, session::SignedIn};
+use daemon::web::{ApiPath, ApiQuery, Problem, session::SignedIn, shares::OwnTurns};
 use futures::stream;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
@@ -133,40 +133,43 @@ pub async fn checkpoint(
 pub async fn export(
     State(app): State<Application>,
     who: SignedIn<Principal>,
+    turns: OwnTurns,
     ApiPath(id): ApiPath<FactoryId>,
 ) -> Result<Response, Problem> {
+    let turn = turns.to_read().await;
     let mut work = app.store.read().await?;
     own_factory::check_member(&mut work, &who.principal, &id).await?;
     let stored = work.accesses().lookup(&id).await?;
-    drop(work);
+    drop((work, turn));
     let name = format!("attachment; filename=\"accesses-{id}.jsonl\"");
     let headers =
         [(header::CONTENT_TYPE, JSON_LINES.to_owned()), (header::CONTENT_DISPOSITION, name)];
     let Some(stored) = stored else { return Ok((headers, "").into_response()) };
     let begin = AccessAuditStart::of(&stored.log, &stored.removed, app.accesses.key()).line();
-    let rest = lines(app.store.reader(), who.principal.scope(), id, &stored);
+    let rest = lines((app.store.reader(), turns), who.principal.scope(), id, &stored);
     let all = stream::once(std::future::ready(Ok(begin)));
     let body = Body::from_stream(futures::StreamExt::chain(all, rest));
     Ok((headers, body).into_response())
 }
 
-/// Reads the entries of a log as lines, some at a time. Ends with an error where retention removes
+/// Reads the entries of a log as lines, some at a time, each time in a turn. Ends with an error where retention removes
 /// some meanwhile, so that no file with a hole looks complete.
 fn lines(
-    store: StoreReader,
+    (store, turns): (StoreReader, OwnTurns),
     scope: Scope,
     factory: FactoryId,
     stored: &StoredAccessLog,
 ) -> impl futures::Stream<Item = std::io::Result<String>> + Send + use<> {
     let (first, last) = (stored.removed.last_number(), stored.log.last_number());
     stream::try_unfold(
-        (store, scope, factory, first),
-        move |(store, scope, factory, after)| async move {
+        (store, turns, scope, factory, first),
+        move |(store, turns, scope, factory, after)| async move {
             if after >= last {
                 return Ok(None);
             }
             let limit = u32::try_from(last - after).unwrap_or(u32::MAX).min(ENTRIES_PER_READ);
             let read = async {
+                let _turn = turns.to_read().await;
                 store.read().await?.accesses().texts(&scope, &factory, after, limit).await
             };
             let texts = read.await.map_err(std::io::Error::other)?;
@@ -176,7 +179,7 @@ fn lines(
             }
             let lines =
                 texts.into_iter().map(|(_, entry)| AccessAuditLine { entry }.line()).collect();
-            Ok(Some((lines, (store, scope, factory, after + u64::from(limit)))))
+            Ok(Some((lines, (store, turns, scope, factory, after + u64::from(limit)))))
         },
     )
 }

@@ -8,7 +8,7 @@ use axum::{
     http::header,
     response::{IntoResponse, Response},
 };
-use daemon::web::{ApiQuery, Problem, session::SignedIn};
+use daemon::web::{ApiQuery, Problem, session::SignedIn, shares::OwnTurns};
 use futures::stream;
 
 use super::{
@@ -48,12 +48,13 @@ pub async fn list(
 pub async fn export(
     State(app): State<Application>,
     who: SignedIn<Principal>,
+    turns: OwnTurns,
 ) -> Result<Response, Problem> {
     check(&who)?;
     let name = format!("attachment; filename=\"audit-{}.jsonl\"", day(app.clock.now()));
     let headers =
         [(header::CONTENT_TYPE, JSON_LINES.to_owned()), (header::CONTENT_DISPOSITION, name)];
-    let body = Body::from_stream(lines(app.store.reader(), who.principal.scope()));
+    let body = Body::from_stream(lines(app.store.reader(), turns, who.principal.scope()));
     Ok((headers, body).into_response())
 }
 
@@ -70,15 +71,18 @@ fn day(now: DateTime) -> String {
     now.to_string().chars().take("2026-01-01".len()).collect()
 }
 
-/// Reads the entries as lines, some at a time, each time with a connection of its own: who reads slowly
-/// holds none.
+/// Reads the entries as lines, some at a time, each time in a turn and with a connection of its own: who reads slowly
+/// holds neither.
 fn lines(
     store: StoreReader,
+    turns: OwnTurns,
     scope: Scope,
 ) -> impl futures::Stream<Item = std::io::Result<String>> + Send {
-    stream::try_unfold((store, scope, 0), |(store, scope, after)| async move {
-        let read =
-            async { store.read().await?.audit().list_after(&scope, after, ENTRIES_PER_READ).await };
+    stream::try_unfold((store, turns, scope, 0), |(store, turns, scope, after)| async move {
+        let read = async {
+            let _turn = turns.to_read().await;
+            store.read().await?.audit().list_after(&scope, after, ENTRIES_PER_READ).await
+        };
         let entries = read.await.map_err(std::io::Error::other)?;
         let Some(last) = entries.last().map(|entry| entry.number) else { return Ok(None) };
         let mut text = String::new();
@@ -86,6 +90,6 @@ fn lines(
             text.push_str(&serde_json::to_string(entry).map_err(std::io::Error::other)?);
             text.push('\n');
         }
-        Ok(Some((text, (store, scope, last))))
+        Ok(Some((text, (store, turns, scope, last))))
     })
 }

@@ -1,8 +1,12 @@
 //! Comments on networks.
 
-use asi_model::{DynamicDataRequestId, FactoryId, FieldName, OperationNetworkId, OrganisationId};
+use asi_model::{DynamicDataRequestId, FactoryId, FieldName, OperationNetworkId};
 use axum::{Json, extract::State, http::StatusCode};
-use daemon::web::{ApiJson, ApiPath, ApiQuery, Problem, session::SignedIn, shares::count_refusal};
+use daemon::web::{
+    ApiJson, ApiPath, ApiQuery, Problem,
+    session::SignedIn,
+    shares::{ShareOwner, count_refusal},
+};
 use serde::Deserialize;
 use utoipa::ToSchema;
 
@@ -90,7 +94,7 @@ pub async fn add(
     let author = Author::user(&who.principal, now);
     let mut work = app.store.begin(&who.principal, "addComment").await?;
     let added = add_comment(&mut work, &comment, &author).await;
-    let event = added.map_err(|error| refused(error, &comment, &who.principal))?;
+    let event = added.map_err(|error| refused(error, &comment))?;
     let NewComment { operation_network_id: network, comment_id, .. } = &comment;
     let path = format!("operation-networks/{network}/comments/{comment_id}");
     work.commit(AuditSubject::shared(path), AuditOutcome::Done).await?;
@@ -109,7 +113,7 @@ pub async fn add(
     Ok((StatusCode::CREATED, Json(entry)))
 }
 
-fn refused(error: CommentError, comment: &NewComment, author: &Principal) -> Problem {
+fn refused(error: CommentError, comment: &NewComment) -> Problem {
     match error {
         CommentError::NoNetwork => {
             Problem::not_found(format_args!("operation network {}", comment.operation_network_id))
@@ -124,9 +128,7 @@ fn refused(error: CommentError, comment: &NewComment, author: &Principal) -> Pro
             unknown_reference("/dynamicDataRequestId", "such request to that factory")
         }
         CommentError::TooMany => {
-            let organisation = author.user.organisation_id.as_ref();
-            let who = organisation.map_or(comment.author_id.as_str(), OrganisationId::as_str);
-            count_refusal("comments", who);
+            count_refusal("comments", ShareOwner::Person(&comment.author_id));
             quota_exceeded(&error.to_string())
         }
         CommentError::Store(error) => Problem::internal(&error),

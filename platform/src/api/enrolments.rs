@@ -71,7 +71,7 @@ pub async fn enrol(
     let signing_key = body.signing_key()?;
     let refused =
         || metrics::counter!("verbund_enrolments_total", "result" => "refused").increment(1);
-    let mut reading = app.store.reader().read().await?;
+    let mut reading = app.store.reserved_reader().read().await?;
     if !is_usable(&mut reading, &body.token, app.clock.now()).await? {
         refused();
         return Err(EnrolmentError::TokenRefused.into());
@@ -96,7 +96,7 @@ pub async fn enrol(
     work.commit(subject, AuditOutcome::Done).await?;
     metrics::counter!("verbund_enrolments_total", "result" => "accepted").increment(1);
     tracing::info!(factory.id = %factory_id, "A connector has enrolled.");
-    app.broker_access.reconcile(&app.store.reader()).await?;
+    app.broker_access.reconcile(&app.store.reserved_reader()).await?;
     let access = &app.broker_endpoint;
     Ok((
         StatusCode::CREATED,

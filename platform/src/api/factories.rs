@@ -88,7 +88,7 @@ pub async fn add(
     let factory = work.factories().lookup(&Scope::Platform, &new.factory_id).await?;
     let factory = factory.ok_or_else(|| Problem::not_found("factory"))?;
     work.commit(subject(&factory), AuditOutcome::Done).await?;
-    app.broker_access.reconcile(&app.store.reader()).await?;
+    app.broker_access.reconcile(&app.store.reserved_reader()).await?;
     Ok((StatusCode::CREATED, Json(factory)))
 }
 
@@ -149,7 +149,7 @@ pub async fn revoke_holder(
     let broker_account = app.config.broker.external.is_some().then(|| holder.user_name());
     let is_changed = credentials > 0 || broker_account.is_some();
     work.commit(subject, AuditOutcome::of(is_changed)).await?;
-    let connections = app.broker_access.revoked(&app.store.reader(), &holder).await?;
+    let connections = app.broker_access.revoked(&app.store.reserved_reader(), &holder).await?;
     tracing::info!(holder = %holder, credentials, connections, "Credentials were revoked.");
     if let Some(account) = &broker_account {
         tracing::warn!(account, "The account is still alive at the broker: remove it there.");

@@ -75,7 +75,7 @@ pub async fn add(
         return Err(taken("tool"));
     }
     work.commit(subject(&tool), AuditOutcome::Done).await?;
-    app.broker_access.reconcile(&app.store.reader()).await?;
+    app.broker_access.reconcile(&app.store.reserved_reader()).await?;
     Ok((StatusCode::CREATED, Json(tool)))
 }
 
@@ -92,7 +92,7 @@ pub async fn make_credential(
     let known = lookup(&mut work, &tool).await?;
     let credential = make_tool_credential(&mut work, &app.config, tool, app.clock.now()).await?;
     work.commit(subject(&known), AuditOutcome::Done).await?;
-    app.broker_access.reconcile(&app.store.reader()).await?;
+    app.broker_access.reconcile(&app.store.reserved_reader()).await?;
     let view = ToolCredential {
         broker_url: app.broker_endpoint.url.clone(),
         user_name: credential.holder.user_name(),

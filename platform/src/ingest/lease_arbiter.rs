@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     leases::{FactoryLease, LeaseDecision},
-    store::{NewOutgoing, StoreError},
+    store::{Holder, NewOutgoing, StoreError},
 };
 
 /// Time to live of an answer.
@@ -94,7 +94,7 @@ impl<'w> LeaseArbiter<'w> {
         {
             self.answer(unit, request, decision, &lease).await?;
         } else {
-            unit.effects.refused(ANSWERS, factory);
+            unit.effects.refused(ANSWERS, Holder::Factory(factory.clone()));
         }
         self.leases.insert(factory.clone(), Some(lease));
         Ok(())

@@ -6,15 +6,14 @@ use std::{
 };
 
 use asi_model::messages::FactoryMessage;
-use daemon::web::shares::count_refusal;
 use messaging::LogicalAddress;
 use parking_lot::Mutex;
 
 use super::{
-    dead_letter::holder,
     decode::{Content, Incoming},
+    used_up::count_used_up,
 };
-use crate::sequences::RANGES_MAX;
+use crate::{sequences::RANGES_MAX, store::Holder};
 
 /// Share of a factory or tool in messages for each time.
 const MESSAGES: &str = "messages";
@@ -80,7 +79,9 @@ impl Pace {
         if wait.is_zero() {
             return Excess::default();
         }
-        count_refusal(MESSAGES, &holder(&address.to_string()));
+        if let Some(sender) = Holder::of(address) {
+            count_used_up(MESSAGES, &sender);
+        }
         if self.may_wait {
             return Excess { wait, reason: None };
         }

@@ -7,11 +7,10 @@ use asi_model::{FactoryId, messages::FactoryMessage};
 use messaging::LogicalAddress;
 
 use super::{
-    dead_letter::holder,
     decode::{Content, Incoming},
     unit::IngestUnit,
 };
-use crate::store::{ANSWERS_WAITING_MAX, Kept, StoreError};
+use crate::store::{ANSWERS_WAITING_MAX, Holder, Kept, StoreError};
 
 /// Share of a factory in missing ranges and announced gaps.
 pub(super) const GAPS: &str = "gaps";
@@ -99,7 +98,7 @@ impl QuotaArbiter {
             }
         }
         let Some((share, reason)) = refusal else { return Ok(true) };
-        unit.effects.refused(share, holder(&address.to_string()));
+        unit.effects.refused(share, Holder::of(address));
         unit.reject(address, incoming, QUOTA_EXCEEDED, reason).await?;
         Ok(false)
     }

@@ -6,14 +6,13 @@ use std::{
     time::{Duration, Instant},
 };
 
-use daemon::web::shares::count_refusal;
 use messaging::{BrokerUrl, LogicalAddress};
 use parking_lot::Mutex;
 
-use super::dead_letter::holder;
+use super::{dead_letter::holder, used_up::count_used_up};
 use crate::{
     config::PlatformConfig,
-    store::{Kept, StoreError, StoreReader},
+    store::{Holder, Kept, StoreError, StoreReader},
 };
 
 /// Share of a factory or tool in the store.
@@ -82,7 +81,9 @@ impl Room {
         loop {
             let Some(reason) = self.lacking(address).await? else { return Ok(None) };
             let who = holder(&address.to_string());
-            count_refusal(KEPT, &who);
+            if let Some(sender) = Holder::of(address) {
+                count_used_up(KEPT, &sender);
+            }
             if !is_said {
                 tracing::warn!(sender = who, reason, "A sender has used its room in the store up.");
                 is_said = true;

@@ -3,7 +3,6 @@
 use std::{sync::Arc, time::Duration};
 
 use asi_model::pubsub::{PubSubMessage, json::decode};
-use daemon::web::shares::count_refusal;
 use messaging::LogicalAddress;
 use parking_lot::RwLock;
 use tokio::sync::mpsc;
@@ -18,6 +17,7 @@ use super::{
     room::RoomConfig,
     signs_of_life::SignsOfLife,
     unit::Effects,
+    used_up::count_used_up,
 };
 use crate::{
     accesses::AccessRecorder,
@@ -232,8 +232,8 @@ impl Ingest {
         }
         metrics::counter!("verbund_reports_stored_total").increment(effects.reports);
         metrics::counter!("verbund_duplicates_discarded_total").increment(effects.duplicates);
-        for (share, who) in effects.refusals {
-            count_refusal(share, &who);
+        for (share, sender) in effects.refusals {
+            count_used_up(share, &sender);
         }
         for code in effects.dead_letters {
             metrics::counter!("verbund_dead_letters_total", "code" => code).increment(1);

@@ -78,7 +78,9 @@ impl SignsOfLife {
         if own_at.is_none() && sign_at.is_none() {
             return Ok(Vec::new());
         }
-        let (own, others) = store.read().await?.factories().concerned(&factory_id).await?;
+        let mut work = store.reserved_reader().read().await?;
+        let (own, others) = work.factories().concerned(&factory_id).await?;
+        drop(work);
         let event = |last_seen_at: DateTime| LiveEvent::Factory {
             factory_id: factory_id.clone(),
             last_seen_at,

@@ -15,13 +15,13 @@ use asi_model::{
 use messaging::LogicalAddress;
 
 use super::{
-    dead_letter::{dead_letter, holder},
+    dead_letter::dead_letter,
     decode::{Incoming, IncomingReport},
 };
 use crate::{
     accesses::{Contents, Reader, Reading},
     live::Notification,
-    store::{Heard, NewDeadLetter, NewOutgoing, StoreError, Work, WriterKey, WriterRow},
+    store::{Heard, Holder, NewDeadLetter, NewOutgoing, StoreError, Work, WriterKey, WriterRow},
     tools::ToolAcknowledgement,
 };
 
@@ -52,13 +52,13 @@ pub(super) struct Effects {
     /// Code of each dead letter.
     pub(super) dead_letters: Vec<&'static str>,
     /// Shares that were used up, each with the factory or tool whose it was.
-    pub(super) refusals: Vec<(&'static str, String)>,
+    pub(super) refusals: Vec<(&'static str, Holder)>,
 }
 
 impl Effects {
     /// Notes that a share of a factory or tool was used up.
-    pub(super) fn refused(&mut self, share: &'static str, who: impl Display) {
-        self.refusals.push((share, who.to_string()));
+    pub(super) fn refused(&mut self, share: &'static str, sender: impl Into<Option<Holder>>) {
+        self.refusals.extend(sender.into().map(|sender| (share, sender)));
     }
 }
 
@@ -297,7 +297,8 @@ impl<'w> IngestUnit<'w> {
         );
         self.effects.dead_letters.push(letter.code);
         if self.work.dead_letters().add(letter).await? > 0 {
-            self.effects.refused(DEAD_LETTERS, holder(&letter.address));
+            let address: Option<LogicalAddress> = letter.address.parse().ok();
+            self.effects.refused(DEAD_LETTERS, address.and_then(|address| Holder::of(&address)));
         }
         Ok(())
     }

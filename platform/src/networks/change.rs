@@ -9,7 +9,7 @@ use asi_model::{
     CollaborationId, DynamicDataRequestId, OperationId, OperationNetworkId, OrganisationId,
     network::OperationNetwork,
 };
-use daemon::web::shares::count_refusal;
+use daemon::web::shares::{ShareOwner, count_refusal};
 
 use super::{
     author::Author,
@@ -190,7 +190,7 @@ async fn check_networks(work: &mut Work, author: &Author) -> Result<(), ChangeEr
     if usize::try_from(drawn).is_ok_and(|drawn| drawn < limit) {
         return Ok(());
     }
-    count_refusal("networks", organisation.as_str());
+    count_refusal("networks", ShareOwner::Organisation(organisation.as_str()));
     Err(ChangeError::QuotaExceeded { quota: "networks, withdrawn ones included", limit })
 }
 
@@ -211,7 +211,7 @@ fn check_requests(
     if new == 0 || used + new <= limit {
         return Ok(());
     }
-    count_refusal("requests_of_network", organisation.as_str());
+    count_refusal("requests_of_network", ShareOwner::Organisation(organisation.as_str()));
     let quota = "requests in this network, removed ones included";
     Err(ChangeError::QuotaExceeded { quota, limit })
 }

@@ -62,7 +62,7 @@ impl Resender {
     pub async fn round(&self) -> Result<usize, StoreError> {
         let now = self.clock.now();
         // Asked of a reader first: most rounds find nothing and need not queue for the writer.
-        if self.store.read().await?.parts().overdue(now, 1).await?.is_empty() {
+        if self.store.reserved_reader().read().await?.parts().overdue(now, 1).await?.is_empty() {
             return Ok(0);
         }
         let mut work = self.store.begin().await?;

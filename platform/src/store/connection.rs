@@ -48,10 +48,13 @@ const MIGRATIONS: [(i64, &str, &str); 24] = [
     ),
 ];
 
-/// Reads of pages at once; more would only share the same disk.
+/// Reads of pages and exports at once; more would only share the same disk. An organisation has turns for four of them
+/// ([`daemon::web::shares`]); its changes look up single rows beside.
 const READERS_MAX: u32 = 6;
-/// Reads beside those of pages: of sessions, of sign-in and of ingest, which wait for no page.
-const RESERVED_MAX: u32 = 3;
+/// Reads that wait for no page: of sessions, sign-in, enrolments and ingest, each for a moment, and those of tasks that
+/// read for nobody in particular, one each at a time: progress, receipts, overdue parts, users of the broker. Live
+/// streams read none: what they send is in memory.
+const RESERVED_MAX: u32 = 4;
 /// Time within which all that a page reads has to be read: a page that asks for more gives its reader back to others.
 const PAGE_READS_MAX: Duration = Duration::from_secs(5);
 /// Steps of SQLite's machine between two looks at the clock: a millisecond at most where a disk is fast.
@@ -182,7 +185,7 @@ impl Store {
         StoreReader { reads_max: Some(PAGE_READS_MAX), ..self.reader() }
     }
 
-    /// Returns what reads for sign-in, sessions and ingest alone: it waits for no reads of pages.
+    /// Returns what reads for sign-in, sessions, ingest and the platform's own tasks: it waits for no reads of pages.
     #[must_use]
     pub fn reserved_reader(&self) -> StoreReader {
         StoreReader { pool: self.reserved.clone(), reads_max: None }

@@ -309,8 +309,7 @@ async fn what_one_member_exhausts_others_do_not_feel() {
     let metrics = eventually("both shares are used up", || async {
         let text = admin.client.call(Method::GET, "/metrics", None).await.expect("an answer").text;
         let has = |share: &str| {
-            let line = format!("verbund_share_refusals_total{{share=\"{share}\",who=\"INS_HAM\"}}");
-            text.contains(&line)
+            text.contains(&format!("{{of=\"factory\",share=\"{share}\",who=\"INS_HAM\"}}"))
         };
         if has("dead_letters") && has("gaps") { Ok(text) } else { Err(text) }
     })
@@ -361,7 +360,7 @@ async fn a_factory_without_room_waits_at_the_broker_and_others_go_on() {
     munich.send("ua-data", &story::report("m6", 6, 6));
     eventually("the share is used up", || async {
         let text = admin.client.call(Method::GET, "/metrics", None).await.expect("an answer").text;
-        let line = "verbund_share_refusals_total{share=\"kept\",who=\"FOR_MUC\"}";
+        let line = "verbund_share_refusals_total{of=\"factory\",share=\"kept\",who=\"FOR_MUC\"}";
         if text.contains(line) { Ok(()) } else { Err(text) }
     })
     .await;

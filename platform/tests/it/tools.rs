@@ -79,7 +79,8 @@ async fn a_tool_that_sends_faster_than_its_share_waits_and_a_factory_does_not() 
     }
     eventually("it has used its share up", || async {
         let answer = admin.client.call(Method::GET, "/metrics", None).await.expect("an answer");
-        let line = "verbund_share_refusals_total{share=\"messages\",who=\"Scheduling\"}";
+        let line =
+            "verbund_share_refusals_total{of=\"tool\",share=\"messages\",who=\"Scheduling\"}";
         if answer.text.contains(line) { Ok(()) } else { Err(answer.text) }
     })
     .await;

@@ -170,7 +170,8 @@ impl<A: Accounts> Sessions<A> {
         pointer: &str,
     ) -> Result<(), Problem> {
         let open = self.gate().enter(caller.address, user_name).await?;
-        match self.is_password(user_name, password).await {
+        let checked = open.unless_displaced(self.is_password(user_name, password)).await;
+        match checked {
             Ok(true) => {
                 open.succeeded();
                 Ok(())

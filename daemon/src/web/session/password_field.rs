@@ -9,7 +9,7 @@ use super::{
     accounts::Accounts,
     second_factor::CODE_DIGITS,
     sessions::{Sessions, internal},
-    sign_in_gate::count,
+    sign_in_gate::{OpenSignIn, count},
 };
 use crate::{Confidential, web::problem::Problem};
 
@@ -42,7 +42,7 @@ pub async fn check_password_field<A: Accounts>(
 ) -> Result<A::Principal, PasswordFieldError> {
     let open =
         sessions.gate().enter(client, user_name).await.map_err(|problem| not_let_in(&problem))?;
-    let decided = decide(sessions, user_name, field).await;
+    let decided = decide(sessions, &open, user_name, field).await;
     match decided {
         Ok(Ok(principal)) => {
             open.succeeded();
@@ -66,13 +66,14 @@ pub async fn check_password_field<A: Accounts>(
 
 async fn decide<A: Accounts>(
     sessions: &Sessions<A>,
+    open: &OpenSignIn<'_>,
     user_name: &str,
     field: Confidential<String>,
 ) -> Result<Result<A::Principal, PasswordFieldError>, Problem> {
     let factors = sessions.second_factors(user_name).await?;
     let (password, code) = if factors.has_codes { split(&field) } else { (field, None) };
     // Once for everybody: the time it takes tells neither who exists nor who has a second factor.
-    if !sessions.is_password(user_name, password).await? {
+    if !open.unless_displaced(sessions.is_password(user_name, password)).await? {
         return Ok(Err(PasswordFieldError::Wrong));
     }
     if factors.has_codes {

@@ -216,7 +216,8 @@ impl<A: Accounts> Sessions<A> {
             return Err(Problem::not_found("second factor"));
         }
         let open = self.gate().enter(caller.address, &user.user_name).await?;
-        let is_right = match self.is_password(&user.user_name, body.password).await {
+        let is_password = self.is_password(&user.user_name, body.password);
+        let is_right = match open.unless_displaced(is_password).await {
             Ok(true) => self.is_code(&user.user_name, &body.code).await,
             other => other,
         };

@@ -185,6 +185,13 @@ impl<A: Accounts> Sessions<A> {
         if principal.is_some() && session.last_used_at + USE_PRECISION <= now {
             self.inner.accounts.touch_session(&id, now).await?;
         }
+        if principal.is_some()
+            && !self.known_cookies().has(&id)
+            && let Ok(address) = session.address.parse()
+        {
+            // The places from which people signed in before the daemon's start are known by their sessions.
+            self.gate().remember(address, &session.user_name);
+        }
         Ok(principal.map(|principal| SignedIn {
             session: id,
             user_name: session.user_name,

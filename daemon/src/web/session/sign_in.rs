@@ -9,7 +9,7 @@ use super::{
     passkeys::OwnPasskeys,
     second_factor::ActiveFactors,
     sessions::{Sessions, SignedIn, internal},
-    sign_in_gate::count,
+    sign_in_gate::{OpenSignIn, count},
 };
 use crate::web::problem::{Problem, SecondFactorKind, SecondFactorNeeded};
 
@@ -34,7 +34,8 @@ pub async fn sign_in<A: Accounts>(
 ) -> Result<(Cookie<'static>, SignedIn<A::Principal>), Problem> {
     let user_name = sign_in.user_name.as_str();
     let open = sessions.gate().enter(caller.address, user_name).await?;
-    let principal = match decide(sessions, sign_in).await {
+    let decided = decide(sessions, &open, sign_in).await;
+    let principal = match decided {
         Ok(Decision::Right(principal)) => principal,
         Ok(Decision::Wrong) => {
             drop(open);
@@ -68,10 +69,12 @@ pub async fn sign_in<A: Accounts>(
 
 async fn decide<A: Accounts>(
     sessions: &Sessions<A>,
+    open: &OpenSignIn<'_>,
     sign_in: &SignIn,
 ) -> Result<Decision<A::Principal>, Problem> {
     let user_name = sign_in.user_name.as_str();
-    if !sessions.is_password(user_name, sign_in.password.clone()).await? {
+    let is_password = sessions.is_password(user_name, sign_in.password.clone());
+    if !open.unless_displaced(is_password).await? {
         return Ok(Decision::Wrong);
     }
     let factors = sessions.second_factors(user_name).await?;

@@ -1,21 +1,20 @@
 //! Entrance of sign-ins: bounded waiting, and attempts that count before their password is checked.
 
 use std::{
-    collections::HashMap,
     net::IpAddr,
     time::{Duration, Instant},
 };
 
 use parking_lot::Mutex;
 use tokio::sync::Notify;
+use tokio_util::sync::CancellationToken;
 
-use super::throttle::{Attempt, Hindrance, LoginThrottle, ThrottleConfig};
+use super::{
+    sign_in_places::SignInPlaces,
+    throttle::{Attempt, Hindrance, LoginThrottle, ThrottleConfig},
+};
 use crate::web::{address_range::AddressRange, problem::Problem};
 
-/// Sign-ins under way or waiting at once.
-const PLACES_MAX: usize = 64;
-/// Share of one client's addresses, so that no single one keeps all others out.
-const PLACES_PER_CLIENT_MAX: usize = 16;
 /// Longest wait for the outcome of other attempts.
 const OUTCOME_WAIT_MAX: Duration = Duration::from_secs(10);
 /// Time after which a place should be free again.
@@ -30,8 +29,7 @@ pub(super) struct SignInGate {
 
 struct GateState {
     throttle: LoginThrottle,
-    /// Places taken, by client.
-    taken: HashMap<AddressRange, usize>,
+    places: SignInPlaces,
 }
 
 /// A sign-in that was let in. Dropped without an outcome it counts as failed: the client has gone, and
@@ -45,11 +43,15 @@ pub(super) struct OpenSignIn<'g> {
 struct Place<'g> {
     gate: &'g SignInGate,
     client: AddressRange,
+    number: u64,
+    /// Cancelled once another sign-in has this place.
+    displaced: CancellationToken,
 }
 
 impl SignInGate {
     pub(super) fn new(config: ThrottleConfig) -> Self {
-        let state = GateState { throttle: LoginThrottle::new(config), taken: HashMap::new() };
+        let (throttle, places) = (LoginThrottle::new(config), SignInPlaces::default());
+        let state = GateState { throttle, places };
         Self { state: Mutex::new(state), outcome: Notify::new() }
     }
 
@@ -62,9 +64,13 @@ impl SignInGate {
         client: IpAddr,
         user_name: &str,
     ) -> Result<OpenSignIn<'_>, Problem> {
-        let Some(place) = self.place(client) else { return Err(busy()) };
-        let begin = self.begin(client, user_name);
-        match tokio::time::timeout(OUTCOME_WAIT_MAX, begin).await {
+        let Some(place) = self.place(client, user_name) else { return Err(busy()) };
+        let begin = tokio::time::timeout(OUTCOME_WAIT_MAX, self.begin(client, user_name));
+        let began = tokio::select! {
+            began = begin => began,
+            () = place.displaced.cancelled() => return Err(busy()),
+        };
+        match began {
             Ok(Ok(attempt)) => Ok(OpenSignIn { place, attempt: Some(attempt) }),
             Ok(Err(wait)) => {
                 count("throttled");
@@ -74,15 +80,17 @@ impl SignInGate {
         }
     }
 
-    fn place(&self, client: IpAddr) -> Option<Place<'_>> {
+    /// Notes that a user has signed in from a client before.
+    pub(super) fn remember(&self, client: IpAddr, user_name: &str) {
+        self.state.lock().throttle.remember(client, user_name, Instant::now());
+    }
+
+    fn place(&self, client: IpAddr, user_name: &str) -> Option<Place<'_>> {
+        let mut state = self.state.lock();
+        let is_stranger = !state.throttle.is_usual(client, user_name);
         let client = AddressRange::of_client(client);
-        let taken = &mut self.state.lock().taken;
-        let own = taken.get(&client).copied().unwrap_or(0);
-        if own >= PLACES_PER_CLIENT_MAX || taken.values().sum::<usize>() >= PLACES_MAX {
-            return None;
-        }
-        taken.insert(client, own + 1);
-        Some(Place { gate: self, client })
+        let (number, displaced) = state.places.take(client, is_stranger)?;
+        Some(Place { gate: self, client, number, displaced })
     }
 
     /// Begins the attempt, or returns the time left to wait.
@@ -100,6 +108,20 @@ impl SignInGate {
 }
 
 impl OpenSignIn<'_> {
+    /// Does work of the attempt, unless another sign-in takes its place meanwhile.
+    ///
+    /// # Errors
+    /// Those of the work, and 503.
+    pub(super) async fn unless_displaced<T>(
+        &self,
+        work: impl Future<Output = Result<T, Problem>>,
+    ) -> Result<T, Problem> {
+        tokio::select! {
+            done = work => done,
+            () = self.place.displaced.cancelled() => Err(busy()),
+        }
+    }
+
     /// Counts the attempt as right.
     pub(super) fn succeeded(self) {
         self.end(|throttle, attempt| throttle.succeeded(attempt, Instant::now()));
@@ -129,13 +151,7 @@ impl Drop for OpenSignIn<'_> {
 
 impl Drop for Place<'_> {
     fn drop(&mut self) {
-        let taken = &mut self.gate.state.lock().taken;
-        if let Some(own) = taken.get_mut(&self.client) {
-            *own -= 1;
-            if *own == 0 {
-                taken.remove(&self.client);
-            }
-        }
+        self.gate.state.lock().places.release(&self.client, self.number);
     }
 }
 
@@ -150,5 +166,42 @@ pub(super) fn busy() -> Problem {
     Problem {
         retry_after_seconds: Some(RETRY_AFTER.as_secs()),
         ..Problem::unavailable("BUSY", "Too many people are signing in; try again in a moment.")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn client(number: u8) -> IpAddr {
+        IpAddr::from([192, 0, 2, number])
+    }
+
+    #[tokio::test]
+    async fn four_clients_with_all_they_may_have_leave_a_place_to_a_fifth() {
+        let gate = SignInGate::new(ThrottleConfig::default());
+        let mut open = Vec::new();
+        for number in 0..4 {
+            for attempt in 0..16 {
+                let user = format!("user{attempt}@{number}");
+                open.extend(gate.enter(client(number), &user).await);
+            }
+        }
+        let fifth = gate.enter(client(5), "ann").await.expect("a place");
+        assert!(fifth.unless_displaced(std::future::ready(Ok(()))).await.is_ok());
+        let mut ended = 0;
+        for one in &open {
+            let pending = one.unless_displaced(std::future::pending::<Result<(), Problem>>());
+            let pending = tokio::time::timeout(Duration::from_millis(5), pending).await;
+            ended += usize::from(pending.is_ok_and(|done| done.is_err()));
+        }
+        assert_eq!(open.len() + 1 - ended, 48, "those of strangers");
+        fifth.succeeded();
+        // From now on Ann is known there.
+        for number in 10..80 {
+            open.extend(gate.enter(client(number), &format!("eve{number}")).await);
+        }
+        assert!(gate.enter(client(99), "eve").await.is_err(), "no stranger has a place");
+        assert!(gate.enter(client(5), "ann").await.is_ok());
     }
 }

@@ -110,7 +110,7 @@ impl LoginThrottle {
     ) -> Result<Attempt, Hindrance> {
         self.purge(now);
         let place = AddressRange::of_client(client).to_string();
-        let user_at_place = self.key(&[b"usual", user_name.as_bytes(), place.as_bytes()]);
+        let user_at_place = self.user_at_place(user_name, &place);
         let user = if self.usual_places.contains_key(&user_at_place) {
             user_at_place
         } else {
@@ -145,19 +145,41 @@ impl LoginThrottle {
             count.failures = 0;
         }
         self.close(&attempt.place);
+        self.remember_key(attempt.user_at_place, now);
+    }
+
+    /// Returns true where a user has signed in from the client's place before.
+    #[must_use]
+    pub fn is_usual(&self, client: IpAddr, user_name: &str) -> bool {
+        let place = AddressRange::of_client(client).to_string();
+        self.usual_places.contains_key(&self.user_at_place(user_name, &place))
+    }
+
+    /// Notes that a user has signed in from the client's place before.
+    pub fn remember(&mut self, client: IpAddr, user_name: &str, now: Instant) {
+        let place = AddressRange::of_client(client).to_string();
+        self.remember_key(self.user_at_place(user_name, &place), now);
+    }
+
+    fn remember_key(&mut self, user_at_place: CountKey, now: Instant) {
         if self.usual_places.len() >= USUAL_PLACES_MAX
+            && !self.usual_places.contains_key(&user_at_place)
             && let Some(oldest) =
                 self.usual_places.iter().min_by_key(|(_, last)| **last).map(|(key, _)| *key)
         {
             self.usual_places.remove(&oldest);
         }
-        self.usual_places.insert(attempt.user_at_place, now);
+        self.usual_places.insert(user_at_place, now);
     }
 
     /// The attempt was neither right nor wrong: it is given back, and nothing is forgotten.
     pub fn withdrawn(&mut self, attempt: Attempt) {
         self.close(&attempt.user);
         self.close(&attempt.place);
+    }
+
+    fn user_at_place(&self, user_name: &str, place: &str) -> CountKey {
+        self.key(&[b"usual", user_name.as_bytes(), place.as_bytes()])
     }
 
     fn key(&self, parts: &[&[u8]]) -> CountKey {

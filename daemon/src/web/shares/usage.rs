@@ -2,6 +2,7 @@
 
 use std::{
     collections::HashMap,
+    num::NonZeroU32,
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -12,8 +13,9 @@ use parking_lot::Mutex;
 use super::{
     bucket::Bucket,
     config::FairShareConfig,
-    read_turns::{ReadTurn, ReadTurns},
-    refusals::count_refusal,
+    member::Member,
+    member_turns::{CHANGES, MemberTurn, MemberTurns, READS},
+    refusals::{ShareOwner, count_refusal},
     share::{Places, Share},
 };
 use crate::web::problem::Problem;
@@ -27,23 +29,6 @@ const BODY_RETRY_AFTER: Duration = Duration::from_secs(2);
 /// Pause between two searches for usage that can be forgotten.
 const TIDY_INTERVAL: Duration = Duration::from_secs(1);
 
-/// Person that asks, and the organisation for which it does.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Member {
-    /// Name to sign in with.
-    pub person: String,
-    /// Absent where all people of the daemon are of one organisation, and for administrators without one.
-    pub organisation: Option<String>,
-}
-
-impl Member {
-    /// Returns the name under which refusals are counted.
-    #[must_use]
-    pub fn who(&self) -> &str {
-        self.organisation.as_deref().unwrap_or(&self.person)
-    }
-}
-
 /// Usage of all members. Clones share it.
 #[derive(Clone)]
 pub struct FairShares(Arc<SharedUsage>);
@@ -51,7 +36,8 @@ pub struct FairShares(Arc<SharedUsage>);
 struct SharedUsage {
     config: FairShareConfig,
     usage: Mutex<Usages>,
-    reads: ReadTurns,
+    reads: MemberTurns,
+    changes: MemberTurns,
 }
 
 /// Usage of people and organisations that asked lately or hold a place. What is as good as unused is
@@ -77,7 +63,8 @@ impl FairShares {
     /// Returns shares of which nothing is used yet.
     #[must_use]
     pub fn new(config: FairShareConfig) -> Self {
-        Self(Arc::new(SharedUsage { config, usage: Mutex::default(), reads: ReadTurns::default() }))
+        let (reads, changes) = (MemberTurns::new(&READS), MemberTurns::new(&CHANGES));
+        Self(Arc::new(SharedUsage { config, usage: Mutex::default(), reads, changes }))
     }
 
     /// Takes a request off the shares of its person and organisation.
@@ -88,14 +75,13 @@ impl FairShares {
         let config = &self.0.config;
         let mut usages = self.0.usage.lock();
         let (person, organisation) = usages.of(member, now);
-        let wait = person.requests.wait(config.requests_of_person(), now).max(
-            organisation.as_ref().map_or(Duration::ZERO, |used| {
-                used.requests.wait(config.requests_of_organisation(), now)
-            }),
-        );
+        let of_person = person.requests.wait(config.requests_of_person(), now);
+        let wait = of_person.max(organisation.as_ref().map_or(Duration::ZERO, |used| {
+            used.requests.wait(config.requests_of_organisation(), now)
+        }));
         if wait > Duration::ZERO {
             drop(usages);
-            count_refusal("requests", member.who());
+            count_refusal("requests", member.owner(of_person > Duration::ZERO));
             let detail = "You or your organisation send too many requests; wait a little.";
             return Err(Problem::too_many(detail, wait));
         }
@@ -114,11 +100,12 @@ impl FairShares {
         let (per_person, per_organisation) = self.0.config.places(share);
         let mut usages = self.0.usage.lock();
         let (person, organisation) = usages.of(member, now);
-        let is_full = person.places.taken(share) >= per_person
+        let is_person_full = person.places.taken(share) >= per_person;
+        let is_full = is_person_full
             || organisation.as_ref().is_some_and(|of| of.places.taken(share) >= per_organisation);
         if is_full {
             drop(usages);
-            count_refusal(share.label(), member.who());
+            count_refusal(share.label(), member.owner(is_person_full));
             return Err(share.problem(per_person, per_organisation));
         }
         person.places.take(share);
@@ -132,9 +119,21 @@ impl FairShares {
     ///
     /// # Errors
     /// 429 `TOO_MANY_READS` where too many requests of the person wait, or one waits too long.
-    pub(super) async fn take_read_turn(&self, member: &Member) -> Result<ReadTurn, Problem> {
-        let taken = self.0.reads.take(&member.person, member.organisation.as_deref()).await;
-        taken.inspect_err(|_| count_refusal("reads", member.who()))
+    pub(super) async fn take_read_turn(&self, member: &Member) -> Result<MemberTurn, Problem> {
+        self.0.reads.take(member).await
+    }
+
+    /// Waits for a turn to read a portion of an answer that has begun.
+    pub(super) async fn wait_to_read(&self, member: &Member) -> MemberTurn {
+        self.0.reads.wait(member).await
+    }
+
+    /// Waits for a turn to change something, which ends once it is dropped.
+    ///
+    /// # Errors
+    /// 429 `TOO_MANY_CHANGES`, as for reads.
+    pub(super) async fn take_change_turn(&self, member: &Member) -> Result<MemberTurn, Problem> {
+        self.0.changes.take(member).await
     }
 
     /// Takes the bytes of a body, which are free again once the hold is dropped. Who has none under way
@@ -153,14 +152,17 @@ impl FairShares {
         let of_all = usages.body_bytes;
         let (person, organisation) = usages.of(member, now);
         let is_beyond = |used: u64, max: u64| used.saturating_add(bytes) > max;
-        let is_full = is_beyond(person.body_bytes, u64::from(config.person.body_mib.get()) * MIB)
-            || is_beyond(of_all, BODY_BYTES_MAX)
-            || organisation.as_ref().is_some_and(|of| {
-                is_beyond(of.body_bytes, u64::from(config.organisation.body_mib.get()) * MIB)
-            });
+        let max = |mib: NonZeroU32| u64::from(mib.get()) * MIB;
+        let is_person_full = is_beyond(person.body_bytes, max(config.person.body_mib));
+        let is_organisation_full = organisation
+            .as_ref()
+            .is_some_and(|of| is_beyond(of.body_bytes, max(config.organisation.body_mib)));
+        let is_full = is_person_full || is_organisation_full || is_beyond(of_all, BODY_BYTES_MAX);
         if is_full && person.body_bytes > 0 {
             drop(usages);
-            count_refusal("bodies", member.who());
+            let is_own = is_person_full || is_organisation_full;
+            let owner = if is_own { member.owner(is_person_full) } else { ShareOwner::All };
+            count_refusal("bodies", owner);
             let detail = "You, your organisation or all together send too much at once; wait until some of \
                           it has arrived.";
             return Err(Problem {

@@ -74,6 +74,46 @@ async fn nothing_is_handed_out_that_is_not_on_record() {
     assert_eq!(storage.entries.lock().len(), 2, "an entry for each factory");
 }
 
+/// A storage in which each entry takes for ever; it notes whose they are.
+#[derive(Default)]
+struct BusyStorage(Mutex<Vec<String>>);
+
+#[async_trait]
+impl AccessStorage for BusyStorage {
+    async fn append(&self, readings: &[Reading], _: DateTime) -> Result<(), NotRecorded> {
+        self.0.lock().extend(readings.iter().map(|one| one.reader.organisation_id.to_string()));
+        std::future::pending().await
+    }
+
+    async fn sign_checkpoints(&self, _: &AccessLogKey) -> Result<(), NotRecorded> {
+        Ok(())
+    }
+}
+
+#[tokio::test]
+async fn streams_of_one_organisation_wait_for_the_writer_in_a_line_of_their_own() {
+    let storage = Arc::new(BusyStorage::default());
+    let (key, clock) =
+        (AccessLogKey::from_secret(&[1; 32]), Clock::from_fn(|| DateTime::from_ticks(1)));
+    let recorder = AccessRecorder::new(Arc::<BusyStorage>::clone(&storage), key, clock);
+    for number in 0..64 {
+        let reader = Reader { name: format!("p{number}"), ..reader() };
+        let recorder = recorder.clone();
+        tokio::spawn(async move {
+            let values = Withheld::new(Shown(vec!["F"]));
+            recorder.show(Some(&reader), AccessKind::Streamed, &values).await.map(|_| ())
+        });
+    }
+    let other = Reader { organisation_id: "other".parse().expect("an id"), ..reader() };
+    let values = Withheld::new(Shown(vec!["F"]));
+    let shown = recorder.show(Some(&other), AccessKind::Streamed, &values);
+    let pause = Duration::from_millis(200);
+    assert!(tokio::time::timeout(pause, shown).await.is_err(), "it is being written");
+    let mut writing = storage.0.lock().clone();
+    writing.sort();
+    assert_eq!(writing, ["acme", "acme", "other"]);
+}
+
 #[tokio::test]
 async fn what_has_no_values_is_no_access() {
     let (storage, recorder) = recorder();

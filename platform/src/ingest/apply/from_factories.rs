@@ -14,7 +14,7 @@ use crate::{
     ingest::{decode::Incoming, quota_arbiter::GAPS, unit::IngestUnit},
     live::LiveEvent,
     networks,
-    store::{DecisionEffect, NewComment, PartState, Scope, StoreError},
+    store::{DecisionEffect, Holder, NewComment, PartState, Scope, StoreError},
 };
 
 /// Longest stored author of a comment.
@@ -220,7 +220,7 @@ async fn gap(unit: &mut IngestUnit<'_>, gap: &Gap) -> Result<(), StoreError> {
         is_within &= unit.work.writers().add_gaps(gap, &absent, unit.now).await?;
     }
     if !is_within {
-        unit.effects.refused(GAPS, &gap.factory_id);
+        unit.effects.refused(GAPS, Holder::Factory(gap.factory_id.clone()));
     }
     Ok(())
 }

@@ -28,7 +28,7 @@ use crate::{
     },
     live::{FieldUpdate, LiveEvent},
     store::{
-        AskedField, CurrentValue, DecisionEffect, NewReport, Recipient, RecipientSetId,
+        AskedField, CurrentValue, DecisionEffect, Holder, NewReport, Recipient, RecipientSetId,
         ReleasedRange, StoreError, WriterRow,
     },
 };
@@ -286,7 +286,7 @@ async fn take<'u>(
     let writer = unit.writer(factory, id, epoch).await?;
     let is_new = if is_held { writer.repeat(sequence) } else { writer.take(sequence) };
     if writer.sequences.coarse_through() != coarse {
-        unit.effects.refused(GAPS, factory);
+        unit.effects.refused(GAPS, Holder::Factory(factory.clone()));
     }
     if !is_new {
         unit.effects.duplicates += 1;

@@ -1,5 +1,3 @@
-use std::num::NonZeroU32;
-
 use super::*;
 use crate::web::shares::{OrganisationShare, PersonShare};
 
