@@ -22,6 +22,7 @@ use crate::{
     config::{BrokerConfig, QueueOptions},
     credentials::CredentialSource,
     dead_letter::TOO_MANY_DELIVERIES,
+    disk::{DiskRoom, HeldByAll},
     error::BrokerError,
     guesses::Guesses,
     message::{AnyMessage, Features, cut},
@@ -48,6 +49,7 @@ pub(crate) struct Core {
     pub writer: WriterHandle,
     pub cache: BodyCache,
     pub dead_letters: Arc<Queue>,
+    disk: DiskRoom,
     readers: SqlitePool,
     queues: Mutex<HashMap<QueueName, Arc<Queue>>>,
     /// Serialises declarations and deletions: two inserts of one name would fail a transaction that
@@ -102,6 +104,7 @@ impl Core {
                 config.limits.unauthenticated_per_address_max,
             )),
             guesses: Arc::default(),
+            disk: DiskRoom::new(config.disk.clone(), config.database_path.clone()),
             config,
             credentials,
             writer,
@@ -195,6 +198,24 @@ impl Core {
         Ok(queue.delete())
     }
 
+    /// Takes room on the disk for a message of a queue.
+    ///
+    /// # Errors
+    /// The reason for which there is none at the moment.
+    pub(crate) fn take_room(&self, queue: &Queue, bytes: u64) -> Result<(), &'static str> {
+        self.disk.take(bytes, queue.bytes(), || self.held_by_all())
+    }
+
+    /// Counts what all queues hold, but for that of the dead letters.
+    fn held_by_all(&self) -> HeldByAll {
+        let queues = self.queues();
+        let held = queues.iter().filter(|queue| queue.id != self.dead_letters.id);
+        held.fold(HeldByAll::default(), |all, queue| HeldByAll {
+            queues: all.queues + 1,
+            bytes: all.bytes + queue.bytes(),
+        })
+    }
+
     pub(crate) fn next_message_id(&self) -> i64 {
         self.next_message_id.fetch_add(1, Ordering::Relaxed)
     }
@@ -279,8 +300,9 @@ impl Core {
         self.has_new_dead_letters.store(true, Ordering::Relaxed);
     }
 
-    /// Removes expired messages and the oldest dead letters beyond their bound.
+    /// Looks at the disk, and removes expired messages and the oldest dead letters beyond their bound.
     pub(crate) async fn sweep(&self, now_ms: i64) {
+        self.disk.look(|| self.held_by_all());
         for queue in self.queues() {
             for entry in queue.withdraw_expired(now_ms) {
                 metrics::counter!("broker_messages_expired_total").increment(1);
@@ -326,11 +348,14 @@ impl Core {
         peer: SocketAddr,
         cut: CancellationToken,
     ) -> Option<Registration> {
-        let mut connections = self.connections.lock();
         let limits = &self.config.limits;
+        let user = self.credentials.user(user_name).unwrap_or_default();
+        let share = self.shares.of(user_name, &user, limits);
+        let mut connections = self.connections.lock();
         let of_user: Vec<_> =
             connections.values().filter(|c| c.status.user_name == user_name).collect();
         if of_user.len() >= limits.connections_per_user_max {
+            share.count_refusal("connections");
             return None;
         }
         let uncommitted = of_user.first().map_or_else(
@@ -346,8 +371,6 @@ impl Core {
             cut: cut.clone(),
         };
         connections.insert(id, registered);
-        let user = self.credentials.user(user_name).unwrap_or_default();
-        let share = self.shares.of(user_name, &user, limits);
         Some(Registration { core: Arc::clone(self), id, uncommitted, share, cut })
     }
 

@@ -2,10 +2,11 @@
 
 use std::{
     collections::HashMap,
-    path::{Path, PathBuf},
+    path::PathBuf,
     time::{Duration, Instant},
 };
 
+use broker::DiskSpace;
 use daemon::web::shares::count_refusal;
 use messaging::{BrokerUrl, LogicalAddress};
 use parking_lot::Mutex;
@@ -13,6 +14,7 @@ use parking_lot::Mutex;
 use super::dead_letter::holder;
 use crate::{
     config::PlatformConfig,
+    disk,
     store::{Kept, StoreError, StoreReader},
 };
 
@@ -20,11 +22,6 @@ use crate::{
 const KEPT: &str = "kept";
 /// Time for which it is not looked again how much room a sender has left. It writes a small part of it meanwhile.
 const LOOKED_EVERY: Duration = Duration::from_secs(5);
-
-/// Part of a disk that senders with more than others leave free.
-const RESERVED_PART: u64 = 50;
-/// Largest such part.
-const RESERVED_MAX: u64 = 1 << 30;
 
 /// Bounds on what is kept of the messages of one sender, in bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -121,7 +118,9 @@ impl Room {
                 kept.rows, kept.bytes
             )));
         }
-        if is_short(&self.config.data_directory) {
+        let disk = disk::space_of(&self.config.data_directory);
+        // One that says nothing has enough.
+        if disk.is_some_and(DiskSpace::is_short) {
             let all = self.store.read().await?.quotas().of_all_senders().await?;
             if has_more_than_others(kept, all) {
                 return Ok(Some(format!(
@@ -134,13 +133,6 @@ impl Room {
         self.seen_at.lock().insert(address.clone(), now);
         Ok(None)
     }
-}
-
-/// Returns true where a disk has little space left. One that says nothing has enough.
-fn is_short(folder: &Path) -> bool {
-    let Ok(disk) = rustix::fs::statvfs(folder) else { return false };
-    let (free, size) = (disk.f_bavail * disk.f_frsize, disk.f_blocks * disk.f_frsize);
-    free < (size / RESERVED_PART).min(RESERVED_MAX)
 }
 
 /// Returns true for a sender of which more than an equal part is kept.
@@ -225,6 +217,5 @@ mod tests {
             !has_more_than_others(kept(300), Kept { rows: 1, bytes: 300 }),
             "there are no others"
         );
-        assert!(!is_short(Path::new("/proc/self/nothing")));
     }
 }

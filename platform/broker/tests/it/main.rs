@@ -4,6 +4,7 @@
 
 mod broker;
 mod corpus;
+mod disk;
 mod foreign;
 mod guesses;
 mod hostile;
