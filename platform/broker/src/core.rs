@@ -1,5 +1,7 @@
 //! Core of the broker, shared by all connections: queues, writer, body cache, connection registry.
 
+mod dead_letters;
+
 use std::{
     collections::HashMap,
     net::SocketAddr,
@@ -13,7 +15,6 @@ use parking_lot::Mutex;
 use sqlx::sqlite::SqlitePool;
 use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
-use tracing::warn;
 
 use crate::{
     address::QueueName,
@@ -25,11 +26,11 @@ use crate::{
     disk::{DiskRoom, HeldByAll},
     error::BrokerError,
     guesses::Guesses,
-    message::{AnyMessage, Features, cut},
+    message::AnyMessage,
     queue::{Queue, QueueEntry},
     shares::{ShareTable, UserShare},
     status::{ConnectionStatus, QueueStatus},
-    store::{self, DeadLettering, StoreCommand, WriterHandle},
+    store::{self, StoreCommand, WriterHandle},
     waiting::WaitingRoom,
 };
 
@@ -37,10 +38,6 @@ use crate::{
 const READ_AHEAD: usize = 64;
 /// Bytes of those that are read ahead.
 const READ_AHEAD_BYTES: u64 = 1024 * 1024;
-
-/// Characters of a dead letter's code and reason, which a consumer sends.
-const CODE_CHARS_MAX: usize = 100;
-const REASON_CHARS_MAX: usize = 1000;
 
 /// Core of one broker. Queues and connections are in memory; changes go through the writer.
 pub(crate) struct Core {
@@ -185,12 +182,15 @@ impl Core {
         }
     }
 
-    /// Deletes a queue, durably; returns the number of its messages.
+    /// Deletes a queue with its dead letters, durably; returns the number of its messages.
     pub(crate) async fn delete(&self, name: &QueueName) -> Result<u64, BrokerError> {
         let _turn = self.declaring.lock().await;
         let queue =
             self.queue(name).ok_or_else(|| BrokerError::UnknownQueue { queue: name.clone() })?;
-        let answer = self.writer.ask(|done| StoreCommand::DeleteQueue { id: queue.id, done }).await;
+        let answer = self
+            .writer
+            .ask(|done| StoreCommand::DeleteQueue { id: queue.id, name: name.to_string(), done })
+            .await;
         answer
             .ok_or(BrokerError::Stopped)?
             .map_err(|source| BrokerError::Store { action: "delete a queue", source })?;
@@ -278,28 +278,6 @@ impl Core {
         }
     }
 
-    /// Moves a leased message to the dead letters; removes one that is already there.
-    pub(crate) async fn dead_letter(
-        &self,
-        queue: &Arc<Queue>,
-        entry: QueueEntry,
-        message: &AnyMessage,
-        code: String,
-        reason: String,
-    ) {
-        metrics::counter!("broker_messages_dead_lettered_total").increment(1);
-        if queue.id == self.dead_letters.id {
-            return self.remove(queue, &entry).await;
-        }
-        let (code, reason) = (cut(&code, CODE_CHARS_MAX), cut(&reason, REASON_CHARS_MAX));
-        warn!(queue = %queue.name, message = entry.id, code, reason, "a message moves to the dead letters");
-        self.cache.remove(entry.id);
-        let features = Features::of(message);
-        let letter = DeadLettering { entry, origin: Arc::clone(queue), features, code, reason };
-        self.write(StoreCommand::DeadLetter(Box::new(letter))).await;
-        self.has_new_dead_letters.store(true, Ordering::Relaxed);
-    }
-
     /// Looks at the disk, and removes expired messages and the oldest dead letters beyond their bound.
     pub(crate) async fn sweep(&self, now_ms: i64) {
         self.disk.look(|| self.held_by_all());
@@ -311,27 +289,6 @@ impl Core {
             }
         }
         self.forget_dead_letters().await;
-    }
-
-    /// Removes the oldest dead letters of each queue beyond its bound, and those beyond the bound of all.
-    async fn forget_dead_letters(&self) {
-        let mut beyond = Vec::new();
-        if self.has_new_dead_letters.swap(false, Ordering::Relaxed) {
-            match store::dead_letters_beyond(&self.readers, &self.config.limits).await {
-                Ok(ids) => {
-                    beyond.extend(ids.into_iter().filter_map(|id| self.dead_letters.withdraw(id)));
-                }
-                Err(problem) => warn!(error = %problem, "old dead letters could not be listed"),
-            }
-        }
-        let limits = &self.config.limits;
-        beyond.extend(
-            self.dead_letters
-                .withdraw_beyond(limits.dead_letters_max, limits.dead_letter_bytes_max),
-        );
-        for entry in beyond {
-            self.write(StoreCommand::Remove(entry.id)).await;
-        }
     }
 
     async fn write(&self, command: StoreCommand) {

@@ -142,17 +142,7 @@ impl BrokerHandle {
     /// # Errors
     /// [`BrokerError::UnknownQueue`], [`BrokerError::Store`] or [`BrokerError::Stopped`].
     pub async fn delete_queue(&self, queue: &QueueName) -> Result<u64, BrokerError> {
-        let deleted = self.core.delete(queue).await;
-        // One that is gone may have left letters behind, where they could not be deleted with it.
-        if !matches!(deleted, Ok(_) | Err(BrokerError::UnknownQueue { .. })) {
-            return deleted;
-        }
-        // After it: no further letter comes of it.
-        let letters = store::dead_letters_of(self.core.readers(), queue.as_str()).await;
-        let letters = letters
-            .map_err(|source| BrokerError::Store { action: "read the dead letters", source })?;
-        self.purge_dead_letters(&letters).await?;
-        deleted
+        self.core.delete(queue).await
     }
 
     /// Returns the status of all queues, sorted by name.
