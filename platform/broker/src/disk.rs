@@ -102,7 +102,7 @@ struct SeenDisk {
     at: Option<Instant>,
     /// Less what was taken since; none where nothing is known.
     space: Option<DiskSpace>,
-    /// As of then, while the disk is short.
+    /// Numbers of that time, while the disk is short.
     all: HeldByAll,
     shortage: Shortage,
 }
