@@ -23,7 +23,7 @@ use crate::{
     config::{BrokerConfig, QueueOptions},
     credentials::CredentialSource,
     dead_letter::TOO_MANY_DELIVERIES,
-    disk::{DiskRoom, HeldByAll},
+    disk::{DiskRoom, DiskState, HeldByAll},
     error::BrokerError,
     guesses::Guesses,
     message::AnyMessage,
@@ -198,6 +198,11 @@ impl Core {
         Ok(queue.delete())
     }
 
+    /// Looks at the disk.
+    pub(crate) fn disk(&self) -> DiskState {
+        self.disk.look(|| self.held_by_all())
+    }
+
     /// Takes room on the disk for a message of a queue.
     ///
     /// # Errors
@@ -280,7 +285,7 @@ impl Core {
 
     /// Looks at the disk, and removes expired messages and the oldest dead letters beyond their bound.
     pub(crate) async fn sweep(&self, now_ms: i64) {
-        self.disk.look(|| self.held_by_all());
+        self.disk();
         for queue in self.queues() {
             for entry in queue.withdraw_expired(now_ms) {
                 metrics::counter!("broker_messages_expired_total").increment(1);

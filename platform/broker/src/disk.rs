@@ -9,6 +9,7 @@ use std::{
 };
 
 use parking_lot::Mutex;
+use serde::{Deserialize, Serialize};
 use tracing::{error, info, warn};
 
 /// Part of a disk that is kept for those who hold little.
@@ -104,23 +105,29 @@ struct SeenDisk {
     space: Option<DiskSpace>,
     /// Numbers of that time, while the disk is short.
     all: HeldByAll,
-    shortage: Shortage,
+    state: DiskState,
 }
 
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-enum Shortage {
+/// Room on the disk of the embedded broker.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum DiskState {
+    /// All that is sent is taken.
     #[default]
-    No,
+    Enough,
+    /// Queues that hold more than their part take no further messages.
     Short,
+    /// No messages are taken.
     Full,
 }
 
-impl Shortage {
+impl DiskState {
     fn of(space: DiskSpace) -> Self {
         match space {
             full if full.is_full() => Self::Full,
             short if short.is_short() => Self::Short,
-            _ => Self::No,
+            _ => Self::Enough,
         }
     }
 }
@@ -143,10 +150,12 @@ impl DiskRoom {
         let mut seen = self.seen.lock();
         self.look_into(&mut seen, all);
         let Some(space) = seen.space else { return Ok(()) };
-        match Shortage::of(space) {
-            Shortage::Full => return Err(FULL),
-            Shortage::Short if is_beyond_its_part(held, seen.all, space.free) => return Err(SHORT),
-            Shortage::Short | Shortage::No => {}
+        match DiskState::of(space) {
+            DiskState::Full => return Err(FULL),
+            DiskState::Short if is_beyond_its_part(held, seen.all, space.free) => {
+                return Err(SHORT);
+            }
+            DiskState::Short | DiskState::Enough => {}
         }
         let free = space.free.saturating_sub(bytes.saturating_mul(WRITTEN_TIMES));
         seen.space = Some(DiskSpace { free, ..space });
@@ -154,8 +163,10 @@ impl DiskRoom {
     }
 
     /// Looks at the disk, if that was not done a moment ago, and says what has changed.
-    pub(crate) fn look(&self, all: impl FnOnce() -> HeldByAll) {
-        self.look_into(&mut self.seen.lock(), all);
+    pub(crate) fn look(&self, all: impl FnOnce() -> HeldByAll) -> DiskState {
+        let mut seen = self.seen.lock();
+        self.look_into(&mut seen, all);
+        seen.state
     }
 
     fn look_into(&self, seen: &mut SeenDisk, all: impl FnOnce() -> HeldByAll) {
@@ -164,25 +175,26 @@ impl DiskRoom {
         }
         seen.at = Some(Instant::now());
         seen.space = self.gauge.space_of(&self.database);
-        let shortage = seen.space.map_or(Shortage::No, Shortage::of);
-        if shortage != Shortage::No {
+        let state = seen.space.map_or(DiskState::Enough, DiskState::of);
+        if state != DiskState::Enough {
             seen.all = all();
         }
-        metrics::gauge!("broker_disk_is_short").set(f64::from(u8::from(shortage != Shortage::No)));
-        if std::mem::replace(&mut seen.shortage, shortage) == shortage {
+        metrics::gauge!("broker_disk_is_short")
+            .set(f64::from(u8::from(state != DiskState::Enough)));
+        if std::mem::replace(&mut seen.state, state) == state {
             return;
         }
         let free = seen.space.map(|space| space.free);
-        match shortage {
-            Shortage::Full => error!(
+        match state {
+            DiskState::Full => error!(
                 free,
                 "the broker's disk is full: it takes no messages until there is room, and goes on to deliver those it has"
             ),
-            Shortage::Short => warn!(
+            DiskState::Short => warn!(
                 free,
                 "the broker's disk is nearly full: queues that hold more than their part of it take no further messages"
             ),
-            Shortage::No => info!(free, "the broker's disk has room again"),
+            DiskState::Enough => info!(free, "the broker's disk has room again"),
         }
     }
 }

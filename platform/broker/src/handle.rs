@@ -18,6 +18,7 @@ use crate::{
     core::Core,
     credentials::CredentialSource,
     dead_letter::BrokerDeadLetter,
+    disk::DiskState,
     error::BrokerError,
     listener::{self, BoundListener},
     queue::{Queue, QueueEntry},
@@ -155,6 +156,12 @@ impl BrokerHandle {
     #[must_use]
     pub fn queue(&self, queue: &QueueName) -> Option<QueueStatus> {
         self.core.queue(queue).map(|q| q.status())
+    }
+
+    /// Returns how much room is on the disk of the database.
+    #[must_use]
+    pub fn disk(&self) -> DiskState {
+        self.core.disk()
     }
 
     /// Returns all connections, oldest first.

@@ -39,7 +39,7 @@ pub use address::{AddressPattern, InvalidPattern, InvalidQueueName, QueueName};
 pub use config::{BrokerConfig, BrokerLimits, Carrier, Listener, QueueOptions, TlsIdentity};
 pub use credentials::{BrokerUser, CredentialSource, CredentialTable, Permissions, SecretHash};
 pub use dead_letter::BrokerDeadLetter;
-pub use disk::{DiskGauge, DiskSpace};
+pub use disk::{DiskGauge, DiskSpace, DiskState};
 pub use error::BrokerError;
 pub use handle::{Broker, BrokerHandle};
 pub use status::{ConnectionStatus, QueueStatus};

@@ -4,7 +4,7 @@ use std::{collections::HashMap, net::SocketAddr, path::PathBuf};
 
 use broker::{
     AddressPattern, BrokerConfig, BrokerDeadLetter, BrokerUser, Carrier, ConnectionStatus,
-    DiskGauge, Listener, QueueName, QueueOptions, QueueStatus, SecretHash, TlsIdentity,
+    DiskGauge, DiskState, Listener, QueueName, QueueOptions, QueueStatus, SecretHash, TlsIdentity,
 };
 use daemon::telemetry::LogConfig;
 use serde::{Deserialize, Serialize};
@@ -68,6 +68,7 @@ pub(super) enum BrokerRequest {
     },
     Queues,
     Connections,
+    Disk,
     DeadLetters {
         after: i64,
         limit: u32,
@@ -98,6 +99,7 @@ pub(super) enum Answer {
     Count(u64),
     Queues(Vec<QueueStatus>),
     Connections(Vec<ConnectionStatus>),
+    Disk(DiskState),
     DeadLetters(Vec<BrokerDeadLetter>),
     Metrics(String),
     /// The broker could not do it; a sentence for people.

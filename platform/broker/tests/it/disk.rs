@@ -8,7 +8,7 @@ use std::{
     time::Duration,
 };
 
-use broker::{DiskGauge, DiskSpace};
+use broker::{DiskGauge, DiskSpace, DiskState};
 
 use crate::support::{TestBroker, TestLink, envelope, eventually};
 
@@ -57,6 +57,7 @@ async fn on_a_short_disk_who_holds_much_waits_and_others_are_served() {
     disk.has(1_500_000).await;
     heavy.send(HEAVY, envelope("last", vec![7; BODY]));
     eventually("it is said why", || heavy.reason().contains("disk is nearly full")).await;
+    assert_eq!(broker.handle.disk(), DiskState::Short);
     assert!(heavy.reason().contains("amqp:resource-limit-exceeded"), "{}", heavy.reason());
     light.send(LIGHT, envelope("little", "{}"));
     eventually("who holds little is served", || broker.ready(LIGHT) == 1).await;
@@ -86,6 +87,7 @@ async fn the_last_room_of_a_disk_is_for_acknowledgements_and_removals() {
     disk.has(400_000).await;
     sender.send(HEAVY, envelope("after", "{}"));
     eventually("it is said why", || sender.reason().contains("disk is full")).await;
+    assert_eq!(broker.handle.disk(), DiskState::Full);
     let receiver = TestLink::start(&broker.url(), "platform", &[HEAVY]);
     eventually("what is there is delivered", || receiver.inbox.ids() == ["before"]).await;
     let is_empty = || {
@@ -95,6 +97,7 @@ async fn the_last_room_of_a_disk_is_for_acknowledgements_and_removals() {
     eventually("and removed", is_empty).await;
     assert_eq!(sender.spool.waiting(), 1, "nothing is taken, nothing is lost");
     disk.has(PLENTY).await;
+    assert_eq!(broker.handle.disk(), DiskState::Enough);
     eventually("there is room again", || receiver.inbox.ids() == ["before", "after"]).await;
     sender.stop().await;
     receiver.stop().await;
