@@ -13,7 +13,10 @@ use messaging::Settlement;
 use metrics::{Counter, Gauge, Histogram, Key, KeyName, Metadata, Recorder, SharedString, Unit};
 use parking_lot::Mutex;
 
-use crate::support::{SECRET, TestBroker, TestLink, envelope, eventually, pattern, queue};
+use crate::{
+    raw::{AMQP, RawPeer, binary, frame, section, transfer},
+    support::{SECRET, TestBroker, TestLink, envelope, eventually, pattern, queue},
+};
 
 /// Counters of this thread, by share and name.
 #[derive(Default)]
@@ -64,6 +67,7 @@ async fn refusals_name_who_has_used_a_share_up() {
     let broker = TestBroker::start_with(folder.path(), |config| {
         config.limits.connections_per_user_max = 1;
         config.limits.dead_letters_per_queue_max = 1;
+        config.limits.message_bytes_max = 10_000;
     })
     .await;
     let options = QueueOptions { messages_max: 2, ..QueueOptions::default() };
@@ -89,5 +93,11 @@ async fn refusals_name_who_has_used_a_share_up() {
     for link in [full, second, platform] {
         link.stop().await;
     }
+
+    eventually("all have left", || broker.handle.connections().is_empty()).await;
+    let mut rude = RawPeer::open(broker.port(), "f1", Some(INGRESS)).await;
+    let large = section(0x75, &binary(&[b'x'; 20_000]));
+    rude.send(&frame(AMQP, 0, &[transfer(0, 0, false), large].concat())).await;
+    eventually("a message too large", || counted.of("size", "north") > 0).await;
     broker.stop().await;
 }
