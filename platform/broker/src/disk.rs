@@ -25,7 +25,7 @@ const LOOKED_EVERY: Duration = Duration::from_secs(1);
 
 const SHORT: &str = "the broker's disk is nearly full, and this queue holds more than its part of it; try again once it \
                      was read, or there is room";
-const FULL: &str = "the broker's disk is full; try again once there is room";
+const FULL: &str = "the broker's disk has no room; try again later";
 
 /// Space of a disk, in bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -188,7 +188,7 @@ impl DiskRoom {
         match state {
             DiskState::Full => error!(
                 free,
-                "the broker's disk is full: it takes no messages until there is room, and goes on to deliver those it has"
+                "the broker's disk has no room: no messages are taken until it has, and those that are there are delivered"
             ),
             DiskState::Short => warn!(
                 free,

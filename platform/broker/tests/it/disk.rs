@@ -86,7 +86,7 @@ async fn the_last_room_of_a_disk_is_for_acknowledgements_and_removals() {
     eventually("it is stored", || broker.ready(HEAVY) == 1).await;
     disk.has(400_000).await;
     sender.send(HEAVY, envelope("after", "{}"));
-    eventually("it is said why", || sender.reason().contains("disk is full")).await;
+    eventually("it is said why", || sender.reason().contains("disk has no room")).await;
     assert_eq!(broker.handle.disk(), DiskState::Full);
     let receiver = TestLink::start(&broker.url(), "platform", &[HEAVY]);
     eventually("what is there is delivered", || receiver.inbox.ids() == ["before"]).await;
