@@ -349,7 +349,7 @@ mod tests {
 
     #[tokio::test]
     async fn a_message_that_went_with_its_queue_becomes_no_dead_letter() {
-        let mut bench = Bench::open("").await;
+        let mut bench = Bench::open("SELECT 1").await;
         let (sent, _) = bench.message(1, &LinkOrder::default());
         bench.writer.write(vec![sent]).await;
         let (done, mut answer) = oneshot::channel();
