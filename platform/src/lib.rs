@@ -7,7 +7,7 @@
 //! - Pure: [`leases`] (decides which connector speaks for a factory), [`sequences`] (received
 //!   sequence numbers), [`signing`] (which keys sign for a factory), [`opaque_id`] (ids for
 //!   those outside), [`tools`] (messages of partners' tools).
-//! - `secrets`: sealing of secrets in the database.
+//! - [`disk`]: space on disks. `secrets`: sealing of secrets in the database.
 //! - [`accesses`]: values leave only with a record of who got them. [`access_log_key`]: signs that.
 //! - [`store`]: the database, one repository per noun. [`principal`]: rights of the signed-in user.
 //! - [`progress`] (pure): progress of operations. [`live`]: events for pages.
@@ -32,6 +32,7 @@ pub mod broker_process;
 pub mod certificates;
 pub mod clock;
 pub mod config;
+pub mod disk;
 pub mod enrolment;
 mod entitlement;
 pub mod ingest;

@@ -1167,6 +1167,11 @@ export interface components {
              */
             timeStepMs?: number | null;
         };
+        /**
+         * @description Room on the disk of the embedded broker.
+         * @enum {string}
+         */
+        DiskState: "ENOUGH" | "SHORT" | "FULL";
         /** @description A partner's request for data about an operation. One request is one DataSetWriter. */
         DynamicDataRequest: {
             /** @description The buffer or store the request is about. */
@@ -2317,6 +2322,7 @@ export interface components {
         };
         /** @description Status of the platform, with evidence. */
         Status: {
+            brokerDisk?: components["schemas"]["DiskState"] | null;
             /** @description Connections of the embedded broker; for administrators. */
             connections?: components["schemas"]["ConnectionStatus"][] | null;
             /**

@@ -6,7 +6,7 @@ use script_protocol::ScriptLimits;
 use serde::{Deserialize, Serialize};
 
 /// User without rights on any system.
-pub(super) const NOBODY: u32 = 65_534;
+const NOBODY: u32 = 65_534;
 
 /// JavaScript engine. Each is a worker binary of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -47,8 +47,8 @@ pub struct ScriptConfig {
     pub worker_path: Option<PathBuf>,
     /// Run no script where the kernel does not filter the system calls of its worker.
     pub require_filter: bool,
-    /// User that workers run as where the connector runs as root, `nobody` by default; 0 for the
-    /// connector's own.
+    /// User that workers run as where the connector runs as root, `nobody` by default; without it no script runs. 0 for
+    /// root itself.
     pub user_id: u32,
     /// Number of worker processes that share the scripts.
     pub workers: usize,

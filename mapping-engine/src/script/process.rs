@@ -1,6 +1,11 @@
 //! One worker process from its start to its end.
 
-use std::{io, path::Path, process::Stdio, time::Duration};
+use std::{
+    io,
+    path::{Path, PathBuf},
+    process::Stdio,
+    time::Duration,
+};
 
 use script_protocol::{
     HostMessage, PROTOCOL_VERSION, WorkerMessage,
@@ -14,7 +19,7 @@ use tokio::{
 };
 
 use super::{
-    config::{NOBODY, ScriptConfig},
+    config::ScriptConfig,
     status::{WorkerPlace, WorkerWalls, refusal},
 };
 
@@ -28,6 +33,13 @@ pub(super) enum ProcessError {
     NotFound(String),
     #[error("the script worker does not start")]
     Start(#[source] io::Error),
+    /// The folder is closed to the user, or the kernel does not have it.
+    #[error(
+        "scripts are not run: user {user_id} may not run {}, and they do not run as root: let others read and run it and \
+         its folders, or set mapping.script.userId to a user who may, or to 0 and trust every script like root itself",
+        path.display()
+    )]
+    UserMayNot { user_id: u32, path: PathBuf, source: io::Error },
     #[error("the script worker speaks version {0} of the protocol, not {PROTOCOL_VERSION}")]
     Version(u16),
     #[error("the script worker ended")]
@@ -61,29 +73,14 @@ impl Process {
         let path = std::path::absolute(path).map_err(ProcessError::Start)?;
         let host_user = rustix::process::geteuid();
         let own_user = (host_user.is_root() && config.user_id != 0).then_some(config.user_id);
-        let mut child = match spawn(&path, own_user) {
-            // As from a folder that is the connector's alone: its other walls stand.
-            Err(error)
-                if own_user == Some(NOBODY) && error.kind() == io::ErrorKind::PermissionDenied =>
-            {
-                tracing::warn!(
-                    user.id = own_user,
-                    file = %path.display(),
-                    "The user of script workers may not run this file; they run as the connector's user."
-                );
-                spawn(&path, None)
-            }
-            // A user that was chosen is meant: nothing runs as another one instead.
-            Err(error) if own_user.is_some() && error.kind() == io::ErrorKind::PermissionDenied => {
-                let reason = format!(
-                    "the user of script workers may not run {}: let others read and run it and its folders",
-                    path.display()
-                );
-                Err(io::Error::new(error.kind(), reason))
-            }
-            spawned => spawned,
-        }
-        .map_err(ProcessError::Start)?;
+        let mut child =
+            spawn(&path, own_user).map_err(|source| match (own_user, source.kind()) {
+                // Nothing runs as root instead.
+                (Some(user_id), io::ErrorKind::PermissionDenied | io::ErrorKind::InvalidInput) => {
+                    ProcessError::UserMayNot { user_id, path, source }
+                }
+                _ => ProcessError::Start(source),
+            })?;
         let (Some(input), Some(output)) = (child.stdin.take(), child.stdout.take()) else {
             return Err(ProcessError::Start(io::Error::other("its streams are not there")));
         };
@@ -107,6 +104,12 @@ impl Process {
                     tracing::warn!(
                         "Scripts run WITHOUT a filter of system calls, as mapping.script.requireFilter = false allows: a \
                          script that breaks its engine has the rights of its worker's user."
+                    );
+                }
+                if walls.user_id == 0 {
+                    tracing::warn!(
+                        "Scripts run as ROOT, as mapping.script.userId = 0 allows: a script that breaks its engine has \
+                         this machine."
                     );
                 }
                 place.runs(&engine, walls);

@@ -90,6 +90,12 @@ pub(super) fn refusal(config: &ScriptConfig, walls: &WorkerWalls) -> Option<&'st
              where it does, or set mapping.script.requireFilter = false and trust every script like the connector itself",
         );
     }
+    if walls.user_id == 0 && config.user_id != 0 {
+        return Some(
+            "scripts are not run: their worker runs as root; give it a user by mapping.script.userId, or set that to 0 and \
+             trust every script like root itself",
+        );
+    }
     (!walls.has_limits)
         .then_some("scripts are not run: the system does not keep the bounds of their worker")
 }
@@ -157,6 +163,17 @@ mod tests {
             assert!(refusal(config, &walls(true, false)).is_some(), "bounds hold in any case");
         }
         assert_eq!(ScriptConfig::default().require_filter, cfg!(target_os = "linux"));
+    }
+
+    #[test]
+    fn as_root_no_script_runs_unless_a_setting_says_so() {
+        let sandbox =
+            Sandbox { is_filtered: true, landlock: Landlock::Full, user_id: 0, has_limits: true };
+        let as_root = WorkerWalls::of(&sandbox, 0);
+        let refused = refusal(&ScriptConfig::default(), &as_root).expect("refused");
+        assert!(refused.contains("mapping.script.userId"), "{refused}");
+        let lax = ScriptConfig { user_id: 0, ..ScriptConfig::default() };
+        assert_eq!(refusal(&lax, &as_root), None);
     }
 
     #[test]

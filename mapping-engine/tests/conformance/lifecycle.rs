@@ -196,6 +196,9 @@ pub async fn values_keep_their_order_under_load(worker: &Worker) {
 /// Programs that are no workers: each is a diagnostic, and the engine lives.
 pub async fn a_broken_worker_is_a_diagnostic(worker: &Worker) {
     let folder = tempfile::tempdir().expect("a folder");
+    // As root, workers run as another user.
+    let open = std::fs::Permissions::from_mode(0o755);
+    std::fs::set_permissions(folder.path(), open).expect("ours");
     let programs = [
         ("ends", "#!/bin/sh\nexit 0\n"),
         ("echoes", "#!/bin/sh\nexec /bin/cat\n"),

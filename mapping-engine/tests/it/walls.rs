@@ -2,7 +2,7 @@
 
 use std::{os::unix::fs::PermissionsExt as _, path::PathBuf};
 
-use mapping_engine::{LandlockState, ScriptRuntime, ScriptWorkerStatus};
+use mapping_engine::{LandlockState, ScriptConfig, ScriptRuntime, ScriptWorkerStatus};
 use script_protocol::{Landlock, PROTOCOL_VERSION, Sandbox, WorkerMessage, frame};
 use tempfile::TempDir;
 
@@ -26,7 +26,14 @@ fn worker_that_reports(folder: &TempDir, sandbox: Sandbox) -> Worker {
 
 /// Tries a script, and returns what is said of it and of the worker.
 async fn tried(worker: &Worker, require_filter: bool) -> (String, ScriptWorkerStatus) {
-    let bench = Bench::start(worker, |config| config.require_filter = require_filter);
+    tried_with(worker, |config| config.require_filter = require_filter).await
+}
+
+async fn tried_with(
+    worker: &Worker,
+    adjust: impl FnOnce(&mut ScriptConfig),
+) -> (String, ScriptWorkerStatus) {
+    let bench = Bench::start(worker, adjust);
     let mapping = script_mapping("tried", &["a"], "Double", "(v) => v");
     let diagnostics = bench.handle.check(mapping).await.expect("the engine runs");
     let said = diagnostics.iter().map(|diagnostic| diagnostic.message.as_str()).collect();
@@ -71,4 +78,38 @@ async fn a_worker_without_bounds_gets_no_script_whatever_is_set() {
     );
     let (said, status) = tried(&worker, false).await;
     assert!(said.contains("bounds") && status.fault.is_some(), "{said}");
+}
+
+const AS_ROOT: Sandbox =
+    Sandbox { is_filtered: true, landlock: Landlock::Full, user_id: 0, has_limits: true };
+
+#[tokio::test(flavor = "multi_thread")]
+async fn root_is_the_user_of_no_worker_unless_a_setting_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let worker = worker_that_reports(&folder, AS_ROOT);
+    let (said, status) = tried_with(&worker, |_| {}).await;
+    assert!(said.contains("runs as root") && said.contains("mapping.script.userId"), "{said}");
+    assert!(status.walls.is_none() && status.fault.is_some(), "{status:?}");
+    let (said, status) = tried_with(&worker, |config| config.user_id = 0).await;
+    assert!(!said.contains("userId"), "{said}");
+    assert_eq!(status.walls.map(|walls| walls.user_id), Some(0), "the page shows it");
+}
+
+/// A folder that is closed to all but its owner is what installations by hand have.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_worker_whose_user_may_not_run_it_does_not_run_as_root_instead() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let worker = worker_that_reports(&folder, AS_ROOT);
+    let closed = std::fs::Permissions::from_mode(0o700);
+    std::fs::set_permissions(folder.path(), closed).expect("ours");
+    let (said, status) = tried_with(&worker, |_| {}).await;
+    let fault = status.fault.expect("a reason");
+    assert!(status.walls.is_none() && said.contains("scripts are not run"), "{said}");
+    // Who is no root cannot give its workers another user, and this one says that it is root.
+    let expected = if rustix::process::geteuid().is_root() {
+        "user 65534 may not run"
+    } else {
+        "their worker runs as root"
+    };
+    assert!(fault.contains(expected) && fault.contains("mapping.script.userId"), "{fault}");
 }

@@ -15,6 +15,10 @@ const EXCHANGE: &str = "verbund";
 const UNROUTED: &str = "verbund.unrouted";
 /// The exchange of rejected messages.
 const DEAD: &str = "verbund.dead";
+/// Connections of an account at the same time, as at the embedded broker. RabbitMQ 3 counts those that have a session.
+const CONNECTIONS_MAX: u32 = 16;
+/// Channels of an account, of which a session has one, and a second one while a link is attached.
+const CHANNELS_MAX: u32 = 64;
 
 /// Generates the definitions of one virtual host. `salt` returns four new random bytes per call,
 /// for the password hashes.
@@ -22,7 +26,8 @@ const DEAD: &str = "verbund.dead";
 /// Queues are quorum queues with a single active consumer. They keep on disk what was consumed until
 /// their common log is rolled over, and what has expired becomes a dead letter. Permissions to write are decided by the
 /// routing key, so the users need none on any other exchange; in particular none on the default
-/// exchange, which reaches every queue.
+/// exchange, which reaches every queue. Connections of an account are bounded, but for the platform's, which has links
+/// for all.
 #[must_use]
 pub fn rabbitmq_definitions(
     plan: &BrokerPlan,
@@ -44,7 +49,10 @@ pub fn rabbitmq_definitions(
     let rights = plan.rights();
     json!({
         "vhosts": [ { "name": virtual_host } ],
-        "users": rights.iter().map(|r| user(r, salt())).collect::<Vec<_>>(),
+        "users": rights.iter().map(|r| {
+            let is_platform = r.account.user_name == plan.platform.user_name;
+            user(r, salt(), is_platform)
+        }).collect::<Vec<_>>(),
         "permissions": rights.iter().map(|r| json!({
             "user": r.account.user_name, "vhost": virtual_host,
             "configure": "^$", "write": format!("^{EXCHANGE}$"), "read": any_of(&r.consume),
@@ -92,17 +100,22 @@ fn binding(virtual_host: &str, source: &str, queue: &str, key: &str) -> Value {
     })
 }
 
-/// Returns the hash that RabbitMQ stores: the salt, then SHA-256 over salt and password.
-fn user(rights: &Rights<'_>, salt: [u8; 4]) -> Value {
+/// Returns an account with the hash that RabbitMQ stores: the salt, then SHA-256 over salt and password.
+fn user(rights: &Rights<'_>, salt: [u8; 4], is_platform: bool) -> Value {
     let digest = Sha256::new()
         .chain_update(salt)
         .chain_update(rights.account.password.as_bytes())
         .finalize();
     let hash = STANDARD.encode([salt.as_slice(), digest.as_slice()].concat());
-    json!({
+    let mut user = json!({
         "name": rights.account.user_name, "password_hash": hash,
         "hashing_algorithm": "rabbit_password_hashing_sha256", "tags": [],
-    })
+    });
+    if !is_platform {
+        user["limits"] =
+            json!({ "max-connections": CONNECTIONS_MAX, "max-channels": CHANNELS_MAX });
+    }
+    user
 }
 
 /// A regular expression for exactly these addresses.
@@ -152,6 +165,8 @@ mod tests {
             "^(factory\\.f1\\.requests|factory\\.f1\\.leases)$"
         );
         assert_eq!(definitions["queues"].as_array().map(Vec::len), Some(4));
+        assert_eq!(definitions["users"][1]["limits"]["max-connections"], 16);
+        assert!(definitions["users"][0]["limits"].is_null(), "the platform has links for all");
         assert!(!definitions.to_string().contains("\"password\""));
     }
 
@@ -163,7 +178,7 @@ mod tests {
             consume: vec![],
             produce: vec![],
         };
-        let user = user(&rights, [0x90, 0x8D, 0xC6, 0x0A]);
+        let user = user(&rights, [0x90, 0x8D, 0xC6, 0x0A], false);
         assert_eq!(user["password_hash"], "kI3GCqW5JLMJa4iX1lo7X4D6XbYqlLgxIs30+P6tENUV2POR");
     }
 }

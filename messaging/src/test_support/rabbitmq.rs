@@ -99,6 +99,16 @@ impl RabbitMq {
         assert!(output.status.success(), "rabbitmqctl {arguments:?}: {said}");
     }
 
+    /// Returns whether its log has these words.
+    ///
+    /// # Panics
+    /// Panics when the log cannot be read.
+    #[must_use]
+    pub fn has_said(&self, words: &str) -> bool {
+        let log = fs::read(self.folder.path().join("out")).expect("a log");
+        String::from_utf8_lossy(&log).contains(words)
+    }
+
     /// Returns the bytes of its stores on the disk.
     ///
     /// # Panics

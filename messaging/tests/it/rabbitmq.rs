@@ -1,6 +1,8 @@
 //! RabbitMQ 3.10 through its AMQP 1.0 plugin, with generated definitions. One broker for all checks,
 //! because it starts slowly.
 
+use std::time::Duration;
+
 use messaging::{
     BrokerProfile, LinkPhase, LogicalAddress, Settlement, definitions::rabbitmq_definitions,
     test_support::RabbitMq,
@@ -17,6 +19,7 @@ async fn the_link_keeps_its_guarantees_on_rabbitmq() {
     check_settlements(&platform, &factory).await;
     check_leases(&url, &platform, &factory).await;
     check_access_control(&url, &platform, &factory).await;
+    check_limits(&broker, &platform, &factory).await;
     check_kill(&mut broker, &platform, &factory).await;
     platform.stop().await;
     factory.stop().await;
@@ -87,6 +90,37 @@ async fn check_access_control(url: &str, platform: &TestLink, factory: &TestLink
     })
     .await;
     stranger.stop().await;
+}
+
+/// A connection of an account beyond its limit is refused. Those that it has go on, and other accounts do not feel it.
+async fn check_limits(broker: &RabbitMq, platform: &TestLink, factory: &TestLink) {
+    const LIMIT: usize = 16;
+    let url = broker.url();
+    let is_up = |link: &TestLink| link.handle.state().borrow().is_up();
+    let mut links = Vec::new();
+    for _ in 0..LIMIT {
+        links.push(start(&url, "f2", &["factory.f2.requests"]));
+    }
+    eventually("all are up", || links.iter().all(is_up)).await;
+    // RabbitMQ counts them a moment later.
+    tokio::time::sleep(Duration::from_secs(2)).await;
+    assert!(!broker.has_said("connection limit"), "as many as are allowed");
+    let one_more = start(&url, "f2", &["factory.f2.requests"]);
+    let state = one_more.handle.state();
+    eventually("one more is refused", || {
+        broker.has_said("user connection limit (16) is reached")
+            && matches!(state.borrow().phase, LinkPhase::Down { .. })
+    })
+    .await;
+    assert!(links.iter().all(is_up), "the others go on");
+    factory.send("factory.f1.ingress", "of-another-account");
+    eventually("another account is served", || platform.has_received("of-another-account")).await;
+    let third = start(&url, "f1", &["factory.f1.leases"]);
+    platform.send("factory.f1.leases", "another-lease");
+    eventually("and may connect", || third.has_received("another-lease")).await;
+    for link in links.into_iter().chain([one_more, third]) {
+        link.stop().await;
+    }
 }
 
 /// A kill in the middle of 600 messages loses none.

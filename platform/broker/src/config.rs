@@ -5,7 +5,7 @@ use std::{fmt, net::SocketAddr, path::PathBuf, time::Duration};
 use bytes::Bytes;
 use serde::{Deserialize, Serialize};
 
-use crate::address::AddressPattern;
+use crate::{address::AddressPattern, disk::DiskGauge};
 
 /// Listeners, store, queues and limits, fixed at the start.
 #[derive(Debug, Clone)]
@@ -14,6 +14,8 @@ pub struct BrokerConfig {
     pub listeners: Vec<Listener>,
     /// SQLite file on a local disk; created when missing.
     pub database_path: PathBuf,
+    /// Gauge of the disk that it lies on: what is left there is not for those who hold most.
+    pub disk: DiskGauge,
     /// Queues of these names are created when a permitted user attaches; all others must be
     /// declared.
     pub auto_created: Vec<AddressPattern>,
@@ -29,6 +31,7 @@ impl BrokerConfig {
         Self {
             listeners: vec![listener],
             database_path: database_path.into(),
+            disk: DiskGauge::default(),
             auto_created: Vec::new(),
             queue_options: QueueOptions::default(),
             limits: BrokerLimits::default(),

@@ -1,5 +1,7 @@
 //! Core of the broker, shared by all connections: queues, writer, body cache, connection registry.
 
+mod dead_letters;
+
 use std::{
     collections::HashMap,
     net::SocketAddr,
@@ -13,7 +15,6 @@ use parking_lot::Mutex;
 use sqlx::sqlite::SqlitePool;
 use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
-use tracing::warn;
 
 use crate::{
     address::QueueName,
@@ -22,13 +23,14 @@ use crate::{
     config::{BrokerConfig, QueueOptions},
     credentials::CredentialSource,
     dead_letter::TOO_MANY_DELIVERIES,
+    disk::{DiskRoom, DiskState, HeldByAll},
     error::BrokerError,
     guesses::Guesses,
-    message::{AnyMessage, Features, cut},
+    message::AnyMessage,
     queue::{Queue, QueueEntry},
     shares::{ShareTable, UserShare},
     status::{ConnectionStatus, QueueStatus},
-    store::{self, DeadLettering, StoreCommand, WriterHandle},
+    store::{self, StoreCommand, WriterHandle},
     waiting::WaitingRoom,
 };
 
@@ -37,10 +39,6 @@ const READ_AHEAD: usize = 64;
 /// Bytes of those that are read ahead.
 const READ_AHEAD_BYTES: u64 = 1024 * 1024;
 
-/// Characters of a dead letter's code and reason, which a consumer sends.
-const CODE_CHARS_MAX: usize = 100;
-const REASON_CHARS_MAX: usize = 1000;
-
 /// Core of one broker. Queues and connections are in memory; changes go through the writer.
 pub(crate) struct Core {
     pub config: BrokerConfig,
@@ -48,6 +46,7 @@ pub(crate) struct Core {
     pub writer: WriterHandle,
     pub cache: BodyCache,
     pub dead_letters: Arc<Queue>,
+    disk: DiskRoom,
     readers: SqlitePool,
     queues: Mutex<HashMap<QueueName, Arc<Queue>>>,
     /// Serialises declarations and deletions: two inserts of one name would fail a transaction that
@@ -102,6 +101,7 @@ impl Core {
                 config.limits.unauthenticated_per_address_max,
             )),
             guesses: Arc::default(),
+            disk: DiskRoom::new(config.disk.clone(), config.database_path.clone()),
             config,
             credentials,
             writer,
@@ -182,17 +182,43 @@ impl Core {
         }
     }
 
-    /// Deletes a queue, durably; returns the number of its messages.
+    /// Deletes a queue with its dead letters, durably; returns the number of its messages.
     pub(crate) async fn delete(&self, name: &QueueName) -> Result<u64, BrokerError> {
         let _turn = self.declaring.lock().await;
         let queue =
             self.queue(name).ok_or_else(|| BrokerError::UnknownQueue { queue: name.clone() })?;
-        let answer = self.writer.ask(|done| StoreCommand::DeleteQueue { id: queue.id, done }).await;
+        let answer = self
+            .writer
+            .ask(|done| StoreCommand::DeleteQueue { id: queue.id, name: name.to_string(), done })
+            .await;
         answer
             .ok_or(BrokerError::Stopped)?
             .map_err(|source| BrokerError::Store { action: "delete a queue", source })?;
         self.queues.lock().remove(name);
         Ok(queue.delete())
+    }
+
+    /// Looks at the disk.
+    pub(crate) fn disk(&self) -> DiskState {
+        self.disk.look(|| self.held_by_all())
+    }
+
+    /// Takes room on the disk for a message of a queue.
+    ///
+    /// # Errors
+    /// The reason for which there is none at the moment.
+    pub(crate) fn take_room(&self, queue: &Queue, bytes: u64) -> Result<(), &'static str> {
+        self.disk.take(bytes, queue.bytes(), || self.held_by_all())
+    }
+
+    /// Counts what all queues hold, but for that of the dead letters.
+    fn held_by_all(&self) -> HeldByAll {
+        let queues = self.queues();
+        let held = queues.iter().filter(|queue| queue.id != self.dead_letters.id);
+        held.fold(HeldByAll::default(), |all, queue| HeldByAll {
+            queues: all.queues + 1,
+            bytes: all.bytes + queue.bytes(),
+        })
     }
 
     pub(crate) fn next_message_id(&self) -> i64 {
@@ -257,30 +283,9 @@ impl Core {
         }
     }
 
-    /// Moves a leased message to the dead letters; removes one that is already there.
-    pub(crate) async fn dead_letter(
-        &self,
-        queue: &Arc<Queue>,
-        entry: QueueEntry,
-        message: &AnyMessage,
-        code: String,
-        reason: String,
-    ) {
-        metrics::counter!("broker_messages_dead_lettered_total").increment(1);
-        if queue.id == self.dead_letters.id {
-            return self.remove(queue, &entry).await;
-        }
-        let (code, reason) = (cut(&code, CODE_CHARS_MAX), cut(&reason, REASON_CHARS_MAX));
-        warn!(queue = %queue.name, message = entry.id, code, reason, "a message moves to the dead letters");
-        self.cache.remove(entry.id);
-        let features = Features::of(message);
-        let letter = DeadLettering { entry, origin: Arc::clone(queue), features, code, reason };
-        self.write(StoreCommand::DeadLetter(Box::new(letter))).await;
-        self.has_new_dead_letters.store(true, Ordering::Relaxed);
-    }
-
-    /// Removes expired messages and the oldest dead letters beyond their bound.
+    /// Looks at the disk, and removes expired messages and the oldest dead letters beyond their bound.
     pub(crate) async fn sweep(&self, now_ms: i64) {
+        self.disk();
         for queue in self.queues() {
             for entry in queue.withdraw_expired(now_ms) {
                 metrics::counter!("broker_messages_expired_total").increment(1);
@@ -289,27 +294,6 @@ impl Core {
             }
         }
         self.forget_dead_letters().await;
-    }
-
-    /// Removes the oldest dead letters of each queue beyond its bound, and those beyond the bound of all.
-    async fn forget_dead_letters(&self) {
-        let mut beyond = Vec::new();
-        if self.has_new_dead_letters.swap(false, Ordering::Relaxed) {
-            match store::dead_letters_beyond(&self.readers, &self.config.limits).await {
-                Ok(ids) => {
-                    beyond.extend(ids.into_iter().filter_map(|id| self.dead_letters.withdraw(id)));
-                }
-                Err(problem) => warn!(error = %problem, "old dead letters could not be listed"),
-            }
-        }
-        let limits = &self.config.limits;
-        beyond.extend(
-            self.dead_letters
-                .withdraw_beyond(limits.dead_letters_max, limits.dead_letter_bytes_max),
-        );
-        for entry in beyond {
-            self.write(StoreCommand::Remove(entry.id)).await;
-        }
     }
 
     async fn write(&self, command: StoreCommand) {
@@ -326,11 +310,14 @@ impl Core {
         peer: SocketAddr,
         cut: CancellationToken,
     ) -> Option<Registration> {
-        let mut connections = self.connections.lock();
         let limits = &self.config.limits;
+        let user = self.credentials.user(user_name).unwrap_or_default();
+        let share = self.shares.of(user_name, &user, limits);
+        let mut connections = self.connections.lock();
         let of_user: Vec<_> =
             connections.values().filter(|c| c.status.user_name == user_name).collect();
         if of_user.len() >= limits.connections_per_user_max {
+            share.count_refusal("connections");
             return None;
         }
         let uncommitted = of_user.first().map_or_else(
@@ -346,8 +333,6 @@ impl Core {
             cut: cut.clone(),
         };
         connections.insert(id, registered);
-        let user = self.credentials.user(user_name).unwrap_or_default();
-        let share = self.shares.of(user_name, &user, limits);
         Some(Registration { core: Arc::clone(self), id, uncommitted, share, cut })
     }
 

@@ -18,6 +18,7 @@ use crate::{
     core::Core,
     credentials::CredentialSource,
     dead_letter::BrokerDeadLetter,
+    disk::DiskState,
     error::BrokerError,
     listener::{self, BoundListener},
     queue::{Queue, QueueEntry},
@@ -142,17 +143,7 @@ impl BrokerHandle {
     /// # Errors
     /// [`BrokerError::UnknownQueue`], [`BrokerError::Store`] or [`BrokerError::Stopped`].
     pub async fn delete_queue(&self, queue: &QueueName) -> Result<u64, BrokerError> {
-        let deleted = self.core.delete(queue).await;
-        // One that is gone may have left letters behind, where they could not be deleted with it.
-        if !matches!(deleted, Ok(_) | Err(BrokerError::UnknownQueue { .. })) {
-            return deleted;
-        }
-        // After it: no further letter comes of it.
-        let letters = store::dead_letters_of(self.core.readers(), queue.as_str()).await;
-        let letters = letters
-            .map_err(|source| BrokerError::Store { action: "read the dead letters", source })?;
-        self.purge_dead_letters(&letters).await?;
-        deleted
+        self.core.delete(queue).await
     }
 
     /// Returns the status of all queues, sorted by name.
@@ -165,6 +156,12 @@ impl BrokerHandle {
     #[must_use]
     pub fn queue(&self, queue: &QueueName) -> Option<QueueStatus> {
         self.core.queue(queue).map(|q| q.status())
+    }
+
+    /// Returns how much room is on the disk of the database.
+    #[must_use]
+    pub fn disk(&self) -> DiskState {
+        self.core.disk()
     }
 
     /// Returns all connections, oldest first.

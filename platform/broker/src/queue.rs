@@ -99,6 +99,11 @@ impl Queue {
         state.wake_next();
     }
 
+    /// Returns the bytes of its messages.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.state.lock().bytes
+    }
+
     /// Reserves space for a message that a publisher has sent, before it is stored.
     pub(crate) fn reserve(&self, bytes: u64) -> Result<(), QueueRefusal> {
         let mut state = self.state.lock();

@@ -115,12 +115,21 @@ impl UserShare {
         // The first is given back where the second is not to be had.
         let held = take(&self.of_user).and_then(|user| Ok([user, take(&self.of_organisation)?]));
         if held.is_err() {
-            let who = self.who.clone();
-            metrics::counter!("broker_share_refusals_total", "share" => label, "who" => who)
-                .increment(1);
+            self.count_refusal(label);
         }
         held.ok()
     }
+
+    /// Counts a refusal under the name of who has used the share up.
+    pub(crate) fn count_refusal(&self, label: &'static str) {
+        count_refusal(label, &self.who);
+    }
+}
+
+/// Counts a refusal of a share, under a name of which there are no more than accounts.
+pub(crate) fn count_refusal(share: &'static str, who: &str) {
+    let who = who.to_owned();
+    metrics::counter!("broker_share_refusals_total", "share" => share, "who" => who).increment(1);
 }
 
 /// Bytes of the messages that a user's consumers have not settled.

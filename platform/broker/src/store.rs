@@ -20,9 +20,7 @@ use sqlx::{
 pub(crate) use command::{
     DeadLettering, LinkOrder, NewMessage, StoreCommand, WriteFailed, WriterHandle,
 };
-pub(crate) use dead_letters::{
-    dead_letter_body, dead_letters, dead_letters_beyond, dead_letters_of,
-};
+pub(crate) use dead_letters::{dead_letter_body, dead_letters, dead_letters_beyond};
 pub(crate) use reader::{bodies, load};
 pub(crate) use writer::StoreWriter;
 

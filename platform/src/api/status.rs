@@ -2,7 +2,7 @@
 
 use asi_model::DateTime;
 use axum::{Json, extract::State};
-use broker::{ConnectionStatus, QueueStatus};
+use broker::{ConnectionStatus, DiskState, QueueStatus};
 use daemon::{plaintext::PlaintextWay, web::session::SignedIn};
 use messaging::LinkState;
 use serde::Serialize;
@@ -38,6 +38,9 @@ pub struct Status {
     /// Connections of the embedded broker; for administrators.
     #[serde(skip_serializing_if = "Option::is_none")]
     connections: Option<Vec<ConnectionStatus>>,
+    /// Room on the disk of the embedded broker; for administrators.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    broker_disk: Option<DiskState>,
 }
 
 /// Shows the status of the platform.
@@ -46,9 +49,9 @@ pub struct Status {
 pub async fn show(State(app): State<Application>, who: SignedIn<Principal>) -> Json<Status> {
     let is_administrator = who.principal.is_administrator();
     let broker = app.broker_access.broker().filter(|_| is_administrator);
-    let (queues, connections) = match &broker {
-        Some(broker) => tokio::join!(broker.queues(), broker.connections()),
-        None => (None, None),
+    let (queues, connections, broker_disk) = match &broker {
+        Some(broker) => tokio::join!(broker.queues(), broker.connections(), broker.disk()),
+        None => (None, None, None),
     };
     let link = app.broker_access.link().filter(|_| is_administrator);
     Json(Status {
@@ -61,5 +64,6 @@ pub async fn show(State(app): State<Application>, who: SignedIn<Principal>) -> J
         link: link.map(|link| link.state().borrow().clone()),
         queues,
         connections,
+        broker_disk,
     })
 }

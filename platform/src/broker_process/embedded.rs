@@ -3,8 +3,8 @@
 use std::{collections::HashMap, net::SocketAddr};
 
 use broker::{
-    BrokerDeadLetter, BrokerError, BrokerHandle, BrokerUser, ConnectionStatus, QueueName,
-    QueueOptions, QueueStatus,
+    BrokerDeadLetter, BrokerError, BrokerHandle, BrokerUser, ConnectionStatus, DiskState,
+    QueueName, QueueOptions, QueueStatus,
 };
 
 use super::{
@@ -118,6 +118,17 @@ impl EmbeddedBroker {
             Self::Here(broker) => Some(broker.connections()),
             Self::Process(process) => match process.ask(BrokerRequest::Connections).await {
                 Some(Answer::Connections(connections)) => Some(connections),
+                _ => None,
+            },
+        }
+    }
+
+    /// Returns how much room is on its disk; none while the broker is away.
+    pub async fn disk(&self) -> Option<DiskState> {
+        match self {
+            Self::Here(broker) => Some(broker.disk()),
+            Self::Process(process) => match process.ask(BrokerRequest::Disk).await {
+                Some(Answer::Disk(state)) => Some(state),
                 _ => None,
             },
         }

@@ -109,6 +109,7 @@ async fn carry_out(
         }
         BrokerRequest::Queues => Answer::Queues(handle.queues()),
         BrokerRequest::Connections => Answer::Connections(handle.connections()),
+        BrokerRequest::Disk => Answer::Disk(handle.disk()),
         BrokerRequest::DeadLetters { after, limit } => {
             handle.dead_letters(after, limit).await.map_or_else(failed, Answer::DeadLetters)
         }

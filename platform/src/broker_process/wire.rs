@@ -4,10 +4,12 @@ use std::{collections::HashMap, net::SocketAddr, path::PathBuf};
 
 use broker::{
     AddressPattern, BrokerConfig, BrokerDeadLetter, BrokerUser, Carrier, ConnectionStatus,
-    Listener, QueueName, QueueOptions, QueueStatus, SecretHash, TlsIdentity,
+    DiskGauge, DiskState, Listener, QueueName, QueueOptions, QueueStatus, SecretHash, TlsIdentity,
 };
 use daemon::telemetry::LogConfig;
 use serde::{Deserialize, Serialize};
+
+use crate::disk;
 
 /// First line to the process: what it needs to serve.
 #[derive(Clone, Serialize, Deserialize)]
@@ -66,6 +68,7 @@ pub(super) enum BrokerRequest {
     },
     Queues,
     Connections,
+    Disk,
     DeadLetters {
         after: i64,
         limit: u32,
@@ -96,6 +99,7 @@ pub(super) enum Answer {
     Count(u64),
     Queues(Vec<QueueStatus>),
     Connections(Vec<ConnectionStatus>),
+    Disk(DiskState),
     DeadLetters(Vec<BrokerDeadLetter>),
     Metrics(String),
     /// The broker could not do it; a sentence for people.
@@ -136,6 +140,7 @@ impl Setup {
         });
         let mut config = BrokerConfig::new(listeners.next()?, &self.database_path);
         config.listeners.extend(listeners);
+        config.disk = DiskGauge::new(disk::space_of);
         Some(config)
     }
 }
@@ -175,6 +180,17 @@ pub(super) fn from_wire(users: Vec<UserSetup>) -> HashMap<String, BrokerUser> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_broker_in_a_process_of_its_own_looks_at_its_disk() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let listener =
+            Listener { address: ([127, 0, 0, 1], 0).into(), tls: None, carrier: Carrier::Stream };
+        let here = BrokerConfig::new(listener, folder.path().join("broker.db"));
+        let setup = Setup::new(&here, LogConfig::default());
+        let there = setup.broker_config().expect("a listener");
+        assert!(there.disk.space_of(folder.path()).is_some());
+    }
 
     #[test]
     fn users_survive_the_wire_and_their_secrets_are_not_on_it() {

@@ -2,16 +2,18 @@
 
 use std::{
     collections::HashMap,
-    path::{Path, PathBuf},
+    path::PathBuf,
     time::{Duration, Instant},
 };
 
+use broker::DiskSpace;
 use messaging::{BrokerUrl, LogicalAddress};
 use parking_lot::Mutex;
 
 use super::{dead_letter::holder, used_up::count_used_up};
 use crate::{
     config::PlatformConfig,
+    disk,
     store::{Holder, Kept, StoreError, StoreReader},
 };
 
@@ -19,11 +21,6 @@ use crate::{
 const KEPT: &str = "kept";
 /// Time for which it is not looked again how much room a sender has left. It writes a small part of it meanwhile.
 const LOOKED_EVERY: Duration = Duration::from_secs(5);
-
-/// Part of a disk that senders with more than others leave free.
-const RESERVED_PART: u64 = 50;
-/// Largest such part.
-const RESERVED_MAX: u64 = 1 << 30;
 
 /// Bounds on what is kept of the messages of one sender, in bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -122,7 +119,9 @@ impl Room {
                 kept.rows, kept.bytes
             )));
         }
-        if is_short(&self.config.data_directory) {
+        let disk = disk::space_of(&self.config.data_directory);
+        // One that says nothing has enough.
+        if disk.is_some_and(DiskSpace::is_short) {
             let all = self.store.read().await?.quotas().of_all_senders().await?;
             if has_more_than_others(kept, all) {
                 return Ok(Some(format!(
@@ -135,13 +134,6 @@ impl Room {
         self.seen_at.lock().insert(address.clone(), now);
         Ok(None)
     }
-}
-
-/// Returns true where a disk has little space left. One that says nothing has enough.
-fn is_short(folder: &Path) -> bool {
-    let Ok(disk) = rustix::fs::statvfs(folder) else { return false };
-    let (free, size) = (disk.f_bavail * disk.f_frsize, disk.f_blocks * disk.f_frsize);
-    free < (size / RESERVED_PART).min(RESERVED_MAX)
 }
 
 /// Returns true for a sender of which more than an equal part is kept.
@@ -226,6 +218,5 @@ mod tests {
             !has_more_than_others(kept(300), Kept { rows: 1, bytes: 300 }),
             "there are no others"
         );
-        assert!(!is_short(Path::new("/proc/self/nothing")));
     }
 }

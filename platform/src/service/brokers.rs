@@ -6,7 +6,7 @@ use std::{
 };
 
 use asi_model::DateTime;
-use broker::{Broker, Carrier, Listener, TlsIdentity};
+use broker::{Broker, Carrier, DiskGauge, Listener, TlsIdentity};
 use daemon::{
     data_directory,
     lifecycle::{Importance, Lifecycle},
@@ -24,6 +24,7 @@ use crate::{
     certificates::CertificateAuthority,
     clock::Clock,
     config::{BrokerSettings, ExternalBrokerConfig, PlatformConfig},
+    disk,
     store::{Store, StoreReader},
 };
 
@@ -148,6 +149,7 @@ async fn open_embedded(
         let carrier = Carrier::WebSocket;
         embedded.listeners.push(Listener { address, tls: Some(tls), carrier });
     }
+    embedded.disk = DiskGauge::new(disk::space_of);
     let users = broker_access.users();
     let (broker, handle) = if config.broker.in_process {
         let (broker, handle) = Broker::new(embedded, users).await?;

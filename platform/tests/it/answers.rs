@@ -16,8 +16,9 @@ use crate::{
 };
 
 /// Members whose values differ from run to run, or depend on the machine.
-const VOLATILE: [&str; 23] = [
+const VOLATILE: [&str; 24] = [
     "agentId",
+    "brokerDisk",
     "brokerUrl",
     "checkpoint",
     "connections",

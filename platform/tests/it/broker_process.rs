@@ -86,6 +86,8 @@ async fn pages_outlive_the_broker_and_it_comes_back_with_all_it_had() {
     story::value_is(&buyer, "3").await;
     let status = admin.get("/status").await.expect_ok();
     assert!(status["queues"].as_array().is_some_and(|queues| !queues.is_empty()), "{status}");
+    let disk = status["brokerDisk"].as_str().unwrap_or_default();
+    assert!(["ENOUGH", "SHORT", "FULL"].contains(&disk), "it looks at its disk: {status}");
     assert_ne!(first, second);
 }
 

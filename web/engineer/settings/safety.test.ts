@@ -33,6 +33,22 @@ describe('what protects and what does not', () => {
     expect(text).toContain('Not in the folder of the store.')
   })
 
+  it('is an alert where scripts run as root, as a setting allows', () => {
+    const walls = {
+      isFiltered: true,
+      landlock: 'full' as const,
+      hasOwnUser: false,
+      userId: 0,
+      hasLimits: true,
+    }
+    shown({
+      plaintextWays: [],
+      isSealingKeyBesideStore: false,
+      scriptWorkers: [{ purpose: 'mappings', number: 0, engine: 'quickjs-ng', walls }],
+    })
+    expect(screen.getByRole('alert').textContent).toMatch(/ROOT/)
+  })
+
   it('is an alert for each way without TLS', () => {
     shown({
       plaintextWays: [{ key: 'broker.url', address: 'amqp://broker.example:5672' }],

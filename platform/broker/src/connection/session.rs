@@ -165,7 +165,7 @@ async fn serve_link(peer: Peer, queue: Arc<Queue>, endpoint: LinkEndpoint, permi
     let Peer { core, user_name, uncommitted, share, cut, .. } = peer;
     match endpoint {
         LinkEndpoint::Receiver(receiver) => {
-            let publisher = Publisher { user_name, uncommitted };
+            let publisher = Publisher { user_name, share, uncommitted };
             link::ingest(core, queue, publisher, receiver, cut).await;
         }
         LinkEndpoint::Sender(sender) => {

@@ -26,11 +26,14 @@ use crate::{
     elements::{self, ELEMENTS_MAX},
     message::{self, AnyMessage},
     queue::{Queue, QueueEntry, QueueRefusal},
+    shares::UserShare,
     store::{LinkOrder, NewMessage, StoreCommand, WriteFailed},
 };
 
 /// Deliveries settled by one pass.
 const SETTLED_AT_ONCE_MAX: usize = 256;
+/// Reasons for which messages are refused that are shares of their user.
+const OF_SHARES: [&str; 3] = ["disk", "full", "size"];
 /// Time for a publisher to answer the close of its link.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(2);
 
@@ -51,8 +54,20 @@ type Pending = futures::future::Map<
 /// User who sends.
 pub(crate) struct Publisher {
     pub user_name: Arc<str>,
+    /// Share of the user, under whose name refusals are counted.
+    pub share: Arc<UserShare>,
     /// One permit per byte of the user's messages that wait for their commit.
     pub uncommitted: Arc<Semaphore>,
+}
+
+impl Publisher {
+    /// Counts refused messages, with the user where it has used up a share of its own.
+    fn count_refused(&self, reason: &'static str) {
+        count_refused(reason, 1);
+        if OF_SHARES.contains(&reason) {
+            self.share.count_refusal(reason);
+        }
+    }
 }
 
 /// Serves a publisher until it detaches.
@@ -63,20 +78,40 @@ pub(crate) async fn ingest(
     mut receiver: Receiver,
     cut: CancellationToken,
 ) {
+    let mut pending: FuturesOrdered<Pending> = FuturesOrdered::new();
+    // A publisher that reads nothing must not outlast its right to send.
+    let ended = tokio::select! {
+        () = cut.cancelled() => return,
+        ended = take_messages(&core, &queue, &publisher, &mut receiver, &mut pending) => ended,
+    };
+    if let Ended::Refused(reason) = ended {
+        tokio::select! {
+            () = cut.cancelled() => {}
+            () = close(receiver, pending, reason) => {}
+        }
+    }
+}
+
+/// Takes messages and answers them, until the link ends or has to.
+async fn take_messages(
+    core: &Core,
+    queue: &Arc<Queue>,
+    publisher: &Publisher,
+    receiver: &mut Receiver,
+    pending: &mut FuturesOrdered<Pending>,
+) -> Ended {
     let credit = core.config.limits.publisher_credit;
     receiver.set_credit_mode(CreditMode::Auto(credit));
     if receiver.set_credit(credit).await.is_err() {
-        return;
+        return Ended::Gone;
     }
-    let mut pending: FuturesOrdered<Pending> = FuturesOrdered::new();
     let order = LinkOrder::default();
-    let ended = loop {
+    loop {
         let received = tokio::select! {
-            () = cut.cancelled() => return,
             Some(first) = pending.next() => {
-                match settle(&receiver, first, &mut pending).await {
+                match settle(receiver, first, pending).await {
                     Ok(()) => continue,
-                    Err(ended) => break ended,
+                    Err(ended) => return ended,
                 }
             }
             received = receiver.recv::<Body<Value>>() => received,
@@ -84,39 +119,27 @@ pub(crate) async fn ingest(
         let answered = match received {
             Ok(delivery) => {
                 let (info, body) = delivery.into_parts();
-                let answered = async {
-                    let taken = store(&core, &queue, &publisher, &order, body).await;
-                    answer(&receiver, info, taken, &mut pending).await
-                };
-                // A publisher that reads nothing must not outlast its right to send.
-                tokio::select! {
-                    () = cut.cancelled() => return,
-                    answered = answered => answered,
-                }
+                let taken = store(core, queue, publisher, &order, body).await;
+                answer(receiver, publisher, info, taken, pending).await
             }
             Err(RecvError::MessageDecode(undecodable)) => {
-                count_refused("decode", 1);
+                publisher.count_refused("decode");
                 let error = amqp_error(AmqpError::DecodeError, "the message cannot be decoded");
                 receiver.reject(undecodable.info, error).await.map_err(|_| Ended::Gone)
             }
             Err(problem) => {
                 if let RecvError::MessageSizeExceeded(_) = problem {
-                    count_refused("size", 1);
+                    publisher.count_refused("size");
                 }
-                return debug!(
+                debug!(
                     queue = %queue.name, user = %publisher.user_name, error = %problem,
                     "a publisher's link has ended"
                 );
+                return Ended::Gone;
             }
         };
         if let Err(ended) = answered {
-            break ended;
-        }
-    };
-    if let Ended::Refused(reason) = ended {
-        tokio::select! {
-            () = cut.cancelled() => {}
-            () = close(receiver, pending, reason) => {}
+            return ended;
         }
     }
 }
@@ -148,6 +171,7 @@ async fn close(
 /// Lets a delivery wait for its commit, or rejects it at once.
 async fn answer(
     receiver: &Receiver,
+    publisher: &Publisher,
     info: DeliveryInfo,
     taken: Result<Reply, RejectedTransfer>,
     pending: &mut FuturesOrdered<Pending>,
@@ -159,7 +183,7 @@ async fn answer(
             Ok(())
         }
         Err(RejectedTransfer { reason, error, is_welcome_later }) => {
-            count_refused(reason, 1);
+            publisher.count_refused(reason);
             receiver.reject(info, error.clone()).await.map_err(|_| Ended::Gone)?;
             if is_welcome_later { Err(Ended::Refused(error)) } else { Ok(()) }
         }
@@ -264,6 +288,7 @@ async fn store(
     let permits = permits.min(core.config.limits.uncommitted_bytes_per_user_max);
     let uncommitted = Arc::clone(&publisher.uncommitted).acquire_many_owned(permits).await;
     let uncommitted = uncommitted.map_err(|_| stopping())?;
+    core.take_room(queue, bytes).map_err(|lack| RejectedTransfer::for_the_moment("disk", lack))?;
     queue.reserve(bytes).map_err(|refusal| match refusal {
         QueueRefusal::Full => {
             RejectedTransfer::for_the_moment("full", format!("the queue {} is full", queue.name))

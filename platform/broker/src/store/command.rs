@@ -24,6 +24,11 @@ impl LinkOrder {
         self.0.store(true, Ordering::Relaxed);
     }
 
+    /// Returns a number that all messages of the link have, and those of no other.
+    pub(super) fn link(&self) -> usize {
+        Arc::as_ptr(&self.0).addr()
+    }
+
     /// Returns true behind a message that could not be stored.
     pub(super) fn is_refused(&self) -> bool {
         self.0.load(Ordering::Relaxed)
@@ -75,8 +80,8 @@ pub(crate) enum StoreCommand {
     DeadLetter(Box<DeadLettering>),
     /// Create a queue or change its bounds.
     DeclareQueue { id: i64, name: String, options: QueueOptions, done: Done<()> },
-    /// Delete a queue with its messages.
-    DeleteQueue { id: i64, done: Done<()> },
+    /// Delete a queue with its messages and dead letters.
+    DeleteQueue { id: i64, name: String, done: Done<()> },
     /// Move dead letters back to queues: old message id, new message id, queue id.
     ReplayDeadLetters { moves: Vec<(i64, i64, i64)>, done: Done<()> },
     /// Delete dead letters by message id.

@@ -42,33 +42,50 @@ pub(crate) async fn dead_letters(
         .collect()
 }
 
-/// Returns the ids of the dead letters that are not among the newest ones of their queue, by number or by
-/// bytes.
+/// Returns the dead letters that are not among the newest ones of their queue, by number or by bytes, each with that
+/// queue. Where there are too many of all queues together, those with most have fewer newest ones.
 pub(crate) async fn dead_letters_beyond(
     pool: &SqlitePool,
     limits: &BrokerLimits,
-) -> Result<Vec<i64>, sqlx::Error> {
-    sqlx::query_scalar(
-        "SELECT message_id FROM (SELECT message_id, \
+) -> Result<Vec<(i64, String)>, sqlx::Error> {
+    let sql = "SELECT COUNT(*), SUM(bytes) FROM dead_letters GROUP BY origin";
+    let held: Vec<(i64, i64)> = sqlx::query_as(sql).fetch_all(pool).await?;
+    let (numbers, bytes): (Vec<_>, Vec<_>) = held
+        .into_iter()
+        .map(|(number, bytes)| {
+            let bytes = bytes.unsigned_abs().min(limits.dead_letter_bytes_per_queue_max);
+            (number.unsigned_abs().min(limits.dead_letters_per_queue_max.into()), bytes)
+        })
+        .unzip();
+    let number_max = level(numbers, limits.dead_letters_max);
+    let bytes_max = level(bytes, limits.dead_letter_bytes_max);
+    let stored = |max: u64| i64::try_from(max).unwrap_or(i64::MAX);
+    sqlx::query_as(
+        "SELECT message_id, origin FROM (SELECT message_id, origin, \
              ROW_NUMBER() OVER newest AS position, SUM(bytes) OVER newest AS total \
              FROM dead_letters WINDOW newest AS (PARTITION BY origin ORDER BY message_id DESC)) \
          WHERE position > ? OR total > ?",
     )
-    .bind(limits.dead_letters_per_queue_max)
-    .bind(i64::try_from(limits.dead_letter_bytes_per_queue_max).unwrap_or(i64::MAX))
+    .bind(stored(number_max.min(limits.dead_letters_per_queue_max.into())))
+    .bind(stored(bytes_max.min(limits.dead_letter_bytes_per_queue_max)))
     .fetch_all(pool)
     .await
 }
 
-/// Returns the ids of the dead letters of a queue.
-pub(crate) async fn dead_letters_of(
-    pool: &SqlitePool,
-    queue: &str,
-) -> Result<Vec<i64>, sqlx::Error> {
-    sqlx::query_scalar("SELECT message_id FROM dead_letters WHERE origin = ?")
-        .bind(queue)
-        .fetch_all(pool)
-        .await
+/// Returns the most that each may keep, so that all together keep no more than `max`: who holds most gives up first.
+fn level(mut held: Vec<u64>, max: u64) -> u64 {
+    held.sort_unstable();
+    let mut rest = max;
+    let mut others = held.len() as u64;
+    for one in held {
+        let part = rest / others;
+        if one > part {
+            return part;
+        }
+        rest -= one;
+        others -= 1;
+    }
+    u64::MAX
 }
 
 /// Reads the body of a dead letter; empty when it is neither bytes nor text.
@@ -84,4 +101,18 @@ pub(crate) async fn dead_letter_body(
     .fetch_optional(pool)
     .await?;
     Ok(body.map(|bytes| message::decode(&bytes).map(message::body_bytes).unwrap_or_default()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_holds_most_gives_up_first() {
+        assert_eq!(level(vec![9, 3], 10), 7, "three stay");
+        assert_eq!(level(vec![3, 9], 12), u64::MAX, "there is room for all");
+        assert_eq!(level(vec![6, 1, 6], 10), 4, "both that hold most");
+        assert_eq!(level(vec![5, 5, 5], 10), 3);
+        assert_eq!(level(Vec::new(), 0), u64::MAX);
+    }
 }

@@ -1,5 +1,7 @@
 //! Statements of the writer, one function per command.
 
+use std::collections::HashSet;
+
 use sqlx::{Connection as _, QueryBuilder, Sqlite, SqliteConnection};
 
 use super::{
@@ -11,12 +13,13 @@ use crate::{clock, config::QueueOptions, queue::Queue};
 /// Rows in one INSERT of new messages.
 const ROWS_PER_INSERT: usize = 64;
 
-/// Applies commands in one transaction.
+/// Applies commands in one transaction. Returns the messages that went with their queue and are no dead letters, or no
+/// longer.
 pub(super) async fn apply(
     connection: &mut SqliteConnection,
     commands: &[StoreCommand],
     dead_letters: &Queue,
-) -> Result<(), sqlx::Error> {
+) -> Result<HashSet<i64>, sqlx::Error> {
     let mut transaction = connection.begin().await?;
     for command in commands {
         if let StoreCommand::DeclareQueue { id, name, options, .. } = command {
@@ -29,6 +32,7 @@ pub(super) async fn apply(
         .collect();
     insert(&mut transaction, &new).await?;
     let mut gone = Vec::new();
+    let mut with_their_queue = HashSet::new();
     for command in commands {
         match command {
             StoreCommand::Remove(id) => gone.push(*id),
@@ -36,9 +40,13 @@ pub(super) async fn apply(
                 count_delivery(&mut transaction, *id, *delivery_count).await?;
             }
             StoreCommand::DeadLetter(letter) => {
-                dead_letter(&mut transaction, letter, dead_letters.id).await?
+                if !dead_letter(&mut transaction, letter, dead_letters.id).await? {
+                    with_their_queue.insert(letter.entry.id);
+                }
             }
-            StoreCommand::DeleteQueue { id, .. } => delete_queue(&mut transaction, *id).await?,
+            StoreCommand::DeleteQueue { id, name, .. } => {
+                with_their_queue.extend(delete_queue(&mut transaction, *id, name).await?);
+            }
             StoreCommand::ReplayDeadLetters { moves, .. } => {
                 replay(&mut transaction, moves).await?
             }
@@ -47,7 +55,8 @@ pub(super) async fn apply(
         }
     }
     delete_messages(&mut transaction, &gone).await?;
-    transaction.commit().await
+    transaction.commit().await?;
+    Ok(with_their_queue)
 }
 
 async fn delete_messages(
@@ -67,11 +76,19 @@ async fn delete_messages(
     Ok(())
 }
 
-async fn delete_queue(connection: &mut SqliteConnection, id: i64) -> Result<(), sqlx::Error> {
+/// Deletes a queue with its messages and dead letters; returns the letters.
+async fn delete_queue(
+    connection: &mut SqliteConnection,
+    id: i64,
+    name: &str,
+) -> Result<Vec<i64>, sqlx::Error> {
+    let sql = "SELECT message_id FROM dead_letters WHERE origin = ?";
+    let letters: Vec<i64> = sqlx::query_scalar(sql).bind(name).fetch_all(&mut *connection).await?;
+    delete_messages(&mut *connection, &letters).await?;
     for sql in ["DELETE FROM messages WHERE queue_id = ?", "DELETE FROM queues WHERE id = ?"] {
         sqlx::query(sql).bind(id).execute(&mut *connection).await?;
     }
-    Ok(())
+    Ok(letters)
 }
 
 async fn count_delivery(
@@ -136,11 +153,12 @@ async fn declare(
     Ok(())
 }
 
+/// Moves a message to the dead letters. Returns false where its queue was deleted meanwhile, and the message with it.
 async fn dead_letter(
     connection: &mut SqliteConnection,
     letter: &DeadLettering,
     dead_letters: i64,
-) -> Result<(), sqlx::Error> {
+) -> Result<bool, sqlx::Error> {
     let moved = sqlx::query(
         "UPDATE messages SET queue_id = ?, delivery_count = 0, expires_at_ms = NULL WHERE id = ?",
     )
@@ -148,9 +166,8 @@ async fn dead_letter(
     .bind(letter.entry.id)
     .execute(&mut *connection)
     .await?;
-    // The queue was deleted meanwhile, and the message with it.
     if moved.rows_affected() == 0 {
-        return Ok(());
+        return Ok(false);
     }
     sqlx::query(
         "INSERT OR REPLACE INTO dead_letters \
@@ -168,7 +185,7 @@ async fn dead_letter(
     .bind(i64::try_from(letter.entry.bytes).unwrap_or(i64::MAX))
     .execute(connection)
     .await?;
-    Ok(())
+    Ok(true)
 }
 
 async fn replay(

@@ -2,6 +2,7 @@
 //! so that many publishers cost one synchronisation.
 
 use std::{
+    collections::{HashMap, HashSet},
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -111,15 +112,41 @@ impl StoreWriter {
         if commands.is_empty() {
             return;
         }
+        let Err((commands, error)) = self.commit(commands).await else { return };
+        if !is_of_a_row(&error) {
+            return self.all_failed(commands, error);
+        }
+        // One link's message that the store refuses is no reason to refuse those of others.
+        let mut parts = by_link(commands);
+        let only = if parts.len() == 1 { parts.pop() } else { None };
+        if let Some(only) = only {
+            return self.all_failed(only, error);
+        }
+        for part in parts {
+            if let Err((part, error)) = self.commit(part).await {
+                self.all_failed(part, error);
+            }
+        }
+    }
+
+    /// Commits commands in one transaction, and answers them. Gives them back with the error where there is one.
+    async fn commit(
+        &mut self,
+        commands: Vec<StoreCommand>,
+    ) -> Result<(), (Vec<StoreCommand>, sqlx::Error)> {
         let started = Instant::now();
         match apply(&mut self.connection, &commands, &self.dead_letters).await {
-            Ok(()) => {
+            Ok(with_their_queue) => {
                 metrics::histogram!("broker_commit_seconds")
                     .record(started.elapsed().as_secs_f64());
                 self.has_free_space |= commands.iter().any(StoreCommand::deletes);
-                for command in commands {
-                    self.committed(command);
+                for id in &with_their_queue {
+                    self.dead_letters.withdraw(*id);
                 }
+                for command in commands {
+                    self.committed(command, &with_their_queue);
+                }
+                Ok(())
             }
             Err(error) => {
                 error!(
@@ -128,11 +155,16 @@ impl StoreWriter {
                 );
                 metrics::counter!("broker_commit_failures_total").increment(1);
                 self.replace_connection().await;
-                let mut error = Some(error);
-                for command in commands {
-                    self.failed(command, &mut error);
-                }
+                Err((commands, error))
             }
+        }
+    }
+
+    /// Answers commands whose transaction failed, or retains them.
+    fn all_failed(&mut self, commands: Vec<StoreCommand>, error: sqlx::Error) {
+        let mut error = Some(error);
+        for command in commands {
+            self.failed(command, &mut error);
         }
     }
 
@@ -159,8 +191,9 @@ impl StoreWriter {
         }
     }
 
-    /// Makes the effects of a committed command visible and answers it.
-    fn committed(&self, command: StoreCommand) {
+    /// Makes the effects of a committed command visible and answers it. Messages that went with their queue are no dead
+    /// letters.
+    fn committed(&self, command: StoreCommand, with_their_queue: &HashSet<i64>) {
         match command {
             StoreCommand::Insert(new) => {
                 // Only now: no consumer gets what a failed transaction takes away again.
@@ -171,11 +204,13 @@ impl StoreWriter {
             }
             StoreCommand::DeadLetter(letter) => {
                 letter.origin.settle(&letter.entry);
-                self.dead_letters.adopt(QueueEntry {
-                    delivery_count: 0,
-                    expires_at_ms: None,
-                    ..letter.entry
-                });
+                if !with_their_queue.contains(&letter.entry.id) {
+                    self.dead_letters.adopt(QueueEntry {
+                        delivery_count: 0,
+                        expires_at_ms: None,
+                        ..letter.entry
+                    });
+                }
             }
             StoreCommand::DeclareQueue { done, .. }
             | StoreCommand::DeleteQueue { done, .. }
@@ -209,5 +244,126 @@ impl StoreWriter {
                 self.retained.push(unanswered);
             }
         }
+    }
+}
+
+/// Returns true for an error of what is written, which is none of the store: others can be written.
+fn is_of_a_row(error: &sqlx::Error) -> bool {
+    // Too big, against a constraint or a trigger, of another type.
+    const OF_A_ROW: [i32; 3] = [18, 19, 20];
+    match error {
+        sqlx::Error::Database(error) => {
+            let code = error.code().and_then(|code| code.parse::<i32>().ok());
+            // The upper bytes of a code say more of the same.
+            code.is_some_and(|code| OF_A_ROW.contains(&(code & 0xff)))
+        }
+        sqlx::Error::Encode(_) => true,
+        _ => false,
+    }
+}
+
+/// Returns commands in parts that can fail each by itself: declarations, the messages of each link, and all else.
+fn by_link(commands: Vec<StoreCommand>) -> Vec<Vec<StoreCommand>> {
+    let (mut declarations, mut others) = (Vec::new(), Vec::new());
+    let mut links: HashMap<usize, Vec<StoreCommand>> = HashMap::new();
+    for command in commands {
+        match &command {
+            StoreCommand::DeclareQueue { .. } => declarations.push(command),
+            StoreCommand::Insert(new) => links.entry(new.order.link()).or_default().push(command),
+            _ => others.push(command),
+        }
+    }
+    let parts = std::iter::once(declarations).chain(links.into_values());
+    parts.chain([others]).filter(|part| !part.is_empty()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use tokio::sync::{Semaphore, oneshot};
+
+    use super::*;
+    use crate::{
+        config::QueueOptions,
+        message::Features,
+        store::{self, DeadLettering, LinkOrder, NewMessage},
+    };
+
+    type Answer = oneshot::Receiver<Result<(), WriteFailed>>;
+
+    /// A writer with a queue and that of the dead letters, which nobody serves.
+    struct Bench {
+        _folder: tempfile::TempDir,
+        writer: StoreWriter,
+        queue: Arc<Queue>,
+        dead_letters: Arc<Queue>,
+    }
+
+    impl Bench {
+        /// Opens a store, which `breaking` changes.
+        async fn open(breaking: &'static str) -> Self {
+            let folder = tempfile::tempdir().expect("a folder");
+            let path = folder.path().join("broker.db");
+            let mut connection = store::open_writer(&path).await.expect("a store");
+            sqlx::raw_sql(breaking).execute(&mut connection).await.expect("changed");
+            let queue = |id, name: &str| {
+                let name = name.parse().expect("a name");
+                Arc::new(Queue::new(id, name, QueueOptions::default()))
+            };
+            let (queue, dead_letters) = (queue(1, "q"), queue(2, "dead-letters"));
+            let (writer, _) =
+                StoreWriter::new(connection, store::options(&path), Arc::clone(&dead_letters));
+            Self { _folder: folder, writer, queue, dead_letters }
+        }
+
+        fn message(&self, id: i64, order: &LinkOrder) -> (StoreCommand, Answer) {
+            let (done, answer) = oneshot::channel();
+            let uncommitted = Arc::new(Semaphore::new(1)).try_acquire_owned().expect("it is free");
+            let (queue, order) = (Arc::clone(&self.queue), order.clone());
+            let wire = b"x".to_vec();
+            let new = NewMessage { queue, entry: entry(id), wire, order, uncommitted, done };
+            (StoreCommand::Insert(new), answer)
+        }
+    }
+
+    fn entry(id: i64) -> QueueEntry {
+        QueueEntry { id, bytes: 1, expires_at_ms: None, delivery_count: 0, is_redelivered: false }
+    }
+
+    #[tokio::test]
+    async fn a_message_that_the_store_refuses_is_refused_to_its_link_alone() {
+        let mut bench = Bench::open(
+            "CREATE TRIGGER broken BEFORE INSERT ON messages WHEN NEW.id = 2 \
+             BEGIN SELECT RAISE(ABORT, 'broken'); END",
+        )
+        .await;
+        let (one, other) = (LinkOrder::default(), LinkOrder::default());
+        let sent = [(1, &one), (2, &one), (3, &other), (4, &other)];
+        let (commands, mut answers): (Vec<_>, Vec<_>) =
+            sent.into_iter().map(|(id, order)| bench.message(id, order)).unzip();
+        bench.writer.write(commands).await;
+        let mut is_stored = |at: usize| matches!(answers[at].try_recv(), Ok(Ok(())));
+        assert_eq!([0, 1, 2, 3].map(&mut is_stored), [false, false, true, true]);
+        assert_eq!(bench.queue.upcoming(0, 10, u64::MAX), [3, 4]);
+        assert!(one.is_refused() && !other.is_refused(), "what comes behind it waits, too");
+    }
+
+    #[tokio::test]
+    async fn a_message_that_went_with_its_queue_becomes_no_dead_letter() {
+        let mut bench = Bench::open("SELECT 1").await;
+        let (sent, _) = bench.message(1, &LinkOrder::default());
+        bench.writer.write(vec![sent]).await;
+        let (done, mut answer) = oneshot::channel();
+        let delete = StoreCommand::DeleteQueue { id: 1, name: "q".to_owned(), done };
+        let letter = DeadLettering {
+            entry: entry(1),
+            origin: Arc::clone(&bench.queue),
+            features: Features::default(),
+            code: "unusable".to_owned(),
+            reason: "nobody can use it".to_owned(),
+        };
+        // A consumer rejects it while the queue is deleted.
+        bench.writer.write(vec![delete, StoreCommand::DeadLetter(Box::new(letter))]).await;
+        assert!(matches!(answer.try_recv(), Ok(Ok(()))));
+        assert_eq!(bench.dead_letters.status().ready, 0, "nobody is offered what is not there");
     }
 }

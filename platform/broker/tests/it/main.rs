@@ -4,6 +4,9 @@
 
 mod broker;
 mod corpus;
+mod counted;
+mod dead_letters;
+mod disk;
 mod foreign;
 mod guesses;
 mod hostile;

@@ -24,6 +24,7 @@ export const settings: typeof English = {
       },
       ownUser: (id: number) => `Läuft als eigener Benutzer (Nummer ${id}).`,
       sharedUser: 'Läuft als Benutzer des Connectors.',
+      root: 'Läuft als ROOT: Ein Skript, das aus seiner Maschine ausbricht, hat diesen Rechner. Eine Einstellung erlaubt das.',
       limited: 'Speicher, Dateien und Prozesse sind begrenzt.',
       unlimited: 'Speicher, Dateien und Prozesse sind NICHT begrenzt.',
     },
@@ -151,7 +152,7 @@ export const settings: typeof English = {
       'mapping.script.requireFilter':
         'Kein Skript ausführen, wo der Kern die Systemaufrufe seines Prozesses nicht filtert.',
       'mapping.script.userId':
-        'Benutzer, unter dem Skripte laufen, wo der Connector als root läuft; 0 für den des Connectors.',
+        'Benutzer, unter dem Skripte laufen, wo der Connector als root läuft; geht das nicht, läuft kein Skript. 0 für root selbst.',
       'mapping.script.workers': 'Prozesse, die sich die Skripte teilen.',
       'mapping.script.callBudgetMs': 'Rechenzeit eines Aufrufs in Millisekunden.',
       'mapping.history.valuesPerVariableMax':

@@ -22,6 +22,7 @@ export const settings = {
       },
       ownUser: (id: number) => `Runs as a user of its own (user ${id}).`,
       sharedUser: 'Runs as the connector’s user.',
+      root: 'Runs as ROOT: a script that breaks its engine has this machine. A setting allows that.',
       limited: 'Memory, files and processes are bounded.',
       unlimited: 'Memory, files and processes are NOT bounded.',
     },
@@ -148,7 +149,7 @@ export const settings = {
       'mapping.script.requireFilter':
         'Run no script where the kernel does not filter the system calls of its worker.',
       'mapping.script.userId':
-        'User that workers run as where the connector runs as root; 0 for the connector’s own.',
+        'User that workers run as where the connector runs as root; no script runs where that cannot be. 0 for root itself.',
       'mapping.script.workers': 'Worker processes that share the scripts.',
       'mapping.script.callBudgetMs': 'Computing time of one call, in milliseconds.',
       'mapping.history.valuesPerVariableMax':
