@@ -10,10 +10,12 @@ use daemon::{
 };
 
 use crate::{
-    audit::{CommandLine, RecordingStore},
+    audit::{CommandLine, RecordedWork, RecordingStore},
     certificates::{CertificateError, write},
     config::PlatformConfig,
-    store::{AuditOutcome, AuditSubject, Organisation, Role, StoreError, User, Work},
+    store::{
+        AuditFact, AuditFactKind, AuditOutcome, AuditSubject, Organisation, Role, StoreError, User,
+    },
 };
 
 /// Failure to create the administrator.
@@ -94,12 +96,12 @@ pub fn subject(user: &User) -> AuditSubject {
     AuditSubject { path, concerned: user.organisation_id.clone() }
 }
 
-/// Adds or changes a user; an organisation that is not known yet is made.
+/// Adds or changes a user; an organisation that is not known yet is made. The entry says what the user was and is.
 ///
 /// # Errors
 /// [`AdministratorError`].
 pub async fn put(
-    work: &mut Work,
+    work: &mut RecordedWork,
     user: &User,
     hash: &PasswordHash,
     now: DateTime,
@@ -109,7 +111,22 @@ pub async fn put(
             Organisation { organisation_id: id.clone(), name: name_of(id), created_at: now };
         work.organisations().add(&organisation).await?;
     }
-    Ok(work.users().put(user, hash, now).await?)
+    let former = work.users().lookup(&user.user_name).await?.map(|(former, _)| former);
+    work.users().put(user, hash, now).await?;
+    work.describe(facts(former.as_ref(), user));
+    Ok(())
+}
+
+fn facts(former: Option<&User>, user: &User) -> impl Iterator<Item = AuditFact> + use<> {
+    let role =
+        AuditFact::changed(AuditFactKind::Role, former.map(|former| former.role), Some(user.role));
+    let organisation = AuditFact::changed(
+        AuditFactKind::Organisation,
+        former.and_then(|former| former.organisation_id.as_ref()),
+        user.organisation_id.as_ref(),
+    );
+    let password = AuditFact::new(AuditFactKind::Password, "SET");
+    [role, organisation, Some(password)].into_iter().flatten()
 }
 
 fn name_of(id: &OrganisationId) -> String {

@@ -989,8 +989,13 @@ export interface components {
             agentKind: components["schemas"]["AuditAgentKind"];
             /** @description Name of the person or program, for its own organisation and administrators. */
             agentName?: string | null;
+            /** @description Ids, roles and numbers that operation and subject do not say, for who acted and whom it concerns. */
+            detail: components["schemas"]["AuditFact"][];
             entryId: components["schemas"]["OpaqueId"];
-            /** @description Id of the operation in the description of the API, as `putUser`. */
+            /**
+             * @description Id of the operation in the description of the API, as `putUser`, or name of what a connector did, as
+             *     `decideField`.
+             */
             operation: string;
             organisationId?: components["schemas"]["OrganisationId"] | null;
             outcome: components["schemas"]["AuditOutcome"];
@@ -998,6 +1003,19 @@ export interface components {
             /** @description Place of what it was about, as `factories/FOR_MUC`. */
             subject: string;
         };
+        /** @description Fact of an entry. Never a secret, and never a value of a plant. */
+        AuditFact: {
+            /** @description Name, id or number before; absent where there was none. */
+            former?: string | null;
+            kind: components["schemas"]["AuditFactKind"];
+            /** @description Name, id or number since; absent where there is none any more. */
+            present?: string | null;
+        };
+        /**
+         * @description Thing of which a fact says how it was and is.
+         * @enum {string}
+         */
+        AuditFactKind: "ROLE" | "ORGANISATION" | "PASSWORD" | "SECOND_FACTOR" | "PERSON" | "MEMBER" | "FACTORY" | "REQUEST" | "REVISION" | "STATE" | "RECIPIENT" | "REPORTS" | "HOST" | "CREDENTIALS" | "SIGNING_KEY" | "ADDRESS" | "FURTHER";
         /**
          * @description Outcome of an operation.
          * @enum {string}

@@ -10,7 +10,10 @@ use super::{administrator_only, problems::ChangeProblems};
 use crate::{
     application::Application,
     principal::Principal,
-    store::{AuditOutcome, Leaver, RemovalEffects},
+    store::{
+        AuditFact, AuditFactKind, AuditOutcome, AuditSubject, Leaver, RemovalEffects, StoreError,
+        Work,
+    },
 };
 
 /// Things in force that a refusal names.
@@ -121,6 +124,8 @@ async fn leave(
     if !removal.in_force.is_empty() {
         return Err(in_force(&removal.in_force));
     }
+    let facts = facts(&mut work, &leaver, &subject, &removal).await?;
+    work.describe(facts);
     work.removals().leave(&leaver, app.clock.now()).await?;
     work.commit(subject, AuditOutcome::Done).await?;
     if let Leaver::Factory(id) = &leaver {
@@ -131,6 +136,33 @@ async fn leave(
     }
     tracing::info!(leaver = leaver.path(), "A person, program, plant or organisation has left.");
     Ok(Json(RemovalEffects { is_done: true, ..removal }))
+}
+
+/// Returns what of a removal its path does not say.
+async fn facts(
+    work: &mut Work,
+    leaver: &Leaver,
+    subject: &AuditSubject,
+    removal: &RemovalEffects,
+) -> Result<Vec<AuditFact>, StoreError> {
+    let mut facts = Vec::new();
+    match leaver {
+        Leaver::User(name) => {
+            let user = work.users().lookup(name).await?;
+            facts.extend(user.map(|(user, _)| AuditFact::ended(AuditFactKind::Role, user.role)));
+        }
+        Leaver::Organisation(_) => {
+            let person = |name| AuditFact::ended(AuditFactKind::Person, name);
+            facts.extend(removal.people.iter().map(person));
+        }
+        Leaver::Tool(_) | Leaver::Factory(_) => {
+            facts.push(AuditFact::ended(AuditFactKind::Credentials, removal.credentials));
+        }
+        Leaver::Member(..) | Leaver::CollaborationFactory(..) => {}
+    }
+    let organisation = |id| AuditFact::ended(AuditFactKind::Organisation, id);
+    facts.extend(subject.concerned.as_ref().map(organisation));
+    Ok(facts)
 }
 
 /// Returns the problem of a change that would end what is in force.

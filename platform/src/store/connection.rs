@@ -13,7 +13,7 @@ use sqlx::{
 
 use super::{error::StoreError, work::Work};
 
-const MIGRATIONS: [(i64, &str, &str); 24] = [
+const MIGRATIONS: [(i64, &str, &str); 25] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
@@ -45,6 +45,11 @@ const MIGRATIONS: [(i64, &str, &str); 24] = [
         43,
         "shares of the record",
         include_str!("../../migrations/sqlite/0043_shares_of_the_record.sql"),
+    ),
+    (
+        44,
+        "facts of the record",
+        include_str!("../../migrations/sqlite/0044_facts_of_the_record.sql"),
     ),
 ];
 

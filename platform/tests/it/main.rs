@@ -6,6 +6,7 @@
 mod accesses;
 mod answers;
 mod audit;
+mod audit_facts;
 mod broker_process;
 mod chain;
 mod connector;

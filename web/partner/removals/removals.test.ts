@@ -1,9 +1,11 @@
 import { render, screen } from '@testing-library/svelte'
 import userEvent from '@testing-library/user-event'
 import { afterEach, describe, expect, it, vi } from 'vitest'
+import { words } from '@/language/words'
 import { serve, type Asked } from '../../vitest.server'
 import type { AuditEntry, Removal } from '../api/types'
 import AuditPage from '../audit/AuditPage.svelte'
+import { factText } from '../audit/facts'
 import { texts } from '../language/texts'
 import RemovalDialog from './RemovalDialog.svelte'
 import { person } from './leavers'
@@ -66,13 +68,14 @@ describe('the record of changes', () => {
       operation: 'putUser',
       subject: 'users/anna',
       outcome: 'DONE',
+      detail: [],
     }
     serve({
       'GET /audit-entries': () => ({
         items: [
           { ...entry, entryId: 'a3', agentName: 'anna', organisationId: 'acme' },
           { ...entry, entryId: 'b2', organisationId: 'munich' },
-          entry,
+          { ...entry, detail: [{ kind: 'ROLE', former: 'VIEWER', present: 'PLANNER' }] },
         ],
       }),
     })
@@ -80,6 +83,17 @@ describe('the record of changes', () => {
     for (const who of ['anna', 'munich', texts.audit.operator]) {
       expect(await screen.findByText(who)).toBeTruthy()
     }
+    const planner = words.session.role['planner'] ?? ''
+    expect(screen.getByText((text) => text.endsWith(`→ ${planner}`))).toBeTruthy()
     expect(screen.getAllByText(texts.audit.operation['putUser'] ?? '')).toHaveLength(3)
+  })
+
+  it('says what a person was and is', () => {
+    const { role } = words.session
+    const promoted = factText({ kind: 'ROLE', former: 'VIEWER', present: 'ADMINISTRATOR' })
+    expect(promoted).toBe(`${texts.audit.fact.ROLE}: ${role['viewer']} → ${role['administrator']}`)
+    const left = factText({ kind: 'CREDENTIALS', former: '2' })
+    expect(left).toBe(`${texts.audit.fact.CREDENTIALS}: 2 → ${texts.audit.ended}`)
+    expect(factText({ kind: 'REVISION', present: '7' })).toBe(`${texts.audit.fact.REVISION}: 7`)
   })
 })
