@@ -21,6 +21,9 @@ use crate::{
 /// Failure to create the administrator.
 #[derive(Debug, thiserror::Error)]
 pub enum AdministratorError {
+    /// The name was that of a person who has left; the record of who did what names people by it.
+    #[error("a person who has left had the name {0}, which is never given again: choose another")]
+    NameWasUsed(String),
     /// The password is refused.
     #[error("the password is not taken")]
     Password(#[from] HashingError),
@@ -50,10 +53,19 @@ pub async fn ensure(
     now: DateTime,
 ) -> Result<(), AdministratorError> {
     let admin = &config.admin;
-    let (count, known) = {
+    let (count, known, has_left) = {
         let mut work = store.read().await?;
-        (work.users().count().await?, work.users().lookup(&admin.user_name).await?)
+        let name = &admin.user_name;
+        let known = work.users().lookup(name).await?;
+        (work.users().count().await?, known, work.users().has_left(name).await?)
     };
+    if has_left {
+        tracing::warn!(
+            user = admin.user_name,
+            "The configured administrator has left and is not made again: remove it from the configuration."
+        );
+        return Ok(());
+    }
     let user = User {
         user_name: admin.user_name.clone(),
         role: Role::Administrator,
@@ -112,6 +124,9 @@ pub async fn put(
         work.organisations().add(&organisation).await?;
     }
     let former = work.users().lookup(&user.user_name).await?.map(|(former, _)| former);
+    if work.users().has_left(&user.user_name).await? {
+        return Err(AdministratorError::NameWasUsed(user.user_name.clone()));
+    }
     work.users().put(user, hash, now).await?;
     work.describe(facts(former.as_ref(), user));
     Ok(())

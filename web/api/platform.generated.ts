@@ -67,7 +67,10 @@ export interface paths {
         /** Adds a factory; has no effect if it takes part. */
         put: operations["addCollaborationFactory"];
         post?: never;
-        /** Takes a factory out of a collaboration in which it performs nothing. */
+        /**
+         * Takes a factory out of a collaboration in which it performs nothing. Planners take factories of their organisation
+         *     out within ten minutes of a sign-in.
+         */
         delete: operations["removeCollaborationFactory"];
         options?: never;
         head?: never;
@@ -87,7 +90,7 @@ export interface paths {
         post?: never;
         /**
          * Takes a member out of a collaboration in which nothing of it is in force. What was released to it stays
-         *     readable to it.
+         *     readable to it. Planners take their own organisation out within ten minutes of a sign-in.
          */
         delete: operations["removeMember"];
         options?: never;
@@ -183,7 +186,10 @@ export interface paths {
         get?: never;
         put?: never;
         post?: never;
-        /** Removes a factory that is in no collaboration any more: credentials, tokens and connections end. */
+        /**
+         * Removes a factory that is in no collaboration any more: credentials, tokens and connections end. Planners remove
+         *     factories of their organisation within ten minutes of a sign-in.
+         */
         delete: operations["removeFactory"];
         options?: never;
         head?: never;
@@ -752,7 +758,10 @@ export interface paths {
         get?: never;
         put?: never;
         post?: never;
-        /** Removes a tool: credentials and connections end, and it gets no more reports. */
+        /**
+         * Removes a tool: credentials and connections end, and it gets no more reports. Planners remove tools of their
+         *     organisation within ten minutes of a sign-in.
+         */
         delete: operations["removeTool"];
         options?: never;
         head?: never;
@@ -805,7 +814,10 @@ export interface paths {
         /** Adds or replaces a user; the user's sessions end. */
         put: operations["putUser"];
         post?: never;
-        /** Removes a person: the sessions end. The last administrator stays. */
+        /**
+         * Removes a person: the sessions end. The last administrator stays. People end their own accounts within ten minutes of
+         *     a sign-in.
+         */
         delete: operations["removeUser"];
         options?: never;
         head?: never;

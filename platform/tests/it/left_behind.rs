@@ -97,6 +97,8 @@ fn person() -> Case {
         kept: &[
             // Accounts of the broker, which are no people.
             ("revoked_access.user_name", None),
+            // Its name, which is never given again.
+            ("former_user.user_name", None),
             ("audit_entry.agent_name", Some(Audit)),
             ("comment.author_id", Some(Comments)),
             ("operation_network.updated_by", Some(Networks)),

@@ -19,6 +19,7 @@ mod harness;
 mod isolation;
 mod journey;
 mod leases;
+mod leaving;
 mod left_behind;
 mod members;
 mod migration;
