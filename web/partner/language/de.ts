@@ -324,7 +324,14 @@ export const de: Texts = {
     people: (names: string) => `die Konten von ${names}`,
     requests: (paths: string) => `die Zustellung von Berichten zu ${paths}`,
     stays:
-      'Darauf haben andere ein Recht, deshalb bleibt es. Alles andere geht. Eine Kennung wird nie wieder vergeben.',
+      'Darauf haben andere ein Recht, deshalb bleibt es. Alles andere geht. Kennungen und Namen werden nie wieder vergeben.',
+    own: 'Abschied',
+    ownHint:
+      'Ihr Konto und, wenn Sie planen, was Ihre Organisation auf der Plattform hat. Was enden würde, wird zuerst gezeigt. Dafür müssen Sie sich in den letzten zehn Minuten angemeldet haben.',
+    ofOwnAccount: 'Ihr Konto',
+    ownAccountNote:
+      'Sie werden sofort überall abgemeldet. Ihren Namen bekommt niemand wieder, auch Sie nicht.',
+    leave: 'Gehen lassen…',
     remains: {
       REPORTS: 'Berichte, für die, für die sie freigegeben wurden',
       NETWORKS: 'Netze und Anfragen, mit denen, die zeichneten und fragten',

@@ -320,7 +320,15 @@ export const en = {
       n === 1 ? '1 credential of the broker' : `${n} credentials of the broker`,
     people: (names: string) => `the accounts of ${names}`,
     requests: (paths: string) => `the delivery of reports of ${paths}`,
-    stays: 'Others have a right to this, so it stays. All else goes. An id is never given again.',
+    stays:
+      'Others have a right to this, so it stays. All else goes. Ids and names are never given again.',
+    own: 'Leave',
+    ownHint:
+      'Your account, and as a planner what your organisation has on the platform. What would end is shown first. It takes a sign-in of the last ten minutes.',
+    ofOwnAccount: 'Your account',
+    ownAccountNote:
+      'You are signed out everywhere at once. Nobody gets your name again, and neither do you.',
+    leave: 'Leave…',
     remains: {
       REPORTS: 'Reports, for those to whom they were released',
       NETWORKS: 'Networks and requests, with who drew and asked',

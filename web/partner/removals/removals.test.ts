@@ -1,13 +1,15 @@
-import { render, screen } from '@testing-library/svelte'
+import { render, screen, within } from '@testing-library/svelte'
 import userEvent from '@testing-library/user-event'
 import { afterEach, describe, expect, it, vi } from 'vitest'
 import { words } from '@/language/words'
+import { session } from '@/transport/session.svelte'
 import { serve, type Asked } from '../../vitest.server'
 import type { AuditEntry, Removal } from '../api/types'
 import AuditPage from '../audit/AuditPage.svelte'
 import { factText } from '../audit/facts'
 import { texts } from '../language/texts'
 import RemovalDialog from './RemovalDialog.svelte'
+import LeavePanel from './LeavePanel.svelte'
 import { person } from './leavers'
 
 const removal = (more: Partial<Removal> = {}): Removal => ({
@@ -56,6 +58,60 @@ describe('a removal', () => {
     expect(await screen.findByText('users/anna')).toBeTruthy()
     const button = screen.getByRole<HTMLButtonElement>('button', { name: texts.removals.remove })
     expect(button.disabled).toBe(true)
+  })
+})
+
+describe('what is one’s own', () => {
+  const who = { userName: 'anna', role: 'PLANNER', organisationId: 'acme', csrfToken: 't' } as const
+  const lists = {
+    'GET /collaborations': () => ({
+      items: [
+        {
+          collaborationId: 'order',
+          name: 'Frames',
+          members: ['acme', 'munich'],
+          factories: ['ACME_1', 'MUC_1'],
+        },
+      ],
+    }),
+    'GET /factories': () => ({
+      items: [
+        { factoryId: 'ACME_1', organisationId: 'acme' },
+        { factoryId: 'MUC_1', organisationId: 'munich' },
+      ],
+    }),
+    'GET /tools': () => ({ items: [{ toolId: 'Planning', organisationId: 'acme' }] }),
+  }
+
+  it('is all that a planner lets leave', async () => {
+    const log = serve({ ...lists, 'DELETE /tools/Planning': () => removal() })
+    render(LeavePanel, { who })
+    const tool = (await screen.findByText('Planning')).closest('li')
+    expect(screen.getAllByRole('listitem').map((item) => item.textContent.trim())).toHaveLength(5)
+    expect(screen.queryByText('MUC_1')).toBeNull()
+    expect(screen.queryByText('munich')).toBeNull()
+    await userEvent.click(within(tool ?? document.body).getByRole('button'))
+    expect(await screen.findByText(texts.removals.stays)).toBeTruthy()
+    expect(log.at(-1)).toMatchObject({ method: 'DELETE', path: '/tools/Planning?dryRun=true' })
+  })
+
+  it('is the account alone of a viewer, who is signed out with it', async () => {
+    const log = serve({
+      'DELETE /users/anna': ({ path }: Asked) => removal({ isDone: !path.includes('dryRun=true') }),
+    })
+    session.state = { is: 'signedIn', who: { ...who, role: 'VIEWER' } }
+    render(LeavePanel, { who: { ...who, role: 'VIEWER' } })
+    await userEvent.click(await screen.findByRole('button', { name: texts.removals.leave }))
+    expect(await screen.findByText(texts.removals.ownAccountNote)).toBeTruthy()
+    await userEvent.click(screen.getByRole('button', { name: texts.removals.remove }))
+    await vi.waitFor(() => {
+      expect(session.who).toBeUndefined()
+    })
+    expect(log.map(({ method, path }) => `${method} ${path}`)).toEqual([
+      'DELETE /users/anna?dryRun=true',
+      'DELETE /users/anna?dryRun=false',
+      'DELETE /session',
+    ])
   })
 })
 
