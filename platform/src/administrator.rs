@@ -129,6 +129,14 @@ pub async fn put(
     }
     work.users().put(user, hash, now).await?;
     work.describe(facts(former.as_ref(), user));
+    if let Some(former) = former
+        && former.organisation_id.is_some()
+        && former.organisation_id != user.organisation_id
+    {
+        // The organisation that it leaves sees so, and not where it goes.
+        let role = AuditFact::ended(AuditFactKind::Role, former.role);
+        work.record_also(&subject(&former), &[role]).await?;
+    }
     Ok(())
 }
 

@@ -158,6 +158,27 @@ impl RecordedWork {
         self.facts.extend(facts);
     }
 
+    /// Adds a further entry about what was done, as for the organisation from which a person was taken.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn record_also(
+        &mut self,
+        subject: &AuditSubject,
+        facts: &[AuditFact],
+    ) -> Result<(), StoreError> {
+        let entry = NewAuditEntry {
+            entry_id: new_opaque_id(),
+            recorded_at: self.clock.now(),
+            agent: &self.agent,
+            operation: self.operation,
+            subject,
+            outcome: AuditOutcome::Done,
+            facts,
+        };
+        self.work.audit().add(&entry).await
+    }
+
     /// Names the agent where it becomes known within the work, as the factory of a token.
     pub fn set_agent(&mut self, agent: AuditAgent) {
         self.agent = agent;

@@ -61,6 +61,11 @@ async fn an_entry_says_former_and_new_role_and_organisation_to_those_whom_it_con
     assert_eq!(seen["subject"], "users/acme-aero-viewer");
     assert_eq!(seen["detail"], json!([fact("ROLE", Some("PLANNER"), Some("VIEWER")), set]));
 
+    // The organisation that it left sees so, and not where it went.
+    let gone = newest(&buyer, "putUser").await;
+    assert_eq!(gone["subject"], "users/acme-aero-viewer");
+    assert_eq!(gone["detail"], json!([fact("ROLE", Some("PLANNER"), None)]));
+
     // What an administrator does to others says nothing of them to the administrator's organisation.
     admin.put("/users/second", put("ADMINISTRATOR", "stranger")).await.expect_ok();
     let second = world.sign_in("second", PASSWORD).await;
