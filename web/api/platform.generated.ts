@@ -815,8 +815,8 @@ export interface paths {
         put: operations["putUser"];
         post?: never;
         /**
-         * Removes a person: the sessions end. The last administrator stays. People end their own accounts within ten minutes of
-         *     a sign-in.
+         * Removes a person: the sessions end. The last administrator stays. People end their own accounts within ten minutes
+         *     of a sign-in.
          */
         delete: operations["removeUser"];
         options?: never;

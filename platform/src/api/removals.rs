@@ -30,8 +30,8 @@ pub struct RemovalQuery {
     dry_run: bool,
 }
 
-/// Removes a person: the sessions end. The last administrator stays. People end their own accounts within ten minutes of
-/// a sign-in.
+/// Removes a person: the sessions end. The last administrator stays. People end their own accounts within ten minutes
+/// of a sign-in.
 #[utoipa::path(delete, operation_id = "removeUser", path = "/users/{userName}", tag = "users", security(("session" = [])),
     params(("userName" = String, Path), RemovalQuery), responses((status = 200, body = RemovalEffects), ChangeProblems))]
 pub async fn user(
