@@ -73,6 +73,7 @@ impl StoredAccounts {
             operation: change.operation,
             subject: &subject,
             outcome: AuditOutcome::Done,
+            facts: &[],
         };
         work.audit().add(&entry).await
     }
@@ -233,7 +234,8 @@ impl Accounts for StoredAccounts {
                 if let Some(digests) = recovery_digests {
                     work.second_factors().put_recovery_digests(user_name, digests).await?;
                 }
-                self.record(&mut work, change, user_name, "passkeys").await?;
+                let part = format!("passkeys/{}", passkey.passkey_id);
+                self.record(&mut work, change, user_name, &part).await?;
             }
             is_new
         })
@@ -253,7 +255,8 @@ impl Accounts for StoredAccounts {
             let is_removed = work.passkeys().remove(user_name, passkey_id).await?;
             if is_removed {
                 work.second_factors().remove_unused(user_name).await?;
-                self.record(&mut work, change, user_name, "passkeys").await?;
+                let part = format!("passkeys/{passkey_id}");
+                self.record(&mut work, change, user_name, &part).await?;
             }
             is_removed
         })

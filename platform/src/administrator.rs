@@ -10,15 +10,20 @@ use daemon::{
 };
 
 use crate::{
-    audit::{CommandLine, RecordingStore},
+    audit::{CommandLine, RecordedWork, RecordingStore},
     certificates::{CertificateError, write},
     config::PlatformConfig,
-    store::{AuditOutcome, AuditSubject, Organisation, Role, StoreError, User, Work},
+    store::{
+        AuditFact, AuditFactKind, AuditOutcome, AuditSubject, Organisation, Role, StoreError, User,
+    },
 };
 
 /// Failure to create the administrator.
 #[derive(Debug, thiserror::Error)]
 pub enum AdministratorError {
+    /// The name was that of a person who has left; the record of who did what names people by it.
+    #[error("a person who has left had the name {0}, which is never given again: choose another")]
+    NameWasUsed(String),
     /// The password is refused.
     #[error("the password is not taken")]
     Password(#[from] HashingError),
@@ -48,10 +53,19 @@ pub async fn ensure(
     now: DateTime,
 ) -> Result<(), AdministratorError> {
     let admin = &config.admin;
-    let (count, known) = {
+    let (count, known, has_left) = {
         let mut work = store.read().await?;
-        (work.users().count().await?, work.users().lookup(&admin.user_name).await?)
+        let name = &admin.user_name;
+        let known = work.users().lookup(name).await?;
+        (work.users().count().await?, known, work.users().has_left(name).await?)
     };
+    if has_left {
+        tracing::warn!(
+            user = admin.user_name,
+            "The configured administrator has left and is not made again: remove it from the configuration."
+        );
+        return Ok(());
+    }
     let user = User {
         user_name: admin.user_name.clone(),
         role: Role::Administrator,
@@ -94,12 +108,12 @@ pub fn subject(user: &User) -> AuditSubject {
     AuditSubject { path, concerned: user.organisation_id.clone() }
 }
 
-/// Adds or changes a user; an organisation that is not known yet is made.
+/// Adds or changes a user; an organisation that is not known yet is made. The entry says what the user was and is.
 ///
 /// # Errors
 /// [`AdministratorError`].
 pub async fn put(
-    work: &mut Work,
+    work: &mut RecordedWork,
     user: &User,
     hash: &PasswordHash,
     now: DateTime,
@@ -109,7 +123,33 @@ pub async fn put(
             Organisation { organisation_id: id.clone(), name: name_of(id), created_at: now };
         work.organisations().add(&organisation).await?;
     }
-    Ok(work.users().put(user, hash, now).await?)
+    let former = work.users().lookup(&user.user_name).await?.map(|(former, _)| former);
+    if work.users().has_left(&user.user_name).await? {
+        return Err(AdministratorError::NameWasUsed(user.user_name.clone()));
+    }
+    work.users().put(user, hash, now).await?;
+    work.describe(facts(former.as_ref(), user));
+    if let Some(former) = former
+        && former.organisation_id.is_some()
+        && former.organisation_id != user.organisation_id
+    {
+        // The organisation that it leaves sees so, and not where it goes.
+        let role = AuditFact::ended(AuditFactKind::Role, former.role);
+        work.record_also(&subject(&former), &[role]).await?;
+    }
+    Ok(())
+}
+
+fn facts(former: Option<&User>, user: &User) -> impl Iterator<Item = AuditFact> + use<> {
+    let role =
+        AuditFact::changed(AuditFactKind::Role, former.map(|former| former.role), Some(user.role));
+    let organisation = AuditFact::changed(
+        AuditFactKind::Organisation,
+        former.and_then(|former| former.organisation_id.as_ref()),
+        user.organisation_id.as_ref(),
+    );
+    let password = AuditFact::new(AuditFactKind::Password, "SET");
+    [role, organisation, Some(password)].into_iter().flatten()
 }
 
 fn name_of(id: &OrganisationId) -> String {

@@ -19,8 +19,8 @@ use crate::{
     clock::{Clock, new_opaque_id},
     principal::Principal,
     store::{
-        AuditAgent, AuditAgentKind, AuditOutcome, AuditSubject, NewAuditEntry, Store, StoreError,
-        StoreReader, Work,
+        AuditAgent, AuditAgentKind, AuditFact, AuditOutcome, AuditSubject, NewAuditEntry, Store,
+        StoreError, StoreReader, Work,
     },
 };
 
@@ -77,7 +77,7 @@ impl RecordingStore {
         let work = self.store.begin().await?;
         let (agent, clock) = (agent.into(), self.clock.clone());
         let repeats = Arc::clone(&self.repeats);
-        Ok(RecordedWork { work, agent, operation, clock, repeats })
+        Ok(RecordedWork { work, agent, operation, facts: Vec::new(), clock, repeats })
     }
 
     /// Begins a unit of work of a page, which only reads, on one consistent state and within some seconds.
@@ -120,6 +120,7 @@ pub struct RecordedWork {
     work: Work,
     agent: AuditAgent,
     operation: &'static str,
+    facts: Vec<AuditFact>,
     clock: Clock,
     repeats: Arc<Mutex<Repeats>>,
 }
@@ -148,6 +149,7 @@ impl RecordedWork {
             operation: self.operation,
             subject: &subject,
             outcome,
+            facts: &self.facts,
         };
         self.work.audit().add(&entry).await?;
         self.work.commit().await?;
@@ -155,6 +157,32 @@ impl RecordedWork {
             self.repeats.lock().put(key, now);
         }
         Ok(())
+    }
+
+    /// Adds facts to the entry: ids, roles and numbers that operation and subject do not say.
+    pub fn describe(&mut self, facts: impl IntoIterator<Item = AuditFact>) {
+        self.facts.extend(facts);
+    }
+
+    /// Adds a further entry about what was done, as for the organisation from which a person was taken.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn record_also(
+        &mut self,
+        subject: &AuditSubject,
+        facts: &[AuditFact],
+    ) -> Result<(), StoreError> {
+        let entry = NewAuditEntry {
+            entry_id: new_opaque_id(),
+            recorded_at: self.clock.now(),
+            agent: &self.agent,
+            operation: self.operation,
+            subject,
+            outcome: AuditOutcome::Done,
+            facts,
+        };
+        self.work.audit().add(&entry).await
     }
 
     /// Names the agent where it becomes known within the work, as the factory of a token.

@@ -159,6 +159,7 @@ impl Retention {
             operation: FORGET,
             subject: &AuditSubject::of(organisation, path),
             outcome: AuditOutcome::Done,
+            facts: &[],
         };
         work.audit().add(&entry).await
     }

@@ -58,8 +58,8 @@ mod writers;
 pub use accesses::{AccessQuery, Accesses, AccessesKept, ListedAccess, StoredAccessLog};
 pub use asked_requests::AskedRequests;
 pub use audit::{
-    AuditAgent, AuditAgentKind, AuditEntries, AuditEntry, AuditKept, AuditOutcome, AuditSubject,
-    NewAuditEntry,
+    AuditAgent, AuditAgentKind, AuditEntries, AuditEntry, AuditFact, AuditFactKind, AuditKept,
+    AuditOutcome, AuditSubject, NewAuditEntry,
 };
 pub use collaborations::{Collaboration, Collaborations};
 pub use comments::{CommentEntry, Comments, NewComment};
@@ -74,6 +74,7 @@ pub use error::StoreError;
 pub use factories::{Factories, Factory, Heard};
 pub use fields::{
     AskedField, CurrentValue, DecisionAudience, DecisionEffect, FieldRow, Fields, NewField,
+    state_name,
 };
 pub use holder::Holder;
 pub use inbox::{InboxMessages, NewInboxMessage};

@@ -67,7 +67,10 @@ export interface paths {
         /** Adds a factory; has no effect if it takes part. */
         put: operations["addCollaborationFactory"];
         post?: never;
-        /** Takes a factory out of a collaboration in which it performs nothing. */
+        /**
+         * Takes a factory out of a collaboration in which it performs nothing. Planners take factories of their organisation
+         *     out within ten minutes of a sign-in.
+         */
         delete: operations["removeCollaborationFactory"];
         options?: never;
         head?: never;
@@ -87,7 +90,7 @@ export interface paths {
         post?: never;
         /**
          * Takes a member out of a collaboration in which nothing of it is in force. What was released to it stays
-         *     readable to it.
+         *     readable to it. Planners take their own organisation out within ten minutes of a sign-in.
          */
         delete: operations["removeMember"];
         options?: never;
@@ -183,7 +186,10 @@ export interface paths {
         get?: never;
         put?: never;
         post?: never;
-        /** Removes a factory that is in no collaboration any more: credentials, tokens and connections end. */
+        /**
+         * Removes a factory that is in no collaboration any more: credentials, tokens and connections end. Planners remove
+         *     factories of their organisation within ten minutes of a sign-in.
+         */
         delete: operations["removeFactory"];
         options?: never;
         head?: never;
@@ -752,7 +758,10 @@ export interface paths {
         get?: never;
         put?: never;
         post?: never;
-        /** Removes a tool: credentials and connections end, and it gets no more reports. */
+        /**
+         * Removes a tool: credentials and connections end, and it gets no more reports. Planners remove tools of their
+         *     organisation within ten minutes of a sign-in.
+         */
         delete: operations["removeTool"];
         options?: never;
         head?: never;
@@ -805,7 +814,10 @@ export interface paths {
         /** Adds or replaces a user; the user's sessions end. */
         put: operations["putUser"];
         post?: never;
-        /** Removes a person: the sessions end. The last administrator stays. */
+        /**
+         * Removes a person: the sessions end. The last administrator stays. People end their own accounts within ten minutes
+         *     of a sign-in.
+         */
         delete: operations["removeUser"];
         options?: never;
         head?: never;
@@ -989,8 +1001,13 @@ export interface components {
             agentKind: components["schemas"]["AuditAgentKind"];
             /** @description Name of the person or program, for its own organisation and administrators. */
             agentName?: string | null;
+            /** @description Ids, roles and numbers that operation and subject do not say, for who acted and whom it concerns. */
+            detail: components["schemas"]["AuditFact"][];
             entryId: components["schemas"]["OpaqueId"];
-            /** @description Id of the operation in the description of the API, as `putUser`. */
+            /**
+             * @description Id of the operation in the description of the API, as `putUser`, or name of what a connector did, as
+             *     `decideField`.
+             */
             operation: string;
             organisationId?: components["schemas"]["OrganisationId"] | null;
             outcome: components["schemas"]["AuditOutcome"];
@@ -998,6 +1015,19 @@ export interface components {
             /** @description Place of what it was about, as `factories/FOR_MUC`. */
             subject: string;
         };
+        /** @description Fact of an entry. Never a secret, and never a value of a plant. */
+        AuditFact: {
+            /** @description Name, id or number before; absent where there was none. */
+            former?: string | null;
+            kind: components["schemas"]["AuditFactKind"];
+            /** @description Name, id or number since; absent where there is none any more. */
+            present?: string | null;
+        };
+        /**
+         * @description Thing of which a fact says how it was and is.
+         * @enum {string}
+         */
+        AuditFactKind: "ROLE" | "ORGANISATION" | "PASSWORD" | "SECOND_FACTOR" | "PERSON" | "MEMBER" | "FACTORY" | "REQUEST" | "REVISION" | "STATE" | "RECIPIENT" | "REPORTS" | "HOST" | "CREDENTIALS" | "SIGNING_KEY" | "ADDRESS" | "FURTHER";
         /**
          * @description Outcome of an operation.
          * @enum {string}

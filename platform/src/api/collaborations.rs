@@ -14,7 +14,9 @@ use super::{
 use crate::{
     application::Application,
     principal::Principal,
-    store::{AuditOutcome, AuditSubject, Collaboration, Factory, Scope, Work},
+    store::{
+        AuditFact, AuditFactKind, AuditOutcome, AuditSubject, Collaboration, Factory, Scope, Work,
+    },
 };
 
 /// A collaboration to add.
@@ -69,6 +71,10 @@ pub async fn add(
     if !work.collaborations().add(&collaboration).await? {
         return Err(taken("collaboration"));
     }
+    let member = |id| AuditFact::new(AuditFactKind::Member, id);
+    work.describe(collaboration.members.iter().map(member));
+    let factory = |id| AuditFact::new(AuditFactKind::Factory, id);
+    work.describe(collaboration.factories.iter().map(factory));
     let path = format!("collaborations/{}", collaboration.collaboration_id);
     work.commit(AuditSubject::shared(path), AuditOutcome::Done).await?;
     Ok((StatusCode::CREATED, Json(collaboration)))

@@ -19,7 +19,7 @@ use crate::{
     clock::new_opaque_id,
     networks::{Author, CommentError, add_comment},
     principal::Principal,
-    store::{AuditOutcome, AuditSubject, CommentEntry, NewComment},
+    store::{AuditFact, AuditFactKind, AuditOutcome, AuditSubject, CommentEntry, NewComment},
 };
 
 /// A comment to add.
@@ -97,6 +97,9 @@ pub async fn add(
     let event = added.map_err(|error| refused(error, &comment))?;
     let NewComment { operation_network_id: network, comment_id, .. } = &comment;
     let path = format!("operation-networks/{network}/comments/{comment_id}");
+    work.describe([AuditFact::new(AuditFactKind::Factory, &comment.factory_id)]);
+    let request = comment.dynamic_data_request_id.as_ref();
+    work.describe(request.map(|id| AuditFact::new(AuditFactKind::Request, id)));
     work.commit(AuditSubject::shared(path), AuditOutcome::Done).await?;
     app.broker_access.wake_link();
     app.live.publish([event]);

@@ -16,7 +16,7 @@ use super::{
 use crate::{
     application::Application,
     principal::Principal,
-    store::{AuditOutcome, AuditSubject},
+    store::{AuditFact, AuditFactKind, AuditOutcome, AuditSubject},
 };
 
 /// A message that could not be used.
@@ -146,6 +146,7 @@ async fn replay_own(app: &Application, who: &Principal, id: u64) -> Result<Optio
         .forget_one(&address.to_string(), content.message_id.as_deref().unwrap_or_default())
         .await?;
     work.dead_letters().replayed(id, app.clock.now()).await?;
+    work.describe([AuditFact::new(AuditFactKind::Address, &address)]);
     work.commit(subject_of(&format!("ingest-{id}")), AuditOutcome::Done).await?;
     let envelope = Envelope {
         message_id: content.message_id.and_then(|id| id.parse().ok()),

@@ -15,7 +15,9 @@ use super::problems::ChangeProblems;
 use crate::{
     application::Application,
     enrolment::{EnrolmentError, enrol as use_token, is_usable},
-    store::{AuditAgent, AuditAgentKind, AuditOutcome, AuditSubject, Scope},
+    store::{
+        AuditAgent, AuditAgentKind, AuditFact, AuditFactKind, AuditOutcome, AuditSubject, Scope,
+    },
 };
 
 /// A token from `POST /factories/{factoryId}/enrolment-tokens`.
@@ -91,6 +93,7 @@ pub async fn enrol(
         name: factory_id.to_string(),
         organisation_id: organisation_id.clone(),
     });
+    work.describe(signing_key.map(|_| AuditFact::new(AuditFactKind::SigningKey, "SET")));
     let path = format!("factories/{factory_id}");
     let subject = AuditSubject { path, concerned: organisation_id };
     work.commit(subject, AuditOutcome::Done).await?;

@@ -18,7 +18,7 @@ use crate::{
     audit::RecordedWork,
     enrolment::make_token as make,
     principal::Principal,
-    store::{AuditOutcome, AuditSubject, Factory, Holder, Scope, Work},
+    store::{AuditFact, AuditFactKind, AuditOutcome, AuditSubject, Factory, Holder, Scope, Work},
 };
 
 /// A factory to add.
@@ -87,6 +87,7 @@ pub async fn add(
     }
     let factory = work.factories().lookup(&Scope::Platform, &new.factory_id).await?;
     let factory = factory.ok_or_else(|| Problem::not_found("factory"))?;
+    work.describe([AuditFact::new(AuditFactKind::Organisation, &factory.organisation_id)]);
     work.commit(subject(&factory), AuditOutcome::Done).await?;
     app.broker_access.reconcile(&app.store.reserved_reader()).await?;
     Ok((StatusCode::CREATED, Json(factory)))
@@ -148,6 +149,7 @@ pub async fn revoke_holder(
     let credentials = work.credentials().revoke(&holder, app.clock.now()).await?;
     let broker_account = app.config.broker.external.is_some().then(|| holder.user_name());
     let is_changed = credentials > 0 || broker_account.is_some();
+    work.describe([AuditFact::ended(AuditFactKind::Credentials, credentials)]);
     work.commit(subject, AuditOutcome::of(is_changed)).await?;
     let connections = app.broker_access.revoked(&app.store.reserved_reader(), &holder).await?;
     tracing::info!(holder = %holder, credentials, connections, "Credentials were revoked.");

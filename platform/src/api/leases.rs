@@ -14,7 +14,7 @@ use crate::{
     application::Application,
     leases::{FactoryLease, Party},
     principal::Principal,
-    store::{AuditOutcome, AuditSubject, Scope},
+    store::{AuditFact, AuditFactKind, AuditOutcome, AuditSubject, Scope},
 };
 
 /// Lease of a factory with the connectors that were refused.
@@ -91,6 +91,8 @@ pub async fn hand_over(
     })?;
     work.leases().put(&id, &lease).await?;
     work.parts().send_again(&id, now).await?;
+    let hosts = (Some(&former), Some(&lease.holder.host));
+    work.describe(AuditFact::changed(AuditFactKind::Host, hosts.0, hosts.1));
     let concerned = factory.map(|factory| factory.organisation_id);
     let subject = AuditSubject { path: format!("factories/{id}/lease"), concerned };
     work.commit(subject, AuditOutcome::Done).await?;

@@ -24,7 +24,7 @@ use crate::{
     audit::RecordedWork,
     networks::{self, Author, ChangeOutcome, NetworkView, PutNetwork},
     principal::Principal,
-    store::{AuditOutcome, AuditSubject, NetworkSummary},
+    store::{AuditFact, AuditFactKind, AuditOutcome, AuditSubject, NetworkSummary},
 };
 
 /// A network to put in place.
@@ -153,10 +153,11 @@ pub async fn withdraw(
 /// Commits a change with its record, publishes it to pages and link, and returns the answer.
 pub(super) async fn commit(
     app: &Application,
-    work: RecordedWork,
+    mut work: RecordedWork,
     path: String,
     outcome: ChangeOutcome,
 ) -> Result<Changed, Problem> {
+    work.describe([AuditFact::new(AuditFactKind::Revision, outcome.revision)]);
     let result = AuditOutcome::of(outcome.is_changed);
     work.commit(AuditSubject::shared(path), result).await?;
     app.broker_access.wake_link();

@@ -149,6 +149,9 @@ impl From<AdministratorError> for Problem {
                     message: format!("{reason}."),
                 }],
             ),
+            error @ AdministratorError::NameWasUsed(_) => {
+                Self::conflict("NAME_WAS_USED", format!("{error}."))
+            }
             other => Self::internal(&other),
         }
     }

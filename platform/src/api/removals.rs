@@ -1,4 +1,5 @@
-//! Removals of people, tools, factories, organisations and members.
+//! Removals of people, tools, factories, organisations and members: by administrators, by people of their own accounts,
+//! and by planners of what is their organisation's.
 
 use asi_model::{CollaborationId, FactoryId, OrganisationId, ToolId};
 use axum::{Json, extract::State};
@@ -6,11 +7,14 @@ use daemon::web::{ApiPath, ApiQuery, Problem, session::SignedIn};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-use super::{administrator_only, problems::ChangeProblems};
+use super::problems::ChangeProblems;
 use crate::{
     application::Application,
     principal::Principal,
-    store::{AuditOutcome, Leaver, RemovalEffects},
+    store::{
+        AuditFact, AuditFactKind, AuditOutcome, AuditSubject, Leaver, RemovalEffects, StoreError,
+        Work,
+    },
 };
 
 /// Things in force that a refusal names.
@@ -26,7 +30,8 @@ pub struct RemovalQuery {
     dry_run: bool,
 }
 
-/// Removes a person: the sessions end. The last administrator stays.
+/// Removes a person: the sessions end. The last administrator stays. People end their own accounts within ten minutes
+/// of a sign-in.
 #[utoipa::path(delete, operation_id = "removeUser", path = "/users/{userName}", tag = "users", security(("session" = [])),
     params(("userName" = String, Path), RemovalQuery), responses((status = 200, body = RemovalEffects), ChangeProblems))]
 pub async fn user(
@@ -38,7 +43,8 @@ pub async fn user(
     leave(&app, &who, "removeUser", Leaver::User(name), &query).await
 }
 
-/// Removes a tool: credentials and connections end, and it gets no more reports.
+/// Removes a tool: credentials and connections end, and it gets no more reports. Planners remove tools of their
+/// organisation within ten minutes of a sign-in.
 #[utoipa::path(delete, operation_id = "removeTool", path = "/tools/{toolId}", tag = "tools", security(("session" = [])),
     params(("toolId" = String, Path), RemovalQuery), responses((status = 200, body = RemovalEffects), ChangeProblems))]
 pub async fn tool(
@@ -50,7 +56,8 @@ pub async fn tool(
     leave(&app, &who, "removeTool", Leaver::Tool(id), &query).await
 }
 
-/// Removes a factory that is in no collaboration any more: credentials, tokens and connections end.
+/// Removes a factory that is in no collaboration any more: credentials, tokens and connections end. Planners remove
+/// factories of their organisation within ten minutes of a sign-in.
 #[utoipa::path(delete, operation_id = "removeFactory", path = "/factories/{factoryId}", tag = "factories", security(("session" = [])),
     params(("factoryId" = String, Path), RemovalQuery), responses((status = 200, body = RemovalEffects), ChangeProblems))]
 pub async fn factory(
@@ -75,7 +82,7 @@ pub async fn organisation(
 }
 
 /// Takes a member out of a collaboration in which nothing of it is in force. What was released to it stays
-/// readable to it.
+/// readable to it. Planners take their own organisation out within ten minutes of a sign-in.
 #[utoipa::path(delete, operation_id = "removeMember", path = "/collaborations/{collaborationId}/members/{organisationId}", tag = "collaborations",
     security(("session" = [])), params(("collaborationId" = String, Path), ("organisationId" = String, Path), RemovalQuery),
     responses((status = 200, body = RemovalEffects), ChangeProblems))]
@@ -88,7 +95,8 @@ pub async fn member(
     leave(&app, &who, "removeMember", Leaver::Member(of, id), &query).await
 }
 
-/// Takes a factory out of a collaboration in which it performs nothing.
+/// Takes a factory out of a collaboration in which it performs nothing. Planners take factories of their organisation
+/// out within ten minutes of a sign-in.
 #[utoipa::path(delete, operation_id = "removeCollaborationFactory", path = "/collaborations/{collaborationId}/factories/{factoryId}", tag = "collaborations",
     security(("session" = [])), params(("collaborationId" = String, Path), ("factoryId" = String, Path), RemovalQuery),
     responses((status = 200, body = RemovalEffects), ChangeProblems))]
@@ -110,7 +118,7 @@ async fn leave(
     leaver: Leaver,
     query: &RemovalQuery,
 ) -> Result<Json<RemovalEffects>, Problem> {
-    administrator_only::check(who)?;
+    check(app, who, &leaver, query.dry_run).await?;
     let mut work = app.store.begin(&who.principal, operation).await?;
     let subject = work.removals().subject(&leaver).await?;
     let subject = subject.ok_or_else(|| Problem::not_found(leaver.path()))?;
@@ -121,16 +129,85 @@ async fn leave(
     if !removal.in_force.is_empty() {
         return Err(in_force(&removal.in_force));
     }
+    let facts = facts(&mut work, &leaver, &subject, &removal).await?;
+    work.describe(facts);
     work.removals().leave(&leaver, app.clock.now()).await?;
     work.commit(subject, AuditOutcome::Done).await?;
     if let Leaver::Factory(id) = &leaver {
         app.ingest.forget(id);
     }
     if let Some(holder) = leaver.holder() {
-        app.broker_access.revoked(&app.store.reader(), &holder).await?;
+        app.broker_access.revoked(&app.store.reserved_reader(), &holder).await?;
     }
     tracing::info!(leaver = leaver.path(), "A person, program, plant or organisation has left.");
     Ok(Json(RemovalEffects { is_done: true, ..removal }))
+}
+
+/// Lets those pass who may let it leave. To others all is alike, whether it is there or not.
+async fn check(
+    app: &Application,
+    who: &SignedIn<Principal>,
+    leaver: &Leaver,
+    is_preview: bool,
+) -> Result<(), Problem> {
+    let principal = &who.principal;
+    let is_own_account = matches!(leaver, Leaver::User(name) if *name == principal.user.user_name);
+    if principal.is_administrator() && !is_own_account {
+        return Ok(());
+    }
+    if !is_own_account && !is_of_own_organisation(app, principal, leaver).await? {
+        return Err(Problem::forbidden(
+            "This needs an administrator of the platform, or a planner of the organisation whose it is. An account is \
+             also ended by its person.",
+        ));
+    }
+    if is_preview {
+        return Ok(());
+    }
+    app.sessions.check_signed_in_lately(&who.session, "What is one's own leaves").await
+}
+
+/// Returns true for what a planner's own organisation has. Accounts and the organisation itself are of all its people.
+async fn is_of_own_organisation(
+    app: &Application,
+    principal: &Principal,
+    leaver: &Leaver,
+) -> Result<bool, Problem> {
+    let (Some(own), true) = (principal.organisation(), principal.may_plan()) else {
+        return Ok(false);
+    };
+    if let Leaver::User(_) | Leaver::Organisation(_) = leaver {
+        return Ok(false);
+    }
+    let subject = app.store.read().await?.removals().subject(leaver).await?;
+    Ok(subject.is_some_and(|subject| subject.concerned.as_ref() == Some(own)))
+}
+
+/// Returns what of a removal its path does not say.
+async fn facts(
+    work: &mut Work,
+    leaver: &Leaver,
+    subject: &AuditSubject,
+    removal: &RemovalEffects,
+) -> Result<Vec<AuditFact>, StoreError> {
+    let mut facts = Vec::new();
+    match leaver {
+        Leaver::User(name) => {
+            let user = work.users().lookup(name).await?;
+            facts.extend(user.map(|(user, _)| AuditFact::ended(AuditFactKind::Role, user.role)));
+        }
+        Leaver::Organisation(_) => {
+            let person = |name| AuditFact::ended(AuditFactKind::Person, name);
+            facts.extend(removal.people.iter().map(person));
+        }
+        Leaver::Tool(_) | Leaver::Factory(_) => {
+            facts.push(AuditFact::ended(AuditFactKind::Credentials, removal.credentials));
+        }
+        Leaver::Member(..) | Leaver::CollaborationFactory(..) => {}
+    }
+    let organisation = |id| AuditFact::ended(AuditFactKind::Organisation, id);
+    facts.extend(subject.concerned.as_ref().map(organisation));
+    Ok(facts)
 }
 
 /// Returns the problem of a change that would end what is in force.

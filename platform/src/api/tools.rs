@@ -16,7 +16,7 @@ use crate::{
     application::Application,
     enrolment::make_tool_credential,
     principal::Principal,
-    store::{AuditOutcome, AuditSubject, Holder, Scope, Tool, Work},
+    store::{AuditFact, AuditFactKind, AuditOutcome, AuditSubject, Holder, Scope, Tool, Work},
 };
 
 /// A tool to add.
@@ -74,6 +74,7 @@ pub async fn add(
     if !work.tools().add(&tool).await? {
         return Err(taken("tool"));
     }
+    work.describe([AuditFact::new(AuditFactKind::Organisation, &tool.organisation_id)]);
     work.commit(subject(&tool), AuditOutcome::Done).await?;
     app.broker_access.reconcile(&app.store.reserved_reader()).await?;
     Ok((StatusCode::CREATED, Json(tool)))

@@ -18,7 +18,10 @@ use platform::{
     clock::Clock,
     config::PlatformConfig,
     enrolment::{self, EnrolmentAddress},
-    store::{AuditOutcome, AuditSubject, Organisation, Role, Scope, Store, User, Work},
+    store::{
+        AuditFact, AuditFactKind, AuditOutcome, AuditSubject, Organisation, Role, Scope, Store,
+        User, Work,
+    },
 };
 
 /// Adds an organisation.
@@ -53,6 +56,9 @@ pub async fn add_factory(
         .add(&factory, &organisation.parse()?, &name, Clock::system().now())
         .await?;
     let subject = AuditSubject::of(&organisation.parse()?, format!("factories/{id}"));
+    if is_new {
+        work.describe([AuditFact::new(AuditFactKind::Organisation, organisation)]);
+    }
     work.commit(subject, AuditOutcome::of(is_new)).await?;
     anyhow::ensure!(
         is_new,
@@ -109,8 +115,10 @@ pub async fn set_user(
     let hash = PasswordHashing::default().hash(password, PasswordPolicy::default()).await?;
     let mut work = store.begin(CommandLine, "putUser").await?;
     administrator::put(&mut work, &user, &hash, Clock::system().now()).await?;
-    work.second_factors().remove(&user.user_name).await?;
-    work.passkeys().remove_all(&user.user_name).await?;
+    let had_codes = work.second_factors().remove(&user.user_name).await?;
+    if work.passkeys().remove_all(&user.user_name).await? || had_codes {
+        work.describe([AuditFact::new(AuditFactKind::SecondFactor, "REMOVED")]);
+    }
     Ok(work.commit(administrator::subject(&user), AuditOutcome::Done).await?)
 }
 

@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     leases::{FactoryLease, LeaseDecision},
-    store::{Holder, NewOutgoing, StoreError},
+    store::{AuditFact, AuditFactKind, Holder, NewOutgoing, StoreError},
 };
 
 /// Time to live of an answer.
@@ -81,6 +81,10 @@ impl<'w> LeaseArbiter<'w> {
         if decision == LeaseDecision::Passed && lease.number > 1 {
             // The new holder may lack what the former one had received.
             unit.work.parts().send_again(factory, unit.now).await?;
+            let (former, present) = (former.as_ref(), Some(&lease.holder.host));
+            let facts = AuditFact::changed(AuditFactKind::Host, former, present);
+            let path = format!("factories/{factory}/lease");
+            unit.record_change(factory, "takeLease", path, facts.as_slice()).await?;
         }
         let result = if is_refused { "refused" } else { "granted" };
         metrics::counter!("verbund_lease_requests_total", "result" => result).increment(1);

@@ -20,8 +20,12 @@ use super::{
 };
 use crate::{
     accesses::{Contents, Reader, Reading},
+    clock::new_opaque_id,
     live::Notification,
-    store::{Heard, Holder, NewDeadLetter, NewOutgoing, StoreError, Work, WriterKey, WriterRow},
+    store::{
+        AuditAgent, AuditAgentKind, AuditFact, AuditOutcome, AuditSubject, Heard, Holder,
+        NewAuditEntry, NewDeadLetter, NewOutgoing, Scope, StoreError, Work, WriterKey, WriterRow,
+    },
     tools::ToolAcknowledgement,
 };
 
@@ -71,6 +75,8 @@ pub(super) struct IngestUnit<'w> {
     heard: HashMap<FactoryId, Heard>,
     /// Factories that were asked about, each true if it says to whom it releases its reports.
     naming: HashMap<FactoryId, bool>,
+    /// Organisations of factories that changed something.
+    organisations: HashMap<FactoryId, Option<OrganisationId>>,
 }
 
 impl<'w> IngestUnit<'w> {
@@ -82,6 +88,7 @@ impl<'w> IngestUnit<'w> {
             writers: HashMap::new(),
             heard: HashMap::new(),
             naming: HashMap::new(),
+            organisations: HashMap::new(),
         }
     }
 
@@ -114,6 +121,43 @@ impl<'w> IngestUnit<'w> {
         self.record_arrival(factory, received_at);
         let heard = self.heard(factory);
         heard.sign_at = heard.sign_at.max(Some(received_at.floor_to(SIGN_STEP)));
+    }
+
+    /// Puts on record what a factory changed of what others see. Reports, which are kept themselves, are no such
+    /// change, nor are their metadata, gaps and checkpoints.
+    pub(super) async fn record_change(
+        &mut self,
+        factory: &FactoryId,
+        operation: &'static str,
+        path: String,
+        facts: &[AuditFact],
+    ) -> Result<(), StoreError> {
+        let organisation_id = self.organisation_of(factory).await?;
+        let subject = AuditSubject { path, concerned: organisation_id.clone() };
+        let (kind, name) = (AuditAgentKind::Factory, factory.to_string());
+        let entry = NewAuditEntry {
+            entry_id: new_opaque_id(),
+            recorded_at: self.now,
+            agent: &AuditAgent { kind, name, organisation_id },
+            operation,
+            subject: &subject,
+            outcome: AuditOutcome::Done,
+            facts,
+        };
+        self.work.audit().add(&entry).await
+    }
+
+    async fn organisation_of(
+        &mut self,
+        factory: &FactoryId,
+    ) -> Result<Option<OrganisationId>, StoreError> {
+        if let Some(known) = self.organisations.get(factory) {
+            return Ok(known.clone());
+        }
+        let known = self.work.factories().lookup(&Scope::Platform, factory).await?;
+        let organisation = known.map(|known| known.organisation_id);
+        self.organisations.insert(factory.clone(), organisation.clone());
+        Ok(organisation)
     }
 
     /// Notes that a factory says to whom it releases its reports.

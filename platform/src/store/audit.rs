@@ -1,8 +1,11 @@
 //! Entries of who changed what. They are added and read; only retention removes the oldest.
 
+mod facts;
+
 use std::{fmt, str::FromStr};
 
 use asi_model::{DateTime, OrganisationId};
+pub use facts::{AuditFact, AuditFactKind};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -22,7 +25,7 @@ pub enum AuditAgentKind {
     User,
     /// A program of a partner, over the broker.
     Tool,
-    /// A connector that enrols.
+    /// A connector that enrols, or whose messages change what others see.
     Factory,
     /// A command on the platform's machine, or its configuration.
     Command,
@@ -124,6 +127,8 @@ pub struct NewAuditEntry<'a> {
     pub operation: &'a str,
     pub subject: &'a AuditSubject,
     pub outcome: AuditOutcome,
+    /// Ids, roles and numbers that operation and subject do not say.
+    pub facts: &'a [AuditFact],
 }
 
 /// An entry as a viewer may see it.
@@ -142,11 +147,14 @@ pub struct AuditEntry {
     /// The organisation for which it acted; absent for who runs the platform.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub organisation_id: Option<OrganisationId>,
-    /// Id of the operation in the description of the API, as `putUser`.
+    /// Id of the operation in the description of the API, as `putUser`, or name of what a connector did, as
+    /// `decideField`.
     pub operation: String,
     /// Place of what it was about, as `factories/FOR_MUC`.
     pub subject: String,
     pub outcome: AuditOutcome,
+    /// Ids, roles and numbers that operation and subject do not say, for who acted and whom it concerns.
+    pub detail: Vec<AuditFact>,
 }
 
 /// Condition on a row `e` of `audit_entry`: an agent of the organisation `$1` made it, or it is about what
@@ -177,8 +185,8 @@ impl AuditEntries<'_> {
     pub async fn add(&mut self, entry: &NewAuditEntry<'_>) -> Result<(), StoreError> {
         // What an administrator does is in no share, also where it has an organisation.
         let sql = "INSERT INTO audit_entry (recorded_at, agent_kind, agent_name, organisation_id, operation, subject,
-                       concerned_id, outcome, opaque_id, share)
-                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, CASE WHEN $2 = 'USER' AND EXISTS (
+                       concerned_id, outcome, opaque_id, detail, share)
+                   VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, CASE WHEN $2 = 'USER' AND EXISTS (
                        SELECT 1 FROM user_account WHERE user_name = $3 AND role = 'ADMINISTRATOR') THEN NULL ELSE $4 END)";
         sqlx::query(sql)
             .bind(entry.recorded_at.ticks())
@@ -190,6 +198,7 @@ impl AuditEntries<'_> {
             .bind(entry.subject.concerned.as_ref().map(OrganisationId::as_str))
             .bind(entry.outcome.as_str())
             .bind(entry.entry_id.as_str())
+            .bind(facts::stored(entry.facts))
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("record who changed what"))?;
@@ -372,5 +381,6 @@ fn read(row: &DatabaseRow, scope: &Scope) -> Result<AuditEntry, StoreError> {
         operation: row.column("operation")?,
         subject: row.column("subject")?,
         outcome: row.parsed("outcome")?,
+        detail: facts::shown(row, viewer)?,
     })
 }

@@ -301,7 +301,9 @@ impl Fields<'_> {
     }
 }
 
-const fn state_name(state: MappingState) -> &'static str {
+/// Returns the name of a state in the store and in the API.
+#[must_use]
+pub const fn state_name(state: MappingState) -> &'static str {
     match state {
         MappingState::Pending => "PENDING",
         MappingState::Mapped => "MAPPED",

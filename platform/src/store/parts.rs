@@ -30,7 +30,9 @@ pub enum PartState {
 }
 
 impl PartState {
-    const fn as_str(self) -> &'static str {
+    /// Returns the name in the store and in the API.
+    #[must_use]
+    pub const fn as_str(self) -> &'static str {
         match self {
             Self::Sent => "SENT",
             Self::Accepted => "ACCEPTED",

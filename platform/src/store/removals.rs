@@ -173,6 +173,7 @@ impl Removals<'_> {
                 for sql in [MEMBERSHIPS, FACTORIES, TOOLS] {
                     removal.in_force.extend(self.list(sql, id.as_str(), "").await?);
                 }
+                removal.in_force.extend(self.list(ALL_ADMINISTRATORS, id.as_str(), "").await?);
                 removal.people = self.list(PEOPLE, id.as_str(), "").await?;
                 removal.sessions = self.count(SESSIONS_OF_PEOPLE, id.as_str(), "").await?;
             }
@@ -189,7 +190,7 @@ impl Removals<'_> {
     }
 
     /// Lets a person, program, plant or organisation leave. What others have a right to stays; it is hidden from now
-    /// on, and its id is never given again, but for the name of a person.
+    /// on, and its id or name is never given again.
     ///
     /// # Errors
     /// [`StoreError::Statement`].
@@ -329,6 +330,11 @@ impl Removals<'_> {
 const LAST_ADMINISTRATOR: &str = "SELECT 'users/' || u.user_name AS path FROM user_account u
     WHERE u.user_name = $1 AND u.role = 'ADMINISTRATOR' AND $2 = '' AND NOT EXISTS (
         SELECT 1 FROM user_account o WHERE o.role = 'ADMINISTRATOR' AND o.user_name <> $1) LIMIT $3";
+/// The administrators of an organisation, where there is no other one.
+const ALL_ADMINISTRATORS: &str = "SELECT 'users/' || u.user_name AS path FROM user_account u
+    WHERE u.organisation_id = $1 AND u.role = 'ADMINISTRATOR' AND $2 = '' AND NOT EXISTS (
+        SELECT 1 FROM user_account o WHERE o.role = 'ADMINISTRATOR'
+        AND (o.organisation_id IS NULL OR o.organisation_id <> $1)) ORDER BY 1 LIMIT $3";
 const SESSIONS_OF_USER: &str = "SELECT COUNT(*) FROM session WHERE user_name = $1 AND $2 = ''";
 const SESSIONS_OF_PEOPLE: &str = "SELECT COUNT(*) FROM session s
     JOIN user_account u ON u.user_name = s.user_name WHERE u.organisation_id = $1 AND $2 = ''";

@@ -59,7 +59,7 @@ impl Revocations<'_> {
         id: &OpaqueId,
         receipt: &SignedRevocation,
         received_at: DateTime,
-    ) -> Result<(), StoreError> {
+    ) -> Result<bool, StoreError> {
         let sql =
             "INSERT INTO revocation (message_id, factory_id, operation_network_id, operation_id,
                        dynamic_data_request_id, signed_text, signature, public_key, received_at,
@@ -80,7 +80,7 @@ impl Revocations<'_> {
             .fetch_optional(&mut *self.0)
             .await
             .map_err(StoreError::during("store a receipt of a revocation"))?;
-        let Some(row) = row else { return Ok(()) };
+        let Some(row) = row else { return Ok(false) };
         let number: u64 = row.unsigned("revocation_number")?;
         let readers: Vec<&str> =
             receipt.recipient_list.iter().map(asi_model::OrganisationId::as_str).collect();
@@ -99,7 +99,7 @@ impl Revocations<'_> {
             .execute(&mut *self.0)
             .await
             .map_err(StoreError::during("store the readers of a receipt"))?;
-        Ok(())
+        Ok(true)
     }
 
     /// Returns the receipts about requests of a network that the viewer may read, oldest first, those

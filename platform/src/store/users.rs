@@ -99,6 +99,19 @@ impl Users<'_> {
         Ok(())
     }
 
+    /// Returns true for the name of a person who has left.
+    ///
+    /// # Errors
+    /// [`StoreError::Statement`].
+    pub async fn has_left(&mut self, user_name: &str) -> Result<bool, StoreError> {
+        let found = sqlx::query("SELECT 1 FROM former_user WHERE user_name = $1")
+            .bind(user_name)
+            .fetch_optional(&mut *self.0)
+            .await
+            .map_err(StoreError::during("ask who has left"))?;
+        Ok(found.is_some())
+    }
+
     /// Counts the users.
     ///
     /// # Errors

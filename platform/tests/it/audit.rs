@@ -90,6 +90,7 @@ async fn who_did_what_to_what_is_on_record_for_its_organisation() {
         (&json!("USER"), &json!("acme-aero-planner"))
     );
     assert_eq!(own["organisationId"], "acme-aero");
+    assert_eq!(own["detail"], json!([{ "kind": "REVISION", "present": "1" }]));
     // What others did to what is its own: not who they are.
     let by_others = entries(&buyer).await[0].clone();
     assert_eq!((&by_others["agentKind"], &by_others["agentName"]), (&json!("USER"), &Value::Null));

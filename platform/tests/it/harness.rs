@@ -1,6 +1,11 @@
 //! A whole platform on free ports, in a folder of its own, and clients of its API.
 
-use std::{future::Future, path::Path, sync::Arc, time::Duration};
+use std::{
+    future::Future,
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::Duration,
+};
 
 use access_log::{AccessKind, AccessLogKey, AgentKind};
 use asi_model::DateTime;
@@ -109,6 +114,11 @@ impl World {
 
     pub fn handle(&self) -> &PlatformHandle {
         &self.running.as_ref().expect("it runs").1
+    }
+
+    /// The platform's database, for tests that change it from outside.
+    pub fn database(&self) -> PathBuf {
+        self.config().database_path()
     }
 
     /// Bytes of the embedded broker's database, its log included.

@@ -5,6 +5,7 @@ use messaging::LogicalAddress;
 use serde_json::{Value, json};
 
 use crate::{
+    audit_facts::newest,
     connector::Peer,
     harness::{Api, World, eventually},
     story,
@@ -134,6 +135,7 @@ async fn a_copy_is_refused_by_name_until_people_hand_the_lease_over() {
 async fn a_successor_on_another_machine_gets_the_lease_when_the_first_is_silent() {
     let world = World::start().await;
     let (_admin, _buyer, munich, _hamburg) = story::accepted(&world).await;
+    let maker = story::planner(&world, "frames-munich").await;
     with_leases(&munich);
     assert_eq!(ask(&munich, "a", "here").await["leaseNumber"], 1);
     let mut answers = Vec::new();
@@ -148,4 +150,9 @@ async fn a_successor_on_another_machine_gets_the_lease_when_the_first_is_silent(
     }
     assert_eq!(answers[0]["result"], "REFUSED", "not before the silence");
     assert_eq!(answers.last().map(|answer| &answer["leaseNumber"]), Some(&json!(2)));
+    let taken = newest(&maker, "takeLease").await;
+    assert_eq!(taken["subject"], "factories/FOR_MUC/lease");
+    let hosts = ("machine of here", "machine of there");
+    let fact = json!({ "kind": "HOST", "former": hosts.0, "present": hosts.1 });
+    assert_eq!(taken["detail"], json!([fact]));
 }

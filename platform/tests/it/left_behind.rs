@@ -42,6 +42,7 @@ fn factory() -> Case {
             ("address", "factory.F.requests", &["dead_letter", "outbox"]),
             ("address", "factory.F.leases", &["dead_letter", "outbox"]),
             ("user_name", "factory.F", &["revoked_access"]),
+            ("agent_name", "F", &[]),
         ],
         in_force: &["collaboration_factory"],
         kept: &[
@@ -61,6 +62,7 @@ fn factory() -> Case {
             ("access_agent.factory_id", Some(Accesses)),
             ("access_entry.factory_id", Some(Accesses)),
             ("access_log.factory_id", Some(Accesses)),
+            ("audit_entry.agent_name", Some(Audit)),
         ],
     }
 }
@@ -95,6 +97,8 @@ fn person() -> Case {
         kept: &[
             // Accounts of the broker, which are no people.
             ("revoked_access.user_name", None),
+            // Its name, which is never given again.
+            ("former_user.user_name", None),
             ("audit_entry.agent_name", Some(Audit)),
             ("comment.author_id", Some(Comments)),
             ("operation_network.updated_by", Some(Networks)),

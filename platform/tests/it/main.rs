@@ -6,6 +6,7 @@
 mod accesses;
 mod answers;
 mod audit;
+mod audit_facts;
 mod broker_process;
 mod chain;
 mod connector;
@@ -18,6 +19,7 @@ mod harness;
 mod isolation;
 mod journey;
 mod leases;
+mod leaving;
 mod left_behind;
 mod members;
 mod migration;

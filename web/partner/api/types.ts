@@ -8,6 +8,7 @@ type Schemas = components['schemas']
 export type AccessRetentionEntry = Schemas['AccessRetentionEntry']
 export type AccessView = Schemas['AccessView']
 export type AuditEntry = Schemas['AuditEntry']
+export type AuditFact = Schemas['AuditFact']
 export type Collaboration = Schemas['Collaboration']
 export type CommentEntry = Schemas['CommentEntry']
 /** What a removal ends, and what is in its way. */

@@ -1,5 +1,8 @@
+import type { SignedIn } from '@/transport/session.svelte'
 import { platform } from '../api/client'
 import type { Collaboration, Removal } from '../api/types'
+import { texts } from '../language/texts'
+import { mayPlan } from '../rights'
 
 /** Who or what can leave: a name for people, and the removal or its preview. */
 export interface Leaver {
@@ -7,6 +10,8 @@ export interface Leaver {
   name: string
   /** More about it, for people. */
   of: string
+  /** What it means beside what ends, for people. */
+  note?: string
   leave: (dryRun: boolean) => Promise<Removal>
 }
 
@@ -75,5 +80,39 @@ export function partners({ collaborationId, name, members, factories }: Collabor
           query: { dryRun },
         }),
     })),
+  ]
+}
+
+/** The account of the signed-in person, which ends with all its sessions. */
+export function ownAccount({ userName, organisationId }: SignedIn): Leaver {
+  const { ofOwnAccount, ownAccountNote } = texts.removals
+  return { ...person(userName, organisationId), of: ofOwnAccount, note: ownAccountNote }
+}
+
+/** What the signed-in person may let leave: the own account and, as a planner, what the organisation has. */
+export async function own(who: SignedIn, signal: AbortSignal): Promise<Leaver[]> {
+  const { organisationId } = who
+  // Administrators have a page for all that can leave.
+  if (!mayPlan(who) || who.role === 'ADMINISTRATOR' || organisationId == null)
+    return [ownAccount(who)]
+  const [collaborations, factories, tools] = await Promise.all([
+    platform.get('/collaborations', { signal }),
+    platform.get('/factories', { signal }),
+    platform.get('/tools', { signal }),
+  ])
+  const isOwn = (each: { organisationId?: string | null }): boolean =>
+    each.organisationId === organisationId
+  const ownFactories = factories.items.filter(isOwn).map(({ factoryId }) => factoryId)
+  return [
+    ownAccount(who),
+    ...collaborations.items.flatMap((each) =>
+      partners({
+        ...each,
+        factories: each.factories.filter((id) => ownFactories.includes(id)),
+        members: each.members.filter((id) => id === organisationId),
+      }),
+    ),
+    ...ownFactories.map((id) => factory(id, organisationId)),
+    ...tools.items.filter(isOwn).map(({ toolId }) => tool(toolId, organisationId)),
   ]
 }

@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{Confidential, web::problem::Problem};
 
-/// Time from a sign-in in which second factors may be changed.
+/// Time from a sign-in in which second factors may be changed, and accounts ended.
 const RECENT: Duration = Duration::from_secs(600);
 
 /// Present and new password.
@@ -143,12 +143,26 @@ impl<A: Accounts> Sessions<A> {
         if !self.second_factors(user_name).await?.is_any() {
             return Ok(());
         }
+        self.check_signed_in_lately(session, "Second factors are changed").await
+    }
+
+    /// Checks that the person of a session signed in a short time ago: an open page is not enough for what cannot be
+    /// undone. `what` begins the sentence that says so.
+    ///
+    /// # Errors
+    /// A [`Problem`]: 403 where it is longer ago.
+    pub async fn check_signed_in_lately(
+        &self,
+        session: &SessionId,
+        what: &'static str,
+    ) -> Result<(), Problem> {
         let stored = self.accounts().session(session).await.map_err(internal)?;
         let age = stored.and_then(|stored| now().duration_since(stored.started_at).ok());
         if age.is_some_and(|age| age <= RECENT) {
             return Ok(());
         }
-        let detail = "Second factors are changed within ten minutes of a sign-in. Sign in again, then change them.";
+        let detail =
+            format!("{what} within ten minutes of a sign-in. Sign in again, then try once more.");
         Err(Problem::new(StatusCode::FORBIDDEN, "SIGN_IN_AGAIN", detail))
     }
 

@@ -14,7 +14,10 @@ use crate::{
     ingest::{decode::Incoming, quota_arbiter::GAPS, unit::IngestUnit},
     live::LiveEvent,
     networks,
-    store::{DecisionEffect, Holder, NewComment, PartState, Scope, StoreError},
+    store::{
+        AuditFact, AuditFactKind, DecisionEffect, Holder, NewComment, PartState, Scope, StoreError,
+        state_name,
+    },
 };
 
 /// Longest stored author of a comment.
@@ -83,6 +86,11 @@ async fn comment(
         created_at: incoming.received_at,
     };
     unit.work.comments().add(&new).await?;
+    let mut facts = vec![AuditFact::new(AuditFactKind::Person, &new.author_id)];
+    let request = new.dynamic_data_request_id.as_ref();
+    facts.extend(request.map(|id| AuditFact::new(AuditFactKind::Request, id)));
+    let path = format!("operation-networks/{id}/comments/{}", new.comment_id);
+    unit.record_change(&new.factory_id, "addComment", path, &facts).await?;
     let event = networks::comment_added(unit.work, id, &new.comment_id).await?;
     unit.effects.notifications.push(event);
     Ok(())
@@ -114,7 +122,17 @@ async fn revocation(
         let about = format!("{network}/{request}");
         return unit.reject_foreign(address, incoming, &receipt.factory_id, about).await;
     }
-    unit.work.revocations().add(&new_opaque_id(), receipt, incoming.received_at).await
+    if !unit.work.revocations().add(&new_opaque_id(), receipt, incoming.received_at).await? {
+        return Ok(());
+    }
+    let recipient = |id| AuditFact::new(AuditFactKind::Recipient, id);
+    let facts: Vec<AuditFact> = receipt.recipient_list.iter().map(recipient).collect();
+    let path = request_path(&RequestKey {
+        operation_network_id: network.clone(),
+        operation_id: receipt.operation_id.clone(),
+        dynamic_data_request_id: request.clone(),
+    });
+    unit.record_change(&receipt.factory_id, "revokeConsent", path, &facts).await
 }
 
 /// Records the answer to a part of a network.
@@ -135,6 +153,7 @@ async fn acknowledgement(
     {
         return Ok(());
     }
+    let before = (part.state, part.fault_list.clone());
     part.state = match answer.result {
         AcknowledgementResult::Accepted => PartState::Accepted,
         AcknowledgementResult::Unchanged => PartState::Unchanged,
@@ -143,6 +162,14 @@ async fn acknowledgement(
     part.fault_list.clone_from(&answer.fault_list);
     part.acknowledged_at = Some(unit.now);
     unit.work.parts().put(&part).await?;
+    if before.0 != part.state || before.1 != part.fault_list {
+        let path = format!("operation-networks/{}", part.operation_network_id);
+        let facts = [
+            AuditFact::new(AuditFactKind::Revision, part.revision),
+            AuditFact::new(AuditFactKind::State, part.state.as_str()),
+        ];
+        unit.record_change(&part.factory_id, "answerOperationNetwork", path, &facts).await?;
+    }
     if part.state != PartState::Rejected {
         let (network, factory) = (&part.operation_network_id, &part.factory_id);
         unit.work.recipients().consent_where_open(network, factory).await?;
@@ -170,6 +197,11 @@ async fn decision(
     if effect == DecisionEffect::Ignored {
         return Ok(effect);
     }
+    if effect != DecisionEffect::Repeated {
+        let path = format!("{}/fields/{}", request_path(&key.request), key.field_name);
+        let state = AuditFact::new(AuditFactKind::State, state_name(decision.mapping_state));
+        unit.record_change(&decision.factory_id, "decideField", path, &[state]).await?;
+    }
     if decision.mapping_state == MappingState::Mapped {
         let (factory, at) = (&decision.factory_id, decision.decided_at);
         unit.work.recipients().consent(network, request, factory, at).await?;
@@ -186,6 +218,13 @@ async fn decision(
         event(None).to(audience.others),
     ]);
     Ok(effect)
+}
+
+/// Returns the place of a request in the API.
+pub(super) fn request_path(request: &RequestKey) -> String {
+    let (network, operation) = (&request.operation_network_id, &request.operation_id);
+    let id = &request.dynamic_data_request_id;
+    format!("operation-networks/{network}/operations/{operation}/requests/{id}")
 }
 
 /// Returns the field that a decision is about; `None` for one about an asset.

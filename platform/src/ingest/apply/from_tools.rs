@@ -9,7 +9,8 @@ use crate::{
     ingest::unit::IngestUnit,
     networks::{self, Author, ChangeError},
     store::{
-        AuditAgent, AuditAgentKind, AuditOutcome, AuditSubject, NewAuditEntry, Scope, StoreError,
+        AuditAgent, AuditAgentKind, AuditFact, AuditFactKind, AuditOutcome, AuditSubject,
+        NewAuditEntry, Scope, StoreError,
     },
     tools::{DataRequestMessage, ToolAcknowledgement},
 };
@@ -47,6 +48,7 @@ pub(super) async fn add_request(
                 operation: "addDynamicDataRequest",
                 subject: &AuditSubject::shared(path),
                 outcome: AuditOutcome::of(outcome.is_changed),
+                facts: &[AuditFact::new(AuditFactKind::Revision, outcome.revision)],
             };
             unit.work.audit().add(&entry).await?;
             unit.effects.notifications.extend(outcome.notifications);

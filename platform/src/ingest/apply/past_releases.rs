@@ -10,10 +10,11 @@ use asi_model::{
 };
 use messaging::LogicalAddress;
 
+use super::from_factories::request_path;
 use crate::{
     ingest::{decode::Incoming, unit::IngestUnit},
     live::{FieldUpdate, LiveEvent, Notification},
-    store::{FieldRow, Scope, StoreError, WriterKey},
+    store::{AuditFact, AuditFactKind, FieldRow, Scope, StoreError, WriterKey},
 };
 
 /// Releases of one unit of ingest, applied to the stored reports at its end.
@@ -64,8 +65,15 @@ impl PastReleaseCollector {
             known.extend(&parts);
             new.extend(parts);
         }
+        if new.is_empty() {
+            return Ok(());
+        }
         let release = PastRelease { range_list: new, ..release.clone() };
         unit.work.past_releases().add(&release).await?;
+        let recipient = &release.recipient_id;
+        let path = format!("{}/recipients/{recipient}", request_path(&request));
+        let facts: Vec<AuditFact> = release.range_list.iter().map(reports).collect();
+        unit.record_change(&release.factory_id, "releasePast", path, &facts).await?;
         self.0.push(release);
         Ok(())
     }
@@ -79,6 +87,13 @@ impl PastReleaseCollector {
         }
         Ok(())
     }
+}
+
+/// Returns reports by writer, epoch and sequence numbers.
+fn reports(range: &ReportRange) -> AuditFact {
+    let ReportRange { data_set_writer_id, epoch, first_sequence, last_sequence } = range;
+    let range = format!("{data_set_writer_id}/{epoch}/{first_sequence}-{last_sequence}");
+    AuditFact::new(AuditFactKind::Reports, range)
 }
 
 fn request_of(release: &PastRelease) -> RequestKey {

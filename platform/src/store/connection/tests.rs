@@ -97,6 +97,43 @@ async fn networks_of_before_get_the_owners_and_viewers_that_they_would_have_now(
 }
 
 #[tokio::test]
+async fn names_of_people_who_left_a_former_version_are_known_as_far_as_records_name_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("platform.sqlite");
+    old_store(&path).await;
+    let pool = SqlitePoolOptions::new()
+        .connect_with(SqliteConnectOptions::new().filename(&path))
+        .await
+        .expect("it opens");
+    migrator(43).run(&pool).await.expect("the form before");
+    for statement in [
+        "INSERT INTO audit_entry (recorded_at, agent_kind, agent_name, operation, subject, outcome, opaque_id)
+         VALUES (0, 'USER', 'anna', 'signIn', 'users/anna/session', 'DONE', lower(hex(randomblob(16)))),
+                (0, 'USER', 'first', 'signIn', 'users/first/session', 'DONE', lower(hex(randomblob(16)))),
+                (0, 'TOOL', 'Scheduling', 'addDynamicDataRequest', '', 'DONE', lower(hex(randomblob(16))))",
+        "INSERT INTO comment (operation_network_id, factory_id, author_id, is_from_factory, text, created_at, opaque_id)
+         VALUES ('net', 'F-a', 'bert', 0, '', 0, lower(hex(randomblob(16)))), ('net', 'F-a', 'engineer@F-a', 1, '', 0, lower(hex(randomblob(16))))",
+    ] {
+        sqlx::query(statement).execute(&pool).await.expect("stored");
+    }
+    pool.close().await;
+    let store = Store::open(&path).await.expect("it is brought to the new form");
+    let mut work = store.begin().await.expect("begun");
+    for (name, has_left) in [
+        ("anna", true),
+        ("bert", true),
+        ("first", false),
+        ("Scheduling", false),
+        ("engineer@F-a", false),
+    ] {
+        assert_eq!(work.users().has_left(name).await.expect("asked"), has_left, "{name}");
+    }
+    let entries = work.audit().list_after(&Scope::Platform, 0, 10).await.expect("listed");
+    assert_eq!(entries.len(), 3);
+    assert!(entries.iter().all(|entry| entry.detail.is_empty()), "{entries:?}");
+}
+
+#[tokio::test]
 async fn reads_of_pages_leave_readers_to_sign_in_and_ingest() {
     let folder = tempfile::tempdir().expect("a folder");
     let store = Store::open(&folder.path().join("store.sqlite")).await.expect("it opens");

@@ -18,6 +18,8 @@ pub enum DecisionEffect {
     Ignored,
     /// The decision was stored, about a field that was open before or is not open now.
     Changed,
+    /// The same decision was stored before.
+    Repeated,
     /// The field was opened: values from before do not belong to this consent.
     Opened,
 }
@@ -44,15 +46,21 @@ impl Fields<'_> {
         key: &FieldKey,
         decision: &Decision,
     ) -> Result<DecisionEffect, StoreError> {
-        let sql = "SELECT mapping_state FROM request_field
+        let sql = "SELECT mapping_state, (decided_at IS $7 AND mapping_state = $4 AND reason IS $5 AND disclosure IS $6)
+                       AS is_repeat FROM request_field
                    WHERE operation_network_id = $1 AND dynamic_data_request_id = $2 AND field_name = $3";
         let former = sqlx::query(sql)
             .bind(key.request.operation_network_id.as_str())
             .bind(key.request.dynamic_data_request_id.as_str())
             .bind(key.field_name.as_str())
+            .bind(state_name(decision.mapping_state))
+            .bind(decision.reason.as_deref())
+            .bind(decision.disclosure.as_ref().map(document))
+            .bind(decision.decided_at.ticks())
             .fetch_optional(&mut *self.0)
             .await
             .map_err(StoreError::during("read the state before a decision"))?;
+        let is_repeat = former.as_ref().map(|row| row.unsigned::<u8>("is_repeat")).transpose()?;
         let former: Option<String> =
             former.as_ref().map(|row| row.column("mapping_state")).transpose()?;
         let sql = "DELETE FROM field_value
@@ -89,6 +97,8 @@ impl Fields<'_> {
             .map_err(StoreError::during("store a decision"))?;
         Ok(if result.rows_affected() == 0 {
             DecisionEffect::Ignored
+        } else if is_repeat == Some(1) {
+            DecisionEffect::Repeated
         } else if decision.mapping_state == MappingState::Mapped
             && former.as_deref() != Some(state_name(MappingState::Mapped))
         {
