@@ -17,6 +17,7 @@ const SOURCES: &[&str] = &[
     "flow.rs",
     "stores/given_up.rs",
     "stage/supervised.rs",
+    "stage/broker.rs",
 ];
 
 /// Texts that only join or describe others.
@@ -99,6 +100,14 @@ const FOUND: &[(&str, &str)] = &[
         "the log of platform says that it panicked: thread 'a' panicked at b",
     ),
     ("ended by itself with {status}", "connector-FOR_MUC ended by itself with exit status: 3"),
+    (
+        "the broker's process has ended by itself",
+        "the broker's process has ended by itself, 2 times",
+    ),
+    (
+        "says that scripts lost a worker",
+        "the log of connector-FOR_MUC says that scripts lost a worker: WARN A script worker was lost.",
+    ),
 ];
 
 /// Faults without a mutant, and why there is none.

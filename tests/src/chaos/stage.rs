@@ -1,5 +1,6 @@
 //! The world with everything in it that can go wrong.
 
+mod broker;
 mod supervised;
 
 use std::{
@@ -10,13 +11,14 @@ use std::{
 };
 
 use anyhow::Context as _;
+use broker::BrokerEnds;
+use supervised::FilledDisk;
 use tokio::sync::watch;
 
 use super::{
     clock::Clock,
-    comments,
     control::LostControls,
-    disk::Disk,
+    disk::{self, Disk},
     disturbances::{self, Disturbances},
     interruptions::{Interruptions, interrupts},
     line::{Condition, Line},
@@ -42,8 +44,6 @@ const SET_BACK_MIN_S: i32 = 60;
 const SPOOL_IS_FULL: Duration = Duration::from_secs(20);
 /// Bytes in the small spool up to which it has room for what comes.
 const ROOM: i64 = SMALL_SPOOL / 2;
-/// Time in which a platform that was just started has its broker.
-const BROKER_STARTS: Duration = Duration::from_secs(10);
 
 /// Time before a fault in which many comments are on their way.
 const HURRY: Duration = Duration::from_millis(250);
@@ -74,8 +74,9 @@ pub(super) struct Stage {
     pub kills: u32,
     /// Breaches of what is promised that showed on the way.
     pub faults: Vec<String>,
-    /// Time at which each disk was last full.
-    full_until: BTreeMap<&'static str, Instant>,
+    /// Disks that were full, as of the last time.
+    filled: BTreeMap<&'static str, FilledDisk>,
+    broker_ends: BrokerEnds,
     /// Time at which all programs were last seen to run, in ticks.
     supervised_at: i64,
     /// Time at which the machines were asked to stop, in ticks.
@@ -126,7 +127,8 @@ impl Stage {
             counts: BTreeMap::new(),
             kills: 0,
             faults: Vec::new(),
-            full_until: BTreeMap::new(),
+            filled: BTreeMap::new(),
+            broker_ends: BrokerEnds::default(),
             supervised_at: disturbances::now(),
             machines_stopped: None,
             ended: 0,
@@ -239,7 +241,7 @@ impl Stage {
         match fault {
             Fault::KillConnector(factory) => self.connector(factory)?.restart()?,
             Fault::KillPlatform => self.world.platform.restart()?,
-            Fault::KillBroker => return Ok(self.kill_broker().await),
+            Fault::KillBroker => return self.kill_broker().await,
             Fault::KillMachines(factory) => self.world.factory(factory)?.simulator.restart()?,
             Fault::KillAll => {
                 for daemon in self.world.daemons() {
@@ -320,18 +322,6 @@ impl Stage {
         Ok(is_caused)
     }
 
-    /// Kills the broker alone, as soon as the platform has started it.
-    async fn kill_broker(&self) -> bool {
-        let deadline = Deadline::after(BROKER_STARTS);
-        while self.world.platform.kill_children() == 0 {
-            if deadline.has_passed() {
-                return false;
-            }
-            tokio::time::sleep(Duration::from_millis(20)).await;
-        }
-        true
-    }
-
     /// Keeps a disk full for a while, and on until its program says so. A store that has room in its own files
     /// notices late.
     async fn full_disk(&mut self, whose: &'static str, span: Duration) -> anyhow::Result<bool> {
@@ -343,9 +333,10 @@ impl Stage {
                 factory.and_then(|factory| factory.connector.as_ref()).context("a connector")?
             }
         };
+        let before = disk::complaints(program.log());
         let is_felt = disk.fill_until_felt(program.log(), span).await?;
         disk.free()?;
-        self.full_until.insert(whose, Instant::now());
+        self.filled.insert(whose, FilledDisk { until: Instant::now(), complaints: before });
         Ok(is_felt)
     }
 
@@ -355,26 +346,6 @@ impl Stage {
         let mut reports = stores::unreceipted_reports(folder, MUNICH).await?;
         reports.extend(stores::unreceipted_reports(folder, HAMBURG).await?);
         Ok(reports)
-    }
-
-    async fn broker_store(&mut self, fault: Fault) -> anyhow::Result<()> {
-        let folder = self.world.places.folder.clone();
-        self.world.platform.kill()?;
-        match fault {
-            Fault::DoubleQueued => stores::double_queued(&folder).await?,
-            _ => {
-                let lost = self.unreceipted().await?;
-                self.set_back.extend(lost);
-                self.lost_controls.add(&folder).await?;
-                self.lost_comments.extend(comments::on_the_way(&folder).await?);
-                if fault == Fault::OldBrokerStore {
-                    stores::exchange_broker_store(&folder)?;
-                } else {
-                    stores::remove_broker_store(&folder)?;
-                }
-            }
-        }
-        self.world.platform.restart()
     }
 
     fn connector(&mut self, factory: &str) -> anyhow::Result<&mut Daemon> {
