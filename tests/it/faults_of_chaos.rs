@@ -17,7 +17,7 @@ const SOURCES: &[&str] = &[
     "flow.rs",
     "stores/given_up.rs",
     "stage/supervised.rs",
-    "stage/broker.rs",
+    "broker_ends.rs",
 ];
 
 /// Texts that only join or describe others.

@@ -7,6 +7,7 @@
 //! What was given up is announced, and nothing else is; what the machines counted is in reports. After each round every
 //! writer has to send again.
 
+mod broker_ends;
 mod clock;
 mod comments;
 mod content;

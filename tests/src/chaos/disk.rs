@@ -3,7 +3,7 @@
 use std::{
     path::{Path, PathBuf},
     process::Command,
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use anyhow::Context as _;
@@ -20,6 +20,15 @@ const FELT_WITHIN: Duration = Duration::from_secs(10);
 #[derive(Debug)]
 pub struct Disk {
     folder: PathBuf,
+}
+
+/// Disk that was full, and is free again.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FilledDisk {
+    /// Time at which it was given free.
+    pub until: Instant,
+    /// Number of complaints in its program's log before it was full.
+    pub complaints: usize,
 }
 
 impl Disk {

@@ -11,14 +11,13 @@ use std::{
 };
 
 use anyhow::Context as _;
-use broker::BrokerEnds;
-use supervised::FilledDisk;
 use tokio::sync::watch;
 
 use super::{
+    broker_ends::BrokerEnds,
     clock::Clock,
     control::LostControls,
-    disk::{self, Disk},
+    disk::{self, Disk, FilledDisk},
     disturbances::{self, Disturbances},
     interruptions::{Interruptions, interrupts},
     line::{Condition, Line},

@@ -1,10 +1,6 @@
 //! Programs that end by themselves and are started again, as a supervisor does; how all of them end in the end.
 
-use std::{
-    path::Path,
-    process::ExitStatus,
-    time::{Duration, Instant},
-};
+use std::{path::Path, process::ExitStatus, time::Duration};
 
 use super::Stage;
 use crate::{
@@ -27,15 +23,6 @@ const PANICKED: &str = "panicked at";
 const WORKER_LOST: &str = "A script worker was lost";
 /// Words of such a line where the worker was killed for its silence, as on a machine with too much to do.
 const WORKER_SILENT: &str = "did not answer in time";
-
-/// Disk that was full, and is free again.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct FilledDisk {
-    /// Time at which it was given free.
-    pub until: Instant,
-    /// Number of complaints in its program's log before it was full.
-    pub complaints: usize,
-}
 
 impl Stage {
     /// Starts what has ended by itself. A program may give up where its disk is full, and a while after, where it says
