@@ -157,6 +157,17 @@ impl Mosquitto {
         self.child = spawn(self.folder.path());
         self.ready().await;
     }
+
+    /// Kills it, as a crash does, and starts it again.
+    ///
+    /// # Panics
+    /// Panics when it does not run or does not start again.
+    pub async fn kill_and_restart(&mut self) {
+        self.child.kill().expect("it runs");
+        self.child.wait().expect("reaped");
+        self.child = spawn(self.folder.path());
+        self.ready().await;
+    }
 }
 
 impl Drop for Mosquitto {
