@@ -182,6 +182,7 @@ impl Stage {
             ("outage", true),
             ("cut", true),
             ("restart broker", is_external),
+            ("crash broker", is_external),
             ("kill broker", !is_external),
             ("broker store lost", !is_external),
         ];
@@ -223,12 +224,13 @@ impl Stage {
         Ok(is_caused)
     }
 
-    /// Notes what RabbitMQ may deliver out of order: it puts what one consumer gives back behind what another gave back
-    /// before, so that two ends of the platform's link in a row turn the order round.
+    /// Notes what a broker of another make may deliver out of order. RabbitMQ puts what one consumer gives back behind
+    /// what another gave back before, so that two ends of the platform's link in a row turn the order round. Mosquitto
+    /// loses by a crash what it has just accepted: of that, receipts bring reports again.
     async fn note_returned(&mut self, fault: Fault) -> anyhow::Result<()> {
-        let turns_round =
-            self.world.external.as_ref().is_some_and(ExternalBroker::turns_returned_round);
-        if turns_round && fault.ends_the_platforms_link() {
+        let Some(broker) = &self.world.external else { return Ok(()) };
+        let turns_round = broker.turns_returned_round() && fault.ends_the_platforms_link();
+        if turns_round || (broker.loses_by_a_crash() && fault == Fault::CrashBroker) {
             let returned = self.unreceipted().await?;
             self.set_back.extend(returned);
         }
@@ -264,6 +266,10 @@ impl Stage {
             Fault::RestartBroker => {
                 let Some(broker) = &mut self.world.external else { return Ok(false) };
                 broker.restart().await;
+            }
+            Fault::CrashBroker => {
+                let Some(broker) = &mut self.world.external else { return Ok(false) };
+                broker.crash().await;
             }
             Fault::ConnectorClock(who, offset) => return self.jump(who, offset),
             Fault::PlatformClock(offset) => return self.jump(PLATFORM, offset),

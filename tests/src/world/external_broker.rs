@@ -78,7 +78,8 @@ impl ExternalBroker {
                 Process::RabbitMq(RabbitMq::start(&definitions).await)
             }
             BrokerKind::Mosquitto => {
-                Process::Mosquitto(Mosquitto::start(&plan, Saving::AtTheEnd).await)
+                // As `platform definitions mosquitto` says.
+                Process::Mosquitto(Mosquitto::start(&plan, Saving::Always).await)
             }
         };
         Some(Self { process, plan })
@@ -99,8 +100,21 @@ impl ExternalBroker {
         SocketAddr::from((Ipv4Addr::LOCALHOST, port))
     }
 
-    /// Ends and starts again. RabbitMQ is killed: what it confirmed is on its disk. Mosquitto writes its store at an
-    /// orderly end alone, so that one is asked to end.
+    /// True where it accepts messages that are on no disk yet, and that a crash loses.
+    #[must_use]
+    pub const fn loses_by_a_crash(&self) -> bool {
+        matches!(self.process, Process::Mosquitto(_))
+    }
+
+    /// Kills it, as a crash does, and starts it again.
+    pub async fn crash(&mut self) {
+        match &mut self.process {
+            Process::RabbitMq(broker) => broker.kill_and_restart().await,
+            Process::Mosquitto(broker) => broker.kill_and_restart().await,
+        }
+    }
+
+    /// Ends and starts again. RabbitMQ is killed here, too: what it confirmed is on its disk.
     pub async fn restart(&mut self) {
         match &mut self.process {
             Process::RabbitMq(broker) => broker.kill_and_restart().await,
