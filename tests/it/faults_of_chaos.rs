@@ -11,6 +11,7 @@ use std::{
 const SOURCES: &[&str] = &[
     "findings.rs",
     "counted.rs",
+    "kinds.rs",
     "comments.rs",
     "control.rs",
     "content.rs",
@@ -82,6 +83,22 @@ const FOUND: &[(&str, &str)] = &[
     (
         "{name} left as {field:?}, is held as",
         "measured left as FieldContent { value: 1, status: \"Bad\" }, is held as FieldContent { value: 1, status: \"Good\" }",
+    ),
+    (
+        "left with the name {left:?}, is held as",
+        "ReportKey { sequence: 4 }: left with the name \"Chaos\", is held as \"Chaos \"",
+    ),
+    (
+        "left to the readers {left:?}, is held for",
+        "ReportKey { sequence: 4 }: left to the readers {\"acme-aero\"}, is held for {}",
+    ),
+    (
+        "left with the units {left:?}, its request has",
+        "ReportKey { sequence: 4 }: left with the units {\"made\": \"piece\"}, its request has {\"made\": \"PIECE\"}",
+    ),
+    (
+        "values are none that its mapping makes",
+        "ReqChaos-FOR_MUC-1, scripted: 90 values are none that its mapping makes, as 1.5",
     ),
     ("no reports of {factory} to", "no reports of FOR_MUC to [\"ReqChaos-FOR_MUC-1\"] for 120s"),
     ("announced as given up, and was not", "announced as given up, and was not: ReportKey {}"),

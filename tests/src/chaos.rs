@@ -19,6 +19,7 @@ mod disturbances;
 mod findings;
 mod flow;
 mod interruptions;
+mod kinds;
 mod line;
 mod observed;
 mod plan;

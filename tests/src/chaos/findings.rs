@@ -6,7 +6,7 @@ use anyhow::Context as _;
 
 use super::{
     control::{self, Taken},
-    counted,
+    counted, kinds,
     stage::Stage,
     stores::{self, ReportKey, given_up},
 };
@@ -36,6 +36,7 @@ impl Findings {
         let left = stores::left(&stage.world.places.folder, factory).await?;
         let end = stage.machines_stopped.context("the machines were stopped")?;
         self.faults.extend(counted::faults(factory, &left, &stage.disturbed, end));
+        self.faults.extend(kinds::faults(factory, &left));
         Ok(())
     }
 }
@@ -164,12 +165,7 @@ mod tests {
 
     #[test]
     fn disorder_is_seen_per_lane_unless_the_broker_lost_it() {
-        let content = Content {
-            request: "r".to_owned(),
-            report_time: None,
-            shopfloor_time: None,
-            fields: BTreeMap::new(),
-        };
+        let content = Content { request: "r".to_owned(), ..Content::default() };
         let came =
             |sequence, is_replay| (key(sequence), Arrived { is_replay, content: content.clone() });
         let arrived =

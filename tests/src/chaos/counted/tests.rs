@@ -36,6 +36,7 @@ fn all() -> All {
                 report_time: Some(time),
                 shopfloor_time: Some(time),
                 fields: fields.into(),
+                ..Content::default()
             };
             let key = ReportKey { factory: MUNICH.to_owned(), writer, epoch: 1, sequence };
             let left = Left { id: sequence, state: "DONE".to_owned(), recipients: 1, content };
