@@ -49,6 +49,10 @@ const FOUND: &[(&str, &str)] = &[
         "counts of undisturbed times are in no report",
         "9 of 20 counts of undisturbed times are in no report",
     ),
+    (
+        "are lost by one disturbance",
+        "ReqChaos-FOR_MUC-1, counted: 99 counts after 40 are lost by one disturbance",
+    ),
     ("counts have another time than their own", "9 of 20 counts have another time than their own"),
     ("the state of the script goes back", "the state of the script goes back from 9 to 4"),
     ("it is good after the machines stopped", "it is good after the machines stopped"),
@@ -141,14 +145,14 @@ const WITHOUT_MUTANT: &[(&str, &str)] = &[
         "it {what}, by {} s",
         "the first and last seconds of what another fault finds in between: counts in no report",
     ),
-    (
-        "are lost by one disturbance",
-        "a bound of what the judge excuses, with a unit test beside it",
-    ),
     ("no report has a value", "the run stops before, as no writer sends: no reports of a factory"),
     (
         "counts of undisturbed times were judged",
         "it says that a run proves nothing, and not that a promise is broken",
+    ),
+    (
+        "counts of undisturbed times only {judged} could be judged",
+        "it says that a run proves less than it had the time for, with a unit test beside it",
     ),
     (
         "was never decided, the platform has",
