@@ -24,6 +24,7 @@ mod line;
 mod observed;
 mod plan;
 mod rolled_back;
+mod set_back;
 mod stage;
 mod stores;
 
@@ -286,7 +287,10 @@ async fn judge(stage: &Stage, said: &[Comment], taken: Option<Taken>) -> anyhow:
     if letters > 0 {
         findings.faults.push(format!("{letters} messages could not be used"));
     }
-    let Findings { left, arrived, given_up, replayed, faults } = findings;
+    let Findings { left, arrived, given_up, replayed, mut faults } = findings;
+    let (share, fault) = set_back::share(stage.set_back.len(), left);
+    // What a broker of another make had when it ended is not known.
+    faults.extend(fault.filter(|_| stage.world.external.is_none()));
     if !faults.is_empty() {
         return Err(breach(&faults));
     }
@@ -294,7 +298,7 @@ async fn judge(stage: &Stage, said: &[Comment], taken: Option<Taken>) -> anyhow:
     let controls = taken.as_ref().map_or(Ok(String::new()), Taken::said)?;
     Ok(format!(
         "{left} reports left, {arrived} arrived ({replayed} of them replayed), {given_up} were given up, {repeats} repeats discarded, \
-         {} set back by a broker; {} comments taken, {} of them on their way to a broker that lost its store{controls}",
+         {} set back by a broker ({share}); {} comments taken, {} of them on their way to a broker that lost its store{controls}",
         stage.set_back.len(),
         said.len(),
         stage.lost_comments.len()

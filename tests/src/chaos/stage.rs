@@ -350,7 +350,7 @@ impl Stage {
         let folder = &self.world.places.folder;
         let mut reports = stores::unreceipted_reports(folder, MUNICH).await?;
         reports.extend(stores::unreceipted_reports(folder, HAMBURG).await?);
-        Ok(reports)
+        Ok(reports.into_iter().map(|(key, _)| key).collect())
     }
 
     fn connector(&mut self, factory: &str) -> anyhow::Result<&mut Daemon> {

@@ -71,25 +71,36 @@ fn platform_store(folder: &Path) -> PathBuf {
     folder.join("platform/platform.sqlite")
 }
 
-/// Returns the reports that the platform has not receipted. The broker may have accepted some of
-/// those that still wait: its answer is stored a moment later.
+/// State of a report without a receipt, as its connector knows it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ReportState {
+    /// The broker has not accepted it, or its answer is not stored yet.
+    Waiting,
+    Sent,
+}
+
+/// Returns the reports that the platform has not receipted.
 pub(super) async fn unreceipted_reports(
     folder: &Path,
     factory: &str,
-) -> anyhow::Result<Vec<ReportKey>> {
+) -> anyhow::Result<Vec<(ReportKey, ReportState)>> {
     let mut store = open(&connector_store(folder, factory)).await?;
     let rows = sqlx::query(
-        "SELECT writer_id, epoch, sequence FROM report WHERE state IN ('SENT', 'WAITING')",
+        "SELECT writer_id, epoch, sequence, state FROM report WHERE state IN ('SENT', 'WAITING')",
     )
     .fetch_all(&mut store)
     .await?;
     Ok(rows
         .iter()
-        .map(|row| ReportKey {
-            factory: factory.to_owned(),
-            writer: row.get("writer_id"),
-            epoch: row.get("epoch"),
-            sequence: row.get("sequence"),
+        .map(|row| {
+            let key = ReportKey {
+                factory: factory.to_owned(),
+                writer: row.get("writer_id"),
+                epoch: row.get("epoch"),
+                sequence: row.get("sequence"),
+            };
+            let is_sent = row.get::<&str, _>("state") == "SENT";
+            (key, if is_sent { ReportState::Sent } else { ReportState::Waiting })
         })
         .collect())
 }

@@ -7,7 +7,7 @@ use crate::{
     chaos::{
         comments,
         plan::{Fault, PLATFORM},
-        stores,
+        set_back, stores,
     },
     harness::Deadline,
 };
@@ -59,7 +59,7 @@ impl Stage {
         match fault {
             Fault::DoubleQueued => stores::double_queued(&folder).await?,
             _ => {
-                let lost = self.unreceipted().await?;
+                let lost = set_back::with_the_store(&folder).await?;
                 self.set_back.extend(lost);
                 self.lost_controls.add(&folder).await?;
                 self.lost_comments.extend(comments::on_the_way(&folder).await?);
