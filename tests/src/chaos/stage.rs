@@ -161,12 +161,17 @@ impl Stage {
 
     /// Returns what has to be done so that disks can be full.
     pub fn lacking_disks(&self) -> Option<&'static str> {
-        (self.disks.len() < 3).then_some("run as root, which mounts the disks that will be full")
+        (self.disks.len() < 3).then_some(
+            "disks that will be full are mounted: run as root, or in namespaces of your own with \
+             `unshare --map-root-user --map-auto --mount`",
+        )
     }
 
     /// Returns what has to be done so that clocks can jump.
     pub fn lacking_clocks(&self) -> Option<&'static str> {
-        (self.clocks.len() < 3).then_some("install libfaketime, by which clocks jump")
+        (self.clocks.len() < 3).then_some(
+            "clocks jump by libfaketime: install it, as tools/prerequisites.sh test does",
+        )
     }
 
     /// Returns the kinds of faults that every run has to have, that this machine can cause, and that did not strike.
