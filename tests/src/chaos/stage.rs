@@ -57,6 +57,8 @@ pub(super) struct Stage {
     /// Reports that the broker may have had when it lost its store, or RabbitMQ when the platform's link ended: they
     /// arrive later, out of their order.
     pub set_back: BTreeSet<stores::ReportKey>,
+    /// Reports of a connector's store that an older one has replaced.
+    pub former: BTreeMap<stores::ReportKey, stores::Left>,
     /// Decisions and receipts that the broker may have had when it lost its store.
     pub lost_controls: LostControls,
     /// Times in which connectors may miss values.
@@ -118,6 +120,7 @@ impl Stage {
             disks,
             clocks: BTreeMap::new(),
             set_back: BTreeSet::new(),
+            former: BTreeMap::new(),
             lost_controls: LostControls::default(),
             disturbed: Disturbances::default(),
             interruptions: Interruptions::default(),
