@@ -65,7 +65,9 @@ impl Mosquitto {
             });
         fs::write(path("acl"), mosquitto_acl(plan)).expect("written");
         fs::write(path("passwords"), "").expect("written");
-        let accounts = plan.factories.iter().map(|(_, account)| account).chain([&plan.platform]);
+        let tools = plan.tools.iter().map(|(_, account)| account);
+        let accounts = plan.factories.iter().map(|(_, account)| account);
+        let accounts = accounts.chain(tools).chain([&plan.platform]);
         for account in accounts {
             change_passwords(&["-b", &path("passwords"), &account.user_name, &account.password]);
         }

@@ -6,6 +6,7 @@ pub(super) mod browser;
 mod crash;
 pub mod latency;
 mod opcua;
+mod tool;
 
 use super::{Cast, play};
 use crate::{
@@ -88,7 +89,8 @@ async fn seen_from_outside(world: &World, cast: &Cast, steps: &mut Steps) -> any
         .await?;
     steps.run("asyncua may not write another field", opcua::write_mapped(world)).await?;
     if world.external.is_some() {
-        return Ok(());
+        let asking = tool::asks_and_reads(world, cast);
+        return steps.run("a tool asks and reads over the broker of another make", asking).await;
     }
     steps
         .run("rubbish over AMQP is answered and changes nothing", amqp::rubbish(world, cast))
