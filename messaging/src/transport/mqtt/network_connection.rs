@@ -18,7 +18,7 @@ use futures::{
 use parking_lot::Mutex;
 use pings::Pings;
 use rumqttc::v5::mqttbytes::v5::{
-    ConnAckProperties, DisconnectReasonCode, Packet, PingReq, PubAck, PubAckReason, Publish,
+    ConnAckProperties, DisconnectReasonCode, Packet, PubAck, PubAckReason, Publish,
     SubscribeReasonCode, Unsubscribe,
 };
 use tokio::{
@@ -217,10 +217,8 @@ impl NetworkConnection {
 
     /// Waits until the broker has answered a ping that is written from now on. False where the connection is lost before.
     pub(super) async fn answers(&self) -> bool {
-        let number = self.pings.next();
-        let is_sent = self.packets.send(Packet::PingReq(PingReq)).await.is_ok();
-        is_sent && tokio::select! {
-            () = self.pings.is_answered(number) => true,
+        tokio::select! {
+            () = self.pings.ask(&self.packets) => true,
             _ = self.lost() => false,
         }
     }

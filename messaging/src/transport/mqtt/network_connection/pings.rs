@@ -2,7 +2,8 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use tokio::sync::watch;
+use rumqttc::v5::mqttbytes::v5::{Packet, PingReq};
+use tokio::sync::{mpsc, watch};
 
 /// Numbers of the pings of one connection.
 #[derive(Debug, Default)]
@@ -12,11 +13,6 @@ pub(super) struct Pings {
 }
 
 impl Pings {
-    /// Returns the number that the next ping has.
-    pub(super) fn next(&self) -> u64 {
-        self.written.load(Ordering::SeqCst) + 1
-    }
-
     /// Notes that one is about to be written.
     pub(super) fn writes(&self) {
         self.written.fetch_add(1, Ordering::SeqCst);
@@ -27,8 +23,13 @@ impl Pings {
         self.answered.send_modify(|count| *count += 1);
     }
 
-    /// Waits until the ping with a number is answered.
-    pub(super) async fn is_answered(&self, number: u64) {
+    /// Has a ping written, and waits until one that is written from now on is answered: for ever where the connection is
+    /// lost.
+    pub(super) async fn ask(&self, packets: &mpsc::Sender<Packet>) {
+        let number = self.written.load(Ordering::SeqCst) + 1;
+        if packets.send(Packet::PingReq(PingReq)).await.is_err() {
+            return std::future::pending().await;
+        }
         // Its sender is this one's own, so that it never ends before.
         let _ = self.answered.subscribe().wait_for(|count| *count >= number).await;
     }
