@@ -22,6 +22,9 @@ use crate::{
     store::{ControlMessage, Message, Readers, ReportMessage},
 };
 
+/// Subject of messages of reports and of keep-alives.
+const DATA: &str = "ua-data";
+
 /// The spool as the source of the link's messages.
 pub struct ConnectorSpool {
     factory_id: FactoryId,
@@ -86,7 +89,7 @@ impl ConnectorSpool {
                     ..NetworkMessageHeader::default()
                 };
                 let body = header.wrap(reports.iter().map(|(_, report)| report));
-                let mut envelope = Envelope::new(message_id, "ua-data", body);
+                let mut envelope = Envelope::new(message_id, DATA, body);
                 envelope.creation_time = creation_time;
                 SpoolRow { id: RowId(id), address, envelope, attempts }
             }
@@ -143,7 +146,7 @@ impl SpoolStore for ConnectorSpool {
             rows.extend(self.keep_alives.fetch(fetch).into_iter().map(|message| SpoolRow {
                 id: RowId(message.row),
                 address: LogicalAddress::FactoryIngress(self.factory_id.clone()),
-                envelope: Envelope::new(message.message_id, "ua-data", message.body.into_bytes()),
+                envelope: Envelope::new(message.message_id, DATA, message.body.into_bytes()),
                 attempts: 0,
             }));
             // Both are numbered by one sequence: a keep-alive must not overtake what was said
@@ -179,6 +182,11 @@ impl SpoolStore for ConnectorSpool {
         let message_id = row.envelope.message_id.as_ref();
         has_lease
             && message_id.is_none_or(|message_id| self.in_flight.may_leave(row.id.0, message_id))
+    }
+
+    /// True for reports, and for keep-alives, which are sent once.
+    fn is_receipted(&self, row: &SpoolRow) -> bool {
+        row.envelope.subject == DATA
     }
 
     /// Signs all that leaves: reports, control messages, keep-alives and requests for the lease. At

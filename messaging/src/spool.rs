@@ -74,6 +74,12 @@ pub trait SpoolStore: Send + Sync + 'static {
         true
     }
 
+    /// Returns whether the receiver of a row sends a receipt for it. What has none counts as sent only when its broker
+    /// has had the time to store it, where a broker accepts messages before that.
+    fn is_receipted(&self, _row: &SpoolRow) -> bool {
+        false
+    }
+
     /// Signs a message right before it is written to the wire, after [`Self::may_leave`]; messages
     /// that are not in the spool, too. A store that signs none says so by doing nothing.
     fn sign(&self, envelope: &mut Envelope);

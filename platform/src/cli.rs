@@ -133,7 +133,10 @@ pub fn run(arguments: Arguments) -> ExitCode {
         Command::Broker { supervised: true } => run_supervised(),
         Command::Config(ConfigCommand::Check) => {
             load(arguments.config.as_deref()).and_then(|config| {
-                config.untested_broker().map_or(Ok(()), |note| print(&note))?;
+                let notes = config.untested_broker().into_iter().chain(config.dropping_broker());
+                for note in notes {
+                    print(&note)?;
+                }
                 print("The configuration is valid.")
             })
         }

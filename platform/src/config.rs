@@ -330,6 +330,18 @@ impl PlatformConfig {
         })
     }
 
+    /// Returns what to say of a broker that may drop messages.
+    #[must_use]
+    pub fn dropping_broker(&self) -> Option<String> {
+        let external = self.broker.external.as_ref()?;
+        external.urls.iter().any(BrokerUrl::is_mqtt).then(|| {
+            "broker.external.urls: an MQTT broker drops messages beyond its bound of queued bytes without a word. Reports are \
+             asked for again; decisions, revocations and comments are not. Give it room for the longest outage, and let it \
+             store each change at once, as `platform definitions mosquitto` says."
+                .to_owned()
+        })
+    }
+
     /// Time between receipts.
     #[must_use]
     pub const fn receipt_interval(&self) -> Duration {

@@ -1,13 +1,27 @@
 //! The frame order from end to end, with the real programs and other people's clients.
 
+use verbund_tests::{demo, world::BrokerKind};
+
 #[tokio::test(flavor = "multi_thread")]
 async fn the_whole_story_holds() {
     rustls::crypto::ring::default_provider().install_default().ok();
-    verbund_tests::demo::check(false).await.unwrap();
+    demo::check(false).await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_story_holds_with_rabbitmq_and_its_crash() {
+    rustls::crypto::ring::default_provider().install_default().ok();
+    demo::check_with(BrokerKind::RabbitMq, false).await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_story_holds_with_mosquitto_and_its_crash() {
+    rustls::crypto::ring::default_provider().install_default().ok();
+    demo::check_with(BrokerKind::Mosquitto, false).await.unwrap();
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_newcomer_maps_the_first_field_in_few_clicks() {
     rustls::crypto::ring::default_provider().install_default().ok();
-    verbund_tests::demo::newcomer(false).await.unwrap();
+    demo::newcomer(false).await.unwrap();
 }

@@ -11,12 +11,15 @@ use std::{
 const SOURCES: &[&str] = &[
     "findings.rs",
     "counted.rs",
+    "kinds.rs",
+    "set_back.rs",
     "comments.rs",
     "control.rs",
     "content.rs",
     "flow.rs",
     "stores/given_up.rs",
     "stage/supervised.rs",
+    "broker_ends.rs",
 ];
 
 /// Texts that only join or describe others.
@@ -29,6 +32,7 @@ const OTHER_TEXTS: &[&str] = &[
     "Refusal {refused}",
     "As of change {number}",
     "{name} of {entry}",
+    "{part} %",
 ];
 
 /// Faults that a mutant brings: words of the source, and how a run may say it.
@@ -46,6 +50,10 @@ const FOUND: &[(&str, &str)] = &[
     (
         "counts of undisturbed times are in no report",
         "9 of 20 counts of undisturbed times are in no report",
+    ),
+    (
+        "are lost by one disturbance",
+        "ReqChaos-FOR_MUC-1, counted: 99 counts after 40 are lost by one disturbance",
     ),
     ("counts have another time than their own", "9 of 20 counts have another time than their own"),
     ("the state of the script goes back", "the state of the script goes back from 9 to 4"),
@@ -82,6 +90,22 @@ const FOUND: &[(&str, &str)] = &[
         "{name} left as {field:?}, is held as",
         "measured left as FieldContent { value: 1, status: \"Bad\" }, is held as FieldContent { value: 1, status: \"Good\" }",
     ),
+    (
+        "left with the name {left:?}, is held as",
+        "ReportKey { sequence: 4 }: left with the name \"Chaos\", is held as \"Chaos \"",
+    ),
+    (
+        "left to the readers {left:?}, is held for",
+        "ReportKey { sequence: 4 }: left to the readers {\"acme-aero\"}, is held for {}",
+    ),
+    (
+        "left with the units {left:?}, its request has",
+        "ReportKey { sequence: 4 }: left with the units {\"made\": \"piece\"}, its request has {\"made\": \"PIECE\"}",
+    ),
+    (
+        "values are none that its mapping makes",
+        "ReqChaos-FOR_MUC-1, scripted: 90 values are none that its mapping makes, as 1.5",
+    ),
     ("no reports of {factory} to", "no reports of FOR_MUC to [\"ReqChaos-FOR_MUC-1\"] for 120s"),
     ("announced as given up, and was not", "announced as given up, and was not: ReportKey {}"),
     (
@@ -99,6 +123,14 @@ const FOUND: &[(&str, &str)] = &[
         "the log of platform says that it panicked: thread 'a' panicked at b",
     ),
     ("ended by itself with {status}", "connector-FOR_MUC ended by itself with exit status: 3"),
+    (
+        "the broker's process has ended by itself",
+        "the broker's process has ended by itself, 2 times",
+    ),
+    (
+        "says that scripts lost a worker",
+        "the log of connector-FOR_MUC says that scripts lost a worker: WARN A script worker was lost.",
+    ),
 ];
 
 /// Faults without a mutant, and why there is none.
@@ -115,14 +147,22 @@ const WITHOUT_MUTANT: &[(&str, &str)] = &[
         "it {what}, by {} s",
         "the first and last seconds of what another fault finds in between: counts in no report",
     ),
-    (
-        "are lost by one disturbance",
-        "a bound of what the judge excuses, with a unit test beside it",
-    ),
     ("no report has a value", "the run stops before, as no writer sends: no reports of a factory"),
     (
         "counts of undisturbed times were judged",
         "it says that a run proves nothing, and not that a promise is broken",
+    ),
+    (
+        "an older store has given a number again",
+        "a store is replaced in a test of its own, with a unit test of the judge beside it",
+    ),
+    (
+        "reports are excused from their order",
+        "it says that a run proves less than it could, with a unit test beside it",
+    ),
+    (
+        "counts of undisturbed times only {judged} could be judged",
+        "it says that a run proves less than it had the time for, with a unit test beside it",
     ),
     (
         "was never decided, the platform has",

@@ -7,6 +7,7 @@
 //! What was given up is announced, and nothing else is; what the machines counted is in reports. After each round every
 //! writer has to send again.
 
+mod broker_ends;
 mod clock;
 mod comments;
 mod content;
@@ -18,10 +19,12 @@ mod disturbances;
 mod findings;
 mod flow;
 mod interruptions;
+mod kinds;
 mod line;
 mod observed;
 mod plan;
 mod rolled_back;
+mod set_back;
 mod stage;
 mod stores;
 
@@ -284,15 +287,19 @@ async fn judge(stage: &Stage, said: &[Comment], taken: Option<Taken>) -> anyhow:
     if letters > 0 {
         findings.faults.push(format!("{letters} messages could not be used"));
     }
-    let Findings { left, arrived, given_up, replayed, faults } = findings;
+    let Findings { left, arrived, given_up, replayed, mut faults } = findings;
+    let (share, fault) = set_back::share(stage.set_back.len(), left);
+    // What a broker of another make had when it ended is not known.
+    faults.extend(fault.filter(|_| stage.world.external.is_none()));
     if !faults.is_empty() {
         return Err(breach(&faults));
     }
-    anyhow::ensure!(left > 0 && !said.is_empty(), "nothing left at all");
+    let is_silent = said.is_empty() && taken.is_some();
+    anyhow::ensure!(left > 0 && !is_silent, "nothing left at all");
     let controls = taken.as_ref().map_or(Ok(String::new()), Taken::said)?;
     Ok(format!(
         "{left} reports left, {arrived} arrived ({replayed} of them replayed), {given_up} were given up, {repeats} repeats discarded, \
-         {} set back by a broker; {} comments taken, {} of them on their way to a broker that lost its store{controls}",
+         {} set back by a broker ({share}); {} comments taken, {} of them on their way to a broker that lost its store{controls}",
         stage.set_back.len(),
         said.len(),
         stage.lost_comments.len()

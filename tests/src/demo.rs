@@ -4,7 +4,7 @@ mod check;
 mod newcomer;
 mod run;
 
-pub use check::{check, latency, screenshots};
+pub use check::{check, check_with, latency, screenshots};
 pub use newcomer::newcomer;
 pub use run::run;
 

@@ -12,7 +12,7 @@ use std::{path::Path, time::Duration};
 
 pub use accounts::{ADMIN, ENGINEER, OBSERVER, OBSERVER_PASSWORD, PASSWORD};
 use anyhow::Context as _;
-pub use external_broker::{BrokerKind, ExternalBroker};
+pub use external_broker::{BrokerKind, ExternalBroker, TOOL};
 pub use places::{FactoryPlaces, Places};
 
 use crate::{

@@ -9,8 +9,8 @@ use crate::profile::BrokerProfile;
 /// Lines of `mosquitto.conf` that bound what waits for a client.
 ///
 /// Mosquitto bounds each client, over all of its topics, by `max_queued_bytes`, and drops further
-/// messages without a word to their publisher: the receipts make good for them once there is room
-/// again. The bound is one for all clients, so it is that of the client with most topics, the
+/// messages without a word to their publisher. The receipts make good for reports once there is room
+/// again, and for nothing else. The bound is one for all clients, so it is that of the client with most topics, the
 /// platform. The number of messages is not bounded, whose default of 1000 would be reached within
 /// minutes.
 #[must_use]
@@ -23,8 +23,9 @@ pub fn mosquitto_queue_limits(plan: &BrokerPlan) -> String {
 /// The access control list: each user reads and writes its own topics, and nothing else. Its first
 /// lines are comments with what belongs into `mosquitto.conf`.
 ///
-/// Mosquitto stores its queue only now and then, all of it each time, and the receipts make good for
-/// what a crash still loses. Its file shrinks with the first storing after messages were consumed or
+/// Mosquitto stores its queue after it has acknowledged messages, all of it each time. The receipts make
+/// good for reports that a crash loses in between, and a link counts all other messages as sent only when
+/// Mosquitto has had the time to store them. Its file shrinks with the first storing after messages were consumed or
 /// have expired.
 #[must_use]
 pub fn mosquitto_acl(plan: &BrokerPlan) -> String {

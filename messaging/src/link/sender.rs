@@ -5,6 +5,7 @@ mod address_sender;
 mod addresses;
 mod pauses;
 mod recorder;
+mod unsaved;
 
 use std::{collections::HashSet, sync::Arc, time::Duration};
 
@@ -32,12 +33,15 @@ use crate::{
     transport::{BrokerOutcome, Connection, EndpointFault},
 };
 use address_sender::SenderEvent;
-use addresses::Addresses;
+use addresses::{Addresses, Settled};
 use pauses::Pauses;
 use recorder::Recording;
+use unsaved::Unsaved;
 
 /// Events of sender tasks handled at once. Between two groups the window is filled again.
 const EVENTS_MAX: usize = 256;
+/// Windows of messages that a broker has accepted and may not have stored, beside those that are in flight.
+const UNSAVED_WINDOWS_MAX: usize = 20;
 /// Interval at which the backlog is counted while it changes.
 const TICK: Duration = Duration::from_secs(1);
 /// Interval at which the spool is read though nothing woke the link: a missed wake must not lose a
@@ -59,6 +63,7 @@ pub(super) struct Sender {
     addresses: Addresses,
     events: mpsc::Receiver<SenderEvent>,
     recording: Recording,
+    unsaved: Unsaved,
     is_backlog_stale: bool,
     pauses: Pauses,
     last_volatile: RowId,
@@ -73,6 +78,7 @@ impl Sender {
         limits: LinkLimits,
         stalls: mpsc::Sender<String>,
     ) -> Self {
+        let unsaved = Unsaved::new(Arc::clone(&connection));
         let (addresses, events) = Addresses::new(connection, Arc::clone(&store), profile, &limits);
         let recording = Recording::start(Arc::clone(&store), Arc::clone(&context));
         Self {
@@ -84,6 +90,7 @@ impl Sender {
             addresses,
             events,
             recording,
+            unsaved,
             is_backlog_stale: true,
             pauses: Pauses::default(),
             last_volatile: VOLATILE_FROM,
@@ -111,6 +118,9 @@ impl Sender {
                 Some(ids) = self.recording.recorded() => {
                     self.is_backlog_stale = true;
                     ids.into_iter().for_each(|id| self.cursor.close(id));
+                }
+                stored = self.unsaved.stored() => {
+                    stored.into_iter().for_each(|outcome| self.recording.put(outcome));
                 }
                 () = self.context.wake.notified() => {
                     self.is_backlog_stale = true;
@@ -189,8 +199,9 @@ impl Sender {
         }
         let window = self.addresses.window();
         // Twice the window: outcomes that are being recorded must not keep the next rows from
-        // leaving.
-        while self.addresses.in_flight() < window && self.cursor.open() < window * 2 {
+        // leaving. Nor must messages that are being stored.
+        let unsaved = self.unsaved.count().min(window * UNSAVED_WINDOWS_MAX);
+        while self.addresses.in_flight() < window && self.cursor.open() < window * 2 + unsaved {
             if let Some((fetch, target)) = self.cursor.next_fetch() {
                 match self.store.fetch(fetch).await {
                     Ok(rows) => {
@@ -224,7 +235,7 @@ impl Sender {
         match event {
             SenderEvent::Outcome { id, outcome } => self.on_outcome(id, outcome),
             SenderEvent::Recalled { id, is_first } => {
-                if let Some((address, _)) = self.settle(id)
+                if let Some(Settled { address, .. }) = self.settle(id)
                     && is_first
                 {
                     self.addresses.send_on(&address);
@@ -244,12 +255,18 @@ impl Sender {
     }
 
     fn on_outcome(&mut self, id: RowId, outcome: BrokerOutcome) {
-        let Some((address, attempts)) = self.settle(id) else { return };
+        let Some(settled) = self.settle(id) else { return };
+        let Settled { address, attempts, is_receipted, .. } = settled;
         match outcome {
             BrokerOutcome::Accepted => {
                 count_sent("accepted");
                 let at = clock::now();
-                self.record(id, SendOutcome::Accepted);
+                // A receipt says better than any broker what is stored.
+                if is_receipted || is_volatile(id) || !self.unsaved.is_needed {
+                    self.record(id, SendOutcome::Accepted);
+                } else {
+                    self.unsaved.put(RowOutcome { id, outcome: SendOutcome::Accepted, at });
+                }
                 self.context.accepted(at);
                 self.on_address_works(&address);
             }
@@ -297,13 +314,13 @@ impl Sender {
         }
     }
 
-    /// Takes a row out of flight. Returns its address and the number of earlier rejections.
-    fn settle(&mut self, id: RowId) -> Option<(LogicalAddress, u32)> {
+    /// Takes a row out of flight.
+    fn settle(&mut self, id: RowId) -> Option<Settled> {
         let settled = self.addresses.settle(id)?;
         if settled.needs_rewind {
             self.cursor.on_rewind();
         }
-        Some((settled.address, settled.attempts))
+        Some(settled)
     }
 
     fn on_address_works(&mut self, address: &LogicalAddress) {

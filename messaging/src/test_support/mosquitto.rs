@@ -65,7 +65,9 @@ impl Mosquitto {
             });
         fs::write(path("acl"), mosquitto_acl(plan)).expect("written");
         fs::write(path("passwords"), "").expect("written");
-        let accounts = plan.factories.iter().map(|(_, account)| account).chain([&plan.platform]);
+        let tools = plan.tools.iter().map(|(_, account)| account);
+        let accounts = plan.factories.iter().map(|(_, account)| account);
+        let accounts = accounts.chain(tools).chain([&plan.platform]);
         for account in accounts {
             change_passwords(&["-b", &path("passwords"), &account.user_name, &account.password]);
         }
@@ -153,6 +155,17 @@ impl Mosquitto {
     /// Panics when it does not stop or start again.
     pub async fn restart(&mut self) {
         self.signal("-TERM");
+        self.child.wait().expect("reaped");
+        self.child = spawn(self.folder.path());
+        self.ready().await;
+    }
+
+    /// Kills it, as a crash does, and starts it again.
+    ///
+    /// # Panics
+    /// Panics when it does not run or does not start again.
+    pub async fn kill_and_restart(&mut self) {
+        self.child.kill().expect("it runs");
         self.child.wait().expect("reaped");
         self.child = spawn(self.folder.path());
         self.ready().await;

@@ -78,6 +78,12 @@ pub(crate) trait Connection: Send + Sync {
     /// Waits until the connection is lost, and returns the cause.
     async fn lost(&self) -> ConnectionFault;
 
+    /// Returns what waits until the broker has answered what it is asked from then on; false where the connection is
+    /// lost before. `None` where a broker accepts a message only when it has stored it.
+    fn answers(&self) -> Option<BoxFuture<'static, bool>> {
+        None
+    }
+
     /// Closes the connection in order, within a short time.
     async fn close(&self);
 }

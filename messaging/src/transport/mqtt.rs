@@ -2,7 +2,8 @@
 //! publishes, and connects by itself. Nothing of it leaves this module.
 //!
 //! Mapping of the link's guarantees to MQTT: QoS 1 in both directions, acknowledged after storing;
-//! persistent sessions with the user's name as client id. A rejection is acknowledged with a
+//! persistent sessions with the user's name as client id. An acknowledgement does not say that a message is stored: a
+//! broker that answers a ping some time later has done so ([`Connection::answers`]). A rejection is acknowledged with a
 //! failure code, because MQTT has no dead letters. A release sends no acknowledgement and
 //! reconnects, because only a reconnect makes a broker deliver again. Two processes with one user
 //! disconnect each other; a broker may report that (Mosquitto 2.0 does not).
@@ -20,7 +21,7 @@ mod subscriber;
 use std::sync::Arc;
 
 use async_trait::async_trait;
-use futures::{SinkExt, StreamExt};
+use futures::{FutureExt, SinkExt, StreamExt, future::BoxFuture};
 use rumqttc::v5::mqttbytes::v5::{
     Connect, ConnectProperties, ConnectReturnCode, Login as MqttLogin, Packet,
 };
@@ -169,6 +170,11 @@ impl Connection for Opened {
 
     async fn lost(&self) -> ConnectionFault {
         self.network.lost().await
+    }
+
+    fn answers(&self) -> Option<BoxFuture<'static, bool>> {
+        let network = Arc::clone(&self.network);
+        Some(async move { network.answers().await }.boxed())
     }
 
     async fn close(&self) {

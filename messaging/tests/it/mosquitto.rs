@@ -54,6 +54,31 @@ async fn a_port_without_mqtt_websockets_is_reported() {
     link.stop().await;
 }
 
+/// Its store is written at an orderly end alone: what it has when it is killed is lost.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_message_that_mosquitto_loses_in_a_crash_is_sent_again() {
+    let mut broker = Mosquitto::start(&plan(), Saving::AtTheEnd).await;
+    let url = broker.url();
+    let platform = start(None, &url, "platform", &["factory.f1.ingress"]);
+    let factory = start(None, &url, "f1", &[]);
+    factory.send("factory.f1.ingress", "kept");
+    eventually("it arrives", || platform.has_received("kept")).await;
+    eventually("it counts as sent", || factory.spool.waiting() == 0).await;
+    // Its session stays.
+    platform.stop().await;
+    let state = factory.handle.state();
+    let before = state.borrow().last_accepted_at;
+    factory.send("factory.f1.ingress", "lost");
+    eventually("the broker accepts it", || state.borrow().last_accepted_at != before).await;
+    broker.kill_and_restart().await;
+    assert_eq!(factory.spool.waiting(), 1, "it does not count as sent yet");
+    let platform = start(None, &url, "platform", &["factory.f1.ingress"]);
+    eventually("it arrives after all", || platform.has_received("lost")).await;
+    eventually("it counts as sent", || factory.spool.waiting() == 0).await;
+    platform.stop().await;
+    factory.stop().await;
+}
+
 /// The two sides of one broker.
 struct Sides<'a> {
     url: &'a str,

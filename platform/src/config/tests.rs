@@ -48,6 +48,20 @@ fn an_untested_broker_is_called_so_where_it_is_configured() {
 }
 
 #[test]
+fn an_mqtt_broker_is_said_to_drop_messages_where_it_is_configured() {
+    let external = |url: &str, profile: &str| {
+        parse(&format!(
+            "[broker.external]\nurls = [\"{url}\"]\nprofile = \"{profile}\"\nuser_name = \"p\"\n\
+             password = \"sixteen characters\"\n"
+        ))
+    };
+    let note = external("mqtts://b.example", "mqtt").dropping_broker().expect("a note");
+    assert!(note.contains("comments") && note.contains("definitions mosquitto"), "{note}");
+    assert_eq!(external("amqps://b.example", "rabbitmq-3").dropping_broker(), None);
+    assert_eq!(PlatformConfig::default().dropping_broker(), None);
+}
+
+#[test]
 fn unsafe_settings_are_named() {
     let config =
         parse("[web]\nlisten = \"0.0.0.0:80\"\n[broker]\nplain_listen = \"0.0.0.0:5672\"\n");

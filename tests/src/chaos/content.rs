@@ -1,9 +1,12 @@
 //! Content of a report: what left, and what the platform understood of it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::Context as _;
-use asi_model::{DateTime, StatusCode, pubsub::ReportHeader};
+use asi_model::{
+    DateTime, StatusCode,
+    pubsub::{ReportHeader, unit_member},
+};
 use serde_json::Value;
 
 // Built-in types (OPC 10000-6, table 1).
@@ -11,12 +14,17 @@ const STATUS_CODE: u8 = 19;
 const DATA_VALUE: u8 = 23;
 
 /// Content of a report, times in ticks.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Content {
     pub request: String,
+    pub report_name: String,
+    /// Organisations that may read it.
+    pub readers: BTreeSet<String>,
     pub report_time: Option<i64>,
     pub shopfloor_time: Option<i64>,
     pub fields: BTreeMap<String, FieldContent>,
+    /// Units of the fields that have one: as they left, or as the request has them.
+    pub units: BTreeMap<String, String>,
 }
 
 /// Content of one field.
@@ -30,8 +38,8 @@ pub(super) struct FieldContent {
 }
 
 impl Content {
-    /// Reads a DataSetMessage in the reversible encoding.
-    pub fn of_message(message: &Value) -> anyhow::Result<Self> {
+    /// Reads a DataSetMessage in the reversible encoding, with those to whom it was released.
+    pub fn of_message(message: &Value, readers: BTreeSet<String>) -> anyhow::Result<Self> {
         let payload = message["Payload"].as_object().context("a payload")?;
         let member = |name: &str| payload.get(name).map_or(&Value::Null, |member| &member["Body"]);
         // Beside a field there is its unit.
@@ -40,6 +48,10 @@ impl Content {
         let fields = payload.iter().filter(|(name, _)| !ReportHeader::is_member(name));
         let fields = fields.filter(|(name, _)| !is_unit(name));
         let shopfloor_time = ticks(member(ReportHeader::SHOPFLOOR_TIMESTAMP))?;
+        let text = |name: &str| member(name).as_str().map(str::to_owned);
+        let units =
+            payload.keys().filter_map(|name| Some((name.clone(), text(&unit_member(name))?)));
+        let units = units.collect();
         let fields = fields.map(|(name, field)| {
             let mut content = FieldContent::of(field)?;
             // A value without a time of its own has that of the report's values.
@@ -47,13 +59,14 @@ impl Content {
             Ok((name.clone(), content))
         });
         Ok(Self {
-            request: member(ReportHeader::DYNAMIC_DATA_REQUEST_ID)
-                .as_str()
-                .context("the request of a report")?
-                .to_owned(),
+            request: text(ReportHeader::DYNAMIC_DATA_REQUEST_ID)
+                .context("the request of a report")?,
+            report_name: text(ReportHeader::REPORT_NAME).context("the name of a report")?,
+            readers,
             report_time: ticks(&message["Timestamp"])?,
             shopfloor_time,
             fields: fields.collect::<anyhow::Result<_>>()?,
+            units,
         })
     }
 
@@ -72,6 +85,18 @@ impl Content {
                 other.report_time,
                 other.shopfloor_time
             ));
+        }
+        if self.report_name != other.report_name {
+            let (left, held) = (&self.report_name, &other.report_name);
+            found.push(format!("left with the name {left:?}, is held as {held:?}"));
+        }
+        if self.readers != other.readers {
+            let (left, held) = (&self.readers, &other.readers);
+            found.push(format!("left to the readers {left:?}, is held for {held:?}"));
+        }
+        if self.units != other.units {
+            let (left, asked) = (&self.units, &other.units);
+            found.push(format!("left with the units {left:?}, its request has {asked:?}"));
         }
         for (name, field) in &self.fields {
             match other.fields.get(name) {
@@ -143,12 +168,15 @@ mod tests {
     fn what_is_missing_or_other_is_seen() {
         let message = json!({ "Timestamp": "2026-01-01T00:00:00Z", "Payload": {
             "dynamicDataRequestId": { "Type": 12, "Body": "r" },
+            "reportName": { "Type": 12, "Body": "Report" },
             "shopfloorTimestamp": { "Type": 13, "Body": "2026-01-01T00:00:00Z" },
             "made": { "Type": 9, "Body": "7" }, "madeUnit": { "Type": 12, "Body": "PIECE" },
             "level": { "Type": 23, "Body": { "Value": { "Type": 11, "Body": 1.5 },
                 "Status": 0x4000_0000_u32, "SourceTimestamp": "2026-01-01T00:00:01Z" } },
             "lost": { "Type": 19, "Body": 0x8000_0000_u32 } } });
-        let left = Content::of_message(&message).expect("a message");
+        let readers = BTreeSet::from(["buyer".to_owned()]);
+        let left = Content::of_message(&message, readers).expect("a message");
+        assert_eq!(left.units, BTreeMap::from([("made".to_owned(), "PIECE".to_owned())]));
         assert_eq!(left.fields.keys().collect::<Vec<_>>(), ["level", "lost", "made"]);
         assert_eq!(left.differences(&left), [""; 0]);
         let changed = |change: &dyn Fn(&mut Content)| {
@@ -159,6 +187,10 @@ mod tests {
         assert_eq!(changed(&|held| drop(held.fields.remove("made"))), 1);
         assert_eq!(changed(&|held| held.report_time = None), 1);
         assert_eq!(changed(&|held| held.shopfloor_time = Some(0)), 1);
+        assert_eq!(changed(&|held| held.report_name.clear()), 1);
+        assert_eq!(changed(&|held| held.readers.clear()), 1);
+        assert_eq!(changed(&|held| drop(held.readers.insert("other".to_owned()))), 1);
+        assert_eq!(changed(&|held| held.units.clear()), 1);
         let level = |change: &dyn Fn(&mut FieldContent)| {
             changed(&|held| change(held.fields.get_mut("level").expect("a field")))
         };

@@ -242,7 +242,7 @@ impl LostControls {
 }
 
 /// Returns the JSON objects of a message, which has other parts, too.
-fn documents(mut body: &[u8]) -> Vec<Value> {
+pub(super) fn documents(mut body: &[u8]) -> Vec<Value> {
     let mut documents = Vec::new();
     while let Some(place) = body.iter().position(|byte| *byte == b'{') {
         body = &body[place..];

@@ -5,7 +5,9 @@ use std::time::{Duration, Instant};
 use anyhow::Context as _;
 use serde_json::Value;
 
-use super::{CommentTraffic, Fault, Stage, drain, flow::flows, judge};
+use super::{
+    CommentTraffic, ControlTraffic, Fault, Stage, disturbances, drain, flow::flows, judge,
+};
 use crate::{
     frame_order::MUNICH,
     harness::{Api, Daemon, Steps, eventually, say},
@@ -13,6 +15,8 @@ use crate::{
     world::{BrokerKind, World},
 };
 
+/// Time over which refusals are spread.
+const REFUSALS: Duration = Duration::from_secs(60);
 /// Time until all sides know of the copy: a renewal, and more on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -47,24 +51,28 @@ fn original(stage: &mut Stage) -> anyhow::Result<&mut Daemon> {
     stage.world.factory(MUNICH)?.connector.as_mut().context("it was started")
 }
 
+/// Kills the connector and copies its store, and lets it go on.
+async fn copied_and_killed(stage: &mut Stage) -> anyhow::Result<String> {
+    let killed = disturbances::now();
+    original(stage)?.kill()?;
+    stage.world.copy_connector(MUNICH)?;
+    original(stage)?.restart()?;
+    stage.disturbed.struck(Fault::KillConnector(MUNICH), killed);
+    let restarted = Instant::now();
+    let munich = stage.world.connector_api(MUNICH).await?;
+    lease(&munich, "HELD").await?;
+    flows(stage).await?;
+    Ok(format!("values flow after {:.1} s", restarted.elapsed().as_secs_f64()))
+}
+
 async fn beside(
     stage: &mut Stage,
     steps: &mut Steps,
     copy: &mut Option<Daemon>,
 ) -> anyhow::Result<()> {
     let comments = CommentTraffic::begin(&stage.world.places, &stage.comments_hurry.subscribe())?;
-    steps
-        .run("kill -9 of a connector, and it goes on at once", async {
-            original(stage)?.kill()?;
-            stage.world.copy_connector(MUNICH)?;
-            original(stage)?.restart()?;
-            let restarted = Instant::now();
-            let munich = stage.world.connector_api(MUNICH).await?;
-            lease(&munich, "HELD").await?;
-            flows(stage).await?;
-            Ok(format!("values flow after {:.1} s", restarted.elapsed().as_secs_f64()))
-        })
-        .await?;
+    let controls = ControlTraffic::begin(&stage.world.places, REFUSALS)?;
+    steps.run("kill -9 of a connector, and it goes on at once", copied_and_killed(stage)).await?;
     steps
         .run("a copy of it is refused, and all three say so", async {
             let (daemon, mut second) = stage.world.start_copy(MUNICH)?;
@@ -119,11 +127,14 @@ async fn beside(
     if let Some(copy) = copy {
         copy.kill()?;
     }
-    let said = comments.end().await?;
+    let (said, taken) = (comments.end().await?, controls.end().await?);
     steps.run("the machines stop, and what waits arrives", drain(stage)).await?;
     steps.run("everything stops when asked", async { stage.stop().map(|()| "") }).await?;
     steps
-        .run("every report is held once, in order, and in the ledger", judge(stage, &said, None))
+        .run(
+            "every report is held once, in order, and in the ledger",
+            judge(stage, &said, Some(taken)),
+        )
         .await
 }
 

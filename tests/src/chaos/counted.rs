@@ -11,19 +11,25 @@ use super::{
 };
 use crate::{scenario::load, world::counters::COUNTED_EACH_MS};
 
-/// Values that one disturbance may cost at most: those of 30 s.
-const HOLE_MAX: i64 = 30 * 1000 / COUNTED_EACH_MS;
+/// Ticks around disturbances for which values may be missing, too: a machine that is busy with something else starts
+/// programs and opens sessions slowly.
+const AROUND_MAX: i64 = 15 * TICKS_A_SECOND;
 /// Part of the other values, of a hundred, that may be missing: where a processor has too much to do, two come in one
 /// notification, and the report has the second.
 const MISSING_MAX: i64 = 15;
+/// Number of undisturbed counts in a row that are looked at together: those of ten seconds.
+const WINDOW: usize = 40;
+/// Missing ones of a window, in at least half of all windows. A processor with too much to do is so by spells, and what
+/// comes in one notification is missing then; a program that loses values does so all the time.
+const USUAL_MAX: i64 = 3;
 /// Counts of undisturbed times without which a run proves nothing: an outage alone has more.
 const JUDGED_MIN: i64 = 12;
+/// One of so many counts of undisturbed times is judged at least: the others may be lost around disturbances.
+const JUDGED_PART_MIN: i64 = 8;
 /// Ticks after the first report, and before the machines stop, in which a field may have no value yet, or none any more.
 const EDGE_MAX: i64 = 10 * TICKS_A_SECOND;
 /// Ticks for which a value may be not good without a disturbance.
 const MOMENT_MAX: i64 = 3 * TICKS_A_SECOND;
-/// Ticks for which one disturbance may cost a field.
-const LOST_MAX: i64 = 30 * TICKS_A_SECOND;
 /// Ticks by which the time of a count may differ from when the machine counted it: a report has the newest time of all
 /// its values, and a count may come late. Clocks that are set differ by more.
 const OFF_MAX: i64 = 60 * TICKS_A_SECOND;
@@ -49,6 +55,7 @@ pub(super) fn faults(
                 of_counter(&reports, &counts, disturbed, end).into_iter().map(|f| (name, f)),
             );
         }
+        found.extend(unjudged(&reports, disturbed, end).map(|fault| (load::COUNTED, fault)));
         // The consent to the toggled field of the first request ends again and again.
         let fields = load::FIELDS.into_iter().filter(|name| number > 0 || *name != load::TOGGLED);
         for name in fields {
@@ -88,7 +95,29 @@ fn lacks(span: Span, end: i64) -> String {
 
 /// True where a field may have had no good value from one time to another.
 fn is_excused(span: Span, disturbed: &[Span]) -> bool {
-    meets_any(disturbed, span.from, span.to) && span.to - span.from <= LOST_MAX
+    meets_any(disturbed, span.from, span.to) && undisturbed(span, disturbed) <= AROUND_MAX
+}
+
+/// Returns the ticks of a time in which nothing was disturbed.
+fn undisturbed(span: Span, disturbed: &[Span]) -> i64 {
+    let mut met: Vec<Span> =
+        disturbed.iter().filter(|other| other.meets(span.from, span.to)).copied().collect();
+    met.sort_unstable_by_key(|other| other.from);
+    let (mut alone, mut through) = (0, span.from);
+    for other in met {
+        alone += (other.from - through).max(0);
+        through = through.max(other.to);
+    }
+    alone + (span.to - through).max(0)
+}
+
+/// Returns where too little of what a machine counted in undisturbed times was judged.
+fn unjudged(reports: &Observed<'_>, disturbed: &[Span], end: i64) -> Option<String> {
+    let (_, judged) = holes(&reports.counts(load::COUNTED), disturbed);
+    let whole = undisturbed(Span { from: reports.begin(), to: end }, disturbed);
+    let counted = whole / (COUNTED_EACH_MS * (TICKS_A_SECOND / 1000));
+    (judged * JUDGED_PART_MIN < counted)
+        .then(|| format!("of {counted} counts of undisturbed times only {judged} could be judged"))
 }
 
 fn meets_any(disturbed: &[Span], from: i64, to: i64) -> bool {
@@ -121,20 +150,23 @@ fn of_counter(
 
 /// Returns what is missing, and the number of counts that were judged.
 fn holes(counts: &Counts, disturbed: &[Span]) -> (Vec<String>, i64) {
-    let mut faults = Vec::new();
-    let (mut missing, mut judged) = (0, 0);
+    let (mut faults, mut in_row) = (Vec::new(), Vec::new());
     for ((before, from), (after, to)) in counts.iter().zip(counts.iter().skip(1)) {
         let lost = after - before - 1;
-        if meets_any(disturbed, *from.min(to), *to.max(from)) {
-            if lost > HOLE_MAX {
-                faults.push(format!("{lost} counts after {before} are lost by one disturbance"));
-            }
-        } else {
-            missing += lost;
-            judged += lost + 1;
+        let span = Span { from: *from.min(to), to: *to.max(from) };
+        if !meets_any(disturbed, span.from, span.to) {
+            in_row.push(lost);
+        } else if lost > 0 && !is_excused(span, disturbed) {
+            faults.push(format!("{lost} counts after {before} are lost by one disturbance"));
         }
     }
-    if missing * 100 > judged * MISSING_MAX {
+    let missing: i64 = in_row.iter().sum();
+    let judged = missing + i64::try_from(in_row.len()).unwrap_or(i64::MAX);
+    let mut windows: Vec<i64> =
+        in_row.chunks_exact(WINDOW).map(|window| window.iter().sum()).collect();
+    windows.sort_unstable();
+    let usual = windows.get(windows.len() / 2).copied().unwrap_or_default();
+    if missing * 100 > judged * MISSING_MAX || usual > USUAL_MAX {
         faults.push(format!("{missing} of {judged} counts of undisturbed times are in no report"));
     }
     (faults, judged)

@@ -3,7 +3,7 @@
 use std::{
     path::{Path, PathBuf},
     process::Command,
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use anyhow::Context as _;
@@ -20,6 +20,15 @@ const FELT_WITHIN: Duration = Duration::from_secs(10);
 #[derive(Debug)]
 pub struct Disk {
     folder: PathBuf,
+}
+
+/// Disk that was full, and is free again.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FilledDisk {
+    /// Time at which it was given free.
+    pub until: Instant,
+    /// Number of complaints in its program's log before it was full.
+    pub complaints: usize,
 }
 
 impl Disk {
@@ -96,10 +105,14 @@ impl Drop for Disk {
 const COMPLAINTS: [&str; 3] = ["disk is full", "disk I/O error", "No space left"];
 
 /// Returns the number of lines of a log that complain about a full disk.
-fn complaints(log: &Path) -> usize {
+pub(super) fn complaints(log: &Path) -> usize {
     let text = std::fs::read(log).unwrap_or_default();
-    let text = String::from_utf8_lossy(&text);
-    text.lines().filter(|line| COMPLAINTS.iter().any(|words| line.contains(words))).count()
+    String::from_utf8_lossy(&text).lines().filter(|line| complains(line)).count()
+}
+
+/// True for a line of a log that complains about a full disk.
+pub(super) fn complains(line: &str) -> bool {
+    COMPLAINTS.iter().any(|words| line.contains(words))
 }
 
 fn used_blocks(folder: &Path) -> anyhow::Result<u64> {

@@ -6,9 +6,9 @@ use anyhow::Context as _;
 
 use super::{
     control::{self, Taken},
-    counted,
+    counted, kinds,
     stage::Stage,
-    stores::{self, ReportKey, given_up},
+    stores::{self, Left, ReportKey, given_up},
 };
 use crate::{frame_order::HAMBURG, scenario::load};
 
@@ -36,6 +36,7 @@ impl Findings {
         let left = stores::left(&stage.world.places.folder, factory).await?;
         let end = stage.machines_stopped.context("the machines were stopped")?;
         self.faults.extend(counted::faults(factory, &left, &stage.disturbed, end));
+        self.faults.extend(kinds::faults(factory, &left));
         Ok(())
     }
 }
@@ -60,7 +61,8 @@ pub(super) async fn of_factory(
     let given_up = given_up::given_up(folder, factory).await?;
     let mut faults = Vec::new();
 
-    let held: BTreeMap<_, _> = arrived.iter().map(|(key, report)| (key, report)).collect();
+    let held: BTreeMap<&ReportKey, &stores::Arrived> =
+        arrived.iter().map(|(key, report)| (key, report)).collect();
     if held.len() != arrived.len() {
         faults.push(format!("{factory}: {} reports are held twice", arrived.len() - held.len()));
     }
@@ -79,9 +81,10 @@ pub(super) async fn of_factory(
     }
     faults.extend(
         held.keys()
-            .filter(|key| !left.contains_key(**key))
+            .filter(|key| !left.contains_key(**key) && !stage.former.contains_key(**key))
             .map(|key| format!("never left: {key:?}")),
     );
+    faults.extend(of_former(&stage.former, &left, &held));
     let toggled = load::toggled_request(factory);
     let reasons = given_up::Reasons {
         left: &left,
@@ -106,6 +109,29 @@ pub(super) async fn of_factory(
     findings.arrived += arrived.len();
     findings.replayed += arrived.iter().filter(|(_, report)| report.is_replay).count();
     Ok(())
+}
+
+/// Returns what of the reports of a replaced store is held otherwise, and which of their numbers the store in its place
+/// has given again. What was still waiting in that store is lost with it.
+fn of_former(
+    former: &BTreeMap<ReportKey, Left>,
+    left: &BTreeMap<ReportKey, Left>,
+    held: &BTreeMap<&ReportKey, &stores::Arrived>,
+) -> Vec<String> {
+    let mut faults = Vec::new();
+    for (key, report) in former {
+        match (left.get(key), held.get(key)) {
+            (Some(again), _) if !report.content.differences(&again.content).is_empty() => {
+                faults.push(format!("an older store has given a number again: {key:?}"));
+            }
+            (None, Some(there)) => {
+                let differences = report.content.differences(&there.content);
+                faults.extend(differences.into_iter().map(|what| format!("{key:?}: {what}")));
+            }
+            _ => {}
+        }
+    }
+    faults
 }
 
 /// Sequence numbers of a writer's epoch begin at zero and miss none.
@@ -163,13 +189,31 @@ mod tests {
     }
 
     #[test]
-    fn disorder_is_seen_per_lane_unless_the_broker_lost_it() {
-        let content = Content {
-            request: "r".to_owned(),
-            report_time: None,
-            shopfloor_time: None,
-            fields: BTreeMap::new(),
+    fn an_older_store_gives_no_number_again() {
+        let content = |request: &str| Content { request: request.to_owned(), ..Content::default() };
+        let left = |request: &str| Left {
+            id: 1,
+            state: "DONE".to_owned(),
+            recipients: 1,
+            content: content(request),
         };
+        let arrived = stores::Arrived { is_replay: false, content: content("r") };
+        let number = key(1);
+        let former = BTreeMap::from([(number.clone(), left("r"))]);
+        let held = BTreeMap::from([(&number, &arrived)]);
+        let again = |request: &str| BTreeMap::from([(key(1), left(request))]);
+        assert_eq!(of_former(&former, &again("r"), &held), [""; 0], "the copy had it");
+        assert_eq!(of_former(&former, &again("other"), &held).len(), 1, "another one");
+        assert_eq!(of_former(&former, &BTreeMap::new(), &held), [""; 0], "it had left");
+        assert_eq!(of_former(&former, &BTreeMap::new(), &BTreeMap::new()), [""; 0], "lost with it");
+        let other = stores::Arrived { is_replay: false, content: content("other") };
+        let held = BTreeMap::from([(&number, &other)]);
+        assert_eq!(of_former(&former, &BTreeMap::new(), &held).len(), 1, "held otherwise");
+    }
+
+    #[test]
+    fn disorder_is_seen_per_lane_unless_the_broker_lost_it() {
+        let content = Content { request: "r".to_owned(), ..Content::default() };
         let came =
             |sequence, is_replay| (key(sequence), Arrived { is_replay, content: content.clone() });
         let arrived =

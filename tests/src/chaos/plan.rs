@@ -46,6 +46,8 @@ pub enum Fault {
     DoubleQueued,
     /// A broker of another make ends and comes back.
     RestartBroker,
+    /// `kill -9` of a broker of another make, which comes back with what was on its disk.
+    CrashBroker,
     /// The clock of a factory's connector jumps and stays so.
     ConnectorClock(&'static str, ClockOffset),
     /// The platform's clock jumps and stays so.
@@ -85,7 +87,8 @@ impl Fault {
             | Self::LoseBrokerStore
             | Self::OldBrokerStore
             | Self::DoubleQueued
-            | Self::RestartBroker => 1,
+            | Self::RestartBroker
+            | Self::CrashBroker => 1,
             Self::KillAll => 5,
             _ => 0,
         }
@@ -96,17 +99,19 @@ impl Fault {
     pub fn ends_the_platforms_link(self) -> bool {
         matches!(
             self,
-            Self::KillPlatform | Self::KillAll | Self::RestartBroker | Self::FullDisk(PLATFORM, _)
+            Self::KillPlatform
+                | Self::KillAll
+                | Self::RestartBroker
+                | Self::CrashBroker
+                | Self::FullDisk(PLATFORM, _)
         )
     }
 
     /// Returns the fault beside a broker of another make: its store is not ours to change.
     const fn beside_external_broker(self) -> Self {
         match self {
-            Self::LoseBrokerStore
-            | Self::OldBrokerStore
-            | Self::DoubleQueued
-            | Self::KillBroker => Self::RestartBroker,
+            Self::KillBroker | Self::LoseBrokerStore => Self::CrashBroker,
+            Self::OldBrokerStore | Self::DoubleQueued => Self::RestartBroker,
             other => other,
         }
     }
@@ -129,6 +134,7 @@ impl Fault {
             Self::OldBrokerStore => "old broker store",
             Self::DoubleQueued => "queued twice",
             Self::RestartBroker => "restart broker",
+            Self::CrashBroker => "crash broker",
             Self::ConnectorClock(..) => "connector clock",
             Self::PlatformClock(_) => "platform clock",
             Self::FullDisk(PLATFORM, _) => "full disk of the platform",
@@ -204,7 +210,7 @@ impl Plan {
         let mut second =
             vec![Fault::PlatformClock(offset), Fault::FullDisk(self.factory(), self.span(FULL_MS))];
         second.extend(match self.has_external_broker {
-            true => vec![Fault::RestartBroker],
+            true => vec![Fault::RestartBroker, Fault::CrashBroker],
             false => vec![Fault::KillBroker, Fault::LoseBrokerStore],
         });
         [first, second]
@@ -317,7 +323,7 @@ mod tests {
                 let rounds = [plan.round(), plan.round()];
                 let of_broker: &[_] = match broker {
                     BrokerKind::Embedded => &["kill broker", "broker store lost"],
-                    _ => &["restart broker"],
+                    _ => &["restart broker", "crash broker"],
                 };
                 let wanted = ["connector clock", "platform clock", "outage", "cut"]
                     .into_iter()

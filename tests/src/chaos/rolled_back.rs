@@ -6,7 +6,7 @@ use std::{path::PathBuf, process::Command, time::Duration};
 use anyhow::Context as _;
 use serde_json::{Value, json};
 
-use super::{Fault, Stage, findings::breach, flow::flows};
+use super::{Fault, Stage, drain, flow::flows, judge, stores};
 use crate::{
     frame_order::MUNICH,
     harness::{Api, Daemon, Steps, eventually, say},
@@ -19,7 +19,7 @@ use crate::{
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Replaces a connector's store by an older copy: it discloses nothing until an engineer begins new
-/// logs, and then goes on.
+/// logs, and then goes on. In the end the stores are compared as after chaos: the older store gives no number again.
 ///
 /// # Errors
 /// The promise that does not hold.
@@ -65,6 +65,7 @@ async fn replaced(stage: &mut Stage, steps: &mut Steps) -> anyhow::Result<()> {
     steps
         .run("the older store is found, and nothing is disclosed", async {
             connector(stage)?.kill()?;
+            stage.former = stores::left(&stage.world.places.folder, MUNICH).await?;
             restore(stage)?;
             connector(stage)?.restart()?;
             let munich = stage.world.connector_api(MUNICH).await?;
@@ -96,8 +97,11 @@ async fn replaced(stage: &mut Stage, steps: &mut Steps) -> anyhow::Result<()> {
             Ok(format!("{count} logs"))
         })
         .await?;
+    steps.run("the machines stop, and what waits arrives", drain(stage)).await?;
     steps.run("everything stops when asked", async { stage.stop().map(|()| "") }).await?;
-    if stage.faults.is_empty() { Ok(()) } else { Err(breach(&stage.faults)) }
+    steps
+        .run("every report is held once, in order, and in the ledger", judge(stage, &[], None))
+        .await
 }
 
 async fn get(api: &Api, path: &str) -> Result<Value, String> {

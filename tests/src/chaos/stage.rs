@@ -1,5 +1,6 @@
 //! The world with everything in it that can go wrong.
 
+mod broker;
 mod supervised;
 
 use std::{
@@ -13,10 +14,10 @@ use anyhow::Context as _;
 use tokio::sync::watch;
 
 use super::{
+    broker_ends::BrokerEnds,
     clock::Clock,
-    comments,
     control::LostControls,
-    disk::Disk,
+    disk::{self, Disk, FilledDisk},
     disturbances::{self, Disturbances},
     interruptions::{Interruptions, interrupts},
     line::{Condition, Line},
@@ -42,8 +43,6 @@ const SET_BACK_MIN_S: i32 = 60;
 const SPOOL_IS_FULL: Duration = Duration::from_secs(20);
 /// Bytes in the small spool up to which it has room for what comes.
 const ROOM: i64 = SMALL_SPOOL / 2;
-/// Time in which a platform that was just started has its broker.
-const BROKER_STARTS: Duration = Duration::from_secs(10);
 
 /// Time before a fault in which many comments are on their way.
 const HURRY: Duration = Duration::from_millis(250);
@@ -58,6 +57,8 @@ pub(super) struct Stage {
     /// Reports that the broker may have had when it lost its store, or RabbitMQ when the platform's link ended: they
     /// arrive later, out of their order.
     pub set_back: BTreeSet<stores::ReportKey>,
+    /// Reports of a connector's store that an older one has replaced.
+    pub former: BTreeMap<stores::ReportKey, stores::Left>,
     /// Decisions and receipts that the broker may have had when it lost its store.
     pub lost_controls: LostControls,
     /// Times in which connectors may miss values.
@@ -74,8 +75,9 @@ pub(super) struct Stage {
     pub kills: u32,
     /// Breaches of what is promised that showed on the way.
     pub faults: Vec<String>,
-    /// Time at which each disk was last full.
-    full_until: BTreeMap<&'static str, Instant>,
+    /// Disks that were full, as of the last time.
+    filled: BTreeMap<&'static str, FilledDisk>,
+    broker_ends: BrokerEnds,
     /// Time at which all programs were last seen to run, in ticks.
     supervised_at: i64,
     /// Time at which the machines were asked to stop, in ticks.
@@ -118,6 +120,7 @@ impl Stage {
             disks,
             clocks: BTreeMap::new(),
             set_back: BTreeSet::new(),
+            former: BTreeMap::new(),
             lost_controls: LostControls::default(),
             disturbed: Disturbances::default(),
             interruptions: Interruptions::default(),
@@ -126,7 +129,8 @@ impl Stage {
             counts: BTreeMap::new(),
             kills: 0,
             faults: Vec::new(),
-            full_until: BTreeMap::new(),
+            filled: BTreeMap::new(),
+            broker_ends: BrokerEnds::default(),
             supervised_at: disturbances::now(),
             machines_stopped: None,
             ended: 0,
@@ -160,12 +164,17 @@ impl Stage {
 
     /// Returns what has to be done so that disks can be full.
     pub fn lacking_disks(&self) -> Option<&'static str> {
-        (self.disks.len() < 3).then_some("run as root, which mounts the disks that will be full")
+        (self.disks.len() < 3).then_some(
+            "disks that will be full are mounted: run as root, or in namespaces of your own with \
+             `unshare --map-root-user --map-auto --mount`",
+        )
     }
 
     /// Returns what has to be done so that clocks can jump.
     pub fn lacking_clocks(&self) -> Option<&'static str> {
-        (self.clocks.len() < 3).then_some("install libfaketime, by which clocks jump")
+        (self.clocks.len() < 3).then_some(
+            "clocks jump by libfaketime: install it, as tools/prerequisites.sh test does",
+        )
     }
 
     /// Returns the kinds of faults that every run has to have, that this machine can cause, and that did not strike.
@@ -181,6 +190,7 @@ impl Stage {
             ("outage", true),
             ("cut", true),
             ("restart broker", is_external),
+            ("crash broker", is_external),
             ("kill broker", !is_external),
             ("broker store lost", !is_external),
         ];
@@ -222,12 +232,13 @@ impl Stage {
         Ok(is_caused)
     }
 
-    /// Notes what RabbitMQ may deliver out of order: it puts what one consumer gives back behind what another gave back
-    /// before, so that two ends of the platform's link in a row turn the order round.
+    /// Notes what a broker of another make may deliver out of order. RabbitMQ puts what one consumer gives back behind
+    /// what another gave back before, so that two ends of the platform's link in a row turn the order round. Mosquitto
+    /// loses by a crash what it has just accepted: of that, receipts bring reports again.
     async fn note_returned(&mut self, fault: Fault) -> anyhow::Result<()> {
-        let turns_round =
-            self.world.external.as_ref().is_some_and(ExternalBroker::turns_returned_round);
-        if turns_round && fault.ends_the_platforms_link() {
+        let Some(broker) = &self.world.external else { return Ok(()) };
+        let turns_round = broker.turns_returned_round() && fault.ends_the_platforms_link();
+        if turns_round || (broker.loses_by_a_crash() && fault == Fault::CrashBroker) {
             let returned = self.unreceipted().await?;
             self.set_back.extend(returned);
         }
@@ -239,7 +250,7 @@ impl Stage {
         match fault {
             Fault::KillConnector(factory) => self.connector(factory)?.restart()?,
             Fault::KillPlatform => self.world.platform.restart()?,
-            Fault::KillBroker => return Ok(self.kill_broker().await),
+            Fault::KillBroker => return self.kill_broker().await,
             Fault::KillMachines(factory) => self.world.factory(factory)?.simulator.restart()?,
             Fault::KillAll => {
                 for daemon in self.world.daemons() {
@@ -263,6 +274,10 @@ impl Stage {
             Fault::RestartBroker => {
                 let Some(broker) = &mut self.world.external else { return Ok(false) };
                 broker.restart().await;
+            }
+            Fault::CrashBroker => {
+                let Some(broker) = &mut self.world.external else { return Ok(false) };
+                broker.crash().await;
             }
             Fault::ConnectorClock(who, offset) => return self.jump(who, offset),
             Fault::PlatformClock(offset) => return self.jump(PLATFORM, offset),
@@ -320,18 +335,6 @@ impl Stage {
         Ok(is_caused)
     }
 
-    /// Kills the broker alone, as soon as the platform has started it.
-    async fn kill_broker(&self) -> bool {
-        let deadline = Deadline::after(BROKER_STARTS);
-        while self.world.platform.kill_children() == 0 {
-            if deadline.has_passed() {
-                return false;
-            }
-            tokio::time::sleep(Duration::from_millis(20)).await;
-        }
-        true
-    }
-
     /// Keeps a disk full for a while, and on until its program says so. A store that has room in its own files
     /// notices late.
     async fn full_disk(&mut self, whose: &'static str, span: Duration) -> anyhow::Result<bool> {
@@ -343,9 +346,10 @@ impl Stage {
                 factory.and_then(|factory| factory.connector.as_ref()).context("a connector")?
             }
         };
+        let before = disk::complaints(program.log());
         let is_felt = disk.fill_until_felt(program.log(), span).await?;
         disk.free()?;
-        self.full_until.insert(whose, Instant::now());
+        self.filled.insert(whose, FilledDisk { until: Instant::now(), complaints: before });
         Ok(is_felt)
     }
 
@@ -354,27 +358,7 @@ impl Stage {
         let folder = &self.world.places.folder;
         let mut reports = stores::unreceipted_reports(folder, MUNICH).await?;
         reports.extend(stores::unreceipted_reports(folder, HAMBURG).await?);
-        Ok(reports)
-    }
-
-    async fn broker_store(&mut self, fault: Fault) -> anyhow::Result<()> {
-        let folder = self.world.places.folder.clone();
-        self.world.platform.kill()?;
-        match fault {
-            Fault::DoubleQueued => stores::double_queued(&folder).await?,
-            _ => {
-                let lost = self.unreceipted().await?;
-                self.set_back.extend(lost);
-                self.lost_controls.add(&folder).await?;
-                self.lost_comments.extend(comments::on_the_way(&folder).await?);
-                if fault == Fault::OldBrokerStore {
-                    stores::exchange_broker_store(&folder)?;
-                } else {
-                    stores::remove_broker_store(&folder)?;
-                }
-            }
-        }
-        self.world.platform.restart()
+        Ok(reports.into_iter().map(|(key, _)| key).collect())
     }
 
     fn connector(&mut self, factory: &str) -> anyhow::Result<&mut Daemon> {

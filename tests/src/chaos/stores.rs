@@ -2,9 +2,10 @@
 
 pub(super) mod control;
 pub(super) mod given_up;
+mod units;
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
 };
 
@@ -70,25 +71,36 @@ fn platform_store(folder: &Path) -> PathBuf {
     folder.join("platform/platform.sqlite")
 }
 
-/// Returns the reports that the platform has not receipted. The broker may have accepted some of
-/// those that still wait: its answer is stored a moment later.
+/// State of a report without a receipt, as its connector knows it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ReportState {
+    /// The broker has not accepted it, or its answer is not stored yet.
+    Waiting,
+    Sent,
+}
+
+/// Returns the reports that the platform has not receipted.
 pub(super) async fn unreceipted_reports(
     folder: &Path,
     factory: &str,
-) -> anyhow::Result<Vec<ReportKey>> {
+) -> anyhow::Result<Vec<(ReportKey, ReportState)>> {
     let mut store = open(&connector_store(folder, factory)).await?;
     let rows = sqlx::query(
-        "SELECT writer_id, epoch, sequence FROM report WHERE state IN ('SENT', 'WAITING')",
+        "SELECT writer_id, epoch, sequence, state FROM report WHERE state IN ('SENT', 'WAITING')",
     )
     .fetch_all(&mut store)
     .await?;
     Ok(rows
         .iter()
-        .map(|row| ReportKey {
-            factory: factory.to_owned(),
-            writer: row.get("writer_id"),
-            epoch: row.get("epoch"),
-            sequence: row.get("sequence"),
+        .map(|row| {
+            let key = ReportKey {
+                factory: factory.to_owned(),
+                writer: row.get("writer_id"),
+                epoch: row.get("epoch"),
+                sequence: row.get("sequence"),
+            };
+            let is_sent = row.get::<&str, _>("state") == "SENT";
+            (key, if is_sent { ReportState::Sent } else { ReportState::Waiting })
         })
         .collect())
 }
@@ -217,14 +229,14 @@ pub(super) async fn left(
                 epoch: row.get("epoch"),
                 sequence: row.get("sequence"),
             };
-            let recipients: Value = serde_json::from_str(row.get("recipients"))?;
+            let readers: Vec<String> = serde_json::from_str(row.get("recipients"))?;
             let body: Value = serde_json::from_str(row.get("body"))
                 .with_context(|| format!("the body of {key:?}"))?;
             let left = Left {
                 id: row.get("id"),
                 state: row.get("state"),
-                recipients: recipients.as_array().map_or(0, Vec::len),
-                content: Content::of_message(&body)
+                recipients: readers.len(),
+                content: Content::of_message(&body, readers.into_iter().collect())
                     .with_context(|| format!("the body of {key:?}"))?,
             };
             Ok((key, left))
@@ -250,12 +262,15 @@ pub(super) async fn arrived(
     let mut store = open(&platform_store(folder)).await?;
     let rows = sqlx::query(
         "SELECT data_set_writer_id, epoch, sequence, is_replay, fields, shopfloor_timestamp, \
-         report_timestamp, dynamic_data_request_id FROM report WHERE factory_id = ? \
-         ORDER BY report_id",
+         report_timestamp, dynamic_data_request_id, report_name, \
+         (SELECT json_group_array(m.organisation_id) FROM recipient_set_member m \
+          WHERE m.recipient_set_id = report.recipient_set_id) AS readers \
+         FROM report WHERE factory_id = ? ORDER BY report_id",
     )
     .bind(factory)
     .fetch_all(&mut store)
     .await?;
+    let units = units::of_requests(&mut store, factory).await?;
     rows.iter()
         .map(|row| {
             let key = ReportKey {
@@ -264,11 +279,17 @@ pub(super) async fn arrived(
                 epoch: row.get("epoch"),
                 sequence: row.get("sequence"),
             };
+            let readers: BTreeSet<String> = serde_json::from_str(row.get("readers"))?;
+            let request: String = row.get("dynamic_data_request_id");
+            let fields = shown_fields(&serde_json::from_str(row.get("fields"))?)?;
             let content = Content {
-                request: row.get("dynamic_data_request_id"),
+                units: units.of(&request, fields.keys()),
+                request,
+                report_name: row.get("report_name"),
+                readers,
                 report_time: row.get("report_timestamp"),
                 shopfloor_time: row.get("shopfloor_timestamp"),
-                fields: shown_fields(&serde_json::from_str(row.get("fields"))?)?,
+                fields,
             };
             Ok((key, Arrived { is_replay: row.get::<i64, _>("is_replay") != 0, content }))
         })

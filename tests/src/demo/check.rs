@@ -6,11 +6,12 @@ pub(super) mod browser;
 mod crash;
 pub mod latency;
 mod opcua;
+mod tool;
 
 use super::{Cast, play};
 use crate::{
     harness::{Steps, say},
-    world::{Places, World},
+    world::{BrokerKind, ExternalBroker, Places, World},
 };
 
 /// Plays the story in a folder of its own, checks it, and stops everything.
@@ -18,10 +19,19 @@ use crate::{
 /// # Errors
 /// The first step that does not hold.
 pub async fn check(keep: bool) -> anyhow::Result<()> {
+    check_with(BrokerKind::Embedded, keep).await
+}
+
+/// Plays and checks the story with a broker of some make. What other clients say to the platform's own broker, and what
+/// a browser shows, is checked with that one alone.
+///
+/// # Errors
+/// The first step that does not hold.
+pub async fn check_with(broker: BrokerKind, keep: bool) -> anyhow::Result<()> {
     let folder = tempfile::Builder::new().prefix("verbund-demo-").tempdir()?;
     let places = Places::anywhere(folder.path().to_owned())?;
     let mut steps = Steps::default();
-    let mut world = World::start(places)?;
+    let mut world = World::start_beside(places, ExternalBroker::start(broker).await)?;
     let outcome = everything(&mut world, &mut steps).await;
     if outcome.is_err() || keep {
         for daemon in world.daemons() {
@@ -44,9 +54,11 @@ async fn everything(world: &mut World, steps: &mut Steps) -> anyhow::Result<()> 
             latency::of_values(world, &cast.platform, 20),
         )
         .await?;
-    steps.run("a browser shows the buyer's page", browser::partners_page(world)).await?;
-    steps.run("an operator works on without a network", browser::operators_page(world)).await?;
-    steps.run("a passkey signs in on a page", browser::passkey(world)).await?;
+    if world.external.is_none() {
+        steps.run("a browser shows the buyer's page", browser::partners_page(world)).await?;
+        steps.run("an operator works on without a network", browser::operators_page(world)).await?;
+        steps.run("a passkey signs in on a page", browser::passkey(world)).await?;
+    }
     let cast = crash::every_program_in_turn(world, cast, steps).await?;
     steps.run("no report was lost and none counted twice", crash::nothing_lost(&cast)).await?;
     steps.run("everything stops when asked", async { world.stop().map(|()| "") }).await
@@ -76,6 +88,10 @@ async fn seen_from_outside(world: &World, cast: &Cast, steps: &mut Steps) -> any
         )
         .await?;
     steps.run("asyncua may not write another field", opcua::write_mapped(world)).await?;
+    if world.external.is_some() {
+        let asking = tool::asks_and_reads(world, cast);
+        return steps.run("a tool asks and reads over the broker of another make", asking).await;
+    }
     steps
         .run("rubbish over AMQP is answered and changes nothing", amqp::rubbish(world, cast))
         .await?;

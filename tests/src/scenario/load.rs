@@ -26,7 +26,7 @@ pub(crate) const COUNTED: &str = "counted";
 /// Field whose consent ends and comes back all the time, at the first request to each factory.
 pub(crate) const TOGGLED: &str = "measured";
 /// Text that a script makes of a value.
-const SCRIPTED: &str = "scripted";
+pub(crate) const SCRIPTED: &str = "scripted";
 /// Fields of each request that are mapped.
 pub(crate) const FIELDS: [&str; 4] = [TOGGLED, STEPS, SCRIPTED, COUNTED];
 

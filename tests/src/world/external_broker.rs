@@ -8,7 +8,7 @@ use std::{
 
 use anyhow::Context as _;
 use messaging::{
-    BrokerProfile,
+    BrokerProfile, LinkConfig, Login,
     definitions::{Account, BrokerPlan, QueueLimits, rabbitmq_definitions},
     test_support::{Mosquitto, RabbitMq, Saving},
 };
@@ -20,6 +20,8 @@ use crate::{
     harness::write_private,
 };
 
+/// Tool of the buyer that has an account.
+pub const TOOL: &str = "Monitoring";
 /// File with the passwords of all accounts.
 const PASSWORD_FILE: &str = "broker-passwords";
 
@@ -78,7 +80,8 @@ impl ExternalBroker {
                 Process::RabbitMq(RabbitMq::start(&definitions).await)
             }
             BrokerKind::Mosquitto => {
-                Process::Mosquitto(Mosquitto::start(&plan, Saving::AtTheEnd).await)
+                // As `platform definitions mosquitto` says.
+                Process::Mosquitto(Mosquitto::start(&plan, Saving::Always).await)
             }
         };
         Some(Self { process, plan })
@@ -99,8 +102,21 @@ impl ExternalBroker {
         SocketAddr::from((Ipv4Addr::LOCALHOST, port))
     }
 
-    /// Ends and starts again. RabbitMQ is killed: what it confirmed is on its disk. Mosquitto writes its store at an
-    /// orderly end alone, so that one is asked to end.
+    /// True where it accepts messages that are on no disk yet, and that a crash loses.
+    #[must_use]
+    pub const fn loses_by_a_crash(&self) -> bool {
+        matches!(self.process, Process::Mosquitto(_))
+    }
+
+    /// Kills it, as a crash does, and starts it again.
+    pub async fn crash(&mut self) {
+        match &mut self.process {
+            Process::RabbitMq(broker) => broker.kill_and_restart().await,
+            Process::Mosquitto(broker) => broker.kill_and_restart().await,
+        }
+    }
+
+    /// Ends and starts again. RabbitMQ is killed here, too: what it confirmed is on its disk.
     pub async fn restart(&mut self) {
         match &mut self.process {
             Process::RabbitMq(broker) => broker.kill_and_restart().await,
@@ -153,7 +169,8 @@ impl ExternalBroker {
     /// When it cannot be written.
     pub fn write_passwords(&self, folder: &Path) -> anyhow::Result<()> {
         let factories = self.plan.factories.iter().map(|(_, account)| account);
-        let accounts = factories.chain([&self.plan.platform]);
+        let tools = self.plan.tools.iter().map(|(_, account)| account);
+        let accounts = factories.chain(tools).chain([&self.plan.platform]);
         let lines: String = accounts
             .map(|account| format!("{} {}\n", account.user_name, account.password.as_str()))
             .collect();
@@ -162,15 +179,32 @@ impl ExternalBroker {
         std::fs::rename(&aside, folder.join(PASSWORD_FILE)).context("replacing the passwords")
     }
 
+    fn profile(&self) -> BrokerProfile {
+        match self.process {
+            Process::RabbitMq(_) => BrokerProfile::rabbitmq_3(),
+            Process::Mosquitto(_) => BrokerProfile::mqtt(),
+        }
+    }
+
+    /// Returns the configuration of a link of the tool [`TOOL`], which reads what is for it.
+    ///
+    /// # Errors
+    /// When the tool has no account.
+    pub fn link_of_tool(&self) -> anyhow::Result<LinkConfig> {
+        let (_, account) = self.plan.tools.first().context("the tool has an account")?;
+        let login = Login::new(account.user_name.clone(), account.password.as_str());
+        let mut config = LinkConfig::new(self.url().parse()?, login, TOOL);
+        config.profile = self.profile();
+        config.consumed = vec![format!("tool.{TOOL}.reports").parse()?];
+        Ok(config)
+    }
+
     /// Returns the platform's configuration for it. Connectors are sent to the port of a proxy where there is one.
     #[must_use]
     pub fn configuration(&self, folder: &Path, detour: Option<u16>) -> String {
         let url = self.url();
         let (scheme, _) = url.split_once("://").unwrap_or(("amqp", ""));
-        let (scheme, profile) = match self.process {
-            Process::RabbitMq(_) => (scheme, BrokerProfile::rabbitmq_3()),
-            Process::Mosquitto(_) => (scheme, BrokerProfile::mqtt()),
-        };
+        let profile = self.profile();
         let mut text = String::from("[broker]\n");
         if let Some(port) = detour {
             let _ = writeln!(text, "public_url = \"{scheme}://127.0.0.1:{port}\"");
@@ -198,7 +232,10 @@ fn plan() -> BrokerPlan {
     BrokerPlan {
         platform: account("platform".to_owned()),
         factories: [MUNICH, HAMBURG].map(factory).into(),
-        tools: Vec::new(),
+        tools: vec![(
+            TOOL.parse().expect("tools of the tests have ids"),
+            account(format!("tool.{TOOL}")),
+        )],
         limits: QueueLimits::default(),
     }
 }

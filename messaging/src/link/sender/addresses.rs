@@ -49,6 +49,7 @@ struct AddressInFlight {
     address: LogicalAddress,
     /// Number of earlier rejections.
     attempts: u32,
+    is_receipted: bool,
 }
 
 /// A row that left the flight.
@@ -56,6 +57,8 @@ pub(super) struct Settled {
     pub address: LogicalAddress,
     /// Number of earlier rejections.
     pub attempts: u32,
+    /// True where its receiver sends a receipt for it.
+    pub is_receipted: bool,
     /// True when there is room again for rows that were skipped.
     pub needs_rewind: bool,
 }
@@ -112,6 +115,7 @@ impl Addresses {
         // position among the rows.
         let is_full = state.has_skipped || state.in_flight >= room;
         let (id, address, attempts) = (row.id, row.address.clone(), row.attempts);
+        let is_receipted = self.context.store.is_receipted(&row);
         let is_sent = state.backoff_until.is_none() && (is_volatile || !is_full) && {
             let sender = state.sender.get_or_insert_with(|| {
                 let terminus = self.profile.produce(&address);
@@ -122,7 +126,7 @@ impl Addresses {
         };
         if is_sent {
             state.in_flight += 1;
-            self.in_flight.insert(id, AddressInFlight { address, attempts });
+            self.in_flight.insert(id, AddressInFlight { address, attempts, is_receipted });
         } else {
             state.has_skipped |= !is_volatile;
         }
@@ -138,7 +142,7 @@ impl Addresses {
 
     /// Takes a row out of flight; none when it was not in flight.
     pub(super) fn settle(&mut self, id: RowId) -> Option<Settled> {
-        let AddressInFlight { address, attempts } = self.in_flight.remove(&id)?;
+        let AddressInFlight { address, attempts, is_receipted } = self.in_flight.remove(&id)?;
         let mut needs_rewind = false;
         if let Some(state) = self.states.get_mut(&address) {
             state.in_flight = state.in_flight.saturating_sub(1);
@@ -152,7 +156,7 @@ impl Addresses {
                 needs_rewind = true;
             }
         }
-        Some(Settled { address, attempts, needs_rewind })
+        Some(Settled { address, attempts, is_receipted, needs_rewind })
     }
 
     /// Takes rows out of flight without room for others, as when the link stops.

@@ -54,7 +54,7 @@ impl Recording {
 }
 
 /// Records outcomes. The channels need no bound of their own: the sender has at most twice its
-/// window of rows open.
+/// window of rows open, and those that a broker has not stored yet.
 struct Recorder {
     store: Arc<dyn SpoolStore>,
     context: Arc<LinkContext>,

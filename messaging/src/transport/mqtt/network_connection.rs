@@ -2,6 +2,7 @@
 //! waits for writing, so that two full sockets cannot block each other. It waits for subscribers
 //! that take messages, and for the memory that messages need, within a time limit.
 
+mod pings;
 mod writer;
 
 use std::{
@@ -15,6 +16,7 @@ use futures::{
     stream::{SplitSink, SplitStream},
 };
 use parking_lot::Mutex;
+use pings::Pings;
 use rumqttc::v5::mqttbytes::v5::{
     ConnAckProperties, DisconnectReasonCode, Packet, PubAck, PubAckReason, Publish,
     SubscribeReasonCode, Unsubscribe,
@@ -47,6 +49,7 @@ pub(super) struct NetworkConnection {
     loss: watch::Receiver<Option<ConnectionFault>>,
     /// True while the reader waits for subscribers that take messages.
     congestion: watch::Receiver<bool>,
+    pings: Arc<Pings>,
     stop: CancellationToken,
     /// Largest packet that the broker accepts, in bytes.
     pub packet_bytes_max: Option<u32>,
@@ -104,7 +107,7 @@ impl NetworkConnection {
         let keep_alive = server_keep_alive
             .map_or(limits.idle_timeout, |seconds| Duration::from_secs(u64::from(seconds)));
         let receive_max = limits.credit.clamp(1, u32::from(u16::MAX)) as usize;
-        let has_subscriber = Arc::new(Notify::new());
+        let (has_subscriber, pings) = (Arc::new(Notify::new()), Arc::<Pings>::default());
         let reader = PacketReader {
             state: Arc::clone(&state),
             has_subscriber: Arc::clone(&has_subscriber),
@@ -113,6 +116,7 @@ impl NetworkConnection {
             packets: packets.downgrade(),
             receive_max,
             keep_alive,
+            pings: Arc::clone(&pings),
         };
         tokio::spawn(run(sink, stream, waiting, reader, lost, stop.clone()));
         Arc::new(Self {
@@ -122,6 +126,7 @@ impl NetworkConnection {
             send_quota: Arc::new(Semaphore::new(usize::from(send_quota.max(1)))),
             loss,
             congestion,
+            pings,
             stop,
             packet_bytes_max: granted.max_packet_size,
             receive_max,
@@ -210,6 +215,14 @@ impl NetworkConnection {
             .unwrap_or_else(|| ConnectionFault::transient("the connection ended"))
     }
 
+    /// Waits until the broker has answered a ping that is written from now on. False where the connection is lost before.
+    pub(super) async fn answers(&self) -> bool {
+        tokio::select! {
+            () = self.pings.ask(&self.packets) => true,
+            _ = self.lost() => false,
+        }
+    }
+
     /// Waits until the reader waits for subscribers: no answer of the broker arrives before they
     /// have taken messages.
     pub(super) async fn congested(&self) {
@@ -238,7 +251,7 @@ async fn run(
 ) {
     let fault = tokio::select! {
         fault = reader.read(stream) => fault,
-        fault = writer::write(sink, waiting, stop, reader.keep_alive) => fault,
+        fault = writer::write(sink, waiting, stop, reader.keep_alive, Arc::clone(&reader.pings)) => fault,
     };
     {
         // All awaited answers resolve now, as errors.
@@ -257,6 +270,7 @@ struct PacketReader {
     packets: mpsc::WeakSender<Packet>,
     receive_max: usize,
     keep_alive: Duration,
+    pings: Arc<Pings>,
 }
 
 impl PacketReader {
@@ -308,6 +322,7 @@ impl PacketReader {
                         );
                     }
                 }
+                Packet::PingResp(_) => self.pings.answered(),
                 Packet::Disconnect(packet) => return disconnected(packet.reason_code),
                 _ => {}
             }

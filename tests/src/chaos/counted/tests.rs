@@ -36,6 +36,7 @@ fn all() -> All {
                 report_time: Some(time),
                 shopfloor_time: Some(time),
                 fields: fields.into(),
+                ..Content::default()
             };
             let key = ReportKey { factory: MUNICH.to_owned(), writer, epoch: 1, sequence };
             let left = Left { id: sequence, state: "DONE".to_owned(), recipients: 1, content };
@@ -81,6 +82,31 @@ fn counts_are_missing_only_where_something_was_disturbed() {
     assert_eq!(holes(&all(40..60), &[]).0.len(), 1);
     assert_eq!(holes(&all(40..60), &[Span { from: 420, to: 450 }]).0, [""; 0]);
     assert_eq!(holes(&all(40..60), &[Span { from: 700, to: 800 }]).0.len(), 1);
+}
+
+#[test]
+fn a_disturbance_excuses_what_is_lost_around_it_and_no_more() {
+    let second = TICKS_A_SECOND / EACH;
+    let lost = |from: i64, to: i64, disturbed: &[Span]| {
+        let counts = (0..400).filter(|count| !(from..to).contains(count));
+        holes(&counts.map(|count| (count, count * EACH)).collect(), disturbed).0
+    };
+    let start = [span(100, 100 + 5 * second)];
+    assert_eq!(lost(101, 101 + 19 * second, &start), [""; 0]);
+    assert_eq!(lost(101, 101 + 25 * second, &start).len(), 1, "25 s after a start");
+    let many: Vec<Span> = (0..10).map(|n| span(100 + 20 * n, 120 + 20 * n)).collect();
+    assert_eq!(lost(101, 299, &many), [""; 0], "one disturbance after the other");
+}
+
+#[test]
+fn what_is_lost_all_the_time_is_seen_though_it_is_little() {
+    let counts = |is_lost: &dyn Fn(i64) -> bool| -> Counts {
+        (0..400).filter(|count| !is_lost(*count)).map(|count| (count, count * EACH)).collect()
+    };
+    assert_eq!(holes(&counts(&|count| count % 7 == 3), &[]).0.len(), 1, "each seventh");
+    assert_eq!(holes(&counts(&|count| count % 10 == 3), &[]).0.len(), 1, "each tenth");
+    let in_spells = |count: i64| count % 200 > 160 && count % 2 == 0;
+    assert_eq!(holes(&counts(&in_spells), &[]).0, [""; 0], "each second one, by spells");
 }
 
 #[test]

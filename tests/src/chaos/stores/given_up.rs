@@ -150,12 +150,7 @@ mod tests {
 
     /// Returns a report of a request, as it left.
     fn left(request: &str) -> BTreeMap<ReportKey, Left> {
-        let content = Content {
-            request: request.to_owned(),
-            report_time: None,
-            shopfloor_time: None,
-            fields: BTreeMap::new(),
-        };
+        let content = Content { request: request.to_owned(), ..Content::default() };
         let report = Left { id: REPORT, state: "DONE".to_owned(), recipients: 1, content };
         let keys = causes("").into_keys();
         keys.map(|key| (key, report.clone())).collect()

@@ -11,7 +11,7 @@ use crate::{
     world::World,
 };
 
-/// Kills connector, platform (with its broker) and machines without warning, starts each again, and
+/// Kills connector, platform (with its broker), a broker of another make and machines without warning, starts each again, and
 /// waits until values flow as before.
 pub(super) async fn every_program_in_turn(
     world: &mut World,
@@ -38,13 +38,22 @@ pub(super) async fn every_program_in_turn(
             goes_on(&platform).await
         })
         .await?;
+    let title = match &world.external {
+        None => "Proton in the platform's place sends a request and reads reports",
+        Some(_) => "kill -9 of the broker of another make, and everything goes on",
+    };
     steps
-        .run("Proton in the platform's place sends a request and reads reports", async {
-            let mut broker = world.broker_alone()?;
-            let read = super::amqp::in_the_platforms_place(world).await?;
-            broker.stop(Duration::from_secs(15))?;
-            world.platform.restart()?;
-            platform = world.platform_api().await?;
+        .run(title, async {
+            let mut read = String::new();
+            if let Some(broker) = &mut world.external {
+                broker.crash().await;
+            } else {
+                let mut broker = world.broker_alone()?;
+                read = super::amqp::in_the_platforms_place(world).await?;
+                broker.stop(Duration::from_secs(15))?;
+                world.platform.restart()?;
+                platform = world.platform_api().await?;
+            }
             story::link_is_up(&munich).await?;
             goes_on(&platform).await.map(|_| read)
         })

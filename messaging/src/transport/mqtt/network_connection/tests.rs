@@ -1,6 +1,6 @@
 use futures::SinkExt;
 use rumqttc::v5::mqttbytes::{QoS, v5::Subscribe};
-use tokio::io::DuplexStream;
+use tokio::io::{AsyncWriteExt as _, DuplexStream};
 use tokio_util::codec::Framed;
 
 use super::{
@@ -66,4 +66,28 @@ async fn a_broker_without_keep_alive_is_pinged() {
 async fn a_flood_that_is_not_read_ends_the_connection() {
     let (connection, _broker) = flooded(1).await;
     assert!(connection.lost().await.reason.contains("more than it may"));
+}
+
+#[tokio::test]
+async fn a_broker_answers_what_it_was_asked_and_not_what_was_asked_before() {
+    const ANSWER: [u8; 2] = [0xD0, 0x00];
+    let (ours, theirs) = tokio::io::duplex(1 << 20);
+    let ours: Box<dyn Stream> = Box::new(ours);
+    let limits = LinkLimits::default();
+    let connection =
+        NetworkConnection::start(Framed::new(ours, codec()), &no_properties(), &limits);
+    let mut broker = Framed::new(theirs, codec());
+    let first = broker.next().await;
+    assert!(matches!(first, Some(Ok(Incoming::Packet(Packet::PingReq(_))))), "{first:?}");
+    let asked = Arc::clone(&connection);
+    let mut asking = tokio::spawn(async move { asked.answers().await });
+    let second = broker.next().await;
+    assert!(matches!(second, Some(Ok(Incoming::Packet(Packet::PingReq(_))))), "{second:?}");
+    broker.get_mut().write_all(&ANSWER).await.expect("there is room");
+    let answered = timeout(Duration::from_millis(100), &mut asking).await;
+    assert!(answered.is_err(), "that was the answer to the first one");
+    broker.get_mut().write_all(&ANSWER).await.expect("there is room");
+    assert!(asking.await.expect("no panic"));
+    drop(broker);
+    assert!(!connection.answers().await, "the connection is lost");
 }

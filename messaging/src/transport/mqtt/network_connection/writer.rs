@@ -1,12 +1,16 @@
 //! The writing half of a connection.
 
-use std::time::Duration;
+use std::{sync::Arc, time::Duration};
 
 use futures::{SinkExt, stream::SplitSink};
-use rumqttc::v5::mqttbytes::v5::{Disconnect, DisconnectReasonCode, Packet, PingReq};
+use rumqttc::v5::mqttbytes::{
+    Error,
+    v5::{Disconnect, DisconnectReasonCode, Packet, PingReq},
+};
 use tokio::{sync::mpsc, time::timeout};
 use tokio_util::sync::CancellationToken;
 
+use super::pings::Pings;
 use crate::transport::{
     connection::ConnectionFault,
     mqtt::{config::CLOSE_TIMEOUT, framing::PacketStream},
@@ -18,6 +22,7 @@ pub(super) async fn write(
     mut waiting: mpsc::Receiver<Packet>,
     stop: CancellationToken,
     keep_alive: Duration,
+    pings: Arc<Pings>,
 ) -> ConnectionFault {
     // Three answers are due within the time after which the reader gives the broker up.
     let mut ping = tokio::time::interval(keep_alive / 3);
@@ -35,12 +40,12 @@ pub(super) async fn write(
             },
             _ = ping.tick() => Packet::PingReq(PingReq),
         };
-        if let Err(e) = sink.feed(packet).await {
+        if let Err(e) = feed(&mut sink, packet, &pings).await {
             return ConnectionFault::transient(format!("the connection was lost: {e:?}"));
         }
         // One system call for all packets that wait by now.
         while let Ok(packet) = waiting.try_recv() {
-            if let Err(e) = sink.feed(packet).await {
+            if let Err(e) = feed(&mut sink, packet, &pings).await {
                 return ConnectionFault::transient(format!("the connection was lost: {e:?}"));
             }
         }
@@ -48,4 +53,15 @@ pub(super) async fn write(
             return ConnectionFault::transient(format!("the connection was lost: {e:?}"));
         }
     }
+}
+
+async fn feed(
+    sink: &mut SplitSink<PacketStream, Packet>,
+    packet: Packet,
+    pings: &Pings,
+) -> Result<(), Error> {
+    if matches!(packet, Packet::PingReq(_)) {
+        pings.writes();
+    }
+    sink.feed(packet).await
 }
