@@ -1,9 +1,12 @@
-use std::{path::PathBuf, time::Duration};
+use std::{path::PathBuf, sync::Arc, time::Duration};
 
 use opcua_core::config::{Config, ConfigError};
 use tracing::error;
 
-use super::{Client, ClientConfig, ClientEndpoint, ClientUserToken, ANONYMOUS_USER_TOKEN_ID};
+use super::{
+    transport::IncomingBudget, Client, ClientConfig, ClientEndpoint, ClientUserToken,
+    ANONYMOUS_USER_TOKEN_ID,
+};
 
 #[derive(Default)]
 /// Client builder.
@@ -312,6 +315,13 @@ impl ClientBuilder {
     /// Sets the session timeout period, in milliseconds.
     pub fn session_timeout(mut self, session_timeout: u32) -> Self {
         self.config.session_timeout = session_timeout;
+        self
+    }
+
+    /// Share the room for incoming messages with other clients that are given the same budget. Without one
+    /// only single messages are bounded.
+    pub fn incoming_budget(mut self, incoming_budget: Arc<IncomingBudget>) -> Self {
+        self.config.incoming_budget = Some(incoming_budget);
         self
     }
 

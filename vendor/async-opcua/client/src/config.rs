@@ -9,6 +9,7 @@ use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
     str::FromStr,
+    sync::Arc,
     time::Duration,
 };
 
@@ -22,7 +23,7 @@ use opcua_types::{
     ApplicationType, EndpointDescription, Error, MessageSecurityMode, StatusCode, UAString,
 };
 
-use crate::{Client, IdentityToken, SessionRetryPolicy};
+use crate::{transport::IncomingBudget, Client, IdentityToken, SessionRetryPolicy};
 
 /// Token ID of the anonymous user token.
 pub const ANONYMOUS_USER_TOKEN_ID: &str = "ANONYMOUS";
@@ -304,6 +305,9 @@ pub struct ClientConfig {
     /// Requested session timeout in milliseconds
     #[serde(default = "defaults::session_timeout")]
     pub(crate) session_timeout: u32,
+    /// Room for incoming messages that the connections of several clients share
+    #[serde(skip)]
+    pub(crate) incoming_budget: Option<Arc<IncomingBudget>>,
 }
 
 impl Config for ClientConfig {
@@ -623,6 +627,7 @@ impl ClientConfig {
             session_name: "Rust OPC UA Client".into(),
             session_timeout: defaults::session_timeout(),
             session_nonce_length: defaults::session_nonce_length(),
+            incoming_budget: None,
         }
     }
 }

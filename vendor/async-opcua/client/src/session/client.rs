@@ -219,6 +219,7 @@ impl Client {
                 recv_buffer_size: self.config.decoding_options.max_incoming_chunk_size,
                 max_message_size: self.config.decoding_options.max_message_size,
                 max_chunk_count: self.config.decoding_options.max_chunk_count,
+                incoming_budget: self.config.incoming_budget.clone(),
             },
             channel_lifetime,
             // We should only ever need the default decoding context for temporary connections.

@@ -458,6 +458,7 @@ where
                 recv_buffer_size: config.decoding_options.max_incoming_chunk_size,
                 max_message_size: config.decoding_options.max_message_size,
                 max_chunk_count: config.decoding_options.max_chunk_count,
+                incoming_budget: config.incoming_budget.clone(),
             },
             config.channel_lifetime,
             Arc::new(RwLock::new(ctx)),

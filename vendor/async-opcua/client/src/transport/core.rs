@@ -10,23 +10,21 @@ use tracing::{debug, error, trace, warn};
 use opcua_core::comms::buffer::SendBuffer;
 use opcua_core::comms::message_chunk::{MessageFinalError, MessageIsFinalType};
 use opcua_core::comms::{
-    chunker::Chunker, message_chunk::MessageChunk, message_chunk_info::ChunkInfo,
-    tcp_codec::Message,
+    chunker::Chunker, message_chunk::MessageChunk, tcp_codec::Message,
 };
 use opcua_types::{Error, StatusCode, UAString};
 
+use crate::transport::incoming::{
+    ConnectionRoom, IncomingBudget, MessageRoom, ReceivedChunk, ReceivedResponse,
+};
 use crate::transport::state::SecureChannelState;
 use crate::transport::RequestRecv;
 
-#[derive(Debug)]
-struct MessageChunkWithChunkInfo {
-    header: ChunkInfo,
-    data_with_header: bytes::Bytes,
-}
-
 pub(crate) struct MessageState {
-    callback: tokio::sync::oneshot::Sender<Result<ResponseMessage, Error>>,
-    chunks: Vec<MessageChunkWithChunkInfo>,
+    callback: tokio::sync::oneshot::Sender<Result<ReceivedResponse, Error>>,
+    room: MessageRoom,
+    chunk_count: usize,
+    body_length: usize,
     deadline: Instant,
     span: tracing::Span,
 }
@@ -39,8 +37,12 @@ pub struct TransportState {
     message_states: HashMap<u32, MessageState>,
     /// Secure channel
     pub channel_state: Arc<SecureChannelState>,
-    /// Max pending incoming messages
+    /// Max chunks of an incoming message
     max_chunk_count: usize,
+    /// Max length in bytes of the body of an incoming message
+    max_message_size: usize,
+    /// Room for incoming messages
+    room: Arc<ConnectionRoom>,
     /// Last decoded sequence number
     sequence_numbers: SequenceNumberHandle,
     /// Max size of incoming chunks
@@ -77,7 +79,7 @@ pub struct OutgoingMessage {
     /// The actual request message to send.
     pub request: RequestMessage,
     /// A callback that should be called when a response is received.
-    pub callback: Option<tokio::sync::oneshot::Sender<Result<ResponseMessage, Error>>>,
+    pub callback: Option<tokio::sync::oneshot::Sender<Result<ReceivedResponse, Error>>>,
     /// Deadline for the request.
     pub deadline: Instant,
     /// An optional tracing span to attach to the request.
@@ -103,8 +105,24 @@ impl TransportState {
             message_states: HashMap::new(),
             sequence_numbers: SequenceNumberHandle::new(legacy_sequence_numbers),
             max_chunk_count,
+            max_message_size: 0,
+            room: Arc::new(IncomingBudget::new(usize::MAX)).connect(),
             receive_buffer_size,
         }
+    }
+
+    /// Bound the bytes of incoming messages: of each one, where 0 means no limit, and of those of all
+    /// connections that share the budget.
+    pub fn with_incoming_limits(
+        mut self,
+        max_message_size: usize,
+        budget: Option<&Arc<IncomingBudget>>,
+    ) -> Self {
+        self.max_message_size = max_message_size;
+        if let Some(budget) = budget {
+            self.room = budget.connect();
+        }
+        self
     }
 
     /// Wait for an outgoing message. Will also check for timed out messages.
@@ -130,7 +148,9 @@ impl TransportState {
                     if let Some(callback) = outgoing.callback {
                         self.message_states.insert(request_id, MessageState {
                             callback,
-                            chunks: Vec::new(),
+                            room: self.room.expect(request_id),
+                            chunk_count: 0,
+                            body_length: 0,
                             deadline: outgoing.deadline,
                             span: outgoing.span,
                         });
@@ -244,6 +264,26 @@ impl TransportState {
             return Ok(());
         };
 
+        if chunk_info.message_header.is_final != MessageIsFinalType::FinalError {
+            message_state.body_length += chunk_info.body_length;
+            if self.max_message_size > 0 && message_state.body_length > self.max_message_size {
+                // Removing the message state means that we ignore any further chunks.
+                let message_state = self.message_states.remove(&req_id).unwrap();
+                message_state.span.in_scope(|| {
+                    error!(
+                        "Message {} exceeded max message size {}",
+                        req_id, self.max_message_size
+                    );
+                    let _ = message_state.callback.send(Err(Error::new(
+                        StatusCode::BadResponseTooLarge,
+                        "Message exceeded max message size",
+                    )
+                    .with_request_id(req_id)));
+                });
+                return Ok(());
+            }
+        }
+
         match chunk_info.message_header.is_final {
             MessageIsFinalType::Intermediate => {
                 let _h = message_state.span.enter();
@@ -253,11 +293,11 @@ impl TransportState {
                     chunk_info.sequence_header.sequence_number,
                     chunk_info.body_length
                 );
-                message_state.chunks.push(MessageChunkWithChunkInfo {
-                    header: chunk_info,
-                    data_with_header: chunk.data,
-                });
-                if self.max_chunk_count > 0 && message_state.chunks.len() > self.max_chunk_count {
+                message_state
+                    .room
+                    .push(ReceivedChunk::new(chunk_info, chunk))?;
+                message_state.chunk_count += 1;
+                if self.max_chunk_count > 0 && message_state.chunk_count > self.max_chunk_count {
                     error!(
                         "Message has more than {} chunks, exceeding negotiated limits",
                         self.max_chunk_count
@@ -299,14 +339,14 @@ impl TransportState {
                     chunk_info.sequence_header.sequence_number,
                     chunk_info.body_length
                 );
-                message_state.chunks.push(MessageChunkWithChunkInfo {
-                    header: chunk_info,
-                    data_with_header: chunk.data,
-                });
+                message_state
+                    .room
+                    .push(ReceivedChunk::new(chunk_info, chunk))?;
                 drop(_h);
                 let message_state = self.message_states.remove(&req_id).unwrap();
                 let _h = message_state.span.enter();
-                let in_chunks = Self::merge_chunks(message_state.chunks).inspect_err(|e| {
+                let (chunks, held) = message_state.room.complete()?;
+                let in_chunks = Self::merge_chunks(chunks).inspect_err(|e| {
                     error!("Failed to merge chunks for message, request_id = {req_id}: {e}");
                 })?;
                 let message = self
@@ -332,7 +372,9 @@ impl TransportState {
                     })?;
                 }
 
-                let _ = message_state.callback.send(Ok(message));
+                let _ = message_state
+                    .callback
+                    .send(Ok(ReceivedResponse::new(message, held)));
             }
         }
         Ok(())
@@ -350,37 +392,37 @@ impl TransportState {
     }
 
     fn merge_chunks(
-        mut chunks: Vec<MessageChunkWithChunkInfo>,
+        mut chunks: Vec<ReceivedChunk>,
     ) -> Result<Vec<MessageChunk>, Error> {
         if chunks.len() == 1 {
             return Ok(vec![MessageChunk {
-                data: chunks.pop().unwrap().data_with_header,
+                data: chunks.pop().unwrap().data,
             }]);
         }
         chunks.sort_by(|a, b| {
-            a.header
+            a.info
                 .sequence_header
                 .sequence_number
-                .cmp(&b.header.sequence_header.sequence_number)
+                .cmp(&b.info.sequence_header.sequence_number)
         });
         let mut ret = Vec::with_capacity(chunks.len());
         let mut expect_sequence_number = chunks
             .first()
             .unwrap()
-            .header
+            .info
             .sequence_header
             .sequence_number;
         for c in chunks {
-            if c.header.sequence_header.sequence_number != expect_sequence_number {
+            if c.info.sequence_header.sequence_number != expect_sequence_number {
                 warn!(
                     "receive wrong chunk expect seq={} got={}",
-                    expect_sequence_number, c.header.sequence_header.sequence_number
+                    expect_sequence_number, c.info.sequence_header.sequence_number
                 );
                 continue; //may be duplicate chunk
             }
             expect_sequence_number += 1;
             ret.push(MessageChunk {
-                data: c.data_with_header,
+                data: c.data,
             });
         }
         Ok(ret)
@@ -419,5 +461,149 @@ impl TransportState {
         }
 
         status
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use arc_swap::ArcSwap;
+    use opcua_core::{
+        comms::secure_channel::{Role, SecureChannel},
+        sync::RwLock,
+    };
+    use opcua_crypto::{CertificateStore, SecurityPolicy};
+    use opcua_types::{ContextOwned, DecodingOptions, NamespaceMap, NodeId};
+    use tokio::sync::{mpsc, oneshot};
+
+    use super::*;
+
+    const CHUNK_SIZE: usize = 60_000;
+
+    type Answer = oneshot::Receiver<Result<ReceivedResponse, Error>>;
+
+    /// A connection without security to a server that owes the answers to these requests.
+    struct Client {
+        transport: TransportState,
+        answers: Vec<Answer>,
+        _requests: mpsc::Sender<OutgoingMessage>,
+    }
+
+    fn client(requests: u32, max_message_size: usize, budget: &Arc<IncomingBudget>) -> Client {
+        let store = CertificateStore::new(&std::env::temp_dir().join("no-such-folder"));
+        let context =
+            ContextOwned::new_default(NamespaceMap::new(), DecodingOptions::test());
+        let mut channel = SecureChannel::new(
+            Arc::new(RwLock::new(store)),
+            Role::Client,
+            Arc::new(RwLock::new(context)),
+        );
+        channel.set_security_policy(SecurityPolicy::None);
+        let state = SecureChannelState::new(
+            false,
+            Arc::new(RwLock::new(channel)),
+            Arc::new(ArcSwap::new(Arc::new(NodeId::null()))),
+        );
+        let (sender, receiver) = mpsc::channel(1);
+        let mut transport = TransportState::new(Arc::new(state), receiver, 0, 65_536)
+            .with_incoming_limits(max_message_size, Some(budget));
+        let answers = (1..=requests)
+            .map(|request_id| {
+                let (callback, answer) = oneshot::channel();
+                transport.message_states.insert(
+                    request_id,
+                    MessageState {
+                        callback,
+                        room: transport.room.expect(request_id),
+                        chunk_count: 0,
+                        body_length: 0,
+                        deadline: Instant::now() + Duration::from_secs(60),
+                        span: tracing::Span::none(),
+                    },
+                );
+                answer
+            })
+            .collect();
+        Client {
+            transport,
+            answers,
+            _requests: sender,
+        }
+    }
+
+    impl Client {
+        /// Take the next chunk of the answer to a request.
+        fn take(&mut self, is_final: u8, request_id: u32) -> Result<(), Error> {
+            let sequence_number = self.transport.sequence_numbers.current();
+            let mut data = vec![b'M', b'S', b'G', is_final];
+            for number in [CHUNK_SIZE as u32, 0, 0, sequence_number, request_id] {
+                data.extend(number.to_le_bytes());
+            }
+            data.resize(CHUNK_SIZE, 0);
+            self.transport
+                .handle_incoming_message(Message::Chunk(MessageChunk { data: data.into() }))
+        }
+    }
+
+    #[test]
+    fn many_servers_hold_no_more_than_the_budget_and_an_honest_one_has_its_part() {
+        const MAX_BYTES: usize = 4 << 20;
+        let budget = Arc::new(IncomingBudget::new(MAX_BYTES));
+        let mut honest = client(1, 0, &budget);
+        let mut hostile: Vec<Client> = (0..20).map(|_| client(3, 0, &budget)).collect();
+        let mut most = 0;
+        for round in 0..60 {
+            for one in &mut hostile {
+                if (1..=3).any(|request_id| one.take(b'C', request_id).is_err()) {
+                    *one = client(3, 0, &budget);
+                }
+                assert!(budget.held_bytes() <= MAX_BYTES, "{budget:?}");
+                most = most.max(budget.held_bytes());
+            }
+            // A part of 21 is three chunks.
+            if round % 20 == 10 {
+                honest.take(b'C', 1).unwrap();
+            }
+        }
+        assert!(most > MAX_BYTES - CHUNK_SIZE * 2, "{most}");
+        assert_eq!(honest.transport.message_states[&1].chunk_count, 3);
+
+        drop((honest, hostile));
+        assert_eq!(budget.held_bytes(), 0);
+    }
+
+    #[test]
+    fn who_holds_most_makes_room_and_ends() {
+        let budget = Arc::new(IncomingBudget::new(10 * CHUNK_SIZE));
+        let mut greedy = client(1, 0, &budget);
+        for _ in 0..9 {
+            greedy.take(b'C', 1).unwrap();
+        }
+        let mut other = client(1, 0, &budget);
+        for _ in 0..2 {
+            other.take(b'C', 1).unwrap();
+        }
+        assert!(budget.held_bytes() < 3 * CHUNK_SIZE, "{budget:?}");
+        let refused = greedy.take(b'C', 1).unwrap_err();
+        assert_eq!(refused.status(), StatusCode::BadResponseTooLarge);
+        other.take(b'C', 1).unwrap();
+    }
+
+    #[test]
+    fn a_message_has_a_length_in_bytes_whatever_its_chunks_are() {
+        let budget = Arc::new(IncomingBudget::new(usize::MAX));
+        let mut client = client(2, 2 * CHUNK_SIZE, &budget);
+        for _ in 0..3 {
+            client.take(b'C', 1).unwrap();
+        }
+        let answer = client.answers[0].try_recv().unwrap();
+        assert!(answer.is_err_and(|e| e.status() == StatusCode::BadResponseTooLarge));
+        assert_eq!(budget.held_bytes(), 0);
+        // The other answer is not concerned.
+        client.take(b'C', 2).unwrap();
+        assert!(budget.held_bytes() > 0);
+        drop(client);
+        assert_eq!(budget.held_bytes(), 0);
     }
 }

@@ -6,7 +6,7 @@ use std::{
 use tokio::sync::mpsc::error::SendTimeoutError;
 use tracing::{debug, error, trace, trace_span};
 
-use crate::transport::OutgoingMessage;
+use crate::transport::{OutgoingMessage, ReceivedResponse};
 use arc_swap::ArcSwap;
 use opcua_core::{
     comms::secure_channel::SecureChannel, handle::AtomicHandle, sync::RwLock, trace_write_lock,
@@ -97,7 +97,7 @@ impl Request {
         }
 
         match cb_recv.await {
-            Ok(r) => r,
+            Ok(r) => r.map(ReceivedResponse::into_message),
             // Should not really happen, would mean something panicked.
             Err(_) => Err(Error::new(
                 StatusCode::BadConnectionClosed,

@@ -211,7 +211,8 @@ where
                 outgoing_recv,
                 config.max_chunk_count,
                 ack.send_buffer_size.min(config.recv_buffer_size as u32) as usize,
-            ),
+            )
+            .with_incoming_limits(config.max_message_size, config.incoming_budget.as_ref()),
             read: connection.reader,
             write: connection.writer,
             send_buffer: buffer,

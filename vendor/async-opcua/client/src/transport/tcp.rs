@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use crate::transport::state::SecureChannelState;
 use crate::transport::stream::{wait_for_reverse_hello, StreamConnection};
-use crate::transport::{StreamConnector, StreamTransport};
+use crate::transport::{IncomingBudget, StreamConnector, StreamTransport};
 
 use super::connect::Connector;
 use super::core::OutgoingMessage;
@@ -30,6 +30,8 @@ pub struct TransportConfiguration {
     pub max_message_size: usize,
     /// Maximum number of chunks in a message.
     pub max_chunk_count: usize,
+    /// Room for incoming messages that this connection shares with others.
+    pub incoming_budget: Option<Arc<IncomingBudget>>,
 }
 /// Connector for `opc.tcp` transport.
 pub struct TcpConnector {
