@@ -27,6 +27,7 @@ pub mod provider;
 mod security;
 mod server;
 mod session_token;
+mod sessions;
 mod trust_fault;
 
 pub use access::{Authenticator, FieldWriter, Role, SignInRefusal, TwinDecision, TwinUser};
@@ -43,4 +44,5 @@ pub use security::{
     },
 };
 pub use server::Twin;
+pub use sessions::TwinSession;
 pub use trust_fault::TrustFault;
