@@ -18,6 +18,12 @@ pub(crate) fn ago(duration: Duration) -> DateTime {
     now.checked_sub(duration).unwrap_or(now).into()
 }
 
+/// Returns the time since 1970, as file systems count it; zero before.
+#[expect(clippy::disallowed_methods, reason = "the clock of the crate")]
+pub(crate) fn unix_time() -> Duration {
+    std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default()
+}
+
 /// Returns the current time in the type of the OPC UA stack, for timestamps of the server.
 #[expect(clippy::disallowed_methods, reason = "the clock of the crate")]
 pub(crate) fn stack_now() -> StackTime {

@@ -5,6 +5,7 @@ pub(crate) mod certificate;
 pub(crate) mod certificate_files;
 pub(crate) mod connections;
 pub(crate) mod issuance;
+pub(crate) mod known_folders;
 pub(crate) mod login;
 pub(crate) mod rejected_clients;
 pub(crate) mod renewal;

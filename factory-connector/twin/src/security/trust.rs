@@ -2,7 +2,7 @@
 //! authorities and their revocation lists.
 //!
 //! A certificate that is new to the twin is stored among those that wait; approving moves it to the
-//! trusted ones, rejecting to the denied ones. The folders are authoritative: the server reads them at
+//! trusted ones, rejecting to the denied ones. The folders are authoritative: the server looks at them at
 //! every connection. Open sessions whose certificate lost its trust by a change end within moments.
 
 mod authorities;
