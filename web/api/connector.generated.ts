@@ -2488,6 +2488,8 @@ export interface components {
         ClientCertificateView: {
             /** @description The application it was made for, as it says. */
             applicationUri?: string | null;
+            /** @description Person who approved it; none for one that is trusted without an approval on record, or not trusted. */
+            approvedBy?: string | null;
             /** @description SHA-256 over the certificate in hexadecimal digits, for people to compare. */
             fingerprint: string;
             /** @description End of its validity. */
@@ -2532,7 +2534,7 @@ export interface components {
         ClientTrust: "TRUSTED" | "REJECTED" | "DENIED";
         /** @description Approval of a client's certificate. */
         ClientTrustBody: {
-            /** @description True: its bearer may connect from now on. False: it is rejected, and its open sessions end. */
+            /** @description True: its bearer may connect from now on, with this person's approval. False: it is rejected, and its open sessions end. */
             isTrusted: boolean;
         };
         /**

@@ -121,6 +121,7 @@ async fn people_sign_in_at_the_twin_until_their_password_changes() {
         format!("/client-certificates/{}", waiting["thumbprint"].as_str().expect("a thumbprint"));
     let trusted = plant.put(&path, json!({ "isTrusted": true })).await;
     assert_eq!((&trusted["state"], &trusted["rejectedAt"]), (&json!("TRUSTED"), &Value::Null));
+    assert_eq!(trusted["approvedBy"], "engineer");
 
     let session =
         sign_in(&url, pki(), "otto", "otto at machine 7").await.expect("otto may come in");

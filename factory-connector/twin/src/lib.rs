@@ -37,6 +37,7 @@ pub use error::TwinError;
 pub use handle::TwinHandle;
 pub use security::{
     application_certificate::{ApplicationCertificate, InstalledCertificate, RequestedSubject},
+    approvals::Approval,
     rejected_clients::{ConnectionRejection, RejectionReason},
     trust::{
         Authority, CertificateState, ClientCertificate, RevocationKnowledge, RevocationList,

@@ -1,6 +1,7 @@
 //! Access to the twin: its application certificate, the trust list, and users.
 
 pub(crate) mod application_certificate;
+pub(crate) mod approvals;
 pub(crate) mod certificate;
 pub(crate) mod certificate_files;
 pub(crate) mod connections;

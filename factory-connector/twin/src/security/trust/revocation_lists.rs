@@ -18,7 +18,7 @@ use crate::{
             ItemsIn, KnownCertificate, KnownList, certificates_in, is_revoked, is_signed_by,
             lists_in,
         },
-        rejected_clients::thumbprint,
+        rejected_clients::{fingerprint, thumbprint},
     },
 };
 
@@ -151,6 +151,7 @@ impl TrustList {
                     fs::remove_file(path)
                         .map_err(|source| TwinError::Pki { path: path.clone(), source })?;
                 }
+                self.approvals.forget(&fingerprint(&certificate))?;
                 let thumbprint = thumbprint(&certificate);
                 self.changed(
                     by,

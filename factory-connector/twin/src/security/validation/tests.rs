@@ -197,6 +197,38 @@ fn development_trust_leaves_nothing_behind() {
 }
 
 #[test]
+fn a_certificate_that_was_trusted_without_a_person_is_marked_until_one_approves_it() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join(TRUSTED)).unwrap();
+    let (client, other) = (self_signed(), self_signed());
+    store(&folder.path().join(TRUSTED), &client, client.as_byte_string().as_ref());
+    prepare_folders(folder.path()).unwrap();
+    let fixture = Fixture::of(folder, false);
+    let list = &fixture.list;
+    let unapproved = || {
+        let found = list.unapproved().unwrap();
+        found.into_iter().map(|one| one.thumbprint).collect::<Vec<_>>()
+    };
+    assert_eq!(unapproved(), [thumbprint(&client)]);
+    assert_eq!(fixture.check(&client), Ok(()), "it goes on until a person decides");
+    assert!(list.trust(&thumbprint(&client), "anna").unwrap());
+    assert!(unapproved().is_empty());
+    let approval = list.list().unwrap()[0].approval.clone().unwrap();
+    assert_eq!(approval.by, "anna");
+    assert!(list.trust(&thumbprint(&client), "eva").unwrap(), "again");
+    assert_eq!(list.list().unwrap()[0].approval.clone(), Some(approval), "of the first one");
+
+    // One that waited has it from the beginning.
+    fixture.show(&other);
+    assert!(list.trust(&thumbprint(&other), "anna").unwrap());
+    assert!(unapproved().is_empty());
+    // An approval ends with the trust: the file, copied back by hand, has none.
+    assert!(list.reject(&thumbprint(&other), "anna").unwrap());
+    fixture.trust(&other);
+    assert_eq!(unapproved(), [thumbprint(&other)]);
+}
+
+#[test]
 fn a_revoked_certificate_is_refused_though_it_is_trusted_itself() {
     let fixture = Fixture::new(false);
     let (authority, namesake) = (Authority::new("Plant CA"), Authority::new("Plant CA"));
