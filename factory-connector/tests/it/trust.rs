@@ -198,6 +198,23 @@ async fn people_see_and_end_their_sessions_at_the_opc_ua_server() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_client_that_no_person_approved_is_marked_until_an_engineer_approves_it() {
+    let plant = Plant::start(json!([{ "name": "progressStatus", "type": 9 }])).await;
+    let key = rcgen::KeyPair::generate().expect("a key");
+    let certificate = rcgen::CertificateParams::default().self_signed(&key).expect("signed");
+    let path = plant.data_directory().join("twin-pki/trusted/former.der");
+    std::fs::write(path, certificate.der()).expect("written");
+    let found = plant.get("/client-certificates").await["items"][0].clone();
+    assert_eq!((&found["state"], &found["approvedBy"]), (&json!("TRUSTED"), &Value::Null));
+    let path = format!("/client-certificates/{}", found["thumbprint"].as_str().expect("one"));
+    let approved = plant.put(&path, json!({ "isTrusted": true })).await;
+    assert_eq!(
+        (&approved["state"], &approved["approvedBy"]),
+        (&json!("TRUSTED"), &json!("engineer"))
+    );
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn authorities_and_revocation_lists_come_and_go() {
     let plant = Plant::start(json!([{ "name": "progressStatus", "type": 9 }])).await;
     let mut params = rcgen::CertificateParams::default();
