@@ -26,6 +26,7 @@ mod operator;
 mod passkeys;
 mod past;
 mod paths;
+mod person_sessions;
 mod policies;
 mod preview;
 mod previews;

@@ -15,8 +15,11 @@ pub const MESSAGE_BYTES_MAX: usize = 64 << 20;
 /// Longest message in bytes of a server that nobody vouches for: the connection is not protected, so anybody may answer.
 /// Holds a notification of some 100 000 small changes.
 pub const STRANGERS_MESSAGE_BYTES_MAX: usize = 16 << 20;
-/// Longest chunk in bytes that a client reads: the stack refuses longer ones by their header.
-const CHUNK_BYTES_MAX: usize = 64 << 10;
+/// Most bytes that all connections of a client to servers hold of messages that are not complete or not delivered yet.
+/// Each connection has its part of it, and what the others leave.
+pub const INCOMING_BYTES_MAX: usize = 256 << 20;
+/// Shortest chunk in bytes that a server may be content with.
+const CHUNK_BYTES_MIN: usize = 8 << 10;
 /// Most chunks of one message to a server; with chunks of 64 KiB more than [`MESSAGE_BYTES_MAX`] needs.
 pub const CHUNKS_PER_MESSAGE_MAX: usize = 2000;
 /// Most elements of an array, so also most changes in one notification.
@@ -88,16 +91,10 @@ pub fn raise_client_of_stranger(builder: ClientBuilder) -> ClientBuilder {
     raise_client_to(builder, STRANGERS_MESSAGE_BYTES_MAX)
 }
 
-/// Returns the most chunks of a message that a client keeps. The stack adds up no bytes: it counts the chunks of an
-/// answer, and notices with the first one more.
-const fn chunks_max(message_bytes_max: usize) -> usize {
-    message_bytes_max / CHUNK_BYTES_MAX - 1
-}
-
 fn raise_client_to(builder: ClientBuilder, message_bytes_max: usize) -> ClientBuilder {
     builder
         .max_message_size(message_bytes_max)
-        .max_chunk_count(chunks_max(message_bytes_max))
+        .max_chunk_count(message_bytes_max / CHUNK_BYTES_MIN)
         .max_array_length(ARRAY_ELEMENTS_MAX)
         .max_string_length(STRING_BYTES_MAX)
         .max_byte_string_length(STRING_BYTES_MAX)
@@ -120,11 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn as_many_chunks_as_a_client_keeps_are_no_longer_than_a_message() {
-        assert_eq!(CHUNK_BYTES_MAX, opcua::core::comms::tcp_codec::DEFAULT_MAX_CHUNK_SIZE);
-        for message_bytes_max in [STRANGERS_MESSAGE_BYTES_MAX, MESSAGE_BYTES_MAX] {
-            let kept = (chunks_max(message_bytes_max) + 1) * CHUNK_BYTES_MAX;
-            assert!(kept <= message_bytes_max, "{kept} of {message_bytes_max} bytes");
-        }
+    fn a_machine_may_use_the_shortest_chunks_of_the_standard() {
+        assert_eq!(CHUNK_BYTES_MIN, opcua::core::comms::tcp_types::MIN_CHUNK_SIZE);
     }
 }

@@ -2,6 +2,7 @@
 
 use std::{fmt, path::PathBuf, time::Duration};
 
+use opcua_stack::limits;
 use serde::{Deserialize, Serialize, Serializer, ser::Error as _};
 use shop_floor_model::SourceId;
 use utoipa::ToSchema;
@@ -23,6 +24,8 @@ pub struct Config {
     pub sources_max: usize,
     /// Most inputs that are monitored, over all sources.
     pub inputs_max: usize,
+    /// Most bytes of messages that are not complete or not delivered yet, over all sources.
+    pub incoming_bytes_max: usize,
 }
 
 impl Config {
@@ -40,6 +43,7 @@ impl Config {
             waiting_batches_max: 256,
             sources_max: 1000,
             inputs_max: 1_000_000,
+            incoming_bytes_max: limits::INCOMING_BYTES_MAX,
         }
     }
 }

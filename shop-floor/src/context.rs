@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use opcua_stack::opcua::client::transport::IncomingBudget;
 use tokio::{
     sync::{mpsc, watch},
     task::{self, JoinError},
@@ -9,11 +10,13 @@ use tokio::{
 
 use crate::{Config, InputChange, certificates::PkiDirectory, change_queue::ChangeQueue};
 
-/// Configuration, certificates, the queue of changes, and the versions of all statuses and of what is trusted.
+/// Configuration, certificates, what all connections share, and the versions of all statuses and of what is trusted.
 pub(crate) struct SourceContext {
     pub(crate) config: Config,
     /// Sending side of the channel to the consumer.
     pub(crate) changes: ChangeQueue,
+    /// Room for incoming messages that all connections share.
+    pub(crate) incoming: Arc<IncomingBudget>,
     certificates: Arc<PkiDirectory>,
     status_version: watch::Sender<u64>,
     trust_version: watch::Sender<u64>,
@@ -25,6 +28,7 @@ impl SourceContext {
         let (changes, receiver) = ChangeQueue::new(config.waiting_batches_max);
         let context = Self {
             certificates: Arc::new(PkiDirectory::new(&config)),
+            incoming: Arc::new(IncomingBudget::new(config.incoming_bytes_max)),
             config,
             changes,
             status_version: watch::Sender::new(0),

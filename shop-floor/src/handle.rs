@@ -48,6 +48,12 @@ impl ShopFloorHandle {
         self.registry.check(&config.source_id)
     }
 
+    /// Returns the bytes that all connections hold of messages that are not complete or not delivered yet.
+    #[must_use]
+    pub fn incoming_bytes(&self) -> usize {
+        self.context.incoming.held_bytes()
+    }
+
     /// Removes a source. Its inputs stay monitored and yield `BadNotConnected` until the source is
     /// added again.
     pub fn remove_source(&self, id: &SourceId) {

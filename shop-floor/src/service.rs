@@ -46,6 +46,8 @@ impl ShopFloor {
         let mut tasks = HashMap::new();
         loop {
             self.reconcile(&mut tasks).await;
+            let held = u32::try_from(self.context.incoming.held_bytes()).unwrap_or(u32::MAX);
+            metrics::gauge!("shop_floor_incoming_bytes").set(f64::from(held));
             tokio::select! {
                 () = shutdown.cancelled() => break,
                 () = self.registry.sources_changed() => {}

@@ -151,6 +151,7 @@ test('patched copies of published crates are looked up, too', () => {
   const crates = vendoredCrates()
   const names = crates.map(({ name }) => name).sort()
   assert.deepEqual(names, [
+    'async-opcua-client',
     'async-opcua-core',
     'async-opcua-crypto',
     'async-opcua-nodes',

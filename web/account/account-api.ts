@@ -5,7 +5,10 @@ import { request } from '@/transport/http'
 type Schema<Name extends keyof Connector['schemas'] & keyof Platform['schemas']> =
   Connector['schemas'][Name] | Platform['schemas'][Name]
 
-export type SessionSummary = Schema<'SessionSummary'>
+type PersonSession = Connector['schemas']['PersonSession']
+/** A session; the connector also lists those at its OPC UA server. */
+export type SessionSummary = Platform['schemas']['SessionSummary'] &
+  Partial<Pick<PersonSession, 'kind' | 'clientCertificate'>>
 export type SecondFactorOffer = Schema<'SecondFactorOffer'>
 export type PasskeySummary = Schema<'PasskeySummary'>
 export type SecondFactorState = Schema<'SecondFactorState'>
@@ -21,7 +24,7 @@ export const account = {
   changePassword: (body: PasswordChange): Promise<undefined> =>
     request('PUT', '/session/password', { body }),
   sessions: async (userName?: string, signal?: AbortSignal): Promise<SessionSummary[]> => {
-    const list = await request<Schema<'SessionList'>>(
+    const list = await request<{ items: SessionSummary[] }>(
       'GET',
       sessionsOf(userName),
       signal === undefined ? {} : { signal },

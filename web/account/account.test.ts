@@ -193,6 +193,32 @@ describe('one’s own account', () => {
   })
 })
 
+describe('sessions at the OPC UA server', () => {
+  it('are named with program and certificate, and ended like others', async () => {
+    const opcUa: SessionSummary = {
+      ...session('opcua-7', false),
+      kind: 'OPC_UA',
+      userAgent: 'line planner',
+      clientCertificate: 'CN=planner',
+    }
+    open = [{ ...session('a', true), kind: 'PAGE' }, opcUa]
+    const log = daemon({
+      'DELETE /sessions/opcua-7': () => {
+        open = [session('a', true)]
+        return done()
+      },
+    })
+    render(AccountPanels)
+    expect(await screen.findByText('OPC UA')).toBeTruthy()
+    expect(screen.getByText(/line planner/)).toBeTruthy()
+    expect(screen.getByText('Certificate: CN=planner')).toBeTruthy()
+    expect(screen.getAllByText(/Firefox, Linux/)).toHaveLength(1)
+    await userEvent.click(screen.getByRole('button', { name: 'End: 192.0.2.2' }))
+    await vi.waitFor(() => expect(screen.queryByText('OPC UA')).toBeNull())
+    expect(changes(log)).toEqual([{ method: 'DELETE', path: '/sessions/opcua-7', body: undefined }])
+  })
+})
+
 it.each([
   [FIREFOX, 'Firefox, Linux'],
   [

@@ -1732,7 +1732,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Lists the own sessions.
+         * Lists the own sessions, at the pages and at the OPC UA server.
          * @description Least role: VIEWER.
          */
         get: operations["listSessions"];
@@ -2046,7 +2046,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Lists the sessions of a person.
+         * Lists the sessions of a person, at the pages and at the OPC UA server.
          * @description Least role: ENGINEER.
          */
         get: operations["listUserSessions"];
@@ -2488,6 +2488,8 @@ export interface components {
         ClientCertificateView: {
             /** @description The application it was made for, as it says. */
             applicationUri?: string | null;
+            /** @description Person who approved it; none for one that is trusted without an approval on record, or not trusted. */
+            approvedBy?: string | null;
             /** @description SHA-256 over the certificate in hexadecimal digits, for people to compare. */
             fingerprint: string;
             /** @description End of its validity. */
@@ -2532,7 +2534,7 @@ export interface components {
         ClientTrust: "TRUSTED" | "REJECTED" | "DENIED";
         /** @description Approval of a client's certificate. */
         ClientTrustBody: {
-            /** @description True: its bearer may connect from now on. False: it is rejected, and its open sessions end. */
+            /** @description True: its bearer may connect from now on, with this person's approval. False: it is rejected, and its open sessions end. */
             isTrusted: boolean;
         };
         /**
@@ -4440,6 +4442,12 @@ export interface components {
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
+        Page_PersonSession: {
+            items: components["schemas"]["PersonSession"][];
+            /** @description Cursor of the next page; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
         Page_PolicyUse: {
             items: components["schemas"]["PolicyUse"][];
             /** @description Cursor of the next page; none on the last. */
@@ -4703,6 +4711,23 @@ export interface components {
             trust: components["schemas"]["TrustState"];
             validFrom?: components["schemas"]["DateTime"] | null;
             validTo?: components["schemas"]["DateTime"] | null;
+        };
+        /** @description Session of a person, shown to its owner or to an engineer. */
+        PersonSession: {
+            /** @description Address from which the person signed in; empty if the OPC UA server had opened the connection. */
+            address: string;
+            /** @description Subject of the OPC UA client's certificate; none at the pages, and without protection. */
+            clientCertificate?: string | null;
+            /** @description True for the session that asks. */
+            isPresent: boolean;
+            kind: components["schemas"]["SessionKind"];
+            /** @description Last use, at the pages to the minute. An open page uses its session. */
+            lastUsedAt: components["schemas"]["DateTime"];
+            /** @description Name by which the session is ended; nobody can use the session with it. */
+            sessionId: string;
+            startedAt: components["schemas"]["DateTime"];
+            /** @description Browser or OPC UA client as it calls itself. */
+            userAgent: string;
         };
         /**
          * @description Quality of a counted piece.
@@ -5413,28 +5438,11 @@ export interface components {
             role: components["schemas"]["Role"];
             userName: string;
         };
-        /** @description Sessions of a person, the one used last first. */
-        SessionList: {
-            items: components["schemas"]["SessionSummary"][];
-        };
-        /** @description A session, told to its owner or to an administrator. */
-        SessionSummary: {
-            /** @description Address from which the person signed in. */
-            address: string;
-            /** @description True for the session that asks. */
-            isPresent: boolean;
-            /**
-             * Format: date-time
-             * @description Last use, to the minute. An open page uses its session.
-             */
-            lastUsedAt: string;
-            /** @description Name by which the session is ended; nobody can use the session with it. */
-            sessionId: string;
-            /** Format: date-time */
-            startedAt: string;
-            /** @description Browser as it calls itself. */
-            userAgent: string;
-        };
+        /**
+         * @description Place of a session.
+         * @enum {string}
+         */
+        SessionKind: "PAGE" | "OPC_UA";
         /** @description One setting as a person reads it. */
         Setting: {
             /** @description Default as TOML; none when the setting has no default. */
@@ -9608,13 +9616,13 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Sessions of a person, the one used last first. */
+            /** @description A page of a list. */
             200: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["SessionList"];
+                    "application/json": components["schemas"]["Page_PersonSession"];
                 };
             };
             400: components["responses"]["BadRequest"];
@@ -10208,13 +10216,13 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Sessions of a person, the one used last first. */
+            /** @description A page of a list. */
             200: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["SessionList"];
+                    "application/json": components["schemas"]["Page_PersonSession"];
                 };
             };
             400: components["responses"]["BadRequest"];

@@ -5,14 +5,16 @@ use daemon::web::{
     ApiJson, ApiPath, Problem,
     session::{
         AccountChange, Caller, PasswordChange, RecoveryCodes, SecondFactorBegin, SecondFactorCode,
-        SecondFactorOffer, SecondFactorRemoval, SecondFactorState, SessionList,
+        SecondFactorOffer, SecondFactorRemoval, SecondFactorState,
     },
 };
 
 use super::{
     context::Api,
+    person_sessions::{self, PersonSession},
     problems::{AttemptProblems, Problems},
     roles::{Engineer, Viewer},
+    view::Page,
 };
 
 /// Changes the own password; the person's other sessions end.
@@ -33,18 +35,18 @@ pub async fn change_password(
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Lists the own sessions.
+/// Lists the own sessions, at the pages and at the OPC UA server.
 #[utoipa::path(
     get,
     path = "/sessions",
     tag = "session",
-    responses((status = 200, body = SessionList), Problems)
+    responses((status = 200, body = Page<PersonSession>), Problems)
 )]
 pub async fn list_sessions(
     user: Viewer,
     State(api): State<Api>,
-) -> Result<Json<SessionList>, Problem> {
-    Ok(Json(api.sessions.list(&user.user_name, &user.session).await?))
+) -> Result<Json<Page<PersonSession>>, Problem> {
+    Ok(Json(Page::whole(person_sessions::list(&api, &user.user_name, &user.session).await?)))
 }
 
 /// Ends one of the own sessions.
@@ -61,24 +63,24 @@ pub async fn end_session(
     ApiPath(session_id): ApiPath<String>,
 ) -> Result<StatusCode, Problem> {
     let change = AccountChange { by: &user.user_name, operation: "endSession" };
-    api.sessions.end(&user.user_name, &session_id, change).await?;
+    person_sessions::end(&api, &user.user_name, &session_id, change).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Lists the sessions of a person.
+/// Lists the sessions of a person, at the pages and at the OPC UA server.
 #[utoipa::path(
     get,
     path = "/users/{userName}/sessions",
     tag = "users",
     params(("userName" = String, Path)),
-    responses((status = 200, body = SessionList), Problems)
+    responses((status = 200, body = Page<PersonSession>), Problems)
 )]
 pub async fn list_user_sessions(
     user: Engineer,
     State(api): State<Api>,
     ApiPath(user_name): ApiPath<String>,
-) -> Result<Json<SessionList>, Problem> {
-    Ok(Json(api.sessions.list(&user_name, &user.session).await?))
+) -> Result<Json<Page<PersonSession>>, Problem> {
+    Ok(Json(Page::whole(person_sessions::list(&api, &user_name, &user.session).await?)))
 }
 
 /// Ends a session of a person.
@@ -95,7 +97,7 @@ pub async fn end_user_session(
     ApiPath((user_name, session_id)): ApiPath<(String, String)>,
 ) -> Result<StatusCode, Problem> {
     let change = AccountChange { by: &user.user_name, operation: "endUserSession" };
-    api.sessions.end(&user_name, &session_id, change).await?;
+    person_sessions::end(&api, &user_name, &session_id, change).await?;
     tracing::info!(user.name = user_name, by = user.user_name, "A session was ended.");
     Ok(StatusCode::NO_CONTENT)
 }

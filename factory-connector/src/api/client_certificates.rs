@@ -34,6 +34,8 @@ pub struct ClientCertificateView {
     /// End of its validity.
     not_after: DateTime,
     state: ClientTrust,
+    /// Person who approved it; none for one that is trusted without an approval on record, or not trusted.
+    approved_by: Option<String>,
     /// Time of the last rejected connection; none if there was none since it was trusted.
     rejected_at: Option<DateTime>,
     /// Reason of that rejection.
@@ -104,6 +106,7 @@ impl From<ClientCertificate> for ClientCertificateView {
             not_before,
             not_after,
             state,
+            approval,
             rejection,
         } = certificate;
         let state = match state {
@@ -119,6 +122,7 @@ impl From<ClientCertificate> for ClientCertificateView {
             not_before,
             not_after,
             state,
+            approved_by: approval.map(|approval| approval.by),
             rejected_at: rejection.as_ref().map(|rejection| rejection.rejected_at),
             rejection_reason: rejection.as_ref().map(|rejection| rejection.reason.into()),
             rejected_address: rejection.as_ref().and_then(|rejection| rejection.address),
@@ -148,7 +152,7 @@ pub async fn list_client_certificates(
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct ClientTrustBody {
-    /// True: its bearer may connect from now on. False: it is rejected, and its open sessions end.
+    /// True: its bearer may connect from now on, with this person's approval. False: it is rejected, and its open sessions end.
     is_trusted: bool,
 }
 

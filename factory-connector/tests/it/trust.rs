@@ -121,6 +121,7 @@ async fn people_sign_in_at_the_twin_until_their_password_changes() {
         format!("/client-certificates/{}", waiting["thumbprint"].as_str().expect("a thumbprint"));
     let trusted = plant.put(&path, json!({ "isTrusted": true })).await;
     assert_eq!((&trusted["state"], &trusted["rejectedAt"]), (&json!("TRUSTED"), &Value::Null));
+    assert_eq!(trusted["approvedBy"], "engineer");
 
     let session =
         sign_in(&url, pki(), "otto", "otto at machine 7").await.expect("otto may come in");
@@ -141,6 +142,76 @@ async fn people_sign_in_at_the_twin_until_their_password_changes() {
     store.users().put(&otto, now()).await.expect("written");
     assert_eq!(page.call(Method::GET, "/session", None).await.0, 401);
     ends(&session).await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn people_see_and_end_their_sessions_at_the_opc_ua_server() {
+    let plant = Plant::start(json!([{ "name": "progressStatus", "type": 9 }])).await;
+    let url = endpoint(&plant).await;
+    let folder = tempfile::tempdir().expect("a folder");
+    let password = "otto at machine 7";
+    plant.put("/users/otto", json!({ "role": "OPERATOR", "password": password })).await;
+    let at_twin = || sign_in(&url, folder.path().join("client"), "otto", password);
+    assert!(at_twin().await.is_err(), "the client waits for its approval");
+    let waiting = plant.get("/client-certificates").await["items"][0]["thumbprint"].clone();
+    let path = format!("/client-certificates/{}", waiting.as_str().expect("a thumbprint"));
+    plant.put(&path, json!({ "isTrusted": true })).await;
+    let first = at_twin().await.expect("otto may come in");
+    let second = at_twin().await.expect("otto may come in");
+    let otto = plant.signed_in("otto", password).await.expect("at the pages, too");
+
+    let of_kind = |list: &Value, kind: &str| -> Vec<Value> {
+        let items = list["items"].as_array().expect("a list");
+        items.iter().filter(|one| one["kind"] == kind).cloned().collect()
+    };
+    let list = otto.get("/sessions").await;
+    let pages = of_kind(&list, "PAGE");
+    assert_eq!((pages.len(), &pages[0]["isPresent"]), (1, &json!(true)), "{list}");
+    let mut twins = of_kind(&list, "OPC_UA");
+    let number = |one: &Value| {
+        let id = one["sessionId"].as_str().expect("an id");
+        id.strip_prefix("opcua-").expect("a prefix").parse::<u32>().expect("a number")
+    };
+    twins.sort_by_key(number);
+    assert_eq!(twins.len(), 2, "{list}");
+    for one in &twins {
+        assert_eq!((&one["address"], &one["isPresent"]), (&json!("127.0.0.1"), &json!(false)));
+        assert_eq!(one["userAgent"], "line planner");
+        let certificate = one["clientCertificate"].as_str().expect("a subject");
+        assert!(certificate.contains("line planner"), "{certificate}");
+    }
+
+    let path = format!("/sessions/opcua-{}", number(&twins[0]));
+    assert_eq!(plant.call(Method::DELETE, &path, None).await.0, 404, "it is not the engineer's");
+    assert_eq!(otto.call(Method::DELETE, &path, None).await.0, 204);
+    assert_eq!(otto.call(Method::DELETE, &path, None).await.0, 404);
+    ends(&first).await;
+    read_state(&second).await.expect("the other one goes on");
+    let list = plant.get("/users/otto/sessions").await;
+    let left: Vec<u32> = of_kind(&list, "OPC_UA").iter().map(number).collect();
+    assert_eq!(left, [number(&twins[1])]);
+    let path = format!("/users/otto/sessions/opcua-{}", left[0]);
+    assert_eq!(plant.call(Method::DELETE, &path, None).await.0, 204);
+    ends(&second).await;
+    assert!(of_kind(&plant.get("/users/otto/sessions").await, "OPC_UA").is_empty());
+    assert_eq!(otto.call(Method::GET, "/session", None).await.0, 200, "the page goes on");
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_client_that_no_person_approved_is_marked_until_an_engineer_approves_it() {
+    let plant = Plant::start(json!([{ "name": "progressStatus", "type": 9 }])).await;
+    let key = rcgen::KeyPair::generate().expect("a key");
+    let certificate = rcgen::CertificateParams::default().self_signed(&key).expect("signed");
+    let path = plant.data_directory().join("twin-pki/trusted/former.der");
+    std::fs::write(path, certificate.der()).expect("written");
+    let found = plant.get("/client-certificates").await["items"][0].clone();
+    assert_eq!((&found["state"], &found["approvedBy"]), (&json!("TRUSTED"), &Value::Null));
+    let path = format!("/client-certificates/{}", found["thumbprint"].as_str().expect("one"));
+    let approved = plant.put(&path, json!({ "isTrusted": true })).await;
+    assert_eq!(
+        (&approved["state"], &approved["approvedBy"]),
+        (&json!("TRUSTED"), &json!("engineer"))
+    );
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use asi_model::{FieldKey, OperationNetworkId};
 use disclosure::Released;
 use opcua_stack::opcua::{
-    server::ServerHandle,
+    server::{ServerHandle, authenticator::UserToken},
     types::{DataValue as StackValue, NodeId},
 };
 use tokio::sync::watch;
@@ -19,11 +19,15 @@ use crate::{
     provider::NodeProvider,
     security::{application_certificate::ApplicationCertificate, trust::TrustList},
     session_token::user_of,
+    sessions::{TwinSession, session_id},
 };
 
 /// Message of the audit event of a session that ended with its user's rights.
 const USER_CHANGED: &str =
     "A session was ended, for its user got another password or role, or is gone.";
+
+/// Message of the audit event of a session that a person ended.
+const ENDED_AT_PAGES: &str = "A session was ended at the connector's pages.";
 
 /// A cloneable handle of the twin. All methods but [`Self::ready`] return at once; they may be
 /// called before the twin runs, so that the first client after a restart finds all nodes.
@@ -129,6 +133,23 @@ impl TwinHandle {
             self.events.report_terminated(session_id, Some(user_token), USER_CHANGED);
         }
         count
+    }
+
+    /// Returns the open sessions of a user.
+    #[must_use]
+    pub fn sessions_of(&self, user_name: &str) -> Vec<TwinSession> {
+        let sessions = self.server.sessions();
+        let own = sessions.into_iter().filter(|one| &*user_of(&one.user_token).name == user_name);
+        own.filter_map(TwinSession::of).collect()
+    }
+
+    /// Ends a session of a user with its subscriptions. False when the user has no such session.
+    pub async fn end_session_of(&self, user_name: &str, number: u32) -> bool {
+        let id = session_id(number);
+        let is_own = |token: &UserToken| &*user_of(token).name == user_name;
+        let Some(user_token) = self.server.close_session(&id, is_own).await else { return false };
+        self.events.report_terminated(id, Some(user_token), ENDED_AT_PAGES);
+        true
     }
 
     /// Returns the endpoint URL, once the twin listens.

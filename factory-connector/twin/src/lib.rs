@@ -27,6 +27,7 @@ pub mod provider;
 mod security;
 mod server;
 mod session_token;
+mod sessions;
 mod trust_fault;
 
 pub use access::{Authenticator, FieldWriter, Role, SignInRefusal, TwinDecision, TwinUser};
@@ -36,6 +37,7 @@ pub use error::TwinError;
 pub use handle::TwinHandle;
 pub use security::{
     application_certificate::{ApplicationCertificate, InstalledCertificate, RequestedSubject},
+    approvals::Approval,
     rejected_clients::{ConnectionRejection, RejectionReason},
     trust::{
         Authority, CertificateState, ClientCertificate, RevocationKnowledge, RevocationList,
@@ -43,4 +45,5 @@ pub use security::{
     },
 };
 pub use server::Twin;
+pub use sessions::TwinSession;
 pub use trust_fault::TrustFault;

@@ -1,10 +1,12 @@
 //! Access to the twin: its application certificate, the trust list, and users.
 
 pub(crate) mod application_certificate;
+pub(crate) mod approvals;
 pub(crate) mod certificate;
 pub(crate) mod certificate_files;
 pub(crate) mod connections;
 pub(crate) mod issuance;
+pub(crate) mod known_folders;
 pub(crate) mod login;
 pub(crate) mod rejected_clients;
 pub(crate) mod renewal;

@@ -152,16 +152,18 @@ impl Twin {
         host.add_provider(Arc::clone(&interfaces) as _);
         announce_auditing(&handle);
         warn_of_development_settings(&config);
+        let changed = Arc::new(Notify::new());
+        let trust_list = TrustList::new(&config.pki_directory, events, Arc::clone(&changed));
+        trust_list.warn_of_unapproved();
 
         let (endpoint, receiver) = watch::channel(None);
-        let changed = Arc::new(Notify::new());
         let twin_handle = TwinHandle::new(
             interfaces,
             Arc::clone(host),
             handle.clone(),
             Arc::clone(&reporter),
             TrustFiles {
-                trust_list: TrustList::new(&config.pki_directory, events, Arc::clone(&changed)),
+                trust_list,
                 application_certificate: ApplicationCertificate::new(&factory_id, config.clone()),
             },
             receiver,

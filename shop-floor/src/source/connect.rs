@@ -260,6 +260,7 @@ fn common(builder: ClientBuilder, context: &SourceContext) -> ClientBuilder {
         .keep_alive_interval(STACK_KEEP_ALIVE)
         .session_timeout(session_timeout)
         .request_timeout(REQUEST_TIMEOUT)
+        .incoming_budget(Arc::clone(&context.incoming))
 }
 
 fn built(builder: ClientBuilder) -> Result<Client, SourceProblem> {

@@ -1,7 +1,14 @@
 //! Servers that answer with more than they may, before anybody trusts them.
 
-use std::time::{Duration, Instant};
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicUsize, Ordering},
+    },
+    time::{Duration, Instant},
+};
 
+use shop_floor::{SourceConfig, SourceId, SourceState};
 use tokio::{
     io::{AsyncReadExt as _, AsyncWriteExt as _},
     net::{
@@ -11,7 +18,7 @@ use tokio::{
     sync::oneshot,
 };
 
-use crate::support::{Simulation, TestShopFloor, unprotected, within};
+use crate::support::{Simulation, TestShopFloor, node, unprotected, until, within};
 
 /// Most bytes that the network itself may take before the client's end is noticed.
 const IN_FLIGHT_MAX: usize = 32 << 20;
@@ -68,14 +75,14 @@ async fn what_a_server_claims_is_not_buffered() {
     }
 }
 
-/// Bytes of a chunk of an endless answer, and the number of chunks: some more than the 16 MiB that a stranger's message
+/// Bytes of a chunk of an endless answer, and a number of chunks: some more than the 16 MiB that a stranger's message
 /// may have, and far fewer than the 64 MiB of a trusted server's.
 const CHUNK_BYTES: usize = 65_000;
 const CHUNKS: u32 = 300;
 
 /// An address behind which a machine answers, but in the second connection, the session's, the answer with this number
 /// never ends: chunk follows chunk, and none is the final one. Heard of when all are sent.
-async fn endless(machine: String, answer: usize) -> (String, oneshot::Receiver<()>) {
+async fn endless(machine: String, answer: usize, chunks: u32) -> (String, oneshot::Receiver<()>) {
     let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
     let address = listener.local_addr().expect("bound");
     let (sender, receiver) = oneshot::channel();
@@ -95,7 +102,7 @@ async fn endless(machine: String, answer: usize) -> (String, oneshot::Receiver<(
             to_client.write_all(&frame).await.expect("the client listens");
         }
         let first = frame(&mut from_server).await;
-        flood(first, &mut to_client).await;
+        flood(first, chunks, &mut to_client).await;
         let _ = sender.send(());
         // Open still: the client is not to end for want of a connection.
         std::future::pending::<()>().await;
@@ -112,8 +119,8 @@ async fn frame(stream: &mut OwnedReadHalf) -> Vec<u8> {
     frame
 }
 
-/// Sends chunks of the message that this chunk would have been all of.
-async fn flood(first: Vec<u8>, stream: &mut OwnedWriteHalf) {
+/// Sends so many chunks of the message that this chunk would have been all of.
+async fn flood(first: Vec<u8>, chunks: u32, stream: &mut OwnedWriteHalf) {
     let at = sequence_at(&first);
     let begun = number_at(&first, at);
     let mut chunk = first[..at + 8].to_vec();
@@ -121,7 +128,7 @@ async fn flood(first: Vec<u8>, stream: &mut OwnedWriteHalf) {
     chunk[3] = b'C';
     let size = u32::try_from(CHUNK_BYTES).expect("small");
     chunk[4..8].copy_from_slice(&size.to_le_bytes());
-    for number in begun..begun + CHUNKS {
+    for number in begun..begun + chunks {
         chunk[at..at + 4].copy_from_slice(&number.to_le_bytes());
         if stream.write_all(&chunk).await.is_err() {
             return;
@@ -143,6 +150,12 @@ fn sequence_at(chunk: &[u8]) -> usize {
     at
 }
 
+/// Returns the host and port of a source.
+fn host_of(source: &SourceConfig) -> String {
+    let rest = source.endpoint_url.strip_prefix("opc.tcp://").expect("a URL of OPC UA");
+    rest.split('/').next().expect("a host").to_owned()
+}
+
 fn number_at(bytes: &[u8], at: usize) -> u32 {
     u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"))
 }
@@ -152,12 +165,11 @@ async fn an_answer_without_end_is_given_up_before_anybody_is_signed_in() {
     let simulation = Simulation::milling_cell().await;
     let machine = simulation.machine("Cell");
     let direct = unprotected(&machine);
-    let rest = direct.endpoint_url.strip_prefix("opc.tcp://").expect("a URL of OPC UA");
-    let host = rest.split('/').next().expect("a host").to_owned();
+    let host = host_of(&direct);
     // The first message acknowledges the greeting.
     for (what, answer) in [("the channel's opening", 1), ("the session's creation", 2)] {
         let floor = TestShopFloor::start();
-        let (address, sent) = endless(host.clone(), answer).await;
+        let (address, sent) = endless(host.clone(), answer, CHUNKS).await;
         let mut source = direct.clone();
         source.endpoint_url = direct.endpoint_url.replace(&host, &address);
         let id = source.source_id.clone();
@@ -166,4 +178,48 @@ async fn an_answer_without_end_is_given_up_before_anybody_is_signed_in() {
         // Long before the request's own time is over.
         within(Duration::from_secs(4), what, || floor.status(&id).problem.is_some()).await;
     }
+}
+
+#[tokio::test]
+async fn many_hostile_servers_hold_no_more_than_the_budget_and_an_honest_one_answers() {
+    const ROOM: usize = 24 << 20;
+    // Each keeps within what a stranger's message may have; together they send four times the room.
+    const HOSTILE: usize = 8;
+    const CHUNKS_OF_EACH: u32 = 200;
+    let simulation = Simulation::milling_cell().await;
+    let machine = simulation.machine("Cell");
+    let direct = unprotected(&machine);
+    let host = host_of(&direct);
+    let floor = TestShopFloor::start_with(|config| config.incoming_bytes_max = ROOM);
+    let most = Arc::new(AtomicUsize::new(0));
+    let sampler = tokio::spawn({
+        let (handle, most) = (floor.handle.clone(), Arc::clone(&most));
+        async move {
+            loop {
+                most.fetch_max(handle.incoming_bytes(), Ordering::Relaxed);
+                tokio::time::sleep(Duration::from_millis(1)).await;
+            }
+        }
+    });
+    let mut floods = Vec::new();
+    for number in 0..HOSTILE {
+        let (address, sent) = endless(host.clone(), 2, CHUNKS_OF_EACH).await;
+        let mut source = direct.clone();
+        source.source_id = SourceId::new(format!("Hostile{number}")).expect("a name");
+        source.endpoint_url = direct.endpoint_url.replace(&host, &address);
+        floor.handle.put_source(source).expect("a valid source");
+        floods.push(sent);
+    }
+    let honest = floor.connect(&machine).await;
+    floor.monitor(1, &honest, node(&machine, "Spindle.Temperature"));
+    until("the honest machine answers", || floor.newest(1).is_some()).await;
+    for sent in floods {
+        sent.await.expect("each server sends, or is cut off");
+    }
+    until("the room is used", || most.load(Ordering::Relaxed) > ROOM / 2).await;
+    sampler.abort();
+    let most = most.load(Ordering::Relaxed);
+    assert!(most <= ROOM, "{most} bytes were held");
+    let status = floor.status(&honest);
+    assert!(status.state == SourceState::Connected && status.problem.is_none(), "{status:?}");
 }

@@ -52,9 +52,14 @@ pub struct TestShopFloor {
 
 impl TestShopFloor {
     pub fn start() -> Self {
+        Self::start_with(|_| {})
+    }
+
+    pub fn start_with(change: impl FnOnce(&mut Config)) -> Self {
         let directory = tempfile::tempdir().expect("a folder for certificates");
-        let config =
+        let mut config =
             Config::new(directory.path(), "Shop floor test", "urn:verbund:test:shop-floor");
+        change(&mut config);
         let (floor, handle, mut changes) = ShopFloor::new(config);
         let stop = CancellationToken::new();
         tokio::spawn(floor.run(stop.clone()));

@@ -18,6 +18,8 @@ export interface ShownCertificate {
   isTrusted: boolean
   /** True where an engineer denied the trust. */
   isDenied?: boolean
+  /** True where it is trusted, and no person is known who approved it. */
+  isUnapproved?: boolean
   /** Last rejection of its owner, with the reason and the owner's application and address. */
   rejection?:
     | { at: string; reason: string; address: string | null; applicationName: string | null }
@@ -39,6 +41,7 @@ export function ofClients(certificates: readonly ClientCertificateView[]): Shown
       notBefore,
       notAfter,
       state,
+      approvedBy,
       rejectedAt,
       rejectionReason,
       rejectedAddress,
@@ -51,6 +54,7 @@ export function ofClients(certificates: readonly ClientCertificateView[]): Shown
       validTo: notAfter,
       isTrusted: state === 'TRUSTED',
       isDenied: state === 'DENIED',
+      isUnapproved: state === 'TRUSTED' && approvedBy == null,
       rejection:
         rejectedAt == null
           ? undefined

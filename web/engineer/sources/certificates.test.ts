@@ -23,7 +23,10 @@ function twin(): Asked[] {
     const state = (body as { isTrusted: boolean }).isTrusted
       ? ('TRUSTED' as const)
       : ('DENIED' as const)
-    known = known.map((each) => (path.endsWith(each.thumbprint) ? { ...each, state } : each))
+    const approvedBy = state === 'TRUSTED' ? 'eva' : null
+    known = known.map((each) =>
+      path.endsWith(each.thumbprint) ? { ...each, state, approvedBy } : each,
+    )
     return known[0]
   }
   return serve({
@@ -78,6 +81,7 @@ beforeEach(() => {
       notBefore: inDays(-300),
       notAfter: inDays(-1),
       state: 'TRUSTED',
+      approvedBy: 'eva',
       rejectedAt: inDays(-0.5),
       rejectionReason: 'OUT_OF_TIME',
     },
@@ -88,6 +92,7 @@ beforeEach(() => {
       notBefore: inDays(2),
       notAfter: inDays(300),
       state: 'TRUSTED',
+      approvedBy: 'eva',
     },
     {
       thumbprint: '0abc',
@@ -96,6 +101,7 @@ beforeEach(() => {
       notBefore: inDays(-300),
       notAfter: inDays(10),
       state: 'TRUSTED',
+      approvedBy: 'eva',
     },
   ]
   const authority = { issuer: 'CN=Root', notBefore: inDays(-300), notAfter: inDays(300) }
@@ -192,6 +198,20 @@ describe('certificates of OPC UA clients', () => {
     toasts.list[0]?.action?.run()
     expect(await screen.findByRole('button', { name: 'Trust: CN=Planner' })).toBeTruthy()
     expect(changes(log)).toEqual([{ isTrusted: true }, { isTrusted: false }])
+  })
+
+  it('are marked where no person approved them, until one does', async () => {
+    known = known.map((each) => ({ ...each, state: 'TRUSTED', approvedBy: null }))
+    const log = twin()
+    render(ClientCertificates)
+    await screen.findByText('CN=Planner')
+    expect(row('CN=Planner')).toMatch(/Trusted Not approved by a person A former version trusted/)
+    await userEvent.click(screen.getByRole('button', { name: 'Approve: CN=Planner' }))
+    await vi.waitFor(() => expect(row('CN=Planner')).not.toMatch(/Not approved/))
+    expect(screen.queryByRole('button', { name: 'Approve: CN=Planner' })).toBeNull()
+    expect(screen.getByRole('button', { name: 'Stop trusting: CN=Planner' })).toBeTruthy()
+    expect(row('CN=Old')).toMatch(/Not approved by a person/)
+    expect(changes(log)).toEqual([{ isTrusted: true }])
   })
 
   it('are denied before they were ever trusted, and trusted again', async () => {

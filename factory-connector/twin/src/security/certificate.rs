@@ -14,7 +14,7 @@ use opcua_stack::opcua::{
 use x509_parser::{certificate::X509Certificate, prelude::FromDer};
 
 use super::{
-    rejected_clients,
+    approvals, rejected_clients,
     trust::{self, faults::application_uri as application_uri_of},
 };
 use crate::{
@@ -139,6 +139,7 @@ pub(crate) fn prepare_folders(folder: &Path) -> Result<(), TwinError> {
         trust::ISSUERS,
         trust::REVOCATION_LISTS,
         rejected_clients::FOLDER,
+        approvals::FOLDER,
     ] {
         let path = folder.join(name);
         fs::create_dir_all(&path)

@@ -1,12 +1,71 @@
 //! Signatures and revocation lists of authorities. Pure.
 
+use std::collections::HashSet;
+
 use x509_parser::{
     certificate::X509Certificate, pem::Pem, prelude::FromDer,
-    revocation_list::CertificateRevocationList,
+    revocation_list::CertificateRevocationList, time::ASN1Time,
 };
 
 /// Most authorities between a client's certificate and a trusted one.
 pub(crate) const CHAIN_LENGTH_MAX: usize = 5;
+
+/// Certificate in the trust list, read only where it is looked for by its name.
+pub(crate) struct KnownCertificate {
+    der: Vec<u8>,
+    subject: Vec<u8>,
+}
+
+impl KnownCertificate {
+    /// Takes a certificate; `None` for anything else.
+    pub fn new(der: &[u8]) -> Option<Self> {
+        let (_, parsed) = X509Certificate::from_der(der).ok()?;
+        Some(Self { der: der.to_vec(), subject: parsed.subject().as_raw().to_vec() })
+    }
+
+    /// Reads it again.
+    pub fn parsed(&self) -> X509Certificate<'_> {
+        X509Certificate::from_der(&self.der).expect("it was read before").1
+    }
+}
+
+/// Revocation list as far as checks need it: read once, and its signature verified once.
+pub(crate) struct KnownList {
+    issuer: Vec<u8>,
+    next_update: Option<ASN1Time>,
+    revoked: HashSet<Vec<u8>>,
+    /// The authorities that signed it, as DER.
+    signers: Vec<Vec<u8>>,
+}
+
+impl KnownList {
+    /// Takes a list; `None` for anything else.
+    pub fn new(der: &[u8], authorities: &[KnownCertificate]) -> Option<Self> {
+        let (_, list) = CertificateRevocationList::from_der(der).ok()?;
+        let issuer = list.issuer().as_raw().to_vec();
+        let serials = list.iter_revoked_certificates().map(|revoked| revoked.raw_serial().to_vec());
+        let signers = authorities
+            .iter()
+            .filter(|one| one.subject == issuer && is_signed_by(&list, &one.parsed()))
+            .map(|one| one.der.clone());
+        Some(Self {
+            next_update: list.next_update(),
+            revoked: serials.collect(),
+            signers: signers.collect(),
+            issuer,
+        })
+    }
+
+    /// Returns whether the list names a certificate of its issuer.
+    fn names(&self, certificate: &X509Certificate<'_>) -> bool {
+        self.revoked.contains(certificate.raw_serial())
+    }
+
+    /// Returns whether no newer list is due yet.
+    pub fn is_current(&self) -> bool {
+        self.next_update.is_none_or(|next| next >= ASN1Time::now())
+    }
+}
 
 /// Returns whether a valid authority issued and signed a certificate.
 pub(crate) fn is_issued_by(subject: &X509Certificate<'_>, authority: &X509Certificate<'_>) -> bool {
@@ -26,41 +85,34 @@ pub(crate) fn is_signed_by(
     list.verify_signature(authority.public_key()).is_ok()
 }
 
-/// Returns whether a revocation list names a certificate of its issuer.
-pub(crate) fn names(
-    list: &CertificateRevocationList<'_>,
-    certificate: &X509Certificate<'_>,
-) -> bool {
-    list.iter_revoked_certificates().any(|revoked| revoked.raw_serial() == certificate.raw_serial())
-}
-
 /// Returns whether a list that one of the authorities signed names the certificate, or that of an authority above it. Lists
 /// that are out of date are obeyed, too: what was revoked stays so. So are lists that none of the authorities signed, where
 /// they are of the issuer's name: its authority may be gone from here, and nobody can say that the list is not its own.
 pub(crate) fn is_revoked(
     certificate: &X509Certificate<'_>,
-    authorities: &[X509Certificate<'_>],
-    lists: &[CertificateRevocationList<'_>],
+    authorities: &[KnownCertificate],
+    lists: &[KnownList],
 ) -> bool {
-    let mut level = vec![certificate];
+    let mut level = vec![certificate.clone()];
     for _ in 0..=CHAIN_LENGTH_MAX {
-        let mut above: Vec<&X509Certificate<'_>> = Vec::new();
-        for subject in level {
-            let may_be_its_issuers = |list: &CertificateRevocationList<'_>| {
-                list.issuer().as_raw() == subject.issuer().as_raw()
-                    && names(list, subject)
-                    && !is_signed(list, authorities)
+        let mut above: Vec<X509Certificate<'_>> = Vec::new();
+        for subject in &level {
+            let may_be_its_issuers = |list: &KnownList| {
+                list.issuer == subject.issuer().as_raw()
+                    && list.names(subject)
+                    && list.signers.is_empty()
             };
             if lists.iter().any(may_be_its_issuers) {
                 return true;
             }
-            let issuers = authorities.iter().filter(|authority| {
-                authority.is_ca()
-                    && subject.issuer().as_raw() == authority.subject().as_raw()
-                    && subject.verify_signature(Some(authority.public_key())).is_ok()
-            });
+            let issuers = namesakes_of_the_issuer(subject, authorities)
+                .map(KnownCertificate::parsed)
+                .filter(|authority| {
+                    authority.is_ca()
+                        && subject.verify_signature(Some(authority.public_key())).is_ok()
+                });
             for issuer in issuers {
-                if lists_of(issuer, lists).any(|list| names(list, subject)) {
+                if lists_of(&issuer, lists).any(|list| list.names(subject)) {
                     return true;
                 }
                 let is_new = !above.iter().any(|known| known.as_raw() == issuer.as_raw());
@@ -74,40 +126,46 @@ pub(crate) fn is_revoked(
     false
 }
 
-/// Returns whether one of the authorities signed a revocation list.
-fn is_signed(list: &CertificateRevocationList<'_>, authorities: &[X509Certificate<'_>]) -> bool {
-    authorities.iter().any(|authority| {
-        authority.subject().as_raw() == list.issuer().as_raw() && is_signed_by(list, authority)
-    })
+/// Returns the certificates with the name of a certificate's issuer.
+pub(crate) fn namesakes_of_the_issuer<'k>(
+    subject: &X509Certificate<'_>,
+    known: &'k [KnownCertificate],
+) -> impl Iterator<Item = &'k KnownCertificate> {
+    let name = subject.issuer().as_raw();
+    known.iter().filter(move |one| one.subject == name)
 }
 
 /// Returns the revocation lists that an authority signed.
-pub(crate) fn lists_of<'l, 'a>(
-    authority: &'l X509Certificate<'_>,
-    lists: &'l [CertificateRevocationList<'a>],
-) -> impl Iterator<Item = &'l CertificateRevocationList<'a>> {
-    lists
-        .iter()
-        .filter(|list| list.issuer().as_raw() == authority.subject().as_raw())
-        .filter(|list| is_signed_by(list, authority))
+pub(crate) fn lists_of<'l>(
+    authority: &X509Certificate<'_>,
+    lists: &'l [KnownList],
+) -> impl Iterator<Item = &'l KnownList> {
+    let signer = authority.as_raw();
+    lists.iter().filter(move |list| list.signers.iter().any(|one| one == signer))
 }
+
+/// Finds the certificates or the lists in the content of a file.
+pub(crate) type ItemsIn = fn(&[u8]) -> Option<Vec<Vec<u8>>>;
 
 /// Returns the revocation lists in a file as DER: one in DER, or any number in PEM. `None` where it has none or one that
 /// cannot be read.
 pub(crate) fn lists_in(content: &[u8]) -> Option<Vec<Vec<u8>>> {
-    items_in(content, |der| CertificateRevocationList::from_der(der).is_ok())
+    items_in(content, |der| {
+        Some(CertificateRevocationList::from_der(der).ok()?.1.as_raw().to_vec())
+    })
 }
 
 /// Returns the certificates in a file as DER, likewise.
 pub(crate) fn certificates_in(content: &[u8]) -> Option<Vec<Vec<u8>>> {
-    items_in(content, |der| X509Certificate::from_der(der).is_ok())
+    items_in(content, |der| Some(X509Certificate::from_der(der).ok()?.1.as_raw().to_vec()))
 }
 
-fn items_in(content: &[u8], is_item: impl Fn(&[u8]) -> bool) -> Option<Vec<Vec<u8>>> {
-    if is_item(content) {
-        return Some(vec![content.to_vec()]);
+/// Returns the items without what may follow them: they are compared byte by byte.
+fn items_in(content: &[u8], item: impl Fn(&[u8]) -> Option<Vec<u8>>) -> Option<Vec<Vec<u8>>> {
+    if let Some(whole) = item(content) {
+        return Some(vec![whole]);
     }
     let blocks = Pem::iter_from_buffer(content).collect::<Result<Vec<_>, _>>().ok()?;
-    let items: Vec<_> = blocks.into_iter().map(|block| block.contents).collect();
-    (!items.is_empty() && items.iter().all(|item| is_item(item))).then_some(items)
+    let items = blocks.iter().map(|block| item(&block.contents)).collect::<Option<Vec<_>>>()?;
+    (!items.is_empty()).then_some(items)
 }

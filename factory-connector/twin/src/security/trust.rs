@@ -2,7 +2,7 @@
 //! authorities and their revocation lists.
 //!
 //! A certificate that is new to the twin is stored among those that wait; approving moves it to the
-//! trusted ones, rejecting to the denied ones. The folders are authoritative: the server reads them at
+//! trusted ones, rejecting to the denied ones. The folders are authoritative: the server looks at them at
 //! every connection. Open sessions whose certificate lost its trust by a change end within moments.
 
 mod authorities;
@@ -24,6 +24,7 @@ pub use authorities::{Authority, RevocationKnowledge};
 pub use revocation_lists::RevocationList;
 
 use super::{
+    approvals::{Approval, Approvals},
     certificate_files::{paths, replace},
     rejected_clients::{ConnectionRejection, RejectedClients, fingerprint, thumbprint},
 };
@@ -37,6 +38,8 @@ pub(crate) const ISSUERS: &str = "issuers";
 pub(crate) const REVOCATION_LISTS: &str = "crl";
 /// Most certificates listed of a folder: any client may add some that wait.
 const LISTED_MAX: usize = 1000;
+/// Most certificates named in one line of the log.
+const NAMED_MAX: usize = 10;
 
 /// State of a client's certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,6 +68,8 @@ pub struct ClientCertificate {
     /// End of its validity.
     pub not_after: DateTime,
     pub state: CertificateState,
+    /// The approval by a person; none on record where it is trusted without, or not trusted.
+    pub approval: Option<Approval>,
     /// The last rejected connection attempt since it has this state.
     pub rejection: Option<ConnectionRejection>,
 }
@@ -74,6 +79,7 @@ pub struct ClientCertificate {
 #[derive(Clone)]
 pub struct TrustList {
     folder: PathBuf,
+    approvals: Approvals,
     rejected_clients: RejectedClients,
     /// Set once the server is built.
     events: Arc<OnceLock<Arc<EventReporter>>>,
@@ -88,7 +94,8 @@ impl TrustList {
         review: Arc<Notify>,
     ) -> Self {
         let rejected_clients = RejectedClients::new(folder);
-        Self { folder: folder.to_owned(), rejected_clients, events, review }
+        let approvals = Approvals::new(folder);
+        Self { folder: folder.to_owned(), approvals, rejected_clients, events, review }
     }
 
     /// Returns all certificates of clients, the rejected ones first, by the last attempt.
@@ -117,18 +124,50 @@ impl TrustList {
         Ok(all)
     }
 
-    /// Accepts a certificate from now on. False when it is not in the list.
+    /// Returns the certificates of clients that are trusted though no person's approval is on record.
+    ///
+    /// # Errors
+    /// [`TwinError::Pki`] when a folder cannot be read.
+    pub fn unapproved(&self) -> Result<Vec<ClientCertificate>, TwinError> {
+        let mut all = self.list()?;
+        all.retain(|one| one.state == CertificateState::Trusted && one.approval.is_none());
+        Ok(all)
+    }
+
+    /// Names the unapproved ones in the log.
+    pub(crate) fn warn_of_unapproved(&self) {
+        // A folder that cannot be read is said with each connection.
+        let unapproved = self.unapproved().unwrap_or_default();
+        if unapproved.is_empty() {
+            return;
+        }
+        let named = unapproved.iter().take(NAMED_MAX).map(|one| one.subject.as_str());
+        tracing::warn!(
+            certificates = unapproved.len(),
+            subjects = named.collect::<Vec<_>>().join("; "),
+            "OPC UA clients may connect whose certificates no person is known to have approved: a former version \
+             trusted them by a development setting or had no record yet, or they were copied into the folder. Compare \
+             their fingerprints, and approve or deny each on the page of sources."
+        );
+    }
+
+    /// Accepts a certificate from now on, or approves one that is trusted without an approval. False when it is not in
+    /// the list.
     ///
     /// # Errors
     /// [`TwinError::Pki`] when the certificate cannot be moved.
     pub fn trust(&self, thumbprint: &str, by: &str) -> Result<bool, TwinError> {
         let is_moved =
             self.shift(thumbprint, WAITING, TRUSTED)? || self.shift(thumbprint, DENIED, TRUSTED)?;
-        if is_moved {
+        let Some(fingerprint) = self.fingerprint_of(TRUSTED, thumbprint)? else {
+            return Ok(is_moved);
+        };
+        if is_moved || self.approvals.of(&fingerprint).is_none() {
+            self.approvals.record(&fingerprint, by)?;
             self.rejected_clients.forget(thumbprint);
             self.changed(by, format!("The certificate {thumbprint} is trusted."));
         }
-        Ok(is_moved)
+        Ok(true)
     }
 
     /// Rejects a certificate, also where its authority is trusted; its open sessions end. False when it neither was
@@ -140,6 +179,9 @@ impl TrustList {
         let is_moved =
             self.shift(thumbprint, TRUSTED, DENIED)? || self.shift(thumbprint, WAITING, DENIED)?;
         if is_moved {
+            if let Some(fingerprint) = self.fingerprint_of(DENIED, thumbprint)? {
+                self.approvals.forget(&fingerprint)?;
+            }
             self.changed(by, format!("The certificate {thumbprint} is denied."));
         }
         Ok(is_moved)
@@ -163,6 +205,7 @@ impl TrustList {
         let thumbprint = thumbprint(&certificate);
         if !self.trust(&thumbprint, by)? {
             self.write(TRUSTED, &CertificateStore::cert_file_name(&certificate), der)?;
+            self.approvals.record(&fingerprint(&certificate), by)?;
             let what = if is_authority { "authority's certificate" } else { "certificate" };
             self.changed(by, format!("The {what} {thumbprint} was added and is trusted."));
         }
@@ -177,6 +220,7 @@ impl TrustList {
         if state == CertificateState::Trusted && faults::is_authority(&parsed) {
             return None;
         }
+        let fingerprint = fingerprint(certificate);
         Some(ClientCertificate {
             subject: certificate.subject_name(),
             application_uri: faults::application_uri(&parsed).map(str::to_owned),
@@ -184,8 +228,12 @@ impl TrustList {
             not_after: time(parsed.validity().not_after),
             state,
             rejection: self.rejected_clients.last(&thumbprint),
+            approval: self
+                .approvals
+                .of(&fingerprint)
+                .filter(|_| state == CertificateState::Trusted),
             thumbprint,
-            fingerprint: fingerprint(certificate),
+            fingerprint,
         })
     }
 
@@ -217,6 +265,13 @@ impl TrustList {
                 .is_ok_and(|certificate| thumbprint(&certificate).eq_ignore_ascii_case(searched))
         };
         Ok(self.files(folder, "der")?.into_iter().find(fits))
+    }
+
+    /// Returns the fingerprint of a certificate in a folder.
+    fn fingerprint_of(&self, folder: &str, thumbprint: &str) -> Result<Option<String>, TwinError> {
+        let path = self.find(folder, thumbprint)?;
+        let found = path.and_then(|path| CertificateStore::read_cert(&path).ok());
+        Ok(found.map(|certificate| fingerprint(&certificate)))
     }
 
     fn files(&self, name: &str, extension: &str) -> Result<Vec<PathBuf>, TwinError> {

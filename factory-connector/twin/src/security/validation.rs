@@ -7,8 +7,10 @@
 //! those that wait for an approval. What is denied stays so, also where its authority is trusted, and however many
 //! others wait. OPC 10000-4 §6.1.3 defines the order of the checks.
 
+mod authorities;
+
 use std::{
-    fs, io,
+    fs,
     path::{Path, PathBuf},
     sync::{Arc, OnceLock},
 };
@@ -18,18 +20,20 @@ use opcua_stack::opcua::{
     server::{CertificateBearer, CertificateValidator},
     types::{Error, StatusCode},
 };
-use x509_parser::{
-    certificate::X509Certificate, error::X509Error, prelude::FromDer,
-    revocation_list::CertificateRevocationList, time::ASN1Time,
-};
+use parking_lot::Mutex;
+use tokio::runtime::{Handle, RuntimeFlavor};
+use x509_parser::{certificate::X509Certificate, prelude::FromDer};
 
 use super::{
-    certificate_files::{files, paths},
-    issuance::{CHAIN_LENGTH_MAX, certificates_in, is_issued_by, is_revoked, lists_in, lists_of},
+    certificate_files::{paths, read},
+    issuance::{certificates_in, lists_in},
+    known_folders::{Items, KnownFolder},
     rejected_clients::{ConnectionRejection, RejectedClients, thumbprint},
     trust::{DENIED, ISSUERS, REVOCATION_LISTS, TRUSTED, WAITING},
 };
 use crate::{certificate_error::CertificateError, clock, error::TwinError, events::EventReporter};
+
+use authorities::{KnownAuthorities, Sources};
 
 /// Most certificates that wait for an approval. Beyond, the oldest are removed: any client may send
 /// new ones.
@@ -38,6 +42,12 @@ const REJECTED_MAX: usize = 200;
 /// Validates client certificates by the folders.
 pub(crate) struct Validator {
     folder: PathBuf,
+    denied: KnownFolder,
+    trusted: KnownFolder,
+    issuers: KnownFolder,
+    lists: KnownFolder,
+    /// Made of the four folders as they were read last.
+    known: Mutex<Option<Arc<KnownAuthorities>>>,
     rejected_clients: RejectedClients,
     trust_unknown: bool,
     /// Set once the server is built.
@@ -45,13 +55,19 @@ pub(crate) struct Validator {
 }
 
 impl Validator {
-    /// Creates a validator that reads the folder at every connection.
+    /// Creates a validator that looks at the folder at every connection, and reads what has changed.
     pub fn new(
         folder: &Path,
         trust_unknown: bool,
         events: Arc<OnceLock<Arc<EventReporter>>>,
     ) -> Self {
+        let certificates = |name| KnownFolder::new(folder.join(name), "der", certificates_in);
         Self {
+            denied: certificates(DENIED),
+            trusted: certificates(TRUSTED),
+            issuers: certificates(ISSUERS),
+            lists: KnownFolder::new(folder.join(REVOCATION_LISTS), "crl", lists_in),
+            known: Mutex::default(),
             folder: folder.to_owned(),
             rejected_clients: RejectedClients::new(folder),
             trust_unknown,
@@ -64,19 +80,18 @@ impl Validator {
     pub fn check(&self, der: &[u8]) -> Result<(), CertificateError> {
         let (_, leaf) = X509Certificate::from_der(der).map_err(|_| CertificateError::Unreadable)?;
         // First what denies: a certificate that is moved meanwhile is found in one of the folders, or refused.
-        if self.items(DENIED, "der", certificates_in)?.iter().any(|denied| denied == der) {
+        let denied = items(&self.denied)?;
+        if denied.iter().any(|denied| denied == leaf.as_raw()) {
             return Err(CertificateError::Denied);
         }
-        let known = self.known_authorities()?;
-        let is_trusted = known.trusted.iter().any(|trusted| trusted == der);
-        match known.check(&leaf, is_trusted) {
+        match self.known_authorities(denied)?.check(&leaf) {
             Err(CertificateError::Unknown) if self.trust_unknown => {
                 tracing::warn!(
                     certificate.subject = %shown(&leaf.subject().to_string()),
                     "DEVELOPMENT SETTING: the twin accepts a certificate that nobody approved."
                 );
             }
-            Err(CertificateError::Unknown) if self.has(WAITING, der)? => {
+            Err(CertificateError::Unknown) if self.is_waiting(der) => {
                 return Err(CertificateError::Waiting);
             }
             checked => checked?,
@@ -90,41 +105,28 @@ impl Validator {
         }
     }
 
-    fn has(&self, folder: &str, der: &[u8]) -> Result<bool, CertificateError> {
-        Ok(self.contents(folder, "der")?.iter().any(|(_, known)| known == der))
+    /// Returns true if the certificate waits for an approval, under the name by which it was stored: strangers fill that
+    /// folder, so it is not read as a whole.
+    fn is_waiting(&self, der: &[u8]) -> bool {
+        X509::from_der(der).is_ok_and(|certificate| {
+            let name = CertificateStore::cert_file_name(&certificate);
+            read(&self.folder.join(WAITING).join(name)).is_ok_and(|known| known == der)
+        })
     }
 
-    /// Reads the authorities with their revocation lists.
-    fn known_authorities(&self) -> Result<KnownAuthorities, CertificateError> {
-        let trusted = self.items(TRUSTED, "der", certificates_in)?;
-        let issuers = self.items(ISSUERS, "der", certificates_in)?;
-        let lists = self.items(REVOCATION_LISTS, "crl", lists_in)?;
-        Ok(KnownAuthorities { trusted, issuers, lists })
-    }
-
-    /// Returns what the files of a folder hold, as DER. A file with anything else is as good as unreadable.
-    fn items(
-        &self,
-        folder: &str,
-        extension: &str,
-        items_in: fn(&[u8]) -> Option<Vec<Vec<u8>>>,
-    ) -> Result<Vec<Vec<u8>>, CertificateError> {
-        let mut items = Vec::new();
-        for (path, content) in self.contents(folder, extension)? {
-            items.extend(items_in(&content).ok_or_else(|| {
-                let source = io::Error::other("the file has other content, neither DER nor PEM");
-                unreadable(&TwinError::Pki { path, source })
-            })?);
+    /// Returns the authorities with their revocation lists, the same ones until a file changes.
+    fn known_authorities(&self, denied: Items) -> Result<Arc<KnownAuthorities>, CertificateError> {
+        let trusted = items(&self.trusted)?;
+        let issuers = items(&self.issuers)?;
+        let lists = items(&self.lists)?;
+        let sources = Sources { denied, trusted, issuers, lists };
+        // Other connections wait while they are made.
+        let mut known = self.known.lock();
+        if let Some(known) = known.as_ref().filter(|known| known.are_of(&sources)) {
+            return Ok(Arc::clone(known));
         }
-        Ok(items)
-    }
-
-    fn contents(
-        &self,
-        folder: &str,
-        extension: &str,
-    ) -> Result<Vec<(PathBuf, Vec<u8>)>, CertificateError> {
-        files(&self.folder.join(folder), extension).map_err(|error| unreadable(&error))
+        let made = KnownAuthorities::new(sources).ok_or(CertificateError::TrustListUnreadable)?;
+        Ok(Arc::clone(known.insert(Arc::new(made))))
     }
 
     /// Stores an unknown certificate for the engineer to approve.
@@ -160,8 +162,10 @@ impl Validator {
         error: CertificateError,
         bearer: &CertificateBearer<'_>,
     ) {
-        let is_listed = |folder: &&str| self.has(folder, der).unwrap_or(false);
-        if [WAITING, DENIED, TRUSTED].iter().any(is_listed) {
+        let has = |folder: &KnownFolder| {
+            folder.items().is_ok_and(|items| items.iter().any(|known| known == der))
+        };
+        if self.is_waiting(der) || has(&self.denied) || has(&self.trusted) {
             self.rejected_clients
                 .record(certificate, &ConnectionRejection::new(clock::now(), error.into(), bearer));
         }
@@ -170,6 +174,17 @@ impl Validator {
 
 impl CertificateValidator for Validator {
     fn validate(
+        &self,
+        certificate: &X509,
+        security_policy: SecurityPolicy,
+        bearer: &CertificateBearer<'_>,
+    ) -> Result<(), Error> {
+        off_the_runtime(|| self.validate_now(certificate, security_policy, bearer))
+    }
+}
+
+impl Validator {
+    fn validate_now(
         &self,
         certificate: &X509,
         security_policy: SecurityPolicy,
@@ -203,70 +218,16 @@ impl CertificateValidator for Validator {
     }
 }
 
-/// Authorities and their revocation lists, each as DER.
-struct KnownAuthorities {
-    /// Trusted certificates, those of clients too.
-    trusted: Vec<Vec<u8>>,
-    /// Authorities that complete chains.
-    issuers: Vec<Vec<u8>>,
-    lists: Vec<Vec<u8>>,
-}
-
-impl KnownAuthorities {
-    /// Checks that no authority revoked the certificate or one above it, and, unless it is trusted itself, that its
-    /// chain leads to a trusted authority. The trust of a single certificate needs no authority, so a list need not
-    /// exist; one that names it is obeyed.
-    fn check(&self, leaf: &X509Certificate<'_>, is_trusted: bool) -> Result<(), CertificateError> {
-        let (trusted, issuers): (Vec<X509Certificate<'_>>, Vec<X509Certificate<'_>>) =
-            (parsed(&self.trusted)?, parsed(&self.issuers)?);
-        let lists: Vec<CertificateRevocationList<'_>> = parsed(&self.lists)?;
-        let all = [&trusted[..], &issuers[..]].concat();
-        if is_revoked(leaf, &all, &lists) {
-            return Err(CertificateError::Revoked);
-        }
-        if is_trusted { Ok(()) } else { follow_chain(leaf, &trusted, &issuers, &lists) }
+/// Does work that may read files while the other tasks of this thread go on elsewhere, where there is an elsewhere.
+fn off_the_runtime<T>(work: impl FnOnce() -> T) -> T {
+    match Handle::try_current().map(|runtime| runtime.runtime_flavor()) {
+        Ok(RuntimeFlavor::MultiThread) => tokio::task::block_in_place(work),
+        _ => work(),
     }
 }
 
-/// Parses all of them: one that was left out may be the one by which a revocation is found.
-fn parsed<'d, T: FromDer<'d, X509Error>>(items: &'d [Vec<u8>]) -> Result<Vec<T>, CertificateError> {
-    let parse = |der: &'d Vec<u8>| T::from_der(der).map(|(_, item)| item);
-    items
-        .iter()
-        .map(parse)
-        .collect::<Result<_, _>>()
-        .map_err(|_| CertificateError::TrustListUnreadable)
-}
-
-/// Follows the issuers up to a trusted one, each of which needs a current revocation list. That nobody on the way was
-/// revoked is checked before.
-fn follow_chain(
-    leaf: &X509Certificate<'_>,
-    trusted: &[X509Certificate<'_>],
-    issuers: &[X509Certificate<'_>],
-    lists: &[CertificateRevocationList<'_>],
-) -> Result<(), CertificateError> {
-    let mut subject = leaf;
-    for _ in 0..CHAIN_LENGTH_MAX {
-        let trusted = trusted.iter().map(|authority| (authority, true));
-        let found = trusted
-            .chain(issuers.iter().map(|authority| (authority, false)))
-            .find(|(authority, _)| is_issued_by(subject, authority));
-        let Some((authority, is_trusted)) = found else {
-            return Err(CertificateError::Unknown);
-        };
-        let is_current = |list: &CertificateRevocationList<'_>| {
-            list.next_update().is_none_or(|next| next >= ASN1Time::now())
-        };
-        if !lists_of(authority, lists).any(is_current) {
-            return Err(CertificateError::RevocationUnknown);
-        }
-        if is_trusted {
-            return Ok(());
-        }
-        subject = authority;
-    }
-    Err(CertificateError::Unknown)
+fn items(folder: &KnownFolder) -> Result<Items, CertificateError> {
+    folder.items().map_err(|error| unreadable(&error))
 }
 
 /// Reports a file of the trust list that cannot be read: someone has to act.

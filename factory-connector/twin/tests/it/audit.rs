@@ -107,6 +107,36 @@ async fn sessions_of_a_user_can_be_ended() {
 }
 
 #[tokio::test]
+async fn sessions_are_listed_and_ended_one_by_one() {
+    let twin = TestTwin::start().await;
+    twin.handle.apply(document(message("net", 1)));
+    let (one, other) = (twin.client("otto").await, twin.client("otto").await);
+    let vera = twin.client("vera").await;
+    let mut sessions = twin.handle.sessions_of("otto");
+    sessions.sort_by_key(|session| session.number);
+    let [first, second] = &sessions[..] else { panic!("{sessions:?}") };
+    assert_eq!(first.address, Some(std::net::Ipv4Addr::LOCALHOST.into()));
+    assert_eq!(first.application_name, "test client");
+    let subject = first.certificate_subject.as_deref().unwrap_or_default();
+    assert!(subject.contains("CN=test client"), "{subject}");
+    assert!(first.started_at <= first.last_used_at, "{first:?}");
+
+    assert!(!twin.handle.end_session_of("vera", first.number).await, "not hers");
+    assert!(twin.handle.end_session_of("otto", first.number).await);
+    assert!(!twin.handle.end_session_of("otto", first.number).await, "it is gone");
+    assert!(other.read("net#Revision").await.status().is_good(), "the other one stays");
+    assert!(vera.read("net#Revision").await.status().is_good());
+    assert_eq!(twin.handle.sessions_of("otto").len(), 1);
+    assert_eq!(twin.handle.sessions_of("otto")[0].number, second.number);
+    assert!(twin.handle.sessions_of("nobody").is_empty());
+    one.vanish();
+    for client in [other, vera] {
+        client.close().await;
+    }
+    twin.stop().await;
+}
+
+#[tokio::test]
 async fn rejected_clients_are_audited() {
     let twin = TestTwin::start_with(|_| {}).await;
     assert!(twin.connect("anna", "anna-secret", SecurityPolicy::Basic256Sha256).await.is_err());

@@ -9,6 +9,7 @@
 
 mod address_space;
 mod application_certificate;
+mod approvals;
 mod audit;
 mod audit_of_writes;
 mod authority;

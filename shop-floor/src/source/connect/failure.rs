@@ -51,6 +51,9 @@ pub(super) fn session_problem(
         | StatusCode::BadTcpEndpointUrlInvalid
         | StatusCode::BadServerHalted
         | StatusCode::BadShutdown => (Kind::Unreachable, "The server does not answer properly"),
+        StatusCode::BadResponseTooLarge | StatusCode::BadEncodingLimitsExceeded => {
+            (Kind::Refused, "The server sends more than this connector takes")
+        }
         _ => (Kind::Refused, "The server refuses a session"),
     };
     SourceProblem::new(kind, format!("{message}: {status}{detail}."))

@@ -1,4 +1,5 @@
 use std::{
+    net::SocketAddr,
     sync::{atomic::AtomicU8, Arc},
     time::{Duration, Instant},
 };
@@ -22,6 +23,25 @@ use super::{
     info::ServerInfo, node_manager::NodeManagers, session::manager::SessionManager,
     SubscriptionCache,
 };
+
+/// An activated session.
+#[derive(Clone)]
+pub struct SessionDescription {
+    /// Its id.
+    pub session_id: NodeId,
+    /// Who signed in.
+    pub user_token: UserToken,
+    /// Where the connection comes from on which it was activated last, as far as that is known.
+    pub client_address: Option<SocketAddr>,
+    /// The certificate with which it was created.
+    pub client_certificate: Option<X509>,
+    /// What the application calls itself; not proven.
+    pub application_name: String,
+    /// Time since it was created.
+    pub age: Duration,
+    /// Time since its last request.
+    pub idle: Duration,
+}
 
 /// Reference to a server instance containing tools to modify the server
 /// while it is running.
@@ -138,6 +158,27 @@ impl ServerHandle {
             .into_iter()
             .filter_map(|(id, token)| Some((id, token?)))
             .collect()
+    }
+
+    /// Get the activated sessions as they are now.
+    pub fn sessions(&self) -> Vec<SessionDescription> {
+        self.session_manager.read().descriptions()
+    }
+
+    /// Close one session together with its subscriptions, if its user is meant. Returns the user, `None` where there is
+    /// no such session.
+    pub async fn close_session(
+        &self,
+        session_id: &NodeId,
+        is_meant: impl Fn(&UserToken) -> bool,
+    ) -> Option<UserToken> {
+        let is_meant = |session: &Session| {
+            session.session_id() == session_id
+                && session.is_activated()
+                && session.user_token().is_some_and(&is_meant)
+        };
+        let ended = self.terminate(is_meant).await;
+        ended.into_iter().find_map(|(_, token)| token)
     }
 
     /// Get the certificates with which the present sessions were created, each once.

@@ -178,9 +178,13 @@ export const sources: typeof English = {
     } as Record<string, string>,
     tooLarge: (size: string) => `Die Datei ist größer als ${size}: Das kann kein Zertifikat sein.`,
     isTrusted: 'Vertraut',
+    isUnapproved: 'Von keinem Menschen genehmigt',
+    unapprovedHint:
+      'Eine frühere Version vertraute ihm, oder es wurde in den Ordner kopiert. Vergleichen Sie den Fingerabdruck, dann genehmigen Sie es oder vertrauen ihm nicht mehr.',
     isRejected: 'Wartet auf Sie',
     isDenied: 'Abgelehnt',
     trust: 'Vertrauen',
+    approve: 'Genehmigen',
     withdraw: 'Nicht mehr vertrauen',
     deny: 'Ablehnen',
     trusted: 'Dem Zertifikat wird vertraut.',

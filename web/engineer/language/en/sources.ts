@@ -173,9 +173,13 @@ export const sources = {
     } as Record<string, string>,
     tooLarge: (size: string) => `The file is larger than ${size}: it cannot be a certificate.`,
     isTrusted: 'Trusted',
+    isUnapproved: 'Not approved by a person',
+    unapprovedHint:
+      'A former version trusted it, or it was copied into the folder. Compare the fingerprint, then approve it or stop trusting it.',
     isRejected: 'Waits for you',
     isDenied: 'Denied',
     trust: 'Trust',
+    approve: 'Approve',
     withdraw: 'Stop trusting',
     deny: 'Deny',
     trusted: 'Certificate trusted.',

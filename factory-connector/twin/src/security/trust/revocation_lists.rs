@@ -14,13 +14,14 @@ use crate::{
     error::TwinError,
     security::{
         certificate_files,
-        issuance::{certificates_in, is_revoked, is_signed_by, lists_in},
-        rejected_clients::thumbprint,
+        issuance::{
+            ItemsIn, KnownCertificate, KnownList, certificates_in, is_revoked, is_signed_by,
+            lists_in,
+        },
+        rejected_clients::{fingerprint, thumbprint},
     },
 };
 
-/// Finds the certificates or the lists in the content of a file.
-type ItemsIn = fn(&[u8]) -> Option<Vec<Vec<u8>>>;
 /// A file with what it holds, as DER.
 type ItemsOfFile = (PathBuf, Vec<Vec<u8>>);
 
@@ -127,15 +128,15 @@ impl TrustList {
         let mut files = self.items(TRUSTED, "der", certificates_in)?;
         files.extend(self.items(ISSUERS, "der", certificates_in)?);
         let lists = self.items(REVOCATION_LISTS, "crl", lists_in)?;
-        let authorities: Vec<X509Certificate<'_>> = files
+        let authorities: Vec<KnownCertificate> = files
             .iter()
             .flat_map(|(_, items)| items)
-            .filter_map(|der| Some(X509Certificate::from_der(der).ok()?.1))
+            .filter_map(|der| KnownCertificate::new(der))
             .collect();
-        let lists: Vec<CertificateRevocationList<'_>> = lists
+        let lists: Vec<KnownList> = lists
             .iter()
             .flat_map(|(_, items)| items)
-            .filter_map(|der| Some(CertificateRevocationList::from_der(der).ok()?.1))
+            .filter_map(|der| KnownList::new(der, &authorities))
             .collect();
         for (path, items) in &files {
             for der in items {
@@ -150,6 +151,7 @@ impl TrustList {
                     fs::remove_file(path)
                         .map_err(|source| TwinError::Pki { path: path.clone(), source })?;
                 }
+                self.approvals.forget(&fingerprint(&certificate))?;
                 let thumbprint = thumbprint(&certificate);
                 self.changed(
                     by,

@@ -1,10 +1,12 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should say where")]
 
+mod chains;
+
 use opcua_stack::opcua::types::ApplicationDescription;
 use tempfile::TempDir;
 
 use super::*;
-use crate::security::{certificate::prepare_folders, trust::TrustList};
+use crate::security::{certificate::prepare_folders, certificate_files::files, trust::TrustList};
 
 /// Change of a folder after which its files cannot be read.
 type Damage<'d> = &'d dyn Fn(&Path);
@@ -195,6 +197,38 @@ fn development_trust_leaves_nothing_behind() {
 }
 
 #[test]
+fn a_certificate_that_was_trusted_without_a_person_is_marked_until_one_approves_it() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join(TRUSTED)).unwrap();
+    let (client, other) = (self_signed(), self_signed());
+    store(&folder.path().join(TRUSTED), &client, client.as_byte_string().as_ref());
+    prepare_folders(folder.path()).unwrap();
+    let fixture = Fixture::of(folder, false);
+    let list = &fixture.list;
+    let unapproved = || {
+        let found = list.unapproved().unwrap();
+        found.into_iter().map(|one| one.thumbprint).collect::<Vec<_>>()
+    };
+    assert_eq!(unapproved(), [thumbprint(&client)]);
+    assert_eq!(fixture.check(&client), Ok(()), "it goes on until a person decides");
+    assert!(list.trust(&thumbprint(&client), "anna").unwrap());
+    assert!(unapproved().is_empty());
+    let approval = list.list().unwrap()[0].approval.clone().unwrap();
+    assert_eq!(approval.by, "anna");
+    assert!(list.trust(&thumbprint(&client), "eva").unwrap(), "again");
+    assert_eq!(list.list().unwrap()[0].approval.clone(), Some(approval), "of the first one");
+
+    // One that waited has it from the beginning.
+    fixture.show(&other);
+    assert!(list.trust(&thumbprint(&other), "anna").unwrap());
+    assert!(unapproved().is_empty());
+    // An approval ends with the trust: the file, copied back by hand, has none.
+    assert!(list.reject(&thumbprint(&other), "anna").unwrap());
+    fixture.trust(&other);
+    assert_eq!(unapproved(), [thumbprint(&other)]);
+}
+
+#[test]
 fn a_revoked_certificate_is_refused_though_it_is_trusted_itself() {
     let fixture = Fixture::new(false);
     let (authority, namesake) = (Authority::new("Plant CA"), Authority::new("Plant CA"));
@@ -220,72 +254,6 @@ fn a_revoked_certificate_is_refused_though_it_is_trusted_itself() {
     fixture.list.add_issuer(&authority.certificate, "anna").unwrap();
     assert_eq!(fixture.check(&client), Err(CertificateError::Revoked), "the list is out of date");
     assert_eq!(fixture.check(&other), Ok(()), "it needs no list of its own");
-}
-
-#[test]
-fn a_revocation_outlasts_the_list_and_the_authority_by_which_it_is_known() {
-    for (has_list, has_authority) in [(false, true), (true, false), (false, false)] {
-        let fixture = Fixture::new(false);
-        let (list, authority) = (&fixture.list, Authority::new("Plant CA"));
-        let (client, other) = (authority.issue(7), authority.issue(8));
-        fixture.trust(&client);
-        fixture.trust(&other);
-        list.add_issuer(&authority.certificate, "anna").unwrap();
-        list.put_revocation_list(&authority.revoke(7, 2096), "anna").unwrap();
-        assert_eq!(fixture.check(&client), Err(CertificateError::Revoked));
-        let (authorities, lists) = (list.authorities().unwrap(), list.revocation_lists().unwrap());
-        if !has_authority {
-            assert!(list.remove_authority(&authorities[0].thumbprint, "anna").unwrap());
-        }
-        if !has_list {
-            assert!(list.remove_revocation_list(&lists[0].id, "anna").unwrap());
-        }
-        let case = format!("list {has_list}, authority {has_authority}");
-        assert_eq!(fixture.check(&client), Err(CertificateError::Denied), "{case}");
-        assert_eq!(fixture.check(&other), Ok(()), "{case}");
-        // Until an engineer trusts it again, and no list names it.
-        assert!(list.trust(&thumbprint(&client), "anna").unwrap());
-        let expected = if has_list { Err(CertificateError::Revoked) } else { Ok(()) };
-        assert_eq!(fixture.check(&client), expected, "{case}");
-    }
-}
-
-#[test]
-fn an_authority_that_the_one_above_revoked_lets_nobody_in_once_that_list_is_gone() {
-    let fixture = Fixture::new(false);
-    let (root, list) = (Authority::new("Root CA"), &fixture.list);
-    let plant = root.below("Plant CA", 9);
-    let (client, single) = (plant.issue(1), plant.issue(2));
-    list.add_issuer(&root.certificate, "anna").unwrap();
-    list.trust_new(&plant.certificate, "anna").unwrap();
-    list.put_revocation_list(&plant.revoke(8, 2096), "anna").unwrap();
-    list.put_revocation_list(&root.revoke(9, 2096), "anna").unwrap();
-    fixture.trust(&single);
-    let lists = list.revocation_lists().unwrap();
-    let of_root = lists.iter().find(|list| list.issuer.contains("Root CA")).unwrap();
-    assert!(list.remove_revocation_list(&of_root.id, "anna").unwrap());
-    assert_eq!(fixture.check(&client), Err(CertificateError::Unknown));
-    assert_eq!(fixture.check(&single), Err(CertificateError::Denied));
-}
-
-#[test]
-fn a_client_below_an_authority_that_the_one_above_revoked_is_refused() {
-    let fixture = Fixture::new(false);
-    let root = Authority::new("Root CA");
-    let plant = root.below("Plant CA", 9);
-    let (client, single) = (plant.issue(1), plant.issue(2));
-    let list = &fixture.list;
-    list.add_issuer(&root.certificate, "anna").unwrap();
-    list.trust_new(&plant.certificate, "anna").unwrap();
-    list.put_revocation_list(&plant.revoke(8, 2096), "anna").unwrap();
-    fixture.trust(&single);
-    for certificate in [&client, &single] {
-        assert_eq!(fixture.check(certificate), Ok(()), "the root need not have a list");
-    }
-    list.put_revocation_list(&root.revoke(9, 2096), "anna").unwrap();
-    for certificate in [&client, &single] {
-        assert_eq!(fixture.check(certificate), Err(CertificateError::Revoked));
-    }
 }
 
 #[test]

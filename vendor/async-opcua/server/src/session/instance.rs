@@ -1,4 +1,5 @@
 use std::collections::HashMap;
+use std::net::SocketAddr;
 use std::sync::{Arc, Weak};
 use std::time::{Duration, Instant};
 
@@ -11,6 +12,7 @@ use crate::authenticator::UserToken;
 use crate::identity_token::IdentityToken;
 use crate::info::ServerInfo;
 use crate::node_manager::{BrowseContinuationPoint, QueryContinuationPoint};
+use crate::server_handle::SessionDescription;
 use crate::shares::{ClientShare, Held, SharedResource};
 use opcua_crypto::X509;
 use opcua_types::{
@@ -73,6 +75,10 @@ pub struct Session {
     place: Option<Held>,
     /// Alive as long as the connection on which the session was activated last.
     connection: Weak<()>,
+    /// Where that connection comes from, as far as that is known.
+    client_address: Option<SocketAddr>,
+    /// When the session was created.
+    created_at: Instant,
 }
 
 impl Session {
@@ -127,6 +133,8 @@ impl Session {
             is_closed: false,
             place: None,
             connection: Weak::new(),
+            client_address: None,
+            created_at: Instant::now(),
         }
     }
 
@@ -183,6 +191,7 @@ impl Session {
     pub(crate) fn activate(
         &mut self,
         connection: Weak<()>,
+        client_address: Option<SocketAddr>,
         place: Option<Held>,
         secure_channel_id: u32,
         server_nonce: ByteString,
@@ -194,6 +203,7 @@ impl Session {
             self.place = place;
         }
         self.connection = connection;
+        self.client_address = client_address;
         self.user_token = Some(user_token);
         self.secure_channel_id = secure_channel_id;
         self.session_nonce = server_nonce;
@@ -219,6 +229,25 @@ impl Session {
 
     pub(crate) fn is_closed(&self) -> bool {
         self.is_closed
+    }
+
+    /// Describe the session as it is now, once it is activated.
+    pub(crate) fn description(&self) -> Option<SessionDescription> {
+        let user_token = self.user_token.clone().filter(|_| !self.is_closed)?;
+        Some(SessionDescription {
+            session_id: self.session_id.clone(),
+            user_token,
+            client_address: self.client_address,
+            client_certificate: self.client_certificate.clone(),
+            application_name: self
+                .application_description
+                .application_name
+                .text
+                .as_ref()
+                .to_owned(),
+            age: self.created_at.elapsed(),
+            idle: self.last_service_request.load().elapsed(),
+        })
     }
 
     /// Get the session ID of this session, this is known to the client, and is what they

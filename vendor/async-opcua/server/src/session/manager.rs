@@ -17,6 +17,7 @@ use tracing::{error, info};
 use crate::{
     authenticator::UserToken, identity_token::IdentityToken, info::ServerInfo, CertificateBearer,
     node_manager::NodeManagers,
+    server_handle::SessionDescription,
     shares::{ClientShare, Held, SharedResource},
     subscriptions::SubscriptionCache,
     ClientKey, ServerIdentity,
@@ -56,6 +57,14 @@ impl SessionManager {
     /// Get a session by its authentication token.
     pub fn find_by_token(&self, authentication_token: &NodeId) -> Option<Arc<RwLock<Session>>> {
         Self::find_by_token_int(&self.sessions, authentication_token)
+    }
+
+    /// All activated sessions.
+    pub(crate) fn descriptions(&self) -> Vec<SessionDescription> {
+        self.sessions
+            .values()
+            .filter_map(|session| session.read().description())
+            .collect()
     }
 
     /// The certificates of all sessions that have one.
@@ -649,6 +658,7 @@ pub(crate) async fn activate_session(
         // handle this eventuality, perhaps a dedicated node-manager endpoint that can be called here.
         session.activate(
             Arc::downgrade(connection),
+            peer_address,
             place,
             secure_channel_id,
             server_nonce,

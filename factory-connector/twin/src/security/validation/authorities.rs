@@ -1,0 +1,104 @@
+//! Authorities of the trust list with their revocation lists, as the folders have them at a time.
+
+use std::sync::Arc;
+
+use x509_parser::certificate::X509Certificate;
+
+use crate::{
+    certificate_error::CertificateError,
+    security::{
+        issuance::{
+            CHAIN_LENGTH_MAX, KnownCertificate, KnownList, is_issued_by, is_revoked, lists_of,
+            namesakes_of_the_issuer,
+        },
+        known_folders::Items,
+    },
+};
+
+/// Contents of the folders of which authorities and lists are made.
+pub(super) struct Sources {
+    pub denied: Items,
+    /// Trusted certificates, those of clients too.
+    pub trusted: Items,
+    /// Authorities that complete chains.
+    pub issuers: Items,
+    pub lists: Items,
+}
+
+impl Sources {
+    /// Returns true where nothing was read again.
+    fn are(&self, others: &Self) -> bool {
+        [&self.denied, &self.trusted, &self.issuers, &self.lists]
+            .into_iter()
+            .zip([&others.denied, &others.trusted, &others.issuers, &others.lists])
+            .all(|(one, other)| Arc::ptr_eq(one, other))
+    }
+}
+
+/// Authorities and their revocation lists.
+pub(super) struct KnownAuthorities {
+    sources: Sources,
+    /// The trusted ones first.
+    certificates: Vec<KnownCertificate>,
+    lists: Vec<KnownList>,
+}
+
+impl KnownAuthorities {
+    /// Reads all of them: one that was left out may be the one by which a revocation is found. `None` where one cannot be
+    /// read.
+    pub fn new(sources: Sources) -> Option<Self> {
+        let files = sources.trusted.iter().chain(sources.issuers.iter());
+        let certificates =
+            files.map(|der| KnownCertificate::new(der)).collect::<Option<Vec<_>>>()?;
+        let lists = sources.lists.iter().map(|der| KnownList::new(der, &certificates));
+        let lists = lists.collect::<Option<Vec<_>>>()?;
+        Some(Self { sources, certificates, lists })
+    }
+
+    /// Returns true if these were made of the same reading of all folders.
+    pub fn are_of(&self, sources: &Sources) -> bool {
+        self.sources.are(sources)
+    }
+
+    /// Checks that no authority revoked the certificate or one above it, and, unless it is trusted itself, that its
+    /// chain leads to a trusted authority. The trust of a single certificate needs no authority, so a list need not
+    /// exist; one that names it is obeyed.
+    pub fn check(&self, leaf: &X509Certificate<'_>) -> Result<(), CertificateError> {
+        if is_revoked(leaf, &self.certificates, &self.lists) {
+            return Err(CertificateError::Revoked);
+        }
+        if holds(&self.sources.trusted, leaf) { Ok(()) } else { self.follow_chain(leaf) }
+    }
+
+    /// Follows the issuers up to a trusted one, each of which needs a current revocation list. What is denied takes part
+    /// in no chain. That nobody on the way was revoked is checked before.
+    fn follow_chain(&self, leaf: &X509Certificate<'_>) -> Result<(), CertificateError> {
+        let mut subject = leaf.clone();
+        for _ in 0..CHAIN_LENGTH_MAX {
+            let (denied, others): (Vec<_>, Vec<_>) =
+                namesakes_of_the_issuer(&subject, &self.certificates)
+                    .map(KnownCertificate::parsed)
+                    .filter(|authority| is_issued_by(&subject, authority))
+                    .partition(|authority| holds(&self.sources.denied, authority));
+            let Some(authority) = others.into_iter().next() else {
+                return Err(if denied.is_empty() {
+                    CertificateError::Unknown
+                } else {
+                    CertificateError::Denied
+                });
+            };
+            if !lists_of(&authority, &self.lists).any(KnownList::is_current) {
+                return Err(CertificateError::RevocationUnknown);
+            }
+            if holds(&self.sources.trusted, &authority) {
+                return Ok(());
+            }
+            subject = authority;
+        }
+        Err(CertificateError::Unknown)
+    }
+}
+
+fn holds(items: &Items, certificate: &X509Certificate<'_>) -> bool {
+    items.iter().any(|der| der == certificate.as_raw())
+}
