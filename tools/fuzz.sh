@@ -22,7 +22,7 @@ done
 
 targets=()
 for manifest in asi-model/fuzz platform/broker/fuzz opcua-stack/fuzz mapping-engine/script-protocol/fuzz \
-  messaging/fuzz messaging/websocket/fuzz daemon/fuzz platform/fuzz factory-connector/fuzz; do
+  messaging/fuzz messaging/websocket/fuzz daemon/fuzz platform/fuzz factory-connector/fuzz factory-connector/twin/fuzz; do
   for source in "$manifest"/fuzz_targets/*.rs; do
     name=$(basename "$source" .rs)
     [ $# = 0 ] || [[ " $* " == *" $name "* ]] || continue

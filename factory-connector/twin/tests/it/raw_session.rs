@@ -7,7 +7,10 @@ use opcua_stack::opcua::types::{
     CreateSubscriptionResponse, DateTime, ExtensionObject, MonitoredItemCreateRequest, NodeId,
     PublishRequest, PublishResponse, RequestHeader, TimestampsToReturn,
 };
-use tokio::{io::AsyncWriteExt, net::TcpStream};
+use tokio::{
+    io::{AsyncRead, AsyncReadExt, AsyncWriteExt},
+    net::TcpStream,
+};
 
 use crate::{
     harness::{DEADLINE, TestTwin},
@@ -20,6 +23,10 @@ const ACTIVATE_SESSION: u16 = 467;
 const CREATE_MONITORED_ITEMS: u16 = 751;
 const CREATE_SUBSCRIPTION: u16 = 787;
 const PUBLISH: u16 = 826;
+const READ: u16 = 631;
+
+/// Rest of a Read request after its header: any age, no timestamps, no nodes.
+const READ_OF_NOTHING: &[u8] = &[0, 0, 0, 0, 0, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0];
 
 /// A session of an anonymous client whose messages are written byte by byte.
 pub struct RawSession {
@@ -114,9 +121,58 @@ impl RawSession {
         T::decode(&mut &answer[28..], &context).unwrap()
     }
 
+    /// Sends requests at once - of each the number of its encoding, and what follows its header - and after them one that
+    /// reads nothing. Returns the number of answers up to that one's; none where the server ended the connection before.
+    ///
+    /// # Panics
+    /// A server that neither answers nor ends the connection.
+    pub async fn play(&mut self, requests: &[(u16, &[u8])]) -> Option<usize> {
+        let context = ContextOwned::default();
+        let context = context.context();
+        let mut bytes = Vec::new();
+        for (type_id, rest) in requests.iter().copied().chain([(READ, READ_OF_NOTHING)]) {
+            let mut body = chunk_header(self.channel, self.sequence, self.sequence);
+            body.extend([[1, 0], type_id.to_le_bytes()].concat());
+            self.header().encode(&mut body, &context).unwrap();
+            body.extend(rest);
+            bytes.extend(framed(b"MSGF", &body));
+            self.sequence += 1;
+        }
+        let last = self.sequence - 1;
+        let (mut reading, mut writing) = self.stream.split();
+        // The server may have ended the connection before it has taken all.
+        let sending = async { writing.write_all(&bytes).await.is_ok() };
+        let taking = async {
+            let mut count = 1;
+            loop {
+                let answer = answer(&mut reading).await.ok()?;
+                if answer.get(..3) != Some(b"MSG".as_slice()) {
+                    return None;
+                }
+                if answer.get(20..24) == Some(last.to_le_bytes().as_slice()) {
+                    return Some(count);
+                }
+                count += 1;
+            }
+        };
+        let both = async { tokio::join!(sending, taking) };
+        let (_, count) = tokio::time::timeout(DEADLINE, both).await.expect("an answer, or an end");
+        count
+    }
+
     pub async fn chunk(&mut self, kind: &[u8; 4], body: &[u8]) -> std::io::Result<()> {
         let header = chunk_header(self.channel, self.sequence, self.sequence);
         self.sequence += 1;
         self.stream.write_all(&framed(kind, &[header, body.to_vec()].concat())).await
     }
+}
+
+/// Reads one frame of a server that may end the connection.
+async fn answer(stream: &mut (impl AsyncRead + Unpin)) -> std::io::Result<Vec<u8>> {
+    let mut frame = vec![0; 8];
+    stream.read_exact(&mut frame).await?;
+    let length = u32::from_le_bytes(frame[4..].try_into().unwrap());
+    frame.resize(length as usize, 0);
+    stream.read_exact(&mut frame[8..]).await?;
+    Ok(frame)
 }
