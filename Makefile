@@ -129,7 +129,7 @@ probes: prerequisites-test web ## attacks that once worked, against release buil
 	$(CARGO) build --locked --release $(PROGRAMS) --bin probes
 	target/release/probes $(if $(ONLY),"$(ONLY)")
 
-fuzz: ## random input for every edge, shared by its targets: HOURS=1, or SECONDS=60 for each; TARGETS="..."
+fuzz: ## random input for every edge, shared by its targets: HOURS=1, or SECONDS=60 for each; TARGETS="..."; RECORD=1 writes docs/fuzzing.md
 	tools/fuzz.sh $(or $(SECONDS),$(if $(HOURS),$(HOURS)h,60)) $(TARGETS)
 
 test-slow: ## what takes too long for each change: histories, foreign peers, fuzzing, scale, every page, chaos, mutants of delivery, gate, ledger and platform

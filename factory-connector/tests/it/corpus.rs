@@ -17,7 +17,7 @@ fn the_corpus_of_documents_replays() {
 
 #[test]
 fn the_corpus_of_bodies_replays() {
-    testkit::corpus::replay(env!("CARGO_MANIFEST_DIR"), "bodies", 17, body::body);
+    testkit::corpus::replay(env!("CARGO_MANIFEST_DIR"), "connector_bodies", 17, body::body);
 }
 
 #[test]
@@ -31,15 +31,16 @@ fn every_operation_with_a_body_is_among_the_inputs() {
     assert!(ids.len() > 30, "{ids:?}");
     assert_eq!(ids, OPERATIONS.into_iter().collect::<BTreeSet<&str>>());
     // A refused body shows no more than that it was read. Nobody has a certificate for the key of a moment ago.
-    let accepted: BTreeSet<&str> = testkit::corpus::inputs(env!("CARGO_MANIFEST_DIR"), "bodies")
-        .iter()
-        .filter_map(|input| body::read(input))
-        .filter_map(|(operation, outcome)| match outcome {
-            Ok(()) => Some(operation),
-            Err(problem) => (&*problem.code == "NOT_USABLE"
-                && operation == "installApplicationCertificate")
-                .then_some(operation),
-        })
-        .collect();
+    let accepted: BTreeSet<&str> =
+        testkit::corpus::inputs(env!("CARGO_MANIFEST_DIR"), "connector_bodies")
+            .iter()
+            .filter_map(|input| body::read(input))
+            .filter_map(|(operation, outcome)| match outcome {
+                Ok(()) => Some(operation),
+                Err(problem) => (&*problem.code == "NOT_USABLE"
+                    && operation == "installApplicationCertificate")
+                    .then_some(operation),
+            })
+            .collect();
     assert_eq!(accepted, ids, "a body of each operation that is taken");
 }
