@@ -85,12 +85,11 @@ fn gaps_of_a_template_are_not_filled_with_further_gaps() {
         "fieldName": "f" }, "targetType": "Double", "inputs": [ { "name": "x",
         "sourceId": "Press12", "nodeId": "nsu=urn:x;s=zz" } ], "steps": [] }))
     .expect("a mapping");
-    let values = |pairs: &[(&str, &str)]| {
-        pairs.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned())).collect()
-    };
     // The longest value counts.
-    let values_of_two = values(&[("machine", "Press12"), ("short", "Press1")]);
-    let template = MappingTemplate::from_mapping("t", &mapping, &values_of_two);
+    let two = [("machine", "Press12"), ("short", "Press1")];
+    let two: BTreeMap<String, String> =
+        two.into_iter().map(|(name, value)| (name.to_owned(), value.to_owned())).collect();
+    let template = MappingTemplate::from_mapping("t", &mapping, &two);
     assert_eq!(template.mapping["inputs"][0]["sourceId"], "${machine}");
     // Each name has the value of all twice: before, 40 of them were a text of a terabyte.
     let many: BTreeMap<String, String> =
