@@ -41,18 +41,18 @@ struct EngineerSession {
     inputs: usize,
 }
 
-/// Sends requests to the one twin of this process, and asks it for a value afterwards. With an even first byte the client is
-/// anonymous and its bytes come as they are; with an odd one it is an engineer, whose library writes them behind encryption.
+/// Sends requests to the one twin of this process, and asks it for a value afterwards. The first byte says who does: an
+/// anonymous client whose bytes come as they are; an engineer, whose library writes them behind encryption; or an anonymous
+/// client again, whose bytes are what its chunks hold.
 pub fn requests(bytes: &[u8]) {
     static BENCH: OnceLock<RequestBench> = OnceLock::new();
     let bench = BENCH.get_or_init(start);
     let Some((client, rest)) = bytes.split_first() else { return };
     let requests = split(rest);
     bench.runtime.block_on(async {
-        if client % 2 == 0 {
-            bench.as_anybody(&requests).await;
-        } else {
-            bench.as_engineer(&requests).await;
+        match client % 3 {
+            1 => bench.as_engineer(&requests).await,
+            sender => bench.as_anybody(&requests, sender == 2).await,
         }
         let value = bench.honest.read("net#Revision").await;
         assert!(value.value.is_some(), "others are served: {value:?}");
@@ -120,8 +120,13 @@ fn start() -> RequestBench {
 }
 
 impl RequestBench {
-    async fn as_anybody(&self, requests: &[(u16, &[u8])]) {
-        RawSession::sign_in(&self.twin).await.play(requests).await;
+    async fn as_anybody(&self, requests: &[(u16, &[u8])], in_chunks: bool) {
+        let mut session = RawSession::sign_in(&self.twin).await;
+        if in_chunks {
+            session.play_chunks(requests).await;
+        } else {
+            session.play(requests).await;
+        }
         self.twin.handle.end_sessions_of("anonymous").await;
     }
 
