@@ -118,7 +118,8 @@ mutants: prerequisites-test web ## breaks one guarantee of delivery after the ot
 mutants-gate: ## breaks one rule of the disclosure gate after the other; its tests have to find each: NAMES="..."
 mutants-ledger: ## weakens the verification of the ledger in one place after the other; its tests have to find each: NAMES="..."
 mutants-platform: ## brings one attack on the platform back after the other; its tests have to find each: NAMES="..."
-mutants-gate mutants-ledger mutants-platform:
+mutants-edges: ## opens one way in that the security review found after the other; the test of each has to fail: NAMES="..."
+mutants-gate mutants-ledger mutants-platform mutants-edges:
 	tests/mutants/play.sh $(@:mutants-%=%) $(NAMES)
 
 knowledge: ## 1 000 histories of whole connectors: partners learn nothing below the policies: CASES=1000 SEED=n
@@ -129,10 +130,10 @@ probes: prerequisites-test web ## attacks that once worked, against release buil
 	$(CARGO) build --locked --release $(PROGRAMS) --bin probes
 	target/release/probes $(if $(ONLY),"$(ONLY)")
 
-fuzz: ## random input for every edge, shared by its targets: HOURS=1, or SECONDS=60 for each; TARGETS="..."
+fuzz: ## random input for every edge, shared by its targets: HOURS=1, or SECONDS=60 for each; TARGETS="..."; RECORD=1 writes docs/fuzzing.md
 	tools/fuzz.sh $(or $(SECONDS),$(if $(HOURS),$(HOURS)h,60)) $(TARGETS)
 
-test-slow: ## what takes too long for each change: histories, foreign peers, fuzzing, scale, every page, chaos, mutants of delivery, gate, ledger and platform
+test-slow: ## what takes too long for each change: histories, foreign peers, fuzzing, scale, every page, chaos, mutants of delivery, gate, ledger, platform and edges
 	$(MAKE) knowledge
 	$(MAKE) asi-foreign
 	$(MAKE) foreign-kills
@@ -145,6 +146,7 @@ test-slow: ## what takes too long for each change: histories, foreign peers, fuz
 	$(MAKE) mutants-gate
 	$(MAKE) mutants-ledger
 	$(MAKE) mutants-platform
+	$(MAKE) mutants-edges
 
 script-deno: ## the second script engine, into target/script-deno (needs cmake and libsimde-dev; the first time takes minutes)
 	CMAKE_TOOLCHAIN_FILE=$(CURDIR)/mapping-engine/script-deno/simde.cmake $(CARGO) build --locked --quiet \
@@ -190,4 +192,4 @@ prerequisites:
 prerequisites-test:
 	@tools/prerequisites.sh test
 
-.PHONY: probes supply-chain advisories sbom notices programs fuzz test-slow knowledge mutants-gate mutants-ledger mutants-platform foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test
+.PHONY: probes supply-chain advisories sbom notices programs fuzz test-slow knowledge mutants-gate mutants-ledger mutants-platform mutants-edges foreign-kills rust-checks rust-tests web-checks web-lint web-check web-test asi-foreign browser chaos help demo demo-check demo-programs dev test unit check lint bench mutants scale screenshots script-deno web foreign prerequisites prerequisites-test

@@ -7,8 +7,9 @@
 # keeping; the tests of the package replay it. A target that takes more than 256 MB has found something: an input
 # has 4 KB at most, of `chunks` 70 KB. A target gets SECONDS, or its part of HOURS; as many run at a time as
 # there are processors. `keep` stores what was grown, short inputs that together reach all that all of them reach,
-# as `corpus/TARGET.base64`, a line each; a run begins with them. New inputs go to target/fuzz/corpus, and what broke a target to target/fuzz/found. Needs the
-# Rust and C++ compilers only: the instrumentation is by stable options of the compiler.
+# as `corpus/TARGET.base64`, a line each; a run begins with them. New inputs go to target/fuzz/corpus, and what broke a target
+# to target/fuzz/found. With RECORD=1 the run of each target is written into its row of docs/fuzzing.md, for a commit. Needs
+# the Rust and C++ compilers only: the instrumentation is by stable options of the compiler.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 root=$PWD seconds=$1
@@ -22,7 +23,7 @@ done
 
 targets=()
 for manifest in asi-model/fuzz platform/broker/fuzz opcua-stack/fuzz mapping-engine/script-protocol/fuzz \
-  messaging/fuzz messaging/websocket/fuzz daemon/fuzz platform/fuzz factory-connector/fuzz; do
+  messaging/fuzz messaging/websocket/fuzz daemon/fuzz platform/fuzz factory-connector/fuzz factory-connector/twin/fuzz; do
   for source in "$manifest"/fuzz_targets/*.rs; do
     name=$(basename "$source" .rs)
     [ $# = 0 ] || [[ " $* " == *" $name "* ]] || continue
@@ -71,6 +72,20 @@ if [[ $seconds == *h ]]; then
   seconds=$((${seconds%h} * 3600 * $(nproc) / ${#targets[@]}))
 fi
 
+# Writes what came of a target into its row; several may end at once.
+record() {
+  local name=$1 run=$2 table=$root/docs/fuzzing.md
+  exec 9>"$root/target/fuzz/record.lock" && flock 9
+  awk -v name="$name" -v run="$run" 'BEGIN { FS = " [|] " }
+    index($0, "| `" name "` | ") == 1 { print $1 " | " $2 " | " $3 " | " run " |"; found = 1; next }
+    { print }
+    END { exit !found }' "$table" >"$table.new" && mv "$table.new" "$table" || {
+    rm -f "$table.new"
+    echo "docs/fuzzing.md has no row for $name." >&2
+    return 1
+  }
+}
+
 play() {
   local folder=$1 name=$2 log=$root/target/fuzz/$2.log
   local corpus=$root/target/fuzz/corpus/$name found=$root/target/fuzz/found/$name seeds=()
@@ -86,9 +101,17 @@ play() {
   most=$(sed -n 's/^stat::peak_rss_mb: *//p' "$log")
   # A target that plays nothing finds nothing.
   [ "${count:-0}" -ge 1000 ] || [ "$result" != "nothing found" ] || result="FOUND: only ${count:-no} inputs"
-  echo "$name: ${count:-no} inputs, at most ${most:-unknown} MB: $result"
+  local run="${count:-0} | $seconds | ${most:-?} | $commit"
+  echo "| \`$name\` | $run | $result |"
+  if [ "${RECORD:-}" = 1 ]; then
+    # Logs are of this machine.
+    record "$name" "$run | $(date -u +%F) | ${result%%:*}"
+  fi
   [ "$result" = "nothing found" ]
 }
-export -f play
-export root seconds host
+commit=$(git describe --always --dirty --abbrev=8 --exclude '*')
+export -f play record
+export root seconds host commit
+echo "| Target | Inputs | Seconds | Most MB | Commit | Found |"
+echo "|---|---|---|---|---|---|"
 printf '%s\n' "${targets[@]}" | xargs -P "$(nproc)" -L 1 bash -c 'play "$0" "$1"'

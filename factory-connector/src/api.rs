@@ -4,6 +4,7 @@ mod account;
 mod accounts;
 mod alliances;
 mod application_certificate;
+pub mod bodies;
 mod caps;
 mod client_authorities;
 mod client_certificates;

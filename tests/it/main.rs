@@ -7,6 +7,7 @@ mod data_directories;
 mod demo;
 mod faults_of_chaos;
 mod former_store;
+mod fuzzing;
 mod hardening;
 mod house;
 mod mutants;

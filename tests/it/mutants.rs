@@ -21,7 +21,7 @@ fn every_mutant_applies_to_the_tree() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let folder = root.join("tests/mutants");
     let mut all = patches(&folder);
-    for part in ["gate", "ledger", "platform"] {
+    for part in ["gate", "ledger", "platform", "edges"] {
         all.extend(patches(&folder.join(part)));
     }
     assert!(all.len() > 50, "{} patches only: is the folder right?", all.len());

@@ -188,10 +188,10 @@ fn every_finding_of_the_review_is_an_attack_with_a_probe_or_says_why_not() {
     let rows = || attacks.lines().filter(|line| line.starts_with("| "));
     let probes = probes();
     let (mut named, mut probed) = (BTreeSet::new(), BTreeSet::new());
-    let mut excused = BTreeSet::new();
+    let (mut excused, mut mutants) = (BTreeSet::new(), BTreeSet::new());
     for row in table.lines().filter(|line| line.starts_with("| ")).skip(1) {
         let cells: Vec<&str> = row.trim_end_matches(" |").split(" | ").collect();
-        let [finding, attack, reason] = cells[..] else { panic!("three cells: {row}") };
+        let [finding, attack, reason, mutant] = cells[..] else { panic!("four cells: {row}") };
         let finding = finding.trim_start_matches("| ").to_owned();
         let beginning = format!("| {attack} | ");
         let mut same = rows().filter(|row| row.starts_with(&beginning));
@@ -204,7 +204,21 @@ fn every_finding_of_the_review_is_an_attack_with_a_probe_or_says_why_not() {
             assert!(reason.len() > 20, "{finding}: {reason}");
             excused.insert(finding.clone());
         }
+        match &quoted(mutant)[..] {
+            [] => assert!(mutant.len() > 20, "{finding}: neither a mutant nor a reason"),
+            patches => {
+                let is_there = |patch: &String| root().join(patch).is_file();
+                assert!(patches.iter().all(is_there), "{finding}: {mutant}");
+                mutants.extend(patches.iter().cloned());
+            }
+        }
         named.insert(finding);
+    }
+    for entry in fs::read_dir(root().join("tests/mutants/edges")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        let patch = format!("tests/mutants/edges/{name}");
+        let is_named = !name.ends_with(".patch") || mutants.contains(&patch);
+        assert!(is_named, "no finding in docs/attacks.md names {patch}");
     }
     assert_eq!(named, findings());
     assert_eq!(named.len(), 33);

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Breaks one rule after the other, or brings one attack back; the tests have to notice each.
 #
-#   tests/mutants/play.sh gate|ledger|platform [NAME...]
+#   tests/mutants/play.sh gate|ledger|platform|edges [NAME...]
 #
 # Each patch in the folder is one mutant. The folder's file `tests` has the tests that are played against it, as arguments
 # of `cargo test`, a line each. A first line `Found by: ...` of a patch names the tests that are played before them, or
@@ -26,7 +26,8 @@ cd "$copy"
 
 mapfile -t tests < <(grep -v '^#' "$root/tests/mutants/$part/tests")
 # A failure that is there without any mutant would find them all.
-for test in "${tests[@]}"; do
+mapfile -t own < <(for name in "${names[@]}"; do sed -n 's/^Found by: //p' "$root/tests/mutants/$part/$name.patch"; done | sort -u)
+for test in "${tests[@]}" "${own[@]}"; do
   # shellcheck disable=SC2086
   cargo test --quiet --locked $test >"$logs/none.log" 2>&1 || { echo "The tests fail without a mutant: $logs/none.log"; exit 1; }
 done

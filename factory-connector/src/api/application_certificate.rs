@@ -101,6 +101,23 @@ pub struct CertificateRequestBody {
     with_new_key: bool,
 }
 
+impl CertificateRequestBody {
+    /// Returns the problem of a name that no certificate can have.
+    pub(super) fn check_names(&self) -> Result<(), Problem> {
+        let is_name = |name: &String| {
+            (1..=NAME_CHARS_MAX).contains(&name.chars().count()) && !name.contains(char::is_control)
+        };
+        if self.common_name.iter().chain(&self.organization).all(is_name) {
+            return Ok(());
+        }
+        Err(Problem::unprocessable(
+            "INVALID_NAME",
+            "A name in a certificate has 1 to 64 characters, none of them invisible.",
+            Vec::new(),
+        ))
+    }
+}
+
 /// A request to be given to an authority.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
@@ -123,17 +140,8 @@ pub async fn request_application_certificate(
     State(api): State<Api>,
     ApiJson(body): ApiJson<CertificateRequestBody>,
 ) -> Result<Json<CertificateRequestView>, Problem> {
+    body.check_names()?;
     let CertificateRequestBody { common_name, organization, with_new_key } = body;
-    let is_name = |name: &String| {
-        (1..=NAME_CHARS_MAX).contains(&name.chars().count()) && !name.contains(char::is_control)
-    };
-    if !common_name.iter().chain(&organization).all(is_name) {
-        return Err(Problem::unprocessable(
-            "INVALID_NAME",
-            "A name in a certificate has 1 to 64 characters, none of them invisible.",
-            Vec::new(),
-        ));
-    }
     let own = api.twin.application_certificate().clone();
     let wanted = RequestedSubject { common_name, organization, with_new_key };
     let content = blocking(move || own.request(&wanted)).await?;
@@ -149,6 +157,20 @@ pub struct IssuedCertificateBody {
     content: String,
 }
 
+impl IssuedCertificateBody {
+    /// Returns PEM or DER.
+    pub(super) fn content(self) -> Result<Vec<u8>, Problem> {
+        if self.content.contains("-----BEGIN") {
+            return Ok(self.content.into_bytes());
+        }
+        let text: String = self.content.split_whitespace().collect();
+        STANDARD.decode(text).map_err(|_| {
+            let message = "The content is neither PEM nor DER in base64.".to_owned();
+            refused(&[TrustFault { code: "NOT_A_FILE", message }])
+        })
+    }
+}
+
 /// Installs an issued certificate; the server shows it from the next connection on.
 #[utoipa::path(
     put,
@@ -162,15 +184,7 @@ pub async fn install_application_certificate(
     State(api): State<Api>,
     ApiJson(body): ApiJson<IssuedCertificateBody>,
 ) -> Result<Json<ApplicationCertificateView>, Problem> {
-    let content = if body.content.contains("-----BEGIN") {
-        body.content.into_bytes()
-    } else {
-        let text: String = body.content.split_whitespace().collect();
-        STANDARD.decode(text).map_err(|_| {
-            let message = "The content is neither PEM nor DER in base64.".to_owned();
-            refused(&[TrustFault { code: "NOT_A_FILE", message }])
-        })?
-    };
+    let content = body.content()?;
     let (own, by) = (api.twin.application_certificate().clone(), user.principal.user_name.clone());
     Ok(Json(blocking(move || own.install(&content, &by)).await?.into()))
 }

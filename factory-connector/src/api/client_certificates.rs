@@ -7,7 +7,9 @@ use axum::{Json, extract::State, http::StatusCode};
 use base64::{Engine as _, engine::general_purpose::STANDARD};
 use daemon::web::{ApiJson, ApiPath, Problem, problem::ProblemFault};
 use serde::{Deserialize, Serialize};
-use twin::{CertificateState, ClientCertificate, RejectionReason, TrustFault, TwinError};
+use twin::{
+    CertificateState, ClientCertificate, RejectionReason, TrustFault, TrustList, TwinError,
+};
 use utoipa::ToSchema;
 
 use super::{
@@ -217,6 +219,19 @@ pub struct TrustFileBody {
     content: String,
 }
 
+impl TrustFileBody {
+    /// Adds the file to a trust list in a person's name.
+    pub(super) async fn add_to(self, list: TrustList, by: String) -> Result<(), Problem> {
+        let der = der(&self.content).map_err(|fault| refused(&[fault]))?;
+        blocking(move || match self.kind {
+            TrustFileKind::Certificate => list.trust_new(&der, &by),
+            TrustFileKind::Issuer => list.add_issuer(&der, &by),
+            TrustFileKind::RevocationList => list.put_revocation_list(&der, &by),
+        })
+        .await
+    }
+}
+
 /// Adds a certificate or a revocation list to the trust list.
 #[utoipa::path(
     post,
@@ -230,14 +245,7 @@ pub async fn add_client_certificate(
     State(api): State<Api>,
     ApiJson(body): ApiJson<TrustFileBody>,
 ) -> Result<StatusCode, Problem> {
-    let der = der(&body.content).map_err(|fault| refused(&[fault]))?;
-    let (list, by) = (api.twin.trust_list().clone(), user.principal.user_name.clone());
-    blocking(move || match body.kind {
-        TrustFileKind::Certificate => list.trust_new(&der, &by),
-        TrustFileKind::Issuer => list.add_issuer(&der, &by),
-        TrustFileKind::RevocationList => list.put_revocation_list(&der, &by),
-    })
-    .await?;
+    body.add_to(api.twin.trust_list().clone(), user.principal.user_name.clone()).await?;
     Ok(StatusCode::CREATED)
 }
 

@@ -43,6 +43,19 @@ pub struct NewComment {
     text: String,
 }
 
+impl NewComment {
+    /// Returns the problem of a text that is none.
+    pub(super) fn check(&self) -> Result<(), Problem> {
+        if self.text.trim().is_empty() || self.text.chars().count() > TEXT_CHARS_MAX {
+            return Err(Problem::bad_request(
+                "INVALID_TEXT",
+                "A comment has 1 to 4000 characters.",
+            ));
+        }
+        Ok(())
+    }
+}
+
 /// Sends a comment to the partners of a network.
 #[utoipa::path(
     post,
@@ -58,9 +71,7 @@ pub async fn add_comment(
     ApiPath(id): ApiPath<OperationNetworkId>,
     ApiJson(new): ApiJson<NewComment>,
 ) -> Result<StatusCode, Problem> {
-    if new.text.trim().is_empty() || new.text.chars().count() > TEXT_CHARS_MAX {
-        return Err(Problem::bad_request("INVALID_TEXT", "A comment has 1 to 4000 characters."));
-    }
+    new.check()?;
     let network = id.clone();
     let is_known =
         api.coordinator.read(move |state| state.networks().get(&network).is_some()).await?;

@@ -35,7 +35,7 @@ pub enum DryRunValues {
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct DryRunBody {
-    mapping: MappingDraft,
+    pub(super) mapping: MappingDraft,
     /// `LIVE` (the default) or `HISTORY`.
     #[serde(default)]
     on: DryRunValues,

@@ -116,16 +116,10 @@ pub async fn import_mappings(
     headers: HeaderMap,
     body: Bytes,
 ) -> Result<Json<ImportOutcome>, Problem> {
-    let text = std::str::from_utf8(&body).map_err(|_| {
-        Problem::bad_request("NOT_TEXT", "The file is not UTF-8 text: export it as UTF-8.")
-    })?;
     let content_type =
         headers.get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok()).unwrap_or_default();
-    let (file, is_table) = if content_type.starts_with("text/csv") {
-        (MappingFile::new(Vec::new(), read_table(text).map_err(row_faults)?), true)
-    } else {
-        (MappingFile::read(text).map_err(unreadable)?, false)
-    };
+    let is_table = content_type.starts_with("text/csv");
+    let file = read_file(&body, is_table)?;
     let submitted = file.mappings.into_iter().enumerate().map(|(index, mapping)| {
         // The line of a mapping in a table is not known here any more; its id is.
         let pointer = if is_table {
@@ -141,6 +135,18 @@ pub async fn import_mappings(
     let mut outcome = import(&api, submitted.collect(), options, faults).await?;
     outcome.templates = templates::store_all(&api, file.templates, author, query.dry_run).await?;
     Ok(Json(outcome))
+}
+
+/// Reads a table or a readable file.
+pub(super) fn read_file(body: &[u8], is_table: bool) -> Result<MappingFile, Problem> {
+    let text = std::str::from_utf8(body).map_err(|_| {
+        Problem::bad_request("NOT_TEXT", "The file is not UTF-8 text: export it as UTF-8.")
+    })?;
+    if is_table {
+        Ok(MappingFile::new(Vec::new(), read_table(text).map_err(row_faults)?))
+    } else {
+        MappingFile::read(text).map_err(unreadable)
+    }
 }
 
 fn row_faults(faults: Vec<RowFault>) -> Problem {

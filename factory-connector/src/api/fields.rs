@@ -9,6 +9,7 @@ use asi_model::{
 };
 use axum::{Json, extract::State, http::HeaderMap};
 use connector_state::{
+    ConnectorState,
     operator::{Action, EntryFault, OperationKey, OperatorEntry},
     use_cases::{
         decide::{DecisionCommand, DecisionRequest, SeenPreview, decide_as_shown},
@@ -70,6 +71,43 @@ pub struct DecisionBody {
     preview_id: Option<String>,
 }
 
+impl DecisionBody {
+    /// Takes the draft of a mapping out, where the values are to come from one.
+    pub(super) fn take_draft(&mut self) -> Option<MappingDraft> {
+        let is_used = self.mapping_state == MappingState::Mapped
+            && self.value_source == Some(ValueSource::Mapping);
+        self.mapping.take().filter(|_| is_used)
+    }
+
+    /// Returns the decision with the mapping that was made of the draft.
+    pub(super) fn request(
+        self,
+        mapping: Option<Box<Mapping>>,
+        preview: Option<SeenPreview>,
+        decided_by: &str,
+    ) -> Result<DecisionRequest, Problem> {
+        let command = match self.mapping_state {
+            MappingState::Pending => DecisionCommand::LeavePending,
+            MappingState::Refused => DecisionCommand::Refuse,
+            MappingState::Mapped => {
+                let value_source = self.value_source.ok_or_else(|| missing("valueSource"))?;
+                let policy = match self.disclosure {
+                    None if self.policy_id.is_none() => return Err(missing("disclosure")),
+                    policy => policy.unwrap_or_default(),
+                };
+                DecisionCommand::Map { value_source, mapping, policy }
+            }
+        };
+        Ok(DecisionRequest {
+            command,
+            reason: self.reason,
+            decided_by: decided_by.to_owned(),
+            basis: DecisionBasis { policy_id: self.policy_id, ..DecisionBasis::default() },
+            preview,
+        })
+    }
+}
+
 /// Writes a draft as JSON, the same for equal drafts.
 pub(super) fn draft_text(
     value_source: ValueSource,
@@ -88,18 +126,24 @@ pub(super) async fn mapping_of(
     draft: MappingDraft,
 ) -> Result<Mapping, Problem> {
     let key = field.clone();
-    let known = api
-        .coordinator
-        .read(move |state| state.field(&key).map(|field| (field.id(), field.definition().clone())))
-        .await?;
-    let (id, definition) = known.ok_or_else(|| Problem::not_found("such field"))?;
-    let mapping_id =
-        MappingId::new(format!("field-{id}")).map_err(|error| Problem::internal(&error))?;
+    api.coordinator.read(move |state| complete(state, &key, draft)).await?
+}
+
+/// Completes a draft by the definition of its field in a state.
+pub(super) fn complete(
+    state: &ConnectorState,
+    field: &FieldKey,
+    draft: MappingDraft,
+) -> Result<Mapping, Problem> {
+    let known = state.field(field).ok_or_else(|| Problem::not_found("such field"))?;
+    let mapping_id = MappingId::new(format!("field-{}", known.id()))
+        .map_err(|error| Problem::internal(&error))?;
+    let definition = known.definition();
     Ok(Mapping {
         mapping_id,
         target: field.clone(),
         target_type: mapping_engine::TypeName(definition.field_type.0),
-        target_unit: definition.unit,
+        target_unit: definition.unit.clone(),
         target_value_rank: definition.value_rank,
         inputs: draft.inputs,
         steps: draft.steps,
@@ -153,36 +197,16 @@ pub async fn decide_field(
     State(api): State<Api>,
     ApiPath(path): ApiPath<FieldPath>,
     headers: HeaderMap,
-    ApiJson(body): ApiJson<DecisionBody>,
+    ApiJson(mut body): ApiJson<DecisionBody>,
 ) -> Result<Json<FieldView>, Problem> {
     let field = path.into_key();
     let tag: Option<String> = if_match(&headers)?;
     let preview = preview_row(&api, &user.principal.user_name, &field, &body)?;
-    let command = match body.mapping_state {
-        MappingState::Pending => DecisionCommand::LeavePending,
-        MappingState::Refused => DecisionCommand::Refuse,
-        MappingState::Mapped => {
-            let value_source = body.value_source.ok_or_else(|| missing("valueSource"))?;
-            let mapping = match body.mapping {
-                Some(draft) if value_source == ValueSource::Mapping => {
-                    Some(Box::new(checked(&api, &field, draft).await?))
-                }
-                _ => None,
-            };
-            let policy = match body.disclosure {
-                None if body.policy_id.is_none() => return Err(missing("disclosure")),
-                policy => policy.unwrap_or_default(),
-            };
-            DecisionCommand::Map { value_source, mapping, policy }
-        }
+    let mapping = match body.take_draft() {
+        Some(draft) => Some(Box::new(checked(&api, &field, draft).await?)),
+        None => None,
     };
-    let request = DecisionRequest {
-        command,
-        reason: body.reason,
-        decided_by: user.principal.user_name.clone(),
-        basis: DecisionBasis { policy_id: body.policy_id, ..DecisionBasis::default() },
-        preview,
-    };
+    let request = body.request(mapping, preview, &user.principal.user_name)?;
     let key = field.clone();
     let decided = api
         .coordinator
@@ -260,6 +284,30 @@ pub struct EnteredValue {
     value: serde_json::Value,
 }
 
+impl EnteredValue {
+    /// Returns the value as an entry of a person about a field.
+    pub(super) fn entry(self, field: &FieldKey, made_by: &str) -> OperatorEntry {
+        let request = &field.request;
+        // The store keeps microseconds: rounded here, the time is the same after a restart.
+        let moment = DateTime::from_unix_micros(now().unix_micros());
+        OperatorEntry {
+            entry_id: new_entry_id(),
+            operation: OperationKey {
+                operation_network_id: request.operation_network_id.clone(),
+                operation_id: request.operation_id.clone(),
+            },
+            made_at: moment,
+            received_at: moment,
+            made_by: made_by.to_owned(),
+            action: Action::Value {
+                dynamic_data_request_id: request.dynamic_data_request_id.clone(),
+                field_name: field.field_name.clone(),
+                value: self.value,
+            },
+        }
+    }
+}
+
 /// Outcome of an entered value.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
@@ -289,28 +337,11 @@ pub async fn enter_value(
     ApiJson(body): ApiJson<EnteredValue>,
 ) -> Result<Json<Entered>, Problem> {
     let field = path.into_key();
-    let operation = OperationKey {
-        operation_network_id: field.request.operation_network_id.clone(),
-        operation_id: field.request.operation_id.clone(),
-    };
     let key = field.clone();
     if !api.coordinator.read(move |state| state.field(&key).is_some()).await? {
         return Err(Problem::not_found("such field"));
     }
-    // The store keeps microseconds: rounded here, the time is the same after a restart.
-    let moment = DateTime::from_unix_micros(now().unix_micros());
-    let entry = OperatorEntry {
-        entry_id: new_entry_id(),
-        operation,
-        made_at: moment,
-        received_at: moment,
-        made_by: user.principal.user_name.clone(),
-        action: Action::Value {
-            dynamic_data_request_id: field.request.dynamic_data_request_id.clone(),
-            field_name: field.field_name.clone(),
-            value: body.value,
-        },
-    };
+    let entry = body.entry(&field, &user.principal.user_name);
     let outcome = api.coordinator.execute(|state, now| enter(state, entry, now)).await?;
     match outcome {
         EntryOutcome::Taken(taken) => {

@@ -10,6 +10,7 @@ use connector_state::{
     writes::PastDecisionRow,
 };
 use daemon::web::{ApiJson, ApiQuery, Problem};
+use ledger::Hash;
 use offer::{PastOfferView, added_recipients};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
@@ -79,6 +80,14 @@ pub struct PastDecisionBody {
     reason: Option<String>,
 }
 
+impl PastDecisionBody {
+    /// Returns the root of the offer that the person saw.
+    pub(super) fn root(&self) -> Result<Hash, Problem> {
+        let root = hex::decode(&self.root).ok().and_then(|root| root.try_into().ok());
+        root.ok_or_else(|| Problem::bad_request("INVALID_ROOT", "The root is that of an offer."))
+    }
+}
+
 /// A decision about the past that was stored.
 #[derive(Serialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
@@ -111,10 +120,7 @@ pub async fn decide_past(
     State(api): State<Api>,
     ApiJson(body): ApiJson<PastDecisionBody>,
 ) -> Result<(StatusCode, Json<DecidedPast>), Problem> {
-    let root = hex::decode(&body.root).ok().and_then(|root| root.try_into().ok());
-    let Some(root) = root else {
-        return Err(Problem::bad_request("INVALID_ROOT", "The root is that of an offer."));
-    };
+    let root = body.root()?;
     let (request, recipient) = (body.request, body.recipient_id);
     let key = (request.clone(), recipient.clone());
     let decided = api.coordinator.read(move |state| state.past().decided_through(&key.0, &key.1));

@@ -229,7 +229,7 @@ pub async fn list_recipients(
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct RecipientBody {
     /// Id of a named policy; null removes the present one.
-    policy_id: Option<DocumentId>,
+    pub(super) policy_id: Option<DocumentId>,
 }
 
 /// Version of a recipient's policy.

@@ -34,14 +34,14 @@ use crate::clock::{new_message_id, new_preview_id, now};
 #[serde(rename_all = "camelCase")]
 pub struct Draft {
     /// `MAPPING`, `MANUAL` or `EXTERNAL`.
-    value_source: ValueSource,
+    pub(super) value_source: ValueSource,
     /// Needed with the source `MAPPING`.
-    mapping: Option<MappingDraft>,
+    pub(super) mapping: Option<MappingDraft>,
     /// Coarsening of the values.
     #[serde(default)]
-    disclosure: DisclosurePolicy,
+    pub(super) disclosure: DisclosurePolicy,
     /// Id of a named policy that would apply besides.
-    policy_id: Option<DocumentId>,
+    pub(super) policy_id: Option<DocumentId>,
 }
 
 /// A variable with its present value.

@@ -54,7 +54,36 @@ pub struct RevocationBody {
     /// State of the fields from now on: `PENDING` (the default) or `REFUSED`.
     mapping_state: Option<MappingState>,
     /// Reason that the partner reads; needed with `REFUSED`.
-    reason: Option<String>,
+    pub(super) reason: Option<String>,
+}
+
+impl RevocationBody {
+    /// Returns the decision about the fields; a problem where none are named.
+    pub(super) fn command(&self) -> Result<DecisionCommand, Problem> {
+        let command = match self.mapping_state {
+            None | Some(MappingState::Pending) => DecisionCommand::LeavePending,
+            Some(MappingState::Refused) => DecisionCommand::Refuse,
+            Some(MappingState::Mapped) => {
+                return Err(Problem::bad_request(
+                    "INVALID_DECISION",
+                    "A consent ends as PENDING or REFUSED.",
+                ));
+            }
+        };
+        let is_wide = self.operation_network_id.is_some() || self.recipient_id.is_some();
+        if self.fields.is_empty() && !is_wide {
+            return Err(Problem::bad_request(
+                "NOTHING_NAMED",
+                "Name the fields, or the network or recipient whose fields are meant.",
+            ));
+        }
+        Ok(command)
+    }
+
+    /// Returns the fields that are meant.
+    pub(super) fn fields_in(self, state: &ConnectorState) -> Vec<FieldKey> {
+        if self.fields.is_empty() { selected(state, &self) } else { self.fields }
+    }
 }
 
 /// Revokes consents. Values stop at once, waiting reports are taken back, the partner is notified,
@@ -71,29 +100,8 @@ pub async fn revoke_consents(
     State(api): State<Api>,
     ApiJson(body): ApiJson<RevocationBody>,
 ) -> Result<(StatusCode, Json<StoredRevocation>), Problem> {
-    let command = match body.mapping_state {
-        None | Some(MappingState::Pending) => DecisionCommand::LeavePending,
-        Some(MappingState::Refused) => DecisionCommand::Refuse,
-        Some(MappingState::Mapped) => {
-            return Err(Problem::bad_request(
-                "INVALID_DECISION",
-                "A consent ends as PENDING or REFUSED.",
-            ));
-        }
-    };
-    let is_wide = body.operation_network_id.is_some() || body.recipient_id.is_some();
-    if body.fields.is_empty() && !is_wide {
-        return Err(Problem::bad_request(
-            "NOTHING_NAMED",
-            "Name the fields, or the network or recipient whose fields are meant.",
-        ));
-    }
-    let reason = body.reason.clone();
-    let fields = if body.fields.is_empty() {
-        api.coordinator.read(move |state| selected(state, &body)).await?
-    } else {
-        body.fields
-    };
+    let (command, reason) = (body.command()?, body.reason.clone());
+    let fields = api.coordinator.read(move |state| body.fields_in(state)).await?;
     let revoked_by = user.principal.user_name.clone();
     let revocation = Revocation { fields, command, reason, revoked_by };
     let revoked = api.coordinator.execute(move |state, now| revoke(state, &revocation, now));

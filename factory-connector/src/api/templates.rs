@@ -20,9 +20,10 @@ use super::{
 };
 use crate::clock::now;
 
-/// Most templates, most mappings of one series, longest id in bytes.
+/// Most templates, most mappings of one series, most parameters of one, longest id in bytes.
 const TEMPLATES_MAX: usize = 1000;
 const SERIES_MAX: usize = 10_000;
+const PARAMETERS_MAX: usize = 50;
 const ID_BYTES_MAX: usize = 64;
 
 /// A stored template.
@@ -80,10 +81,7 @@ pub async fn put_mapping_template(
             "The document's templateId differs from the path's.",
         ));
     }
-    let faults = faults(std::slice::from_ref(&template));
-    if !faults.is_empty() {
-        return Err(Problem::unprocessable("INVALID_TEMPLATE", "The template has errors.", faults));
-    }
+    check(&template)?;
     store_all(&api, vec![template.clone()], &user.principal.user_name, false).await?;
     Ok(Json(template))
 }
@@ -110,11 +108,22 @@ pub async fn remove_mapping_template(
 #[serde(rename_all = "camelCase")]
 pub struct TemplateDraft {
     /// Its id: letters, digits, `_` and `-`.
-    template_id: String,
+    pub(super) template_id: String,
     /// Name for people.
     name: Option<String>,
     /// Parameters and the texts that they replace in this mapping, as `machine` for `Press1`.
-    parameters: BTreeMap<String, String>,
+    pub(super) parameters: BTreeMap<String, String>,
+}
+
+impl TemplateDraft {
+    /// Returns the problem of more parameters than a template has.
+    pub(super) fn check(&self) -> Result<(), Problem> {
+        if self.parameters.len() <= PARAMETERS_MAX {
+            return Ok(());
+        }
+        let detail = format!("A template has at most {PARAMETERS_MAX} parameters.");
+        Err(Problem::unprocessable("INVALID_TEMPLATE", detail, Vec::new()))
+    }
 }
 
 /// Makes a template of a field's mapping without storing it.
@@ -132,6 +141,7 @@ pub async fn make_mapping_template(
     ApiPath(path): ApiPath<FieldPath>,
     ApiJson(draft): ApiJson<TemplateDraft>,
 ) -> Result<Json<MappingTemplate>, Problem> {
+    draft.check()?;
     let field = path.into_key();
     let mapping = api
         .coordinator
@@ -213,7 +223,7 @@ pub async fn fill_mapping_template(
 }
 
 /// Returns the parameter values of each member.
-fn members(series: Series) -> Result<Vec<BTreeMap<String, String>>, Problem> {
+pub(super) fn members(series: Series) -> Result<Vec<BTreeMap<String, String>>, Problem> {
     let Series { sets, patterns } = series;
     let invalid = |pointer: &str, message: String| {
         let fault = ProblemFault {
@@ -223,6 +233,13 @@ fn members(series: Series) -> Result<Vec<BTreeMap<String, String>>, Problem> {
         };
         Problem::unprocessable("INVALID_SERIES", message, vec![fault])
     };
+    // Each is a text per member: some bytes of a request would become gigabytes.
+    if patterns.len() > PARAMETERS_MAX {
+        return Err(invalid(
+            "/patterns",
+            format!("A series has at most {PARAMETERS_MAX} patterns."),
+        ));
+    }
     let sets = if patterns.is_empty() {
         sets
     } else if sets.is_empty() {
@@ -264,6 +281,15 @@ pub(super) async fn load_all(api: &Api) -> Result<Vec<MappingTemplate>, Problem>
     let templates =
         rows.iter().map(|row| serde_json::from_str(&row.template)).collect::<Result<_, _>>();
     templates.map_err(|error: serde_json::Error| Problem::internal(&error))
+}
+
+/// Returns the problem that lists the faults of a template.
+pub(super) fn check(template: &MappingTemplate) -> Result<(), Problem> {
+    let faults = faults(std::slice::from_ref(template));
+    if faults.is_empty() {
+        return Ok(());
+    }
+    Err(Problem::unprocessable("INVALID_TEMPLATE", "The template has errors.", faults))
 }
 
 /// Returns the faults of templates, except those that only filling shows.
@@ -351,5 +377,9 @@ mod tests {
         assert_eq!(check(&[("m", "7,9"), ("n", "1..2")]), Ok(vec!["7 1".into(), "9 2".into()]));
         assert!(check(&[("m", "1..2"), ("n", "1..3")]).is_err());
         assert!(check(&[]).is_err());
+        let names: Vec<String> = (0..=PARAMETERS_MAX).map(|index| format!("p{index}")).collect();
+        let many: Vec<(&str, &str)> = names.iter().map(|name| (name.as_str(), "1..9")).collect();
+        assert!(check(&many).is_err(), "a few bytes for each set are no large answer");
+        assert!(check(&many[1..]).is_ok());
     }
 }

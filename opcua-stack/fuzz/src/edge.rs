@@ -16,14 +16,15 @@ use opcua_stack::{
                 chunker::Chunker,
                 message_chunk::{MessageChunk, MessageChunkType, MessageIsFinalType},
                 secure_channel::{Role, SecureChannel},
+                security_header::AsymmetricSecurityHeader,
                 tcp_codec::{Message, TcpCodec},
             },
             sync::RwLock,
         },
-        crypto::{CertificateStore, SecurityPolicy},
+        crypto::{CertificateStore, KeySize as _, PrivateKey, SecurityPolicy, X509, X509Data},
         types::{
             BinaryEncodable as _, ContextOwned, DecodingOptions, Error, MessageSecurityMode,
-            NamespaceMap, ObjectId,
+            NamespaceMap, ObjectId, SimpleBinaryEncodable,
         },
     },
 };
@@ -38,6 +39,71 @@ const PROTECTION_BYTES_MAX: usize = 1024;
 /// No files: the channel has neither a certificate nor a key.
 static NO_CERTIFICATES: LazyLock<Arc<RwLock<CertificateStore>>> =
     LazyLock::new(|| Arc::new(RwLock::new(CertificateStore::new(Path::new("/nonexistent")))));
+
+/// Policies of the endpoints, by which anybody may sign and encrypt a request to open a channel.
+const POLICIES: [SecurityPolicy; 3] = [
+    SecurityPolicy::Basic256Sha256,
+    SecurityPolicy::Aes128Sha256RsaOaep,
+    SecurityPolicy::Aes256Sha256RsaPss,
+];
+
+/// Certificate and key of a server, and of a client that made its own.
+static OPENERS: LazyLock<[(X509, PrivateKey); 2]> = LazyLock::new(|| {
+    ["server", "client"].map(|name| {
+        let description = X509Data {
+            key_size: 2048,
+            common_name: name.into(),
+            organization: "test".into(),
+            organizational_unit: String::new(),
+            country: String::new(),
+            state: String::new(),
+            alt_host_names: X509Data::alt_host_names("urn:test", None, false, true, false),
+            certificate_duration_days: 10,
+        };
+        X509::cert_and_pkey(&description).expect("a certificate")
+    })
+});
+
+/// A request to open a channel, of which the client signs and encrypts any bytes: what is behind the security header, up to
+/// the signature.
+pub fn opening(bytes: &[u8]) {
+    opened(bytes);
+}
+
+/// Opens a channel with a policy by the first byte, and the rest. Returns true where signature and padding were right, and
+/// what they protect is a request.
+pub fn opened(bytes: &[u8]) -> bool {
+    let Some((policy, plain)) = bytes.split_first() else { return false };
+    let policy = POLICIES[usize::from(*policy) % POLICIES.len()];
+    let [(certificate, key), _] = &*OPENERS;
+    let data = sealed(policy, plain);
+    let mut channel = channel(Side::Server, MessageSecurityMode::None);
+    channel.set_cert(Some(certificate.clone()));
+    channel.set_private_key(Some(key.clone()));
+    channel.set_accepted_policies(POLICIES.to_vec());
+    take(&mut channel, MessageChunk { data: data.into() }, &mut Vec::new()).unwrap_or(false)
+}
+
+/// Returns the chunk: headers, then the plain bytes and their signature, encrypted.
+fn sealed(policy: SecurityPolicy, plain: &[u8]) -> Vec<u8> {
+    let [(certificate, _), (own, key)] = &*OPENERS;
+    let to = certificate.public_key().expect("a key");
+    let header =
+        AsymmetricSecurityHeader::new(policy, own, certificate.thumbprint().as_byte_string());
+    let mut chunk = [b"OPNF".as_slice(), &[0; 8]].concat();
+    SimpleBinaryEncodable::encode(&header, &mut chunk).expect("a header");
+    let cipher_size = policy.calculate_cipher_text_size(plain.len() + key.size(), &to);
+    let size = u32::try_from(chunk.len() + cipher_size).expect("a short chunk");
+    chunk[4..8].copy_from_slice(&size.to_le_bytes());
+    let mut signature = vec![0; key.size()];
+    let signed = [chunk.as_slice(), plain].concat();
+    policy.asymmetric_sign(key, &signed, &mut signature).expect("a signature");
+    let mut encrypted = vec![0; cipher_size];
+    let text = [plain, &signature].concat();
+    policy.asymmetric_encrypt(&to, &text, &mut encrypted).expect("room for it");
+    chunk.extend(encrypted);
+    chunk
+}
 
 /// Bytes of a connection as server and client read them. The first one chooses how the channel is protected: below 128 the
 /// bytes are what comes over the wire, which ends at the first signature; from there on they are what the peer puts into the

@@ -28,6 +28,20 @@ fn the_corpus_replays() {
     }
 }
 
+/// Each is signed and decrypted with keys of its length, which takes its time: they are cut in fewer places.
+#[test]
+fn the_corpus_of_requests_to_open_a_channel_replays() {
+    let package = env!("CARGO_MANIFEST_DIR");
+    testkit::corpus::replay(package, "opening", 61, edge::opening);
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/fuzz/corpus/opening");
+    for name in ["basic256sha256", "aes128", "aes256pss"] {
+        let input = std::fs::read(format!("{folder}/{name}")).expect("an input");
+        assert!(edge::opened(&input), "{name}: it gets past signature and padding");
+        let (last, rest) = input.split_last().expect("bytes");
+        assert!(!edge::opened(&[rest, &[last ^ 1]].concat()), "{name}: padding of another size");
+    }
+}
+
 /// A body that the fuzzer makes gets past signature and encryption, up to the message that it means.
 #[test]
 fn what_is_made_of_bytes_reaches_the_services_behind_a_secure_channel() {

@@ -63,6 +63,18 @@ pub struct NewLogBody {
     reason: String,
 }
 
+impl NewLogBody {
+    /// Returns the reason; a problem where none is given.
+    pub(in crate::api) fn reason(&self) -> Result<String, Problem> {
+        let reason = self.reason.trim();
+        if reason.is_empty() || reason.chars().nth(REASON_CHARS_MAX).is_some() {
+            let detail = format!("Give a reason of 1 to {REASON_CHARS_MAX} characters.");
+            return Err(Problem::bad_request("NO_REASON", detail));
+        }
+        Ok(reason.to_owned())
+    }
+}
+
 impl LogView {
     fn new(log: &Log, public_key: Option<&Hash>) -> Self {
         let (start, witnessing) = (log.start(), log.witnessing());
@@ -122,11 +134,7 @@ pub async fn begin_ledger_log(
     ApiPath(recipient): ApiPath<OrganisationId>,
     ApiJson(body): ApiJson<NewLogBody>,
 ) -> Result<Json<LogView>, Problem> {
-    let reason = body.reason.trim().to_owned();
-    if reason.is_empty() || reason.chars().nth(REASON_CHARS_MAX).is_some() {
-        let detail = format!("Give a reason of 1 to {REASON_CHARS_MAX} characters.");
-        return Err(Problem::bad_request("NO_REASON", detail));
-    }
+    let reason = body.reason()?;
     let decided_by = user.principal.user_name.clone();
     let decision = NewLogDecision { recipient: recipient.clone(), decided_by, reason };
     if !api.coordinator.begin_log(decision).await? {

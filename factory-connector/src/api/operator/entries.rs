@@ -70,6 +70,44 @@ pub struct EntryDelivery {
     entries: Vec<serde_json::Value>,
 }
 
+impl EntryDelivery {
+    /// Returns the entries that can be read, the position of each in the delivery, and the results of all.
+    pub(in crate::api) fn read(
+        self,
+        made_by: &str,
+        now: DateTime,
+    ) -> Result<(Vec<OperatorEntry>, Vec<usize>, Vec<EntryResult>), Problem> {
+        if self.entries.len() > ENTRIES_MAX {
+            return Err(Problem::bad_request(
+                "TOO_MANY",
+                "At most 500 entries are taken at once; deliver them in parts.",
+            ));
+        }
+        let mut results = Vec::with_capacity(self.entries.len());
+        let (mut positions, mut entries) = (Vec::new(), Vec::new());
+        for json in self.entries {
+            let entry_id = json["entryId"].as_str().unwrap_or_default().to_owned();
+            match serde_json::from_value::<NewEntry>(json) {
+                Ok(entry) => {
+                    positions.push(results.len());
+                    results.push(result(entry_id, EntryOutcome::Repeated));
+                    entries.push(OperatorEntry {
+                        entry_id: entry.entry_id,
+                        operation: entry.operation,
+                        made_at: corrected(entry.made_at, self.sent_at, now),
+                        received_at: now,
+                        made_by: made_by.to_owned(),
+                        action: entry.action,
+                    });
+                }
+                // One entry that cannot be read must not keep the others from ever being delivered.
+                Err(error) => results.push(unreadable(entry_id, &error)),
+            }
+        }
+        Ok((entries, positions, results))
+    }
+}
+
 /// An entry of a page.
 #[derive(Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
@@ -134,34 +172,8 @@ pub async fn deliver_operator_entries(
     State(api): State<Api>,
     ApiJson(delivery): ApiJson<EntryDelivery>,
 ) -> Result<Json<Page<EntryResult>>, Problem> {
-    if delivery.entries.len() > ENTRIES_MAX {
-        return Err(Problem::bad_request(
-            "TOO_MANY",
-            "At most 500 entries are taken at once; deliver them in parts.",
-        ));
-    }
     let now = DateTime::from_unix_micros(now().unix_micros());
-    let mut results = Vec::with_capacity(delivery.entries.len());
-    let (mut positions, mut entries) = (Vec::new(), Vec::new());
-    for json in delivery.entries {
-        let entry_id = json["entryId"].as_str().unwrap_or_default().to_owned();
-        match serde_json::from_value::<NewEntry>(json) {
-            Ok(entry) => {
-                positions.push(results.len());
-                results.push(result(entry_id, EntryOutcome::Repeated));
-                entries.push(OperatorEntry {
-                    entry_id: entry.entry_id,
-                    operation: entry.operation,
-                    made_at: corrected(entry.made_at, delivery.sent_at, now),
-                    received_at: now,
-                    made_by: user.principal.user_name.clone(),
-                    action: entry.action,
-                });
-            }
-            // One entry that cannot be read must not keep the others from ever being delivered.
-            Err(error) => results.push(unreadable(entry_id, &error)),
-        }
-    }
+    let (entries, positions, mut results) = delivery.read(&user.principal.user_name, now)?;
     let outcomes = api.coordinator.execute(|state, now| enter_all(state, entries, now)).await?;
     for (position, outcome) in positions.into_iter().zip(outcomes) {
         let entry_id = std::mem::take(&mut results[position].entry_id);

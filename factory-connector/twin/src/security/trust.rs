@@ -98,6 +98,12 @@ impl TrustList {
         Self { folder: folder.to_owned(), approvals, rejected_clients, events, review }
     }
 
+    /// Opens the trust list in a folder that no server of this process uses: a change is one of its files alone.
+    #[must_use]
+    pub fn of_folder(folder: &Path) -> Self {
+        Self::new(folder, Arc::default(), Arc::default())
+    }
+
     /// Returns all certificates of clients, the rejected ones first, by the last attempt.
     ///
     /// # Errors

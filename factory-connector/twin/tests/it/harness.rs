@@ -1,5 +1,6 @@
 //! A running twin with substitutes for the connector, and clients of the same stack.
 
+#[path = "harness/samples.rs"]
 mod samples;
 
 use std::{

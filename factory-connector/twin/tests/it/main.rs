@@ -14,6 +14,7 @@ mod audit;
 mod audit_of_writes;
 mod authority;
 mod changes;
+mod corpus;
 mod discovery;
 mod edge;
 mod end_of_trust;

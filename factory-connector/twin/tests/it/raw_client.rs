@@ -162,7 +162,16 @@ impl RawChannel {
         &self,
         request: RequestMessage,
     ) -> Result<ResponseMessage, StatusCode> {
-        self.session.channel().send(request, DEADLINE).await.map_err(|error| error.status())
+        self.exchange_within(request, DEADLINE).await
+    }
+
+    /// Sends a request as [`Self::try_exchange`] does, and gives its answer up after some time.
+    pub async fn exchange_within(
+        &self,
+        request: RequestMessage,
+        patience: Duration,
+    ) -> Result<ResponseMessage, StatusCode> {
+        self.session.channel().send(request, patience).await.map_err(|error| error.status())
     }
 }
 

@@ -104,12 +104,7 @@ impl MappingTemplate {
             values.iter().filter(|(_, value)| !value.is_empty()).collect();
         sorted.sort_by_key(|(_, value)| std::cmp::Reverse(value.len()));
         let json = serde_json::to_value(mapping).expect("mappings have text keys only");
-        let json = each_text(json, &|text| {
-            let escaped = text.replace("${", "$${");
-            sorted.iter().fold(escaped, |text, (name, value)| {
-                text.replace(value.as_str(), &format!("${{{name}}}"))
-            })
-        });
+        let json = each_text(json, &|text| with_gaps(text, &sorted));
         let parameters = values.keys();
         let parameters = parameters.map(|name| TemplateParameter {
             name: name.clone(),
@@ -177,6 +172,29 @@ pub fn numbers(text: &str) -> Option<Vec<u32>> {
         numbers.extend(first..=last);
     }
     Some(numbers)
+}
+
+/// Puts the names of parameters in the place of their values, of which the first that fits counts. What was put in is not
+/// looked at again: it may have another value in it, and would grow with each of them.
+fn with_gaps(text: &str, values: &[(&String, &String)]) -> String {
+    let (mut result, mut rest) = (String::with_capacity(text.len()), text);
+    while let Some(letter) = rest.chars().next() {
+        let found = values.iter().find(|(_, value)| rest.starts_with(value.as_str()));
+        let taken = if let Some((name, value)) = found {
+            result.push_str("${");
+            result.push_str(name);
+            result.push('}');
+            value.len()
+        } else if rest.starts_with("${") {
+            result.push_str("$${");
+            2
+        } else {
+            result.push(letter);
+            letter.len_utf8()
+        };
+        rest = &rest[taken..];
+    }
+    result
 }
 
 fn each_text(json: Json, change: &dyn Fn(&str) -> String) -> Json {

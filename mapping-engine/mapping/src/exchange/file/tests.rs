@@ -79,6 +79,26 @@ proptest! {
 }
 
 #[test]
+fn gaps_of_a_template_are_not_filled_with_further_gaps() {
+    let mapping = serde_json::from_value(json!({ "mappingId": "m", "target": {
+        "operationNetworkId": "n", "operationId": "o", "dynamicDataRequestId": "r",
+        "fieldName": "f" }, "targetType": "Double", "inputs": [ { "name": "x",
+        "sourceId": "Press12", "nodeId": "nsu=urn:x;s=zz" } ], "steps": [] }))
+    .expect("a mapping");
+    // The longest value counts.
+    let two = [("machine", "Press12"), ("short", "Press1")];
+    let two: BTreeMap<String, String> =
+        two.into_iter().map(|(name, value)| (name.to_owned(), value.to_owned())).collect();
+    let template = MappingTemplate::from_mapping("t", &mapping, &two);
+    assert_eq!(template.mapping["inputs"][0]["sourceId"], "${machine}");
+    // Each name has the value of all twice: before, 40 of them were a text of a terabyte.
+    let many: BTreeMap<String, String> =
+        (0..40).map(|index| (format!("zz{index}"), "z".to_owned())).collect();
+    let template = MappingTemplate::from_mapping("t", &mapping, &many);
+    assert_eq!(template.mapping["inputs"][0]["nodeId"], "nsu=urn:x;s=${zz0}${zz0}");
+}
+
+#[test]
 fn a_table_reads_as_people_write_it() {
     let text = "mappingId;fieldName;operationNetworkId;operationId;dynamicDataRequestId;targetType;sourceId;nodeId\r\n\
                 m1;progress;net;op;req;UInt64;press;nsu=urn:press;s=Counter\r\n";
