@@ -4,10 +4,12 @@
 //! In the certificate folder, `trusted` contains certificates of clients and of authorities,
 //! `issuers` those of authorities that complete chains but are not trusted themselves, `crl` the
 //! authorities' revocation lists (DER or PEM), `denied` certificates that an engineer rejected, and `rejected`
-//! those that wait for an approval. What is denied stays so, also where its authority is trusted, and however many
-//! others wait. OPC 10000-4 §6.1.3 defines the order of the checks.
+//! those that wait for an approval. What is denied stays so, also where its authority is trusted, however many others
+//! wait, and however its bearer writes it: it is known by its signed part. Nor does another certificate of the same key come
+//! in through an authority; an engineer can trust that one itself. OPC 10000-4 §6.1.3 defines the order of the checks.
 
 mod authorities;
+mod denials;
 
 use std::{
     fs,
@@ -81,9 +83,6 @@ impl Validator {
         let (_, leaf) = X509Certificate::from_der(der).map_err(|_| CertificateError::Unreadable)?;
         // First what denies: a certificate that is moved meanwhile is found in one of the folders, or refused.
         let denied = items(&self.denied)?;
-        if denied.iter().any(|denied| denied == leaf.as_raw()) {
-            return Err(CertificateError::Denied);
-        }
         match self.known_authorities(denied)?.check(&leaf) {
             Err(CertificateError::Unknown) if self.trust_unknown => {
                 tracing::warn!(

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use x509_parser::certificate::X509Certificate;
 
+use super::denials::Denials;
 use crate::{
     certificate_error::CertificateError,
     security::{
@@ -41,6 +42,7 @@ pub(super) struct KnownAuthorities {
     /// The trusted ones first.
     certificates: Vec<KnownCertificate>,
     lists: Vec<KnownList>,
+    denials: Denials,
 }
 
 impl KnownAuthorities {
@@ -52,7 +54,8 @@ impl KnownAuthorities {
             files.map(|der| KnownCertificate::new(der)).collect::<Option<Vec<_>>>()?;
         let lists = sources.lists.iter().map(|der| KnownList::new(der, &certificates));
         let lists = lists.collect::<Option<Vec<_>>>()?;
-        Some(Self { sources, certificates, lists })
+        let denials = Denials::new(&sources.denied)?;
+        Some(Self { sources, certificates, lists, denials })
     }
 
     /// Returns true if these were made of the same reading of all folders.
@@ -60,14 +63,17 @@ impl KnownAuthorities {
         self.sources.are(sources)
     }
 
-    /// Checks that no authority revoked the certificate or one above it, and, unless it is trusted itself, that its
+    /// Checks that nobody denied the certificate, that no authority revoked it or one above it, and, unless it is trusted itself, that its
     /// chain leads to a trusted authority. The trust of a single certificate needs no authority, so a list need not
     /// exist; one that names it is obeyed.
     pub fn check(&self, leaf: &X509Certificate<'_>) -> Result<(), CertificateError> {
+        if self.is_denied(leaf) {
+            return Err(CertificateError::Denied);
+        }
         if is_revoked(leaf, &self.certificates, &self.lists) {
             return Err(CertificateError::Revoked);
         }
-        if holds(&self.sources.trusted, leaf) { Ok(()) } else { self.follow_chain(leaf) }
+        if self.is_trusted(leaf) { Ok(()) } else { self.follow_chain(leaf) }
     }
 
     /// Follows the issuers up to a trusted one, each of which needs a current revocation list. What is denied takes part
@@ -79,7 +85,7 @@ impl KnownAuthorities {
                 namesakes_of_the_issuer(&subject, &self.certificates)
                     .map(KnownCertificate::parsed)
                     .filter(|authority| is_issued_by(&subject, authority))
-                    .partition(|authority| holds(&self.sources.denied, authority));
+                    .partition(|authority| self.is_denied(authority));
             let Some(authority) = others.into_iter().next() else {
                 return Err(if denied.is_empty() {
                     CertificateError::Unknown
@@ -90,15 +96,23 @@ impl KnownAuthorities {
             if !lists_of(&authority, &self.lists).any(KnownList::is_current) {
                 return Err(CertificateError::RevocationUnknown);
             }
-            if holds(&self.sources.trusted, &authority) {
+            if self.is_trusted(&authority) {
                 return Ok(());
             }
             subject = authority;
         }
         Err(CertificateError::Unknown)
     }
-}
 
-fn holds(items: &Items, certificate: &X509Certificate<'_>) -> bool {
-    items.iter().any(|der| der == certificate.as_raw())
+    /// Returns true for what an engineer denied, and for any other certificate of such a key, unless it is trusted itself:
+    /// who renewed a certificate was not asked whether its bearer is to come in.
+    fn is_denied(&self, certificate: &X509Certificate<'_>) -> bool {
+        self.denials.have(certificate)
+            || self.denials.have_key_of(certificate) && !self.is_trusted(certificate)
+    }
+
+    /// Returns true for one that an engineer trusts, byte for byte.
+    fn is_trusted(&self, certificate: &X509Certificate<'_>) -> bool {
+        self.sources.trusted.iter().any(|der| der == certificate.as_raw())
+    }
 }

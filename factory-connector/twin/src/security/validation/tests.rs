@@ -1,6 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should say where")]
 
 mod chains;
+mod denials;
 
 use opcua_stack::opcua::types::ApplicationDescription;
 use tempfile::TempDir;
