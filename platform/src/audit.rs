@@ -214,13 +214,45 @@ impl From<&Principal> for AuditAgent {
     }
 }
 
-/// A command on the platform's machine, or its configuration.
+/// The platform itself: what it does by its configuration.
 #[derive(Debug, Clone, Copy)]
 pub struct CommandLine;
 
 impl From<CommandLine> for AuditAgent {
     fn from(_: CommandLine) -> Self {
-        Self { kind: AuditAgentKind::Command, name: "platform".to_owned(), organisation_id: None }
+        Self { kind: AuditAgentKind::Command, name: COMMAND.to_owned(), organisation_id: None }
+    }
+}
+
+/// Name of all agents that are commands.
+const COMMAND: &str = "platform";
+
+/// A user of the platform's machine, who runs a command.
+#[derive(Debug, Clone, Copy)]
+pub struct MachineUser {
+    uid: u32,
+    /// The user who became another one with `sudo`, by its word: who may set variables may set this one.
+    sudo_uid: Option<u32>,
+}
+
+impl MachineUser {
+    /// Returns the user of this process.
+    #[must_use]
+    pub fn of_process() -> Self {
+        let sudo_uid = std::env::var("SUDO_UID").ok();
+        Self::new(rustix::process::getuid().as_raw(), sudo_uid.as_deref())
+    }
+
+    fn new(uid: u32, sudo_uid: Option<&str>) -> Self {
+        Self { uid, sudo_uid: sudo_uid.and_then(|text| text.parse().ok()) }
+    }
+}
+
+impl From<MachineUser> for AuditAgent {
+    fn from(user: MachineUser) -> Self {
+        let by = user.sudo_uid.map(|uid| format!(", SUDO_UID {uid}")).unwrap_or_default();
+        let name = format!("{COMMAND}, uid {}{by}", user.uid);
+        Self { kind: AuditAgentKind::Command, name, organisation_id: None }
     }
 }
 
@@ -230,6 +262,14 @@ mod tests {
 
     fn at(seconds: i64) -> DateTime {
         DateTime::from_unix_micros(seconds * 1_000_000)
+    }
+
+    #[test]
+    fn a_command_names_the_user_of_the_machine() {
+        let name = |uid, sudo_uid| AuditAgent::from(MachineUser::new(uid, sudo_uid)).name;
+        assert_eq!(name(998, None), "platform, uid 998");
+        assert_eq!(name(0, Some("1000")), "platform, uid 0, SUDO_UID 1000");
+        assert_eq!(name(0, Some("anna, uid 7")), "platform, uid 0", "a number alone");
     }
 
     #[test]

@@ -14,7 +14,7 @@ use daemon::{
 };
 use platform::{
     administrator,
-    audit::{CommandLine, RecordingStore},
+    audit::{MachineUser, RecordingStore},
     clock::Clock,
     config::PlatformConfig,
     enrolment::{self, EnrolmentAddress},
@@ -31,7 +31,7 @@ pub async fn add_organisation(
     name: Option<String>,
 ) -> anyhow::Result<()> {
     let store = open(config).await?;
-    let mut work = store.begin(CommandLine, "addOrganisation").await?;
+    let mut work = store.begin(MachineUser::of_process(), "addOrganisation").await?;
     let is_new = put_organisation(&mut work, id, name).await?;
     let subject = AuditSubject::of(&id.parse()?, format!("organisations/{id}"));
     work.commit(subject, AuditOutcome::of(is_new)).await?;
@@ -48,22 +48,26 @@ pub async fn add_factory(
 ) -> anyhow::Result<()> {
     let store = open(config).await?;
     let factory: FactoryId = id.parse()?;
-    let mut work = store.begin(CommandLine, "addFactory").await?;
-    put_organisation(&mut work, organisation, None).await?;
+    let mut work = store.begin(MachineUser::of_process(), "addFactory").await?;
+    let is_new_organisation = put_organisation(&mut work, organisation, None).await?;
     let name = name.unwrap_or_else(|| id.to_owned());
     let is_new = work
         .factories()
         .add(&factory, &organisation.parse()?, &name, Clock::system().now())
         .await?;
-    let subject = AuditSubject::of(&organisation.parse()?, format!("factories/{id}"));
-    if is_new {
-        work.describe([AuditFact::new(AuditFactKind::Organisation, organisation)]);
-    }
-    work.commit(subject, AuditOutcome::of(is_new)).await?;
+    // Nothing is committed then, nor an organisation made for it.
     anyhow::ensure!(
         is_new,
         "there is a factory {id} already; `platform factory token {id}` makes a token for it"
     );
+    if is_new_organisation {
+        let made =
+            AuditSubject::of(&organisation.parse()?, format!("organisations/{organisation}"));
+        work.record_also(&made, &[]).await?;
+    }
+    work.describe([AuditFact::new(AuditFactKind::Organisation, organisation)]);
+    let subject = AuditSubject::of(&organisation.parse()?, format!("factories/{id}"));
+    work.commit(subject, AuditOutcome::Done).await?;
     print_token(config, id).await
 }
 
@@ -71,7 +75,7 @@ pub async fn add_factory(
 pub async fn print_token(config: &PlatformConfig, id: &str) -> anyhow::Result<()> {
     let store = open(config).await?;
     let factory: FactoryId = id.parse()?;
-    let mut work = store.begin(CommandLine, "makeEnrolmentToken").await?;
+    let mut work = store.begin(MachineUser::of_process(), "makeEnrolmentToken").await?;
     let known = work.factories().lookup(&Scope::Platform, &factory).await?;
     let known = known
         .with_context(|| format!("there is no factory {id}; `platform factory add` adds one"))?;
@@ -113,7 +117,7 @@ pub async fn set_user(
     let organisation_id: Option<OrganisationId> = organisation.map(|id| id.parse()).transpose()?;
     let user = User { user_name, role, organisation_id };
     let hash = PasswordHashing::default().hash(password, PasswordPolicy::default()).await?;
-    let mut work = store.begin(CommandLine, "putUser").await?;
+    let mut work = store.begin(MachineUser::of_process(), "putUser").await?;
     administrator::put(&mut work, &user, &hash, Clock::system().now()).await?;
     let had_codes = work.second_factors().remove(&user.user_name).await?;
     if work.passkeys().remove_all(&user.user_name).await? || had_codes {
@@ -135,4 +139,38 @@ async fn put_organisation(work: &mut Work, id: &str, name: Option<String>) -> an
         created_at: Clock::system().now(),
     };
     Ok(work.organisations().add(&organisation).await?)
+}
+
+#[cfg(test)]
+mod tests {
+    use platform::store::AuditAgent;
+
+    use super::*;
+
+    #[tokio::test]
+    async fn a_factory_that_is_refused_leaves_no_organisation_behind() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let data_directory = folder.path().join("data");
+        let config = PlatformConfig { data_directory, ..PlatformConfig::default() };
+        add_factory(&config, "F1", "first", None).await.expect("added");
+        let refusal = add_factory(&config, "F1", "second", None).await.expect_err("refused");
+        assert!(refusal.to_string().contains("platform factory token F1"), "{refusal}");
+
+        let store = open(&config).await.expect("a store");
+        let mut work = store.read().await.expect("begun");
+        let is_made = work.organisations().exists(&"second".parse().expect("an id")).await;
+        assert!(!is_made.expect("read"));
+        let entries = work.audit().list_after(&Scope::Platform, 0, 100).await.expect("listed");
+        let lines = entries.iter().map(|entry| format!("{} {}", entry.operation, entry.subject));
+        assert_eq!(
+            lines.collect::<Vec<_>>(),
+            [
+                "addFactory organisations/first",
+                "addFactory factories/F1",
+                "makeEnrolmentToken factories/F1"
+            ]
+        );
+        let uid = AuditAgent::from(MachineUser::of_process()).name;
+        assert!(entries.iter().all(|entry| entry.agent_name.as_ref() == Some(&uid)));
+    }
 }

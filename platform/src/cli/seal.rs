@@ -3,7 +3,7 @@
 use clap::Subcommand;
 use daemon::{data_directory, sealing};
 use platform::{
-    audit::{CommandLine, RecordingStore},
+    audit::{MachineUser, RecordingStore},
     clock::Clock,
     config::PlatformConfig,
     store::{AuditOutcome, AuditSubject, Store},
@@ -28,15 +28,13 @@ pub(super) async fn run(command: SealCommand, config: &PlatformConfig) -> anyhow
     let sealer = config.sealer();
     data_directory::create(&config.data_directory, config.allow_shared_data_directory)?;
     let mut store = Store::open(&config.database_path()).await?;
-    let recording = RecordingStore::new(store.clone(), Clock::system());
     if let SealCommand::Rotate = command {
         // Before the act, which has transactions of its own: what was tried is on record, however it ends.
-        record(&recording, "rotateSealingKey", "sealing-key").await?;
+        record_rotation(&RecordingStore::new(store.clone(), Clock::system())).await?;
         let count = sealing::rotate(&mut store, &sealer).await?;
         let path = sealer.place().path().display();
         return print(&format!("{count} secret(s) are sealed with a new key, which is in {path}."));
     }
-    record(&recording, "forgetSecrets", "secrets").await?;
     let forgotten = sealing::forget(&mut store, &sealer).await?;
     if forgotten.is_empty() {
         return print("Every secret opens; nothing was removed.");
@@ -50,8 +48,7 @@ pub(super) async fn run(command: SealCommand, config: &PlatformConfig) -> anyhow
     Ok(())
 }
 
-async fn record(store: &RecordingStore, operation: &'static str, path: &str) -> anyhow::Result<()> {
-    let work = store.begin(CommandLine, operation).await?;
-    let subject = AuditSubject { path: path.to_owned(), concerned: None };
-    Ok(work.commit(subject, AuditOutcome::Done).await?)
+async fn record_rotation(store: &RecordingStore) -> anyhow::Result<()> {
+    let work = store.begin(MachineUser::of_process(), "rotateSealingKey").await?;
+    Ok(work.commit(AuditSubject::shared("sealing-key"), AuditOutcome::Done).await?)
 }

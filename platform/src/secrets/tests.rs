@@ -5,6 +5,7 @@ use daemon::sealing::{Sealer, SealingConfig, forget, rotate, seal_all};
 use sqlx::{Connection as _, SqliteConnection, sqlite::SqliteConnectOptions};
 
 use super::*;
+use crate::store::Scope;
 
 const SECRET: &str = "canary-of-the-app";
 
@@ -34,6 +35,13 @@ async fn opened(store: &Store, sealer: &Sealer) -> Vec<u8> {
     hex::decode(secret.expose()).expect("hexadecimal")
 }
 
+/// Returns operation and subject of each entry of the record.
+async fn entries(store: &Store) -> Vec<String> {
+    let mut work = store.read().await.expect("begun");
+    let entries = work.audit().list_after(&Scope::Platform, 0, 100).await.expect("listed");
+    entries.iter().map(|entry| format!("{} {}", entry.operation, entry.subject)).collect()
+}
+
 /// Returns true if any file of a folder has the secret.
 fn is_in_a_file(folder: &Path) -> bool {
     let files = std::fs::read_dir(folder).expect("a folder");
@@ -59,7 +67,11 @@ async fn secrets_of_a_former_database_are_sealed_rotated_and_forgotten_on_comman
     let fault = format!("{:#}", seal_all(&mut store, &sealer).await.expect_err("no key"));
     assert!(fault.contains("platform seal forget") && fault.contains("restore"), "{fault}");
     assert!(!sealer.place().path().exists(), "no other key in its place");
+    assert_eq!(entries(&store).await, [""; 0], "nothing was removed yet");
     assert_eq!(forget(&mut store, &sealer).await.expect("forgotten"), ["eva"]);
+    assert_eq!(entries(&store).await, ["forgetSecret users/eva/second-factor"]);
+    assert!(forget(&mut store, &sealer).await.expect("none is left").is_empty());
+    assert_eq!(entries(&store).await.len(), 1, "what was removed, once");
     assert_eq!(seal_all(&mut store, &sealer).await.expect("nothing is left"), 0);
     let mut work = store.read().await.expect("begun");
     let left = work.second_factors().lookup("eva").await.expect("read").expect("a factor");
