@@ -144,6 +144,9 @@ fn run_command(command: Command, config: ConnectorConfig) -> anyhow::Result<()> 
             Command::Run => serve(config).await,
             Command::Enrol { token_file, platform } => {
                 let token = enrolment_token(token_file.as_deref())?;
+                if let Some(note) = enrolment::unpinned_note(platform.as_deref(), &token)? {
+                    print_note(note)?;
+                }
                 let factory = enrolment::enrol(&config, platform.as_deref(), &token).await?;
                 print(&format!("This connector is now that of the factory {factory}."))
             }

@@ -7,7 +7,10 @@ use std::{str::FromStr as _, time::Duration};
 use anyhow::Context as _;
 use asi_model::FactoryId;
 use axum::http::Uri;
-use daemon::{Confidential, data_directory};
+use daemon::{
+    Confidential, data_directory,
+    plaintext::{HttpWay, http_way},
+};
 use message_signature::PublicKey;
 use messaging::{BrokerProfile, BrokerUrl};
 use reqwest::redirect;
@@ -55,9 +58,8 @@ pub async fn enrol(
     let platform = platform.map_or_else(|| parts.address(), |address| Ok(address.to_owned()))?;
     config.check_platform(&platform).map_err(anyhow::Error::msg)?;
     // Without TLS there is no certificate to compare with the pin.
-    let has_tls = platform.parse::<Uri>().is_ok_and(|uri| uri.scheme_str() == Some("https"));
     anyhow::ensure!(
-        parts.pin.is_none() || has_tls,
+        parts.pin.is_none() || has_tls(&platform),
         "the token is for the platform with one certificate, and {platform} shows none; write https://, or ask for a token \
          that was made at that address"
     );
@@ -85,6 +87,28 @@ pub async fn enrol(
     Ok(answer.factory_id)
 }
 
+/// Returns what to say of a token that does not name the certificate of its platform; none where it does, and where a
+/// platform on this machine needs none.
+///
+/// # Errors
+/// A text that is no token.
+pub fn unpinned_note(
+    platform: Option<&str>,
+    token: &Confidential<String>,
+) -> anyhow::Result<Option<&'static str>> {
+    let parts = TokenParts::of(token.expose())?;
+    let platform = platform.map_or_else(|| parts.address(), |address| Ok(address.to_owned()))?;
+    let is_near = !has_tls(&platform) && http_way(&platform) == HttpWay::Safe;
+    Ok((parts.pin.is_none() && !is_near).then_some(
+        "the token names no certificate of its platform, so it goes to any machine at that address that this one believes; have \
+         web.public_certificate set at the platform, and ask for a new token",
+    ))
+}
+
+fn has_tls(platform: &str) -> bool {
+    platform.parse::<Uri>().is_ok_and(|uri| uri.scheme_str() == Some("https"))
+}
+
 async fn ask(
     platform: &str,
     parts: &TokenParts,
@@ -95,6 +119,10 @@ async fn ask(
     // A redirect could lead the token to another machine, or out of TLS.
     let mut http =
         reqwest::Client::builder().timeout(ANSWER_TIMEOUT).redirect(redirect::Policy::none());
+    if !has_tls(platform) {
+        // A proxy that the environment names would get the token in clear, be it on its way to this very machine.
+        http = http.no_proxy();
+    }
     if let Some(pin) = parts.pin {
         http = http.tls_backend_preconfigured(pin.client_config()?);
     }

@@ -133,8 +133,7 @@ pub fn run(arguments: Arguments) -> ExitCode {
         Command::Broker { supervised: true } => run_supervised(),
         Command::Config(ConfigCommand::Check) => {
             load(arguments.config.as_deref()).and_then(|config| {
-                let notes = config.untested_broker().into_iter().chain(config.dropping_broker());
-                for note in notes {
+                for note in config.notes() {
                     print(&note)?;
                 }
                 print("The configuration is valid.")

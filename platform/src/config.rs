@@ -342,6 +342,13 @@ impl PlatformConfig {
         })
     }
 
+    /// Returns what to say of a configuration that is valid, before the start and at it.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        let notes = [self.untested_broker(), self.dropping_broker(), self.web.unpinned_tokens()];
+        notes.into_iter().flatten().collect()
+    }
+
     /// Time between receipts.
     #[must_use]
     pub const fn receipt_interval(&self) -> Duration {

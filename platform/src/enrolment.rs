@@ -21,6 +21,8 @@ pub struct EnrolmentToken {
     pub token: Confidential<String>,
     /// End of its validity.
     pub expires_at: DateTime,
+    /// Whether it names the platform's certificate.
+    pub is_pinned: bool,
 }
 
 /// A credential for the broker, shown once.
@@ -83,7 +85,7 @@ pub async fn make_token(
     work.credentials().add_token(&hash(&secret), factory, now, expires_at).await?;
     let pin = address.pin.map(|pin| format!("{pin}.")).unwrap_or_default();
     let token = format!("{}.{pin}{secret}", URL_SAFE_NO_PAD.encode(&address.public_url));
-    Ok(EnrolmentToken { token: token.into(), expires_at })
+    Ok(EnrolmentToken { token: token.into(), expires_at, is_pinned: address.pin.is_some() })
 }
 
 /// Failure to issue a credential.
@@ -221,6 +223,7 @@ mod tests {
             let mut work = store.begin().await.expect("begun");
             let made = make_token(&mut work, &factory, &address, now, day).await.expect("made");
             work.commit().await.expect("stored");
+            assert_eq!(made.is_pinned, made.token.expose().split('.').count() == 3);
             made.token.expose().clone()
         };
         let pinned = token("https://verbund.example").await;

@@ -270,7 +270,7 @@ fn open_accesses(
 
 /// Warns of what the configuration allows at one's own risk; returns the addresses without TLS.
 fn warned(config: &PlatformConfig) -> Vec<plaintext::PlaintextWay> {
-    for note in config.untested_broker().into_iter().chain(config.dropping_broker()) {
+    for note in config.notes() {
         tracing::warn!("{note}");
     }
     config.sealer().warn_of_place();

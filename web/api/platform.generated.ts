@@ -2381,6 +2381,8 @@ export interface components {
         TokenView: {
             /** @description End of its validity. */
             expiresAt: components["schemas"]["DateTime"];
+            /** @description True where it names the certificate that the platform shows: then the connector enrols with nobody else. */
+            isPinned: boolean;
             /** @description Token for `factory-connector enrol`; contains the platform's address. */
             token: string;
         };

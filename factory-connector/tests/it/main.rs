@@ -6,6 +6,7 @@ mod answers;
 mod caps;
 mod control;
 mod corpus;
+mod enrolling;
 mod events;
 mod ledger;
 mod logs;

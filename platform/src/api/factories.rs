@@ -40,6 +40,8 @@ pub struct TokenView {
     token: String,
     /// End of its validity.
     expires_at: DateTime,
+    /// True where it names the certificate that the platform shows: then the connector enrols with nobody else.
+    is_pinned: bool,
 }
 
 /// Result of a revocation.
@@ -108,10 +110,8 @@ pub async fn make_token(
         Duration::from_secs(u64::from(app.config.retention.enrolment_token_hours) * 3600);
     let made = make(&mut work, &factory, &app.enrolment_address, app.clock.now(), lifetime).await?;
     work.commit(subject(&known), AuditOutcome::Done).await?;
-    Ok((
-        StatusCode::CREATED,
-        Json(TokenView { token: made.token.expose().clone(), expires_at: made.expires_at }),
-    ))
+    let (token, expires_at) = (made.token.expose().clone(), made.expires_at);
+    Ok((StatusCode::CREATED, Json(TokenView { token, expires_at, is_pinned: made.is_pinned })))
 }
 
 /// Takes credentials and signing keys of the factory's connector away and cuts its connections.

@@ -96,6 +96,9 @@ pub async fn print_token(config: &PlatformConfig, id: &str) -> anyhow::Result<()
         "Give this token to `factory-connector enrol` on standard input before {}.",
         token.expires_at
     )?;
+    if let Some(note) = config.web.unpinned_tokens() {
+        writeln!(std::io::stderr(), "{note}")?;
+    }
     Ok(())
 }
 

@@ -83,3 +83,16 @@ fn an_address_that_leads_nowhere_is_named() {
         assert!(words.is_none_or(|words| faults[0].contains(words)), "{text}: {faults:?}");
     }
 }
+
+#[test]
+fn tokens_that_name_no_certificate_are_called_so_where_a_proxy_speaks_tls() {
+    let notes = |web: &str| parse(&format!("[web]\n{web}")).notes();
+    let behind_a_proxy = "public_url = \"https://verbund.example\"\n";
+    let found = notes(behind_a_proxy);
+    assert!(matches!(&found[..], [note] if note.contains("web.public_certificate")), "{found:?}");
+    let of_the_proxy = format!("{behind_a_proxy}public_certificate = \"shown.pem\"\n");
+    assert_eq!(notes(&of_the_proxy), [""; 0]);
+    let own = format!("{behind_a_proxy}tls = {{ certificate = \"c.pem\", key = \"k.pem\" }}\n");
+    assert_eq!(notes(&own), [""; 0]);
+    assert_eq!(notes("public_url = \"http://127.0.0.1:8080\"\n"), [""; 0], "it shows none");
+}

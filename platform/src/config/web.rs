@@ -72,6 +72,19 @@ impl WebConfig {
         }
     }
 
+    /// Returns what to say where enrolment tokens name no certificate although others speak TLS for the platform.
+    #[must_use]
+    pub fn unpinned_tokens(&self) -> Option<String> {
+        let public_url = self.public_url.as_deref().filter(|url| url.starts_with("https://"))?;
+        (self.tls.is_none() && self.public_certificate.is_none()).then(|| {
+            format!(
+                "web.public_certificate: it is not set, so enrolment tokens do not name the certificate of {public_url}, and a \
+                 connector enrols with any machine at that address that its own system believes. Give the certificate that \
+                 the proxy shows there."
+            )
+        })
+    }
+
     /// Returns the listener with what is in front of it.
     #[must_use]
     pub fn page_listener(&self) -> PageListener<'_> {

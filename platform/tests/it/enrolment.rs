@@ -31,6 +31,7 @@ async fn a_token_works_once_and_two_credentials_are_alive() {
     let admin = story::set_up(&world).await;
     let enrol = async || {
         let token = admin.post("/factories/FOR_MUC/enrolment-tokens", json!({})).await.expect_ok();
+        assert_eq!(token["isPinned"], false, "the platform of these tests has no TLS");
         let body = json!({ "token": token["token"] });
         let enrolment = world.anonymous().post("/enrolments", body.clone()).await.expect_ok();
         world.anonymous().post("/enrolments", body).await.expect_problem(403, "TOKEN_REFUSED");

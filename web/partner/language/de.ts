@@ -137,6 +137,9 @@ export const de: Texts = {
     tokenTitle: 'Aufnahmeschlüssel',
     tokenText:
       'Dieser Schlüssel wird einmal gezeigt. Geben Sie ihn dem Ingenieur der Fabrik auf sicherem Weg; er gilt ein einziges Mal.',
+    unpinned: 'Der Schlüssel nennt kein Zertifikat',
+    unpinnedText:
+      'Die Anbindung meldet sich bei jedem Rechner unter dieser Adresse an, dem ihr System glaubt.',
     tokenExpires: 'läuft ab ',
     command: 'In der Fabrik; der Schlüssel wird dort erfragt',
     revoke: 'Zugangsdaten widerrufen',
