@@ -21,7 +21,7 @@ pub struct EnrolmentToken {
     pub token: Confidential<String>,
     /// End of its validity.
     pub expires_at: DateTime,
-    /// Whether it names the platform's certificate.
+    /// True where it names the certificate of the platform.
     pub is_pinned: bool,
 }
 

@@ -136,8 +136,7 @@ export const en = {
     tokenText:
       'This token is shown once. Send it to the factory’s engineer over a safe channel; it works once.',
     unpinned: 'The token names no certificate',
-    unpinnedText:
-      'The connector enrols with any machine at this address that its system believes.',
+    unpinnedText: 'The connector enrols with any machine at this address that its system believes.',
     tokenExpires: 'expires ',
     command: 'At the factory; it asks for the token',
     revoke: 'Revoke the credentials',
