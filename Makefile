@@ -56,7 +56,7 @@ supply-chain: sbom $(CARGO_DENY_INSTALLED) ## licences, sources, banned crates, 
 	node --test tools/supply-chain/
 	node tools/supply-chain/advisories.js --report
 
-advisories: $(CARGO_DENY_INSTALLED) ## known weaknesses of crates and npm packages; fails where their lists cannot be had: ADVISORY_DB=clone
+advisories: $(CARGO_DENY_INSTALLED) ## known weaknesses of crates and npm packages, and what the lists said into asked.json; fails where they cannot be had: ADVISORY_DB=clone
 	node tools/supply-chain/advisories.js
 
 sbom: web tools/supply-chain/node_modules/.installed ## a bill of materials (CycloneDX) of each program, into target/sbom

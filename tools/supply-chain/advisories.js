@@ -4,13 +4,18 @@
 //   node advisories.js --report   says so and ends with 0: for machines that are known to be cut off
 //   node advisories.js --manifests   prints the manifests that are asked about, and asks nothing
 //
-// 1 means a finding, an exception that has ended, or one that nothing needs any more. RustSec's
+// Where all lists were had, the first writes what they said into asked.json, which is to be committed. Where one cannot be
+// had, asked.json stands for it: for some weeks, and for the packages that it names.
+//
+// 1 means a finding, an exception that has ended or that nothing needs any more, or an asked.json that does not stand
+// for the lists any more. RustSec's
 // database comes from its repository, or from a clone of it that ADVISORY_DB names; npm's advisories
 // from the registry that npm is set up for.
 import { execFileSync, spawnSync } from 'node:child_process'
 import { existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs'
 import { compare, faultsOf } from './exceptions.js'
 import { ROOT } from './programs.js'
+import { completed, faultsOfSnapshot, packagesOf, readSnapshot, writeSnapshot } from './snapshot.js'
 
 const PLACE = `${ROOT}/target/supply-chain`
 /** The program that `make supply-chain` installs. */
@@ -34,6 +39,10 @@ patched = []
 
 /** @typedef {import('./exceptions.js').Finding} Finding */
 /** @typedef {{ findings: Finding[], unchecked: string[] }} Answer */
+/** @typedef {import('./snapshot.js').Snapshot} Snapshot */
+
+/** What the lists said when they were asked last. */
+const SNAPSHOT = new URL('asked.json', import.meta.url)
 
 /**
  * Returns the manifests with a lock file of their own: of what is delivered, and of what runs in tests alone, as fuzz
@@ -132,9 +141,51 @@ export function findingsOfVendored(database, crates) {
     const files = existsSync(folder) ? readdirSync(folder) : []
     const ids = files.map((file) => /^(RUSTSEC-\d+-\d+)\.md$/.exec(file)?.[1])
     return ids.flatMap((id) =>
-      id ? [{ registry: 'cargo', id, where, text: `an advisory of ${name}, copied at ${version}` }] : [],
+      id
+        ? [{ registry: 'cargo', id, where, text: `an advisory of ${name}, copied at ${version}` }]
+        : [],
     )
   })
+}
+
+/** Returns the published packages of all lock files, and those that were copied to be patched. */
+export function lockedPackages() {
+  const locks = [
+    ...manifests().map((file) => file.replace(/\.toml$/, '.lock')),
+    ...NPM_FOLDERS.map((folder) => `${folder}/package-lock.json`),
+  ]
+  const locked = locks.flatMap((file) => packagesOf(file, readFileSync(`${ROOT}/${file}`, 'utf8')))
+  return [...locked, ...vendoredCrates().map(({ name, version }) => `cargo ${name}@${version}`)]
+}
+
+/**
+ * Judges what the lists said. Where one could not be had, the snapshot stands for it; where there is none, nothing does.
+ *
+ * @param {{ cargo: Answer, npm: Answer }} answers
+ * @param {import('./exceptions.js').Exception[]} exceptions
+ * @param {Snapshot | undefined} snapshot
+ * @param {string[]} packages of the lock files
+ * @param {string} today
+ */
+export function judge(answers, exceptions, snapshot, packages, today) {
+  const unchecked = [...answers.cargo.unchecked, ...answers.npm.unchecked]
+  const findings = [...answers.cargo.findings, ...answers.npm.findings]
+  const asked = new Set(
+    /** @type {const} */ (['cargo', 'npm']).filter((one) => !answers[one].unchecked.length),
+  )
+  const instead = unchecked.length ? snapshot : undefined
+  const known = instead ? new Set(['cargo', 'npm']) : asked
+  const faults = [
+    ...faultsOf(exceptions, today),
+    ...compare(completed(findings, asked, instead), exceptions, known),
+    ...(instead ? faultsOfSnapshot(instead, packages, today) : []),
+  ]
+  if (instead) unchecked.push(`what they said on ${instead.asked} counts instead`)
+  else if (unchecked.length)
+    unchecked.push(
+      'NOTHING stands for these lists, since nobody has asked yet: run `make advisories` on a machine that reaches them, and commit tools/supply-chain/asked.json',
+    )
+  return { faults, unchecked, findings }
 }
 
 /** Makes git fetch the database from another place. */
@@ -199,13 +250,22 @@ function databaseIn(/** @type {string} */ folder) {
   return clone ? `${folder}/${clone}` : folder
 }
 
+/** Returns the day of the database's last change: a clone that was brought along may be old. */
+function dayOfDatabase() {
+  const database = databaseIn(databaseFolder())
+  const parameters = ['-C', database, 'log', '-1', '--format=%cs']
+  return execFileSync('git', parameters, { encoding: 'utf8' }).trim()
+}
+
+/** Returns the folder of the database. What was fetched from one place is no beginning for what another has. */
+const databaseFolder = () => `${PLACE}/${process.env['ADVISORY_DB'] ? 'clone' : 'rustsec'}`
+
 /** @returns {Answer} */
 function askRustSec() {
   const clone = process.env['ADVISORY_DB']
   const env = clone ? fetchedFrom(clone) : process.env
   /** @type {Answer} */
   const answer = { findings: [], unchecked: [] }
-  // What was fetched from one place is no beginning for what another has.
   const folder = clone ? 'clone' : 'rustsec'
   if (clone) rmSync(`${PLACE}/${folder}`, { recursive: true, force: true })
   for (const manifest of manifests()) {
@@ -220,7 +280,7 @@ function askRustSec() {
         `${manifest}: RustSec's database cannot be fetched; withdrawn versions were looked for`,
       )
   }
-  answer.findings.push(...findingsOfVendored(databaseIn(`${PLACE}/${folder}`), vendoredCrates()))
+  answer.findings.push(...findingsOfVendored(databaseIn(databaseFolder()), vendoredCrates()))
   if (answer.unchecked.length)
     answer.unchecked.push('vendor: advisories of patched copies, for want of the same database')
   return answer
@@ -248,19 +308,19 @@ if (isProgram && process.argv.includes('--manifests')) {
   const { exceptions } = JSON.parse(
     readFileSync(new URL('advisories.json', import.meta.url), 'utf8'),
   )
-  const [rust, npm] = [askRustSec(), askNpm()]
-  const asked = new Set([
-    ...(rust.unchecked.length ? [] : ['cargo']),
-    ...(npm.unchecked.length ? [] : ['npm']),
-  ])
-  const faults = [
-    ...faultsOf(exceptions, new Date().toISOString().slice(0, 10)),
-    ...compare([...rust.findings, ...npm.findings], exceptions, asked),
-  ]
-  const unchecked = [...rust.unchecked, ...npm.unchecked]
+  const answers = { cargo: askRustSec(), npm: askNpm() }
+  const today = new Date().toISOString().slice(0, 10)
+  const isReport = process.argv.includes('--report')
+  const packages = lockedPackages()
+  const snapshot = readSnapshot(SNAPSHOT)
+  const { faults, unchecked, findings } = judge(answers, exceptions, snapshot, packages, today)
+  if (!unchecked.length && !isReport) {
+    const day = [today, dayOfDatabase()].sort()[0] ?? today
+    writeSnapshot(SNAPSHOT, { asked: day, packages, findings })
+    console.log('What the lists said is in tools/supply-chain/asked.json: commit it.')
+  }
   for (const fault of faults) console.error(`ADVISORY: ${fault}`)
   for (const one of unchecked) console.error(`NOT CHECKED for advisories: ${one}.`)
-  const isReport = process.argv.includes('--report')
   if (!faults.length && !unchecked.length) console.log('No advisory is open.')
   process.exitCode = faults.length ? 1 : unchecked.length && !isReport ? 3 : 0
 }
