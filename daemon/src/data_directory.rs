@@ -52,7 +52,8 @@ pub enum DataDirectoryError {
 }
 
 /// Returns true for the owner of a file that may decide about this process: its own user, and root.
-pub(crate) fn is_trusted_owner(owner: u32) -> bool {
+#[must_use]
+pub fn is_trusted_owner(owner: u32) -> bool {
     owner == 0 || owner == rustix::process::geteuid().as_raw()
 }
 

@@ -8,7 +8,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use daemon::Confidential;
+use daemon::{Confidential, data_directory::is_trusted_owner};
 use zeroize::Zeroizing;
 
 use super::ExternalBrokerConfig;
@@ -29,6 +29,8 @@ pub enum BrokerPasswordError {
     },
     #[error("others may read the passwords in {path}: run `chmod 600 {path}`", path = path.display())]
     Shared { path: PathBuf },
+    #[error("the passwords in {path} belong to another user: run `chown` for the user of this program", path = path.display())]
+    Foreign { path: PathBuf },
     #[error("line {line} of {} is no account: write user name, a space and the password", path.display())]
     Form { path: PathBuf, line: usize },
     #[error("the password of {user_name} needs at least {CHARACTERS_MIN} characters")]
@@ -92,8 +94,13 @@ fn of_file(
 ) -> Result<Option<Confidential<String>>, BrokerPasswordError> {
     let access = |source| BrokerPasswordError::Access { path: path.to_owned(), source };
     let file = File::open(path).map_err(access)?;
-    if file.metadata().map_err(access)?.mode() & barred(path) != 0 {
+    let metadata = file.metadata().map_err(access)?;
+    if metadata.mode() & barred(path) != 0 {
         return Err(BrokerPasswordError::Shared { path: path.to_owned() });
+    }
+    // Its owner could open it to others, and changes what is in it.
+    if !is_trusted_owner(metadata.uid()) {
+        return Err(BrokerPasswordError::Foreign { path: path.to_owned() });
     }
     let mut text = Zeroizing::new(String::new());
     file.take(FILE_BYTES_MAX).read_to_string(&mut text).map_err(access)?;
@@ -175,6 +182,12 @@ mod tests {
             write(&path, text, mode);
             let faults = external(Some(&path), "").password_faults();
             assert!(faults.len() == 1 && faults[0].contains(said), "{text}: {faults:?}");
+        }
+        write(&path, "p of-the-file-0123456\n", 0o600);
+        // Root alone gives files away; for all others the owner is a matter of the kernel.
+        if std::os::unix::fs::chown(&path, Some(65_534), None).is_ok() {
+            let faults = external(Some(&path), "").password_faults();
+            assert!(faults.len() == 1 && faults[0].contains("another user"), "{faults:?}");
         }
         let faults = external(Some(&folder.path().join("nowhere")), "").password_faults();
         assert!(faults.len() == 1 && faults[0].contains("cannot read"), "{faults:?}");

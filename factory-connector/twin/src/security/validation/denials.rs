@@ -17,7 +17,7 @@ impl Denials {
     /// Reads the denied certificates; `None` where one cannot be read.
     pub fn new(denied: &Items) -> Option<Self> {
         let (mut signed_parts, mut keys) = (HashSet::new(), HashSet::new());
-        for der in denied.iter() {
+        for der in denied.as_slice() {
             let (_, certificate) = X509Certificate::from_der(der).ok()?;
             signed_parts.insert(signed_part(&certificate).to_vec());
             keys.insert(key(&certificate).to_vec());
