@@ -100,8 +100,8 @@ pub fn unpinned_note(
     let platform = platform.map_or_else(|| parts.address(), |address| Ok(address.to_owned()))?;
     let is_near = !has_tls(&platform) && http_way(&platform) == HttpWay::Safe;
     Ok((parts.pin.is_none() && !is_near).then_some(
-        "the token names no certificate of its platform, so it goes to any machine at that address that this one believes; have \
-         web.public_certificate set at the platform, and ask for a new token",
+        "the token names no certificate of its platform, so it goes to any machine at that address that this one believes; \
+         have web.public_certificate set at the platform, and ask for a new token",
     ))
 }
 

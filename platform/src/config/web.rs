@@ -78,9 +78,9 @@ impl WebConfig {
         let public_url = self.public_url.as_deref().filter(|url| url.starts_with("https://"))?;
         (self.tls.is_none() && self.public_certificate.is_none()).then(|| {
             format!(
-                "web.public_certificate: it is not set, so enrolment tokens do not name the certificate of {public_url}, and a \
-                 connector enrols with any machine at that address that its own system believes. Give the certificate that \
-                 the proxy shows there."
+                "web.public_certificate: it is not set, so enrolment tokens do not name the certificate of {public_url}, \
+                 and a connector enrols with any machine at that address that its own system believes. Give the \
+                 certificate that the proxy shows there."
             )
         })
     }

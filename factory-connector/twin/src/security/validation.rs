@@ -5,8 +5,8 @@
 //! `issuers` those of authorities that complete chains but are not trusted themselves, `crl` the
 //! authorities' revocation lists (DER or PEM), `denied` certificates that an engineer rejected, and `rejected`
 //! those that wait for an approval. What is denied stays so, also where its authority is trusted, however many others
-//! wait, and however its bearer writes it: it is known by its signed part. Nor does another certificate of the same key come
-//! in through an authority; an engineer can trust that one itself. OPC 10000-4 §6.1.3 defines the order of the checks.
+//! wait, and however its bearer writes it: it is known by its signed part. Nor does another certificate of the same key
+//! come in through an authority; an engineer can trust that one itself. OPC 10000-4 §6.1.3 defines the order of the checks.
 
 mod authorities;
 mod denials;

@@ -63,9 +63,9 @@ impl KnownAuthorities {
         self.sources.are(sources)
     }
 
-    /// Checks that nobody denied the certificate, that no authority revoked it or one above it, and, unless it is trusted itself, that its
-    /// chain leads to a trusted authority. The trust of a single certificate needs no authority, so a list need not
-    /// exist; one that names it is obeyed.
+    /// Checks that nobody denied the certificate, that no authority revoked it or one above it, and, unless it is trusted
+    /// itself, that its chain leads to a trusted authority. The trust of a single certificate needs no authority, so a list
+    /// need not exist; one that names it is obeyed.
     pub fn check(&self, leaf: &X509Certificate<'_>) -> Result<(), CertificateError> {
         if self.is_denied(leaf) {
             return Err(CertificateError::Denied);
