@@ -236,19 +236,28 @@ impl PkiDirectory {
 
     /// Returns true when exactly this certificate is approved. A new one is stored as rejected.
     fn is_approved(&self, certificate: &X509) -> Result<bool, ShopFloorError> {
-        let name = CertificateStore::cert_file_name(certificate);
-        let der = certificate.to_der().map_err(|_| {
-            ShopFloorError::Certificates("the server's certificate cannot be encoded".into())
-        })?;
-        let trusted = self.directory.join(TRUSTED).join(&name);
-        if trusted.exists() {
-            return Ok(read_limited(&trusted).map_err(|error| disk(&trusted, &error))? == der);
+        if let Some(is_approved) = self.known_as_trusted(certificate)? {
+            return Ok(is_approved);
         }
+        let name = CertificateStore::cert_file_name(certificate);
         let rejected = self.directory.join(REJECTED).join(&name);
         if !rejected.exists() && self.files(REJECTED)?.len() < CERTIFICATES_MAX {
-            fs::write(&rejected, der).map_err(|error| disk(&rejected, &error))?;
+            fs::write(&rejected, der(certificate)?).map_err(|error| disk(&rejected, &error))?;
         }
         Ok(false)
+    }
+
+    /// Returns whether the trusted certificate of this name is exactly this one; `None` without one. Stores nothing.
+    pub(crate) fn known_as_trusted(
+        &self,
+        certificate: &X509,
+    ) -> Result<Option<bool>, ShopFloorError> {
+        let path = self.directory.join(TRUSTED).join(CertificateStore::cert_file_name(certificate));
+        if !path.exists() {
+            return Ok(None);
+        }
+        let trusted = read_limited(&path).map_err(|error| disk(&path, &error))?;
+        Ok(Some(trusted == der(certificate)?))
     }
 
     /// Lists all certificates, the rejected ones first.
@@ -329,7 +338,13 @@ pub(crate) fn fingerprint(certificate: &X509) -> String {
     hex::encode(Sha256::digest(certificate.as_byte_string().as_ref()))
 }
 
-fn validity(certificate: &X509) -> (Option<DateTime>, Option<DateTime>) {
+fn der(certificate: &X509) -> Result<Vec<u8>, ShopFloorError> {
+    certificate.to_der().map_err(|_| {
+        ShopFloorError::Certificates("the server's certificate cannot be encoded".into())
+    })
+}
+
+pub(crate) fn validity(certificate: &X509) -> (Option<DateTime>, Option<DateTime>) {
     let micros = |time: Result<i64, _>| time.ok().map(DateTime::from_unix_micros);
     (
         micros(certificate.not_before().map(|time| time.timestamp_micros())),

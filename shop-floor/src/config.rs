@@ -232,33 +232,6 @@ impl fmt::Debug for Password {
     }
 }
 
-/// An endpoint that a server offers.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct EndpointOffer {
-    /// Address of the server as the server returns it.
-    pub endpoint_url: String,
-    /// Name of the policy, also of one that the client does not use.
-    pub security_policy: String,
-    pub message_security: MessageSecurity,
-    /// True when the client supports it and may use it.
-    pub is_supported: bool,
-    /// Accepts anonymous users.
-    pub allows_anonymous: bool,
-    /// Accepts user name and password.
-    pub allows_user_name: bool,
-    /// Accepts user certificates.
-    pub allows_certificate: bool,
-    pub server_name: String,
-    /// The server's application URI.
-    pub application_uri: String,
-    /// SHA-1 thumbprint of the server's certificate, hex.
-    pub certificate_thumbprint: Option<String>,
-    /// SHA-256 fingerprint of the server's certificate, hex; to be compared with the certificate's own
-    /// at the machine.
-    pub certificate_fingerprint: Option<String>,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,10 +6,11 @@ use asi_model::values::{DataValue, NodeId, StatusCode, Variant};
 use tokio::sync::watch;
 
 use crate::{
-    BrowsePath, BrowsedNode, EndpointOffer, InputKey, MonitorOptions, MonitorRequest,
-    OwnCertificate, PeerCertificate, ShopFloorError, SourceCallResult, SourceConfig, SourceId,
-    SourceStatus, TrustState, VariableList, certificates::PkiDirectory, context::SourceContext,
-    monitor_options, registry::SourceRegistry, source,
+    BrowsePath, BrowsedNode, InputKey, MonitorOptions, MonitorRequest, OwnCertificate,
+    PeerCertificate, ServerOffer, ShopFloorError, SourceCallResult, SourceConfig, SourceId,
+    SourceProblem, SourceStatus, TestedServer, TrustState, VariableList,
+    certificates::PkiDirectory, context::SourceContext, monitor_options, registry::SourceRegistry,
+    source,
 };
 
 /// Cloneable handle to the [`ShopFloor`](crate::ShopFloor).
@@ -40,11 +41,7 @@ impl ShopFloorHandle {
     /// [`ShopFloorError::LimitReached`], [`ShopFloorError::Invalid`] when the address is no
     /// `opc.tcp://` one.
     pub fn check_source(&self, config: &SourceConfig) -> Result<(), ShopFloorError> {
-        if !config.endpoint_url.starts_with("opc.tcp://") || config.endpoint_url.len() > 4096 {
-            return Err(ShopFloorError::Invalid(
-                "the endpoint address must start with opc.tcp://".into(),
-            ));
-        }
+        check_address(&config.endpoint_url)?;
         self.registry.check(&config.source_id)
     }
 
@@ -239,13 +236,30 @@ impl ShopFloorHandle {
         source::call(&self.registry.connection(source)?, object, method, inputs).await
     }
 
-    /// Returns the endpoints that a server offers (GetEndpoints).
+    /// Asks a server what it offers (GetEndpoints), and looks at its certificates. Nothing is kept. The outer error is
+    /// of the address, the inner one of what is behind it.
     ///
     /// # Errors
-    /// [`ShopFloorError::Unreachable`] when no server answers.
-    pub async fn discover(&self, endpoint_url: &str) -> Result<Vec<EndpointOffer>, ShopFloorError> {
-        self.own_certificate().await?;
-        source::discover(&self.context, endpoint_url).await
+    /// [`ShopFloorError::Invalid`] when the address is no `opc.tcp://` one.
+    pub async fn discover(
+        &self,
+        endpoint_url: &str,
+    ) -> Result<Result<ServerOffer, SourceProblem>, ShopFloorError> {
+        check_address(endpoint_url)?;
+        Ok(source::discover(&self.context, endpoint_url).await)
+    }
+
+    /// Opens a session as the source would, reads what the server says of itself, and closes it again. The source is not
+    /// stored; a certificate that no person has approved is listed by [`Self::certificates`].
+    ///
+    /// # Errors
+    /// [`ShopFloorError::Invalid`] when the address is no `opc.tcp://` one.
+    pub async fn test_source(
+        &self,
+        config: &SourceConfig,
+    ) -> Result<Result<TestedServer, SourceProblem>, ShopFloorError> {
+        check_address(&config.endpoint_url)?;
+        Ok(source::test_source(&self.context, config).await)
     }
 
     /// Returns the client's application instance certificate; creates it on first use.
@@ -298,4 +312,13 @@ impl ShopFloorHandle {
     ) -> Result<T, ShopFloorError> {
         self.context.with_certificates(work).await.map_err(|_| ShopFloorError::Stopped)?
     }
+}
+
+fn check_address(endpoint_url: &str) -> Result<(), ShopFloorError> {
+    if !endpoint_url.starts_with("opc.tcp://") || endpoint_url.len() > 4096 {
+        return Err(ShopFloorError::Invalid(
+            "the endpoint address must start with opc.tcp://".into(),
+        ));
+    }
+    Ok(())
 }

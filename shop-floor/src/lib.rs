@@ -21,6 +21,7 @@ mod context;
 mod error;
 mod handle;
 mod monitor_options;
+mod offer;
 mod registry;
 mod service;
 mod source;
@@ -28,11 +29,13 @@ mod status;
 
 pub use certificates::{OwnCertificate, PeerCertificate, TrustState};
 pub use config::{
-    Config, EndpointOffer, Identity, MessageSecurity, Password, SecurityChoice, SecurityPolicy,
-    SourceConfig,
+    Config, Identity, MessageSecurity, Password, SecurityChoice, SecurityPolicy, SourceConfig,
 };
 pub use error::ShopFloorError;
 pub use handle::ShopFloorHandle;
+pub use offer::{
+    EndpointOffer, OfferedCertificate, ServerFinding, ServerOffer, ServerProduct, TestedServer,
+};
 pub use service::ShopFloor;
 pub use shop_floor_model::{
     BrowsePath, BrowsedNode, InputChange, InputKey, InvalidBrowsePath, InvalidSourceId,
@@ -40,6 +43,6 @@ pub use shop_floor_model::{
     SourceId, UnitName, VariableList,
 };
 pub use status::{
-    ChosenEndpoint, CoarseInput, GrantedIntervals, InputProblem, ServerLimits, SourceProblem,
-    SourceProblemKind, SourceState, SourceStatus,
+    ChosenEndpoint, CoarseInput, GrantedIntervals, InputProblem, ServerLimits, ServerProduct,
+    SourceProblem, SourceProblemKind, SourceState, SourceStatus,
 };

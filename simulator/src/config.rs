@@ -78,6 +78,9 @@ pub struct MachineConfig {
     /// Most subscriptions of one session. 0: plenty.
     #[serde(default)]
     pub subscriptions_per_session_max: u32,
+    /// Most sessions at a time, as small devices have places. 0: plenty.
+    #[serde(default)]
+    pub sessions_max: u32,
     /// Least publishing interval that is granted, in milliseconds, as controllers have it. 0: any.
     #[serde(default)]
     pub publishing_interval_ms_min: u32,
@@ -211,6 +214,7 @@ impl MachineConfig {
             relay: true,
             items_per_subscription_max: 0,
             subscriptions_per_session_max: 0,
+            sessions_max: 0,
             publishing_interval_ms_min: 0,
             sampling_interval_ms_min: 0,
             queue_size_max: 0,

@@ -186,6 +186,9 @@ fn assemble(
 ) -> Result<(Server, ServerHandle), String> {
     let name = config.name.clone();
     let mut builder = limits::raise_server(ServerBuilder::new());
+    if config.sessions_max > 0 {
+        builder.limits_mut().max_sessions = config.sessions_max as usize;
+    }
     let subscriptions = &mut builder.limits_mut().subscriptions;
     if config.items_per_subscription_max > 0 {
         subscriptions.max_monitored_items_per_sub = config.items_per_subscription_max as usize;

@@ -6,6 +6,7 @@ mod browse;
 mod controllers;
 mod foreign;
 mod hostile;
+mod inquiry;
 mod monitor;
 mod recovery;
 mod security;

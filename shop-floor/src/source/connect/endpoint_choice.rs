@@ -1,13 +1,13 @@
 //! Choice among the endpoints that a server offers.
 
 use opcua_stack::opcua::{
-    crypto::{self, X509},
+    crypto,
     types::{EndpointDescription, MessageSecurityMode, UAString, UserTokenType},
 };
 
 use crate::{
-    EndpointOffer, Identity, MessageSecurity, SecurityChoice, SecurityPolicy, SourceProblem,
-    SourceProblemKind as Kind, certificates::fingerprint,
+    Identity, MessageSecurity, SecurityChoice, SecurityPolicy, SourceProblem,
+    SourceProblemKind as Kind,
 };
 
 /// Returns the strongest endpoint that fits the choice of security and the identity.
@@ -37,7 +37,8 @@ pub(super) fn choose<'a>(
         let names: Vec<_> = offered.iter().map(offer_name).collect();
         let hint = match choice {
             SecurityChoice::Strongest => {
-                "no endpoint with encryption that is not outdated; choose one of these to accept that"
+                "no endpoint with encryption that is not outdated; switch one on at the server, or choose one of these \
+                 that is not outdated to accept that"
             }
             SecurityChoice::None => "no unprotected endpoint",
             SecurityChoice::Exactly { .. } => "no endpoint with the wanted policy and mode",
@@ -69,12 +70,12 @@ pub(super) fn exposes_password(endpoint: &EndpointDescription, identity: &Identi
     is_unprotected && matches!(identity, Identity::UserName { .. })
 }
 
-fn allows(endpoint: &EndpointDescription, token: UserTokenType) -> bool {
+pub(in crate::source) fn allows(endpoint: &EndpointDescription, token: UserTokenType) -> bool {
     endpoint.user_identity_tokens.iter().flatten().any(|policy| policy.token_type == token)
 }
 
 /// Returns the security policy of an endpoint; `None` for one that is deprecated or unknown.
-pub(super) fn policy_of(endpoint: &EndpointDescription) -> Option<SecurityPolicy> {
+pub(in crate::source) fn policy_of(endpoint: &EndpointDescription) -> Option<SecurityPolicy> {
     match crypto::SecurityPolicy::from_uri(endpoint.security_policy_uri.as_ref()) {
         crypto::SecurityPolicy::None => Some(SecurityPolicy::None),
         crypto::SecurityPolicy::Aes128Sha256RsaOaep => Some(SecurityPolicy::Aes128Sha256RsaOaep),
@@ -84,7 +85,7 @@ pub(super) fn policy_of(endpoint: &EndpointDescription) -> Option<SecurityPolicy
     }
 }
 
-pub(super) const fn mode_of(mode: MessageSecurityMode) -> MessageSecurity {
+pub(in crate::source) const fn mode_of(mode: MessageSecurityMode) -> MessageSecurity {
     match mode {
         MessageSecurityMode::Sign => MessageSecurity::Sign,
         MessageSecurityMode::SignAndEncrypt => MessageSecurity::SignAndEncrypt,
@@ -92,37 +93,19 @@ pub(super) const fn mode_of(mode: MessageSecurityMode) -> MessageSecurity {
     }
 }
 
-pub(super) fn text(text: &UAString) -> String {
+pub(in crate::source) fn text(text: &UAString) -> String {
     text.value().clone().unwrap_or_default()
 }
 
-fn offer_name(endpoint: &EndpointDescription) -> String {
+/// Returns policy and mode of an endpoint for people.
+pub(in crate::source) fn offer_name(endpoint: &EndpointDescription) -> String {
     let uri = endpoint.security_policy_uri.as_ref();
     let policy = uri.rsplit_once('#').map_or(uri, |(_, name)| name);
     format!("{policy} {:?}", mode_of(endpoint.security_mode))
 }
 
-pub(super) fn offer(endpoint: &EndpointDescription) -> EndpointOffer {
-    let uri = endpoint.security_policy_uri.as_ref();
-    let certificate = X509::from_byte_string(&endpoint.server_certificate).ok();
-    EndpointOffer {
-        endpoint_url: text(&endpoint.endpoint_url),
-        security_policy: uri.rsplit_once('#').map_or(uri, |(_, name)| name).to_owned(),
-        message_security: mode_of(endpoint.security_mode),
-        is_supported: policy_of(endpoint).is_some(),
-        allows_anonymous: allows(endpoint, UserTokenType::Anonymous),
-        allows_user_name: allows(endpoint, UserTokenType::UserName),
-        allows_certificate: allows(endpoint, UserTokenType::Certificate),
-        server_name: text(&endpoint.server.application_name.text),
-        application_uri: text(&endpoint.server.application_uri),
-        certificate_fingerprint: certificate.as_ref().map(fingerprint),
-        certificate_thumbprint: certificate
-            .map(|certificate| certificate.thumbprint().as_hex_string()),
-    }
-}
-
 /// Combines the configured host and port with the path of the address that the server returned.
-pub(super) fn reachable_url(configured: &str, returned: &str) -> String {
+pub(in crate::source) fn reachable_url(configured: &str, returned: &str) -> String {
     let split = |url: &str| {
         let rest = url.strip_prefix("opc.tcp://").unwrap_or(url);
         let at = rest.find('/').unwrap_or(rest.len());
