@@ -33,9 +33,7 @@ pub use config::{
 };
 pub use error::ShopFloorError;
 pub use handle::ShopFloorHandle;
-pub use offer::{
-    EndpointOffer, OfferedCertificate, ServerFinding, ServerOffer, ServerProduct, TestedServer,
-};
+pub use offer::{EndpointOffer, OfferedCertificate, ServerFinding, ServerOffer, TestedServer};
 pub use service::ShopFloor;
 pub use shop_floor_model::{
     BrowsePath, BrowsedNode, InputChange, InputKey, InvalidBrowsePath, InvalidSourceId,

@@ -41,6 +41,8 @@ const RESOLUTION_TIMEOUT: Duration = Duration::from_secs(2);
 const HOSTS_MAX: usize = 3;
 /// Most names of a certificate that are shown.
 const NAMES_MAX: usize = 20;
+/// Longest text of a stranger that is shown, in characters.
+const TEXT_CHARS_MAX: usize = 500;
 /// Signature by RSA over SHA-1 (RFC 8017, sha1WithRSAEncryption).
 const SHA1_WITH_RSA: &str = "1.2.840.113549.1.1.5";
 
@@ -56,7 +58,7 @@ pub(crate) async fn discover(
     let mut found = host_findings(&asked, &offered).await;
     if !offered.iter().any(is_encrypted) {
         found.push(ServerFinding::NothingEncrypted {
-            offered: offered.iter().map(offer_name).collect(),
+            offered: offered.iter().map(|one| shown(&offer_name(one))).collect(),
         });
     }
     let application_uri = offered.first().map(|one| text(&one.server.application_uri));
@@ -110,9 +112,9 @@ async fn host_findings(asked: &Asked<'_>, offered: &[EndpointDescription]) -> Ve
     let mut urls: Vec<(String, String)> = Vec::new();
     for endpoint in offered {
         let url = text(&endpoint.endpoint_url);
-        let host = host_of(&url).to_owned();
+        let host = shown(host_of(&url));
         if !host.is_empty() && !urls.iter().any(|(known, _)| *known == host) {
-            urls.push((host, reachable_url(asked.url, &url)));
+            urls.push((host, shown(&reachable_url(asked.url, &url))));
         }
     }
     urls.truncate(HOSTS_MAX);
@@ -144,12 +146,12 @@ async fn certificates(
             continue;
         };
         if !shown.iter().any(|known| fingerprint(known) == fingerprint(&certificate)) {
-            shown.push(certificate);
+            met.push(certificate);
         }
     }
     let described = context.with_certificates(move |pki| {
-        let mut described = Vec::with_capacity(shown.len());
-        for certificate in &shown {
+        let mut described = Vec::with_capacity(met.len());
+        for certificate in &met {
             let is_trusted = pki.known_as_trusted(certificate)?.unwrap_or(false);
             described.push(describe(certificate, is_trusted));
         }
@@ -211,16 +213,20 @@ fn offer(endpoint: &EndpointDescription, asked_url: &str) -> EndpointOffer {
     let uri = endpoint.security_policy_uri.as_ref();
     let certificate = X509::from_byte_string(&endpoint.server_certificate).ok();
     EndpointOffer {
-        endpoint_url: text(&endpoint.endpoint_url),
-        used_url: reachable_url(asked_url, endpoint.endpoint_url.as_ref()),
-        security_policy: uri.rsplit_once('#').map_or(uri, |(_, name)| name).to_owned(),
+        endpoint_url: shown(&text(&endpoint.endpoint_url)),
+        used_url: shown(&reachable_url(asked_url, endpoint.endpoint_url.as_ref())),
+        security_policy: shown(uri.rsplit_once('#').map_or(uri, |(_, name)| name)),
         message_security: mode_of(endpoint.security_mode),
         choice: choice(endpoint),
         allows_anonymous: allows(endpoint, UserTokenType::Anonymous),
         allows_user_name: allows(endpoint, UserTokenType::UserName),
         allows_certificate: allows(endpoint, UserTokenType::Certificate),
-        server_name: text(&endpoint.server.application_name.text),
-        application_uri: text(&endpoint.server.application_uri),
+        server_name: shown(&text(&endpoint.server.application_name.text)),
+        application_uri: shown(&text(&endpoint.server.application_uri)),
         certificate_fingerprint: certificate.as_ref().map(fingerprint),
     }
+}
+
+fn shown(text: &str) -> String {
+    text.chars().take(TEXT_CHARS_MAX).collect()
 }
