@@ -6,7 +6,7 @@ use asi_model::values::{DataValue, NodeId, StatusCode, Variant};
 use tokio::sync::watch;
 
 use crate::{
-    BrowsePath, BrowsedNode, InputKey, MonitorOptions, MonitorRequest, OwnCertificate,
+    BrowsePath, BrowsedNode, InputKey, MonitorOptions, MonitorRequest, OwnCertificates,
     PeerCertificate, ServerOffer, ShopFloorError, SourceCallResult, SourceConfig, SourceId,
     SourceProblem, SourceStatus, TestedServer, TrustState, VariableList,
     certificates::PkiDirectory, context::SourceContext, monitor_options, registry::SourceRegistry,
@@ -262,12 +262,39 @@ impl ShopFloorHandle {
         Ok(source::test_source(&self.context, config).await)
     }
 
-    /// Returns the client's application instance certificate; creates it on first use.
+    /// Returns the client's application instance certificate, which is created on first use, and the next one.
     ///
     /// # Errors
     /// [`ShopFloorError::Certificates`].
-    pub async fn own_certificate(&self) -> Result<OwnCertificate, ShopFloorError> {
-        self.with_certificates(PkiDirectory::own).await
+    pub async fn own_certificates(&self) -> Result<OwnCertificates, ShopFloorError> {
+        self.with_certificates(PkiDirectory::own_and_next).await
+    }
+
+    /// Makes the next certificate of the client, unless there is one. It is not used before [`Self::use_next_certificate`],
+    /// so that machines can be made to trust it.
+    ///
+    /// # Errors
+    /// [`ShopFloorError::Certificates`].
+    pub async fn prepare_next_certificate(&self) -> Result<OwnCertificates, ShopFloorError> {
+        self.with_certificates(PkiDirectory::prepare_next).await
+    }
+
+    /// Uses the next certificate: sessions that are open go on, and each new one begins with it.
+    ///
+    /// # Errors
+    /// [`ShopFloorError::Invalid`] without a next certificate.
+    pub async fn use_next_certificate(&self) -> Result<OwnCertificates, ShopFloorError> {
+        let certificates = self.with_certificates(PkiDirectory::use_next).await?;
+        self.registry.retry_all();
+        Ok(certificates)
+    }
+
+    /// Deletes the next certificate and its key.
+    ///
+    /// # Errors
+    /// [`ShopFloorError::Certificates`].
+    pub async fn discard_next_certificate(&self) -> Result<OwnCertificates, ShopFloorError> {
+        self.with_certificates(PkiDirectory::discard_next).await
     }
 
     /// Lists the servers' certificates seen so far. Rejected ones wait for a person's approval.

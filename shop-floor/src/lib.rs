@@ -27,7 +27,7 @@ mod service;
 mod source;
 mod status;
 
-pub use certificates::{OwnCertificate, PeerCertificate, TrustState};
+pub use certificates::{OwnCertificate, OwnCertificates, PeerCertificate, TrustState};
 pub use config::{
     Config, Identity, MessageSecurity, Password, SecurityChoice, SecurityPolicy, SourceConfig,
 };

@@ -140,12 +140,12 @@ async fn certificates(
     context: &SourceContext,
     offered: &[EndpointDescription],
 ) -> Result<Vec<OfferedCertificate>, SourceProblem> {
-    let mut shown: Vec<X509> = Vec::new();
+    let mut met: Vec<X509> = Vec::new();
     for endpoint in offered {
         let Ok(certificate) = X509::from_byte_string(&endpoint.server_certificate) else {
             continue;
         };
-        if !shown.iter().any(|known| fingerprint(known) == fingerprint(&certificate)) {
+        if !met.iter().any(|known| fingerprint(known) == fingerprint(&certificate)) {
             met.push(certificate);
         }
     }
