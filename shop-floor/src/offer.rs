@@ -73,11 +73,13 @@ pub struct OfferedCertificate {
 #[serde(rename_all = "camelCase", rename_all_fields = "camelCase", tag = "code")]
 pub enum ServerFinding {
     /// The server calls itself by a host name that nothing here knows.
+    #[schema(rename_all = "camelCase")]
     HostNameUnknown {
         host: String,
         used_url: String,
     },
     /// The server calls itself by another host than the one that was asked.
+    #[schema(rename_all = "camelCase")]
     HostNameDiffers {
         host: String,
         used_url: String,
@@ -86,26 +88,31 @@ pub enum ServerFinding {
     NothingEncrypted {
         offered: Vec<String>,
     },
+    #[schema(rename_all = "camelCase")]
     CertificateExpired {
         fingerprint: String,
         valid_to: DateTime,
     },
+    #[schema(rename_all = "camelCase")]
     CertificateNotYetValid {
         fingerprint: String,
         valid_from: DateTime,
     },
     /// The certificate is for other hosts than the one that was asked.
+    #[schema(rename_all = "camelCase")]
     CertificateOfOtherHost {
         fingerprint: String,
         host: String,
         host_names: Vec<String>,
     },
     /// The certificate is for another application than the server says it is.
+    #[schema(rename_all = "camelCase")]
     CertificateOfOtherApplication {
         fingerprint: String,
         application_uri: String,
     },
     /// The key is too short for the policies that are not outdated.
+    #[schema(rename_all = "camelCase")]
     KeyTooShort {
         fingerprint: String,
         key_bits: usize,
@@ -114,6 +121,7 @@ pub enum ServerFinding {
         fingerprint: String,
     },
     /// The clocks differ. Negative where the server's is behind.
+    #[schema(rename_all = "camelCase")]
     ClockDiffers {
         ahead_ms: i64,
     },
