@@ -23,7 +23,7 @@ export const sources: typeof English = {
     withUser: 'Benutzername und Passwort',
     userName: 'Benutzername',
     password: 'Passwort',
-    passwordKept: 'Leer lassen, um das Passwort zu behalten.',
+    passwordKept: 'Leer lassen, um es zu behalten. Eine andere Adresse braucht es erneut.',
     passwordUnprotected: 'Das Passwort ungeschützt senden',
     passwordUnprotectedHint:
       'Jeder im Netz kann es lesen. Ohne dies wird es nicht gesendet, und die Quelle bleibt unverbunden.',
@@ -91,6 +91,21 @@ export const sources: typeof English = {
         remedy:
           'Prüfen Sie, ob der Server läuft, die Adresse und das Netz dazwischen. Es wird von selbst wieder versucht.',
       },
+      hostNameUnknown: {
+        what: 'Kein Namensdienst kennt diesen Rechnernamen',
+        remedy:
+          'Prüfen Sie den Namen, oder geben Sie die IP-Adresse des Servers an. Es wird von selbst wieder versucht.',
+      },
+      nothingListens: {
+        what: 'An diesem Port antwortet nichts',
+        remedy:
+          'Prüfen Sie den Port, und ob der OPC-UA-Server im Projekt der Maschine eingeschaltet ist. Es wird von selbst wieder versucht.',
+      },
+      endpointsHidden: {
+        what: 'Der Server zeigt nicht, was er anbietet',
+        remedy:
+          'Lassen Sie in den Einstellungen des Servers die Richtlinie None für die Endpunktsuche zu. Sitzungen bleiben geschützt.',
+      },
       noSuitableEndpoint: {
         what: 'Der Server bietet diese Sicherheit oder Anmeldung nicht',
         remedy: 'Wählen Sie eine Sicherheit und eine Anmeldung, die der Server anbietet.',
@@ -104,10 +119,20 @@ export const sources: typeof English = {
         what: 'Das Zertifikat des Servers ist nicht gültig',
         remedy: 'Lassen Sie das Zertifikat des Servers erneuern.',
       },
+      serverKeyTooShort: {
+        what: 'Der Schlüssel des Serverzertifikats ist zu kurz',
+        remedy:
+          'Lassen Sie den Server ein Zertifikat mit einem Schlüssel von mindestens 2048 Bit erstellen, und vertrauen Sie dann diesem.',
+      },
       clientCertificateRejected: {
         what: 'Der Server vertraut dieser Anbindung noch nicht',
         remedy:
           'Bitten Sie den Betreiber des Servers, dem Zertifikat dieser Anbindung zu vertrauen, und warten Sie einen Augenblick.',
+      },
+      clientCertificateOutOfTime: {
+        what: 'Nach der Uhr des Servers ist das Zertifikat dieser Anbindung nicht gültig',
+        remedy:
+          'Stellen Sie die Uhr des Servers; ohne Zeitabgleich beginnen viele Steuerungen im Jahr 1970. Geht sie richtig, erneuern Sie das Zertifikat dieser Anbindung.',
       },
       credentialsRejected: {
         what: 'Benutzername oder Passwort ist nicht richtig',
