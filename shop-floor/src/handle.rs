@@ -185,6 +185,15 @@ impl ShopFloorHandle {
         source::search(&self.registry.connection(source)?, text, found_max).await
     }
 
+    /// Returns the id of a node with the URI of its namespace. An index, as other clients show it, is that of this server
+    /// at present.
+    ///
+    /// # Errors
+    /// As [`Self::browse`].
+    pub fn with_uri(&self, source: &SourceId, node: NodeId) -> Result<NodeId, ShopFloorError> {
+        Ok(self.registry.connection(source)?.with_uri(node))
+    }
+
     /// Returns the browse path from the Objects folder to a node.
     ///
     /// # Errors

@@ -4179,7 +4179,7 @@ export interface components {
             /**
              * Format: double
              * @description Sampling interval of the server, in milliseconds. 0: on every change. Default: the
-             *     publishing interval of the source.
+             *     sampling interval of the source.
              * @default null
              */
             samplingIntervalMs?: number | null;
@@ -5786,6 +5786,12 @@ export interface components {
              * @description Publishing interval of the subscriptions, in milliseconds (1 to 60 000).
              */
             publishingIntervalMs?: number;
+            /**
+             * Format: int32
+             * @description Sampling interval of the variables, in milliseconds (0 to 86 400 000; 0: on every change). Absent: the publishing
+             *     interval. A mapping may ask for another one.
+             */
+            samplingIntervalMs?: number | null;
             /** @description Choice among the server's endpoints. */
             security?: components["schemas"]["SecurityChoice"];
             /**
@@ -10331,7 +10337,10 @@ export interface operations {
     searchSource: {
         parameters: {
             query: {
-                /** @description Words that all occur in the variable's path, in any order, without regard to case. */
+                /**
+                 * @description Words that all occur in the variable's path, in any order, without regard to case. Or a node id, as other clients
+                 *     show it: `ns=3;s=Speed` or `nsu=<URI>;s=Speed`.
+                 */
                 text: string;
                 /** @description At most so many, up to 200; 50 without it. */
                 limit?: number;

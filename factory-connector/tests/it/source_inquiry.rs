@@ -108,3 +108,23 @@ async fn the_next_client_certificate_is_handed_out_before_it_is_used() {
     let used = plant.post(&format!("{next}/use"), json!({})).await;
     assert_eq!((&used["current"], &used["next"]), (&prepared["next"], &Value::Null));
 }
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_node_id_is_found_as_other_clients_show_it() {
+    let plant = Plant::start(json!([{ "name": "count", "type": 9 }])).await;
+    let node = plant.node("Mill1", "Identification.Model");
+    let (uri, identifier) = node.split_once(';').expect("a namespace");
+    assert!(uri.starts_with("nsu="), "{node}");
+    let mut found = Vec::new();
+    for namespace in [uri, "ns=1", "ns=2", "ns=3"] {
+        let text = [("text", format!(" {namespace};{identifier}"))];
+        let url = reqwest::Url::parse_with_params("http://connector", text).expect("an address");
+        let query = url.query().expect("a query");
+        let page = plant.get(&format!("/sources/Mill1/search?{query}")).await;
+        assert_eq!(page["isComplete"], true, "{page:#}");
+        found.extend(page["items"].as_array().expect("a page").iter().cloned());
+    }
+    // Under its URI and under the one index that the server has for it, whose URI is said.
+    assert_eq!(found.len(), 2, "{found:#?}");
+    assert!(found.iter().all(|item| item["nodeId"] == node.as_str()), "{found:#?}");
+}

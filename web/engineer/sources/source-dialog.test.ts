@@ -131,6 +131,8 @@ it('keeps what one types while the source goes on changing, and saves it', async
   await user.clear(screen.getByLabelText(/^Publishing interval/))
   await user.type(screen.getByLabelText(/^Publishing interval/), '500')
 
+  await user.type(screen.getByLabelText(/^Sampling interval/), '500')
+
   // As each status of the source does.
   await rerender({ ...props, source: { ...source, name: 'Press, of the hall' } })
   expect(address).toHaveProperty('value', 'opc.tcp://press-2:4840')
@@ -140,6 +142,7 @@ it('keeps what one types while the source goes on changing, and saves it', async
     endpointUrl: 'opc.tcp://press-2:4840',
     security: { choice: 'exactly', policy: 'Basic256Sha256', mode: 'sign' },
     publishingIntervalMs: 500,
+    samplingIntervalMs: 500,
     silenceMsMax: 5000,
   })
 })

@@ -33,6 +33,8 @@ export class SourceDraft {
   password = $state('')
   unprotected = $state(false)
   publishingIntervalMs = $state(20)
+  /** Empty: as often as the server publishes. */
+  samplingIntervalMs = $state<number | null>(null)
   silenceMsMax = $state(5000)
   #answer = $state.raw<{ from: string; offer: ServerOffer }>()
   #test = $state.raw<{ of: string; outcome: SourceTest }>()
@@ -48,6 +50,7 @@ export class SourceDraft {
     this.userName = source.identity?.kind === 'userName' ? source.identity.userName : ''
     this.unprotected = source.sendsPasswordUnprotected ?? false
     this.publishingIntervalMs = source.publishingIntervalMs ?? this.publishingIntervalMs
+    this.samplingIntervalMs = source.samplingIntervalMs ?? null
     this.silenceMsMax = source.silenceMsMax ?? this.silenceMsMax
   }
 
@@ -158,6 +161,7 @@ export class SourceDraft {
       sendsPasswordUnprotected:
         this.security.choice === 'none' && identity === 'userName' && this.unprotected,
       publishingIntervalMs: this.publishingIntervalMs,
+      ...(this.samplingIntervalMs === null ? {} : { samplingIntervalMs: this.samplingIntervalMs }),
       silenceMsMax: this.silenceMsMax,
     }
   }

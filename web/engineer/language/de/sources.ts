@@ -29,6 +29,9 @@ export const sources: typeof English = {
       'Jeder im Netz kann es lesen. Ohne dies wird es nicht gesendet, und die Quelle bleibt unverbunden.',
     publishingInterval: 'Sendeintervall (ms)',
     publishingIntervalHint: 'Was gewünscht wird. Viele Steuerungen gewähren 100 bis 1000 ms.',
+    samplingInterval: 'Abtastintervall (ms)',
+    samplingIntervalHint:
+      'So oft sieht der Server nach jeder Variablen. Leer: so oft, wie er sendet. 0: bei jeder Änderung.',
     silence: 'Aufgegeben nach Stille von (ms)',
     silenceHint: 'Ein langsamerer Server bekommt die Zeit, die er für ein Lebenszeichen braucht.',
     granted: 'Der Server gewährt',
@@ -78,7 +81,7 @@ export const sources: typeof English = {
     removeMore: (n: number) => (n === 1 ? 'und eines mehr.' : `und ${n} weitere.`),
     treeEmpty: 'Hier zeigt der Server nichts.',
     treeLabel: 'Adressraum der Quelle',
-    searchNodes: 'Im ganzen Server suchen',
+    searchNodes: 'Den ganzen Server durchsuchen, oder eine Node-Id einfügen',
     nothingFound: 'Nichts gefunden',
     found: (shown: string, all: string) =>
       shown === all ? `${all} gefunden` : `${shown} von ${all} gefunden`,

@@ -26,6 +26,9 @@ export const sources = {
       'Everybody on the network can read it. Without this it is not sent, and the source stays unconnected.',
     publishingInterval: 'Publishing interval (ms)',
     publishingIntervalHint: 'What is asked for. Many controllers grant 100 to 1000 ms.',
+    samplingInterval: 'Sampling interval (ms)',
+    samplingIntervalHint:
+      'How often the server looks at each variable. Empty: as often as it publishes. 0: on every change.',
     silence: 'Given up after silence of (ms)',
     silenceHint: 'A slower server is given the time that it takes for a sign of life.',
     granted: 'The server grants',
@@ -74,7 +77,7 @@ export const sources = {
     removeMore: (n: number) => (n === 1 ? 'and one more.' : `and ${n} more.`),
     treeEmpty: 'The server shows nothing here.',
     treeLabel: 'Address space of the source',
-    searchNodes: 'Search the whole server',
+    searchNodes: 'Search the whole server, or paste a node id',
     nothingFound: 'Nothing found',
     found: (shown: string, all: string) =>
       shown === all ? `${all} found` : `${shown} of ${all} found`,
