@@ -208,6 +208,7 @@ fn sources() -> OpenApiRouter<Api> {
         .routes(guarded!(search::search_source))
         .routes(guarded!(source_inquiry::discover_source))
         .routes(guarded!(source_inquiry::test_source))
+        .routes(guarded!(source_inquiry::list_server_profiles))
         .routes(guarded!(sources::list_source_certificates))
         .routes(guarded!(sources::trust_source_certificate))
         .routes(guarded!(source_client_certificates::show_source_client_certificate))

@@ -37,8 +37,8 @@ pub use offer::{EndpointOffer, OfferedCertificate, ServerFinding, ServerOffer, T
 pub use service::ShopFloor;
 pub use shop_floor_model::{
     BrowsePath, BrowsedNode, InputChange, InputKey, InvalidBrowsePath, InvalidSourceId,
-    ListedVariable, MonitorOptions, MonitorRequest, NodeClass, NodeType, SourceCallResult,
-    SourceId, UnitName, VariableList,
+    ListedVariable, MonitorOptions, MonitorRequest, NodeClass, NodeType, ServerProfile,
+    SourceCallResult, SourceId, UnitName, VariableList,
 };
 pub use status::{
     ChosenEndpoint, CoarseInput, GrantedIntervals, InputProblem, ServerLimits, ServerProduct,

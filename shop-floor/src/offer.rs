@@ -133,6 +133,8 @@ pub enum ServerFinding {
 pub struct TestedServer {
     pub endpoint: ChosenEndpoint,
     pub product: ServerProduct,
+    /// Family of the server, where it is one that is known.
+    pub family: Option<String>,
     /// The server's limits as it declares them.
     pub limits: ServerLimits,
     /// Milliseconds by which the server's clock is ahead of the connector's.

@@ -4,7 +4,7 @@ use asi_model::values::{DateTime, NodeId, StatusCode};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use crate::{InputKey, MessageSecurity, SecurityPolicy, SourceId};
+use crate::{InputKey, MessageSecurity, SecurityPolicy, ServerProfile, SourceId};
 
 /// Status of a source, with the evidence.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
@@ -37,6 +37,8 @@ pub struct SourceStatus {
     pub clock_ahead_ms: Option<i64>,
     /// Product behind the server, as it says.
     pub product: Option<ServerProduct>,
+    /// Family of the server, where it is one that is known.
+    pub family: Option<String>,
     pub endpoint: Option<ChosenEndpoint>,
     /// The server's limits as it declares them.
     pub limits: Option<ServerLimits>,
@@ -222,6 +224,14 @@ pub struct ServerProduct {
     pub product_name: String,
     pub manufacturer_name: String,
     pub software_version: String,
+}
+
+impl ServerProduct {
+    /// Returns the family of a server with this product, where it is one that is known.
+    pub(crate) fn family(&self, endpoint: &ChosenEndpoint) -> Option<String> {
+        let said = [&endpoint.application_uri, &self.product_uri, &self.product_name];
+        ServerProfile::recognised(said.map(String::as_str)).map(|profile| profile.family.clone())
+    }
 }
 
 /// A server's limits (OPC 10000-5 §6.3.2, §6.3.11); `None` where it declares none.

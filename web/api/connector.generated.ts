@@ -1583,6 +1583,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/server-profiles": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Lists the families of servers that are known: limits, what to expect, what to set at the machine.
+         * @description Least role: VIEWER.
+         */
+        get: operations["listServerProfiles"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/session": {
         parameters: {
             query?: never;
@@ -2222,6 +2242,13 @@ export interface components {
             fieldName: components["schemas"]["FieldName"];
             /** @description Value in plain JSON; 64-bit integers may be texts. */
             value: components["schemas"]["PlainValue"];
+        };
+        /** @description Intervals that fit a family, by judgement, in milliseconds. */
+        AdvisedIntervals: {
+            /** Format: int32 */
+            publishingIntervalMs: number;
+            /** Format: int32 */
+            samplingIntervalMs: number;
         };
         /**
          * @description Function over the values in a window.
@@ -3225,6 +3252,11 @@ export interface components {
             /** @enum {string} */
             kind: "UNREADABLE";
         };
+        /**
+         * @description Kinds of evidence, the strongest first.
+         * @enum {string}
+         */
+        EvidenceKind: "manual" | "source" | "issue" | "project" | "general";
         /**
          * @description An arithmetic expression over `value` and the inputs by name.
          *
@@ -4631,6 +4663,12 @@ export interface components {
             nextCursor?: string | null;
         };
         /** @description A page of a list. */
+        Page_ServerProfile: {
+            items: components["schemas"]["ServerProfile"][];
+            /** @description Cursor of the next page; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
         Page_Setting: {
             items: components["schemas"]["Setting"][];
             /** @description Cursor of the next page; none on the last. */
@@ -4965,6 +5003,30 @@ export interface components {
             message: string;
             /** @description JSON pointer (RFC 6901) into the document that was sent. */
             pointer: string;
+        };
+        /** @description A limit of a family, with its evidence. */
+        ProfileFigure: {
+            kind: components["schemas"]["EvidenceKind"];
+            limit: components["schemas"]["ProfileLimit"];
+            /** @description Document, thread or project that says so. */
+            source: string;
+            /** Format: int32 */
+            value: number;
+        };
+        /**
+         * @description Limits that a family may have.
+         * @enum {string}
+         */
+        ProfileLimit: "publishingIntervalMsMin" | "samplingIntervalMsMin" | "sessionsMax" | "subscriptionsPerSessionMax" | "queueSizeMax" | "nodesPerCallMax" | "nodesPerBrowseMax" | "keepAliveCountMax" | "lifetimeCountMax";
+        /** @description A sentence about a family in both languages, with its evidence. */
+        ProfileNote: {
+            /** @description The same in German. */
+            de: string;
+            /** @description The sentence in English. */
+            en: string;
+            kind: components["schemas"]["EvidenceKind"];
+            /** @description Document, thread or project that says so. */
+            source: string;
         };
         /** @description Commitment to the values of a DataSetMessage. */
         QueuedView: components["schemas"]["SequenceRange"] & {
@@ -5640,6 +5702,21 @@ export interface components {
             productUri: string;
             softwareVersion: string;
         };
+        /** @description Profile of a family of servers. */
+        ServerProfile: {
+            advised: components["schemas"]["AdvisedIntervals"];
+            /** @description Behaviour that is normal for the family. */
+            expected: components["schemas"]["ProfileNote"][];
+            /** @description Name of the family for programs, as `s7-1500`. */
+            family: string;
+            figures: components["schemas"]["ProfileFigure"][];
+            /** @description Name of the family for people. */
+            name: string;
+            /** @description Texts of which one occurs in what a server says of itself. */
+            recognisedBy: string[];
+            /** @description Steps that are taken at the machine. */
+            settings: components["schemas"]["ProfileNote"][];
+        };
         /** @description Session of a person. */
         Session: {
             /** @description Value of the header `x-csrf-token` that changes need. */
@@ -5848,6 +5925,8 @@ export interface components {
             /** @description Inputs of which single changes may not arrive, each with the reason; the first 1000. */
             coarse: components["schemas"]["CoarseInput"][];
             endpoint?: components["schemas"]["ChosenEndpoint"] | null;
+            /** @description Family of the server, where it is one that is known. */
+            family?: string | null;
             /**
              * @description Number of inputs with a known browse path. They are found again when the server changes its
              *     node ids.
@@ -6242,6 +6321,8 @@ export interface components {
              */
             clockAheadMs?: number | null;
             endpoint: components["schemas"]["ChosenEndpoint"];
+            /** @description Family of the server, where it is one that is known. */
+            family?: string | null;
             /** @description Findings that a person should know before relying on the server. */
             findings: components["schemas"]["ServerFinding"][];
             /** @description The server's limits as it declares them. */
@@ -9447,6 +9528,34 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Page_Versioned_Rule"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    listServerProfiles: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_ServerProfile"];
                 };
             };
             400: components["responses"]["BadRequest"];

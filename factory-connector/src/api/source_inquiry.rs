@@ -3,14 +3,15 @@
 use axum::{Json, extract::State};
 use daemon::web::{ApiJson, Problem};
 use serde::{Deserialize, Serialize};
-use shop_floor::{ServerOffer, SourceConfig, SourceProblem, TestedServer};
+use shop_floor::{ServerOffer, ServerProfile, SourceConfig, SourceProblem, TestedServer};
 use utoipa::ToSchema;
 
 use super::{
     context::Api,
     problems::{Problems, shop_floor},
-    roles::Engineer,
+    roles::{Engineer, Viewer},
     sources::with_kept_password,
+    view::Page,
 };
 
 /// Address to ask.
@@ -75,6 +76,17 @@ pub async fn test_source(
     let tested = api.shop_floor.test_source(&source).await.map_err(shop_floor)?;
     let (server, problem) = parts(tested);
     Ok(Json(SourceTest { server, problem }))
+}
+
+/// Lists the families of servers that are known: limits, what to expect, what to set at the machine.
+#[utoipa::path(
+    get,
+    path = "/server-profiles",
+    tag = "sources",
+    responses((status = 200, body = Page<ServerProfile>), Problems)
+)]
+pub async fn list_server_profiles(_: Viewer) -> Result<Json<Page<ServerProfile>>, Problem> {
+    Ok(Json(Page::whole(ServerProfile::all().to_vec())))
 }
 
 fn parts<T>(outcome: Result<T, SourceProblem>) -> (Option<T>, Option<SourceProblem>) {

@@ -104,6 +104,7 @@ const ROLES: &[(&str, Least)] = &[
     ("trustSourceCertificate", Engineer),
     ("discoverSource", Engineer),
     ("testSource", Engineer),
+    ("listServerProfiles", Viewer),
     ("showSourceClientCertificate", Viewer),
     ("prepareSourceClientCertificate", Engineer),
     ("discardSourceClientCertificate", Engineer),

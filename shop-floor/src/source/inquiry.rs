@@ -99,6 +99,7 @@ async fn try_out(
     let _ = tokio::time::timeout(CLOSE_TIMEOUT, opened.session.disconnect()).await;
     let properties = properties?;
     Ok(TestedServer {
+        family: properties.product.family(&opened.endpoint),
         endpoint: opened.endpoint.clone(),
         product: properties.product,
         limits: properties.limits,

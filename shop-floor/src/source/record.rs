@@ -289,6 +289,11 @@ impl SourceRecord {
             sessions: status.sessions,
             clock_ahead_ms: status.server.as_ref().and_then(|server| server.clock_ahead_ms),
             product: status.server.as_ref().map(|server| server.product.clone()),
+            family: status
+                .server
+                .as_ref()
+                .zip(status.endpoint.as_ref())
+                .and_then(|(server, endpoint)| server.product.family(endpoint)),
             endpoint: status.endpoint.clone(),
             limits: status.limits,
             granted: status.granted,

@@ -8,6 +8,7 @@ mod foreign;
 mod hostile;
 mod inquiry;
 mod monitor;
+mod profiles;
 mod recovery;
 mod security;
 mod support;

@@ -81,6 +81,7 @@ export type RuleView = Schemas['Versioned_Rule']
 export type SecurityChoice = Schemas['SecurityChoice']
 export type ServerFinding = Schemas['ServerFinding']
 export type ServerOffer = Schemas['ServerOffer']
+export type ServerProfile = Schemas['ServerProfile']
 export type Setting = Schemas['Setting']
 export type ShadowView = Schemas['ShadowView']
 /** Value with its status and source time. */

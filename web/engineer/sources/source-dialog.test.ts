@@ -4,7 +4,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { session } from '@/transport/session.svelte'
 import type { Resource } from '@/transport/resource.svelte'
 import { serve, type Asked } from '../../vitest.server'
-import type { ServerOffer, SourceConfig, SourceTest } from '../api/types'
+import type { ServerOffer, ServerProfile, SourceConfig, SourceTest } from '../api/types'
 import type { ShownCertificate } from './certificates.svelte'
 import SourceDialog from './SourceDialog.svelte'
 
@@ -84,10 +84,21 @@ const comesIn: SourceTest = {
       manufacturerName: 'Siemens AG',
       softwareVersion: '3.1',
     },
+    family: 's7-1500',
     limits: { nodesPerReadMax: 500 },
     clockAheadMs: -7_200_000,
     findings: [{ code: 'clockDiffers', aheadMs: -7_200_000 }],
   },
+}
+
+const profile: ServerProfile = {
+  family: 's7-1500',
+  name: 'Siemens S7-1500',
+  recognisedBy: [],
+  advised: { publishingIntervalMs: 1000, samplingIntervalMs: 1000 },
+  figures: [{ limit: 'sessionsMax', value: 32, kind: 'project', source: 'notes of a project' }],
+  expected: [{ en: 'In STOP it goes on.', de: 'In STOP …', kind: 'manual', source: 'TIA Portal' }],
+  settings: [],
 }
 
 const certificates = {
@@ -207,6 +218,7 @@ describe('the server of a new source', () => {
     const log = serve({
       'POST /source-test': () => outcomes.shift(),
       'PUT /source-certificates/ab12': () => ({}),
+      'GET /server-profiles': () => ({ items: [profile] }),
       'POST /sources': () => ({}),
     })
     render(SourceDialog, props)
@@ -228,6 +240,15 @@ describe('the server of a new source', () => {
       identity: { kind: 'userName', userName: 'connector', password: 's3cret' },
     })
     expect(bodies(log, '/sources'), 'a test saves nothing').toEqual([])
+
+    // What is known of such a server, and the intervals that fit it.
+    expect(screen.getByText('What to know of Siemens S7-1500')).toBeTruthy()
+    expect(screen.getByText(/In STOP it goes on/).textContent).toContain('manual: TIA Portal')
+    await userEvent.click(screen.getByRole('button', { name: 'Use the advised intervals' }))
+    expect(screen.getByLabelText(/^Publishing interval/)).toHaveProperty('value', '1000')
+    expect(screen.getByLabelText(/^Sampling interval/)).toHaveProperty('value', '1000')
+
+    expect(screen.getByText('The connector comes in.'), 'intervals are not tested').toBeTruthy()
 
     // What was tested is not what is typed any more.
     await userEvent.type(screen.getByLabelText('Password'), 'x')

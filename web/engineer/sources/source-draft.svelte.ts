@@ -1,6 +1,7 @@
 import { connector } from '../api/client'
 import type { SecurityChoice, ServerOffer, SourceConfig, SourceTest } from '../api/types'
 import { texts } from '../language/texts'
+import { keyOf, tried } from './security-choice'
 import { suggestedId } from './source-id'
 
 export type SignIn = 'anonymous' | 'userName' | 'certificate'
@@ -15,11 +16,6 @@ export interface Option {
 const ASKING_MS = 30_000
 /** The same of a test. */
 const TESTING_MS = 60_000
-
-/** The choice of security as one text, for the options of a selection. */
-export function keyOf(choice: SecurityChoice): string {
-  return choice.choice === 'exactly' ? `${choice.policy} ${choice.mode}` : choice.choice
-}
 
 /** What is typed about a source, and what its server answered. */
 export class SourceDraft {
@@ -72,9 +68,9 @@ export class SourceDraft {
     return this.#answer?.from === this.endpointUrl.trim() ? this.#answer.offer : undefined
   }
 
-  /** Outcome of the test of exactly what is typed now. */
+  /** Outcome of the test of the address, security and sign-in that are typed now. */
   outcome(taken: readonly string[]): SourceTest | undefined {
-    return this.#test?.of === JSON.stringify(this.config(taken)) ? this.#test.outcome : undefined
+    return this.#test?.of === tried(this.config(taken)) ? this.#test.outcome : undefined
   }
 
   /** Choices of security: those that the server offers once it was asked, the strongest first. */
@@ -183,7 +179,7 @@ export class SourceDraft {
   async test(taken: readonly string[]): Promise<void> {
     const body = this.config(taken)
     const outcome = await connector.post('/source-test', { body, timeoutMs: TESTING_MS })
-    this.#test = { of: JSON.stringify(body), outcome }
+    this.#test = { of: tried(body), outcome }
   }
 
   async save(taken: readonly string[]): Promise<void> {

@@ -32,6 +32,7 @@ pub async fn configure(answers: &mut Answers<'_>) {
     let unsaved =
         json!({ "sourceId": "New", "endpointUrl": endpoint, "security": { "choice": "none" } });
     answers.post("testSource", "/source-test", unsaved).await;
+    answers.without(&["items"]).get("listServerProfiles", "/server-profiles").await;
     let own = "/source-client-certificate";
     answers.get("showSourceClientCertificate", own).await;
     let next = format!("{own}/next");

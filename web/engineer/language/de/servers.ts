@@ -60,6 +60,33 @@ export const servers: typeof English = {
       clockBehind: (time: string) =>
         `Seine Uhr geht gegenüber unserer um ${time} nach. Zeiten von Werten sind die der Maschine und gehen so hinaus: Stellen Sie sie, am besten über NTP.`,
     },
+    family: 'Familie des Servers',
+    familyOf: (name: string) => `Wissenswertes über ${name}`,
+    familyHint: 'Nach öffentlichen Unterlagen; was der Server gewährt, geht vor.',
+    advised: (publishing: string, sampling: string) =>
+      `Empfohlen: Sendeintervall ${publishing} ms, Abtastintervall ${sampling} ms.`,
+    useAdvised: 'Die empfohlenen Intervalle übernehmen',
+    figures: 'Grenzen',
+    expected: 'Was zu erwarten ist',
+    settings: 'Was an der Maschine einzustellen ist',
+    evidence: {
+      manual: 'Handbuch',
+      source: 'Quelltext',
+      issue: 'Fehlerbericht',
+      project: 'öffentliches Projekt',
+      general: 'ungeprüft',
+    },
+    figure: {
+      publishingIntervalMsMin: 'kleinstes Sendeintervall (ms)',
+      samplingIntervalMsMin: 'kleinstes Abtastintervall (ms)',
+      sessionsMax: 'Sitzungen',
+      subscriptionsPerSessionMax: 'Subscriptions einer Sitzung',
+      queueSizeMax: 'Änderungen in der Warteschlange eines Elements',
+      nodesPerCallMax: 'Knoten oder Elemente je Anfrage',
+      nodesPerBrowseMax: 'Knoten je Durchsuchen',
+      keepAliveCountMax: 'Keep-Alive-Zähler',
+      lifetimeCountMax: 'Lebensdauer-Zähler',
+    },
     own: 'Zertifikat dieser Anbindung',
     ownHint:
       'Maschinen sehen es, wenn die Anbindung sich anmeldet. Wer sie verwaltet, muss ihm vertrauen, meist durch einen Import.',

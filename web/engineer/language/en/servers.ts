@@ -58,6 +58,33 @@ export const servers = {
       clockBehind: (time: string) =>
         `Its clock is ${time} behind ours. Times of values are the machine’s and leave as they are: set it, best by NTP.`,
     },
+    family: 'Family of the server',
+    familyOf: (name: string) => `What to know of ${name}`,
+    familyHint: 'By public documents; what the server grants goes before it.',
+    advised: (publishing: string, sampling: string) =>
+      `Advised: publishing interval ${publishing} ms, sampling interval ${sampling} ms.`,
+    useAdvised: 'Use the advised intervals',
+    figures: 'Limits',
+    expected: 'What to expect',
+    settings: 'What to set at the machine',
+    evidence: {
+      manual: 'manual',
+      source: 'source code',
+      issue: 'issue',
+      project: 'public project',
+      general: 'unchecked',
+    },
+    figure: {
+      publishingIntervalMsMin: 'least publishing interval (ms)',
+      samplingIntervalMsMin: 'least sampling interval (ms)',
+      sessionsMax: 'sessions',
+      subscriptionsPerSessionMax: 'subscriptions of a session',
+      queueSizeMax: 'changes in the queue of an item',
+      nodesPerCallMax: 'nodes or items in a request',
+      nodesPerBrowseMax: 'nodes in a browse request',
+      keepAliveCountMax: 'keep-alive count',
+      lifetimeCountMax: 'lifetime count',
+    },
     own: 'Certificate of this connector',
     ownHint:
       'Machines see it when the connector signs in. Their administrators must trust it, mostly by importing it.',
