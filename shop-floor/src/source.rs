@@ -104,6 +104,7 @@ fn backoff(attempts: u32, kind: SourceProblemKind, jitter: u8) -> Duration {
         | Kind::Refused => BACKOFF_MAX,
         Kind::EndpointsHidden
         | Kind::NoSuitableEndpoint
+        | Kind::SecurityOutdated
         | Kind::ServerCertificateUntrusted
         | Kind::ServerCertificateInvalid
         | Kind::ServerKeyTooShort

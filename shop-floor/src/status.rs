@@ -120,6 +120,8 @@ pub enum SourceProblemKind {
     EndpointsHidden,
     /// The server offers no endpoint that fits the choice of security or identity.
     NoSuitableEndpoint,
+    /// The server offers security policies that are outdated, and no others.
+    SecurityOutdated,
     /// The server's certificate is not trusted (yet).
     ServerCertificateUntrusted,
     /// The server's certificate is trusted but not valid: expired, wrong name or key.
@@ -162,6 +164,9 @@ impl SourceProblemKind {
             }
             Self::NoSuitableEndpoint => {
                 "Choose a security setting and a sign-in that the server offers."
+            }
+            Self::SecurityOutdated => {
+                "Switch on the security policy Basic256Sha256, signed and encrypted, in the server's settings."
             }
             Self::ServerCertificateUntrusted => {
                 "Compare the fingerprint with that of the server's own certificate and approve it in the list of certificates."

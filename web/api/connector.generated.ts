@@ -5903,7 +5903,7 @@ export interface components {
          * @description Kinds of problems with a source.
          * @enum {string}
          */
-        SourceProblemKind: "unreachable" | "hostNameUnknown" | "nothingListens" | "endpointsHidden" | "noSuitableEndpoint" | "serverCertificateUntrusted" | "serverCertificateInvalid" | "serverKeyTooShort" | "clientCertificateRejected" | "clientCertificateOutOfTime" | "credentialsRejected" | "serverFull" | "connectionLost" | "stalled" | "refused" | "configuration";
+        SourceProblemKind: "unreachable" | "hostNameUnknown" | "nothingListens" | "endpointsHidden" | "noSuitableEndpoint" | "securityOutdated" | "serverCertificateUntrusted" | "serverCertificateInvalid" | "serverKeyTooShort" | "clientCertificateRejected" | "clientCertificateOutOfTime" | "credentialsRejected" | "serverFull" | "connectionLost" | "stalled" | "refused" | "configuration";
         /**
          * @description Progress of a session towards live values.
          * @enum {string}

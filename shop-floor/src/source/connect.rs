@@ -352,3 +352,6 @@ async fn identity_token(identity: Identity) -> Result<IdentityToken, SourceProbl
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -92,7 +92,7 @@ pub(super) async fn read(session: &Session) -> Result<ServerProperties, SourcePr
     };
     let text = |index: usize| {
         let text = values.get(index).and_then(Variant::as_str).unwrap_or_default();
-        text.chars().filter(|letter| !letter.is_control()).take(TEXT_CHARS_MAX).collect()
+        text.chars().filter(|letter| !letter.is_control()).take(TEXT_CHARS_MAX).collect::<String>()
     };
     let product = ServerProduct {
         product_uri: text(11),

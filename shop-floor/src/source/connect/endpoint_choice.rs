@@ -16,7 +16,7 @@ pub(super) fn choose<'a>(
     choice: SecurityChoice,
     identity: &Identity,
 ) -> Result<&'a EndpointDescription, SourceProblem> {
-    let unsuitable = |message: String| Err(SourceProblem::new(Kind::NoSuitableEndpoint, message));
+    let unsuitable = |kind: Kind, message: String| Err(SourceProblem::new(kind, message));
     let fits = |endpoint: &&EndpointDescription| {
         let Some(policy) = policy_of(endpoint) else { return false };
         let mode = mode_of(endpoint.security_mode);
@@ -35,15 +35,19 @@ pub(super) fn choose<'a>(
     let secure_enough: Vec<_> = offered.iter().filter(fits).collect();
     if secure_enough.is_empty() {
         let names: Vec<_> = offered.iter().map(offer_name).collect();
+        // Where nothing can be chosen instead, the server has to change.
+        let is_outdated = !offered.is_empty() && offered.iter().all(|one| policy_of(one).is_none());
+        let kind = if is_outdated { Kind::SecurityOutdated } else { Kind::NoSuitableEndpoint };
         let hint = match choice {
+            _ if is_outdated => "only security policies that are outdated",
             SecurityChoice::Strongest => {
-                "no endpoint with encryption that is not outdated; switch one on at the server, or choose one of these \
-                 that is not outdated to accept that"
+                "no endpoint with encryption that is not outdated; choose one of these to accept that"
             }
             SecurityChoice::None => "no unprotected endpoint",
             SecurityChoice::Exactly { .. } => "no endpoint with the wanted policy and mode",
         };
-        return unsuitable(format!("The server offers {hint}. It offers: {}.", names.join(", ")));
+        let names = names.join(", ");
+        return unsuitable(kind, format!("The server offers {hint}. It offers: {names}."));
     }
     let token = match identity {
         Identity::Anonymous => UserTokenType::Anonymous,
@@ -58,7 +62,10 @@ pub(super) fn choose<'a>(
         });
     match strongest {
         Some(endpoint) => Ok(endpoint),
-        None => unsuitable(format!("The server does not accept sign-in by {token:?} there.")),
+        None => {
+            let message = format!("The server does not accept sign-in by {token:?} there.");
+            unsuitable(Kind::NoSuitableEndpoint, message)
+        }
     }
 }
 
@@ -169,6 +176,20 @@ mod tests {
         check(&offered[..2], SecurityChoice::Strongest, &user, Option::None);
         check(&offered[..3], SecurityChoice::Strongest, &user, Option::None);
         check(&offered[4..], SecurityChoice::Strongest, &user, Option::None);
+    }
+
+    #[test]
+    fn a_server_whose_security_is_outdated_throughout_has_to_change() {
+        use MessageSecurityMode::{None, SignAndEncrypt};
+        let tokens = [UserTokenType::Anonymous];
+        let outdated = endpoint("Basic128Rsa15", SignAndEncrypt, &tokens);
+        let offered = [outdated, endpoint("None", None, &tokens)];
+        let kind = |offered: &[EndpointDescription]| {
+            let chosen = choose(offered, SecurityChoice::Strongest, &Identity::Anonymous);
+            chosen.expect_err("nothing fits").kind
+        };
+        assert_eq!(kind(&offered[..1]), Kind::SecurityOutdated);
+        assert_eq!(kind(&offered), Kind::NoSuitableEndpoint, "another choice is left");
     }
 
     #[test]

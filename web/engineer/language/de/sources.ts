@@ -113,6 +113,11 @@ export const sources: typeof English = {
         what: 'Der Server bietet diese Sicherheit oder Anmeldung nicht',
         remedy: 'Wählen Sie eine Sicherheit und eine Anmeldung, die der Server anbietet.',
       },
+      securityOutdated: {
+        what: 'Der Server bietet nur veraltete Sicherheit',
+        remedy:
+          'Schalten Sie in den Sicherheitseinstellungen des Servers die Richtlinie Basic256Sha256, signiert und verschlüsselt, ein.',
+      },
       serverCertificateUntrusted: {
         what: 'Dem Zertifikat des Servers wird noch nicht vertraut',
         remedy:

@@ -109,6 +109,11 @@ export const sources = {
         what: 'The server offers no such security or sign-in',
         remedy: 'Choose a security setting and a sign-in that the server offers.',
       },
+      securityOutdated: {
+        what: 'The server offers outdated security only',
+        remedy:
+          'Switch on the policy Basic256Sha256, signed and encrypted, in the security settings of the server.',
+      },
       serverCertificateUntrusted: {
         what: 'The server’s certificate is not trusted yet',
         remedy:
