@@ -28,7 +28,10 @@ pub async fn configure(answers: &mut Answers<'_>) {
     let endpoint = plant.machines.machine("Mill1").expect("a machine").endpoint_url().to_owned();
     let source = json!({ "sourceId": "Secured", "endpointUrl": endpoint });
     let address = json!({ "endpointUrl": endpoint });
-    answers.without(&["certificates", "findings"]).post("discoverSource", "/source-discovery", address).await;
+    answers
+        .without(&["certificates", "findings"])
+        .post("discoverSource", "/source-discovery", address)
+        .await;
     let unsaved =
         json!({ "sourceId": "New", "endpointUrl": endpoint, "security": { "choice": "none" } });
     answers.post("testSource", "/source-test", unsaved).await;
