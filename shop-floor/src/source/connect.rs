@@ -268,6 +268,20 @@ async fn endpoints(
     client: &Client,
     endpoint_url: &str,
 ) -> Result<Vec<EndpointDescription>, SourceProblem> {
+    match listed(client, endpoint_url).await {
+        // Some servers, as Ignition, answer without protection at this path alone.
+        Err(problem) if problem.kind == Kind::EndpointsHidden => {
+            let url = format!("{}/discovery", endpoint_url.trim_end_matches('/'));
+            listed(client, &url).await.map_err(|_| problem)
+        }
+        answer => answer,
+    }
+}
+
+async fn listed(
+    client: &Client,
+    endpoint_url: &str,
+) -> Result<Vec<EndpointDescription>, SourceProblem> {
     let offered =
         tokio::time::timeout(DISCOVERY_TIMEOUT, client.get_server_endpoints_from_url(endpoint_url))
             .await;

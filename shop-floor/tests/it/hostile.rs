@@ -38,12 +38,12 @@ async fn server(greeting: Vec<u8>) -> (String, oneshot::Receiver<usize>) {
     (format!("opc.tcp://{address}"), receiver)
 }
 
-fn header(kind: &[u8; 4], size: u32) -> Vec<u8> {
+pub fn header(kind: &[u8; 4], size: u32) -> Vec<u8> {
     [kind.as_slice(), &size.to_le_bytes()].concat()
 }
 
 /// An acknowledgement of the greeting with the usual sizes.
-fn acknowledgement() -> Vec<u8> {
+pub fn acknowledgement() -> Vec<u8> {
     let mut bytes = header(b"ACKF", 28);
     for number in [0, 65_535, 65_535, 0, 0_u32] {
         bytes.extend(number.to_le_bytes());

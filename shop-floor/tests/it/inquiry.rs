@@ -5,8 +5,18 @@ use shop_floor::{
     SourceConfig, SourceId, SourceProblem, SourceProblemKind as Kind, TestedServer, TrustState,
 };
 use simulator::{MachineConfig, MachineHandle, MachineKind, SecurityConfig, UserConfig};
+use tokio::{
+    io::{AsyncReadExt as _, AsyncWriteExt as _},
+    net::{TcpListener, TcpStream},
+};
 
-use crate::support::{Simulation, TestShopFloor, unprotected};
+use crate::{
+    hostile::{acknowledgement, header},
+    support::{Simulation, TestShopFloor, unprotected},
+};
+
+/// Status with which a server refuses a channel of this security (OPC 10000-4 §7.39.2).
+const BAD_SECURITY_POLICY_REJECTED: u32 = 0x8055_0000;
 
 /// A press that wants a user, at two protected endpoints and an unprotected one.
 async fn press() -> (Simulation, MachineHandle, TestShopFloor) {
@@ -128,4 +138,47 @@ async fn a_test_gives_its_place_back() {
     for _ in 0..10 {
         test(&floor, &unprotected(&cell)).await.expect("there is room again");
     }
+}
+
+/// An address at which a machine shows its endpoints without protection at the path `/discovery` alone.
+async fn hidden(machine: &MachineHandle) -> String {
+    let target = machine.endpoint_url().trim_start_matches("opc.tcp://").to_owned();
+    let target = target.split('/').next().unwrap_or_default().to_owned();
+    let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
+    let address = listener.local_addr().expect("bound");
+    tokio::spawn(async move {
+        while let Ok((mut client, _)) = listener.accept().await {
+            let mut greeting = [0; 4096];
+            let length = client.read(&mut greeting).await.expect("a greeting");
+            if let Some(plain) = greeting[..length].strip_suffix(b"/discovery") {
+                let mut plain = plain.to_vec();
+                let size = u32::try_from(plain.len()).expect("short");
+                // The sizes of the message and of the address, its last member (OPC 10000-6 §7.1.2.3).
+                plain[4..8].copy_from_slice(&size.to_le_bytes());
+                plain[28..32].copy_from_slice(&(size - 32).to_le_bytes());
+                let mut server = TcpStream::connect(&target).await.expect("the machine listens");
+                server.write_all(&plain).await.expect("the machine reads");
+                tokio::io::copy_bidirectional(&mut client, &mut server).await.ok();
+                continue;
+            }
+            client.write_all(&acknowledgement()).await.expect("the client listens");
+            let mut request = [0; 4096];
+            let _ = client.read(&mut request).await.expect("a channel is asked for");
+            let mut refusal = header(b"ERRF", 16);
+            refusal.extend(BAD_SECURITY_POLICY_REJECTED.to_le_bytes());
+            refusal.extend((-1_i32).to_le_bytes());
+            client.write_all(&refusal).await.expect("the client listens");
+        }
+    });
+    format!("opc.tcp://{address}")
+}
+
+#[tokio::test]
+async fn endpoints_that_are_shown_at_the_path_of_discovery_alone_are_found() {
+    let simulation = Simulation::milling_cell().await;
+    let floor = TestShopFloor::start();
+    let url = hidden(&simulation.machine("Cell")).await;
+    let offer = discover(&floor, &url).await.expect("it is asked there, too");
+    assert_eq!(offer.endpoints[0].choice, Some(SecurityChoice::None));
+    assert!(offer.endpoints[0].used_url.starts_with(&url), "{:?}", offer.endpoints[0].used_url);
 }
