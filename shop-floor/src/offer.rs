@@ -137,6 +137,9 @@ pub struct TestedServer {
     pub family: Option<String>,
     /// The server's limits as it declares them.
     pub limits: ServerLimits,
+    /// Publishing interval that the server grants where that of the source is requested, in milliseconds; absent where it
+    /// refuses a subscription.
+    pub publishing_interval_ms: Option<u64>,
     /// Milliseconds by which the server's clock is ahead of the connector's.
     pub clock_ahead_ms: Option<i64>,
     /// Findings that a person should know before relying on the server.

@@ -6328,6 +6328,12 @@ export interface components {
             /** @description The server's limits as it declares them. */
             limits: components["schemas"]["ServerLimits"];
             product: components["schemas"]["ServerProduct"];
+            /**
+             * Format: int64
+             * @description Publishing interval that the server grants where that of the source is requested, in milliseconds; absent where it
+             *     refuses a subscription.
+             */
+            publishingIntervalMs?: number | null;
         };
         /** @description Comparison of a number with a limit, with hysteresis. */
         Threshold: {

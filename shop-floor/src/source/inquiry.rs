@@ -8,6 +8,7 @@ mod findings;
 use std::time::Duration;
 
 use opcua_stack::opcua::{
+    client::{Session, UARequest as _, services::CreateSubscription},
     crypto::X509,
     types::{EndpointDescription, UserTokenType},
 };
@@ -18,6 +19,7 @@ use super::{
         self,
         endpoint_choice::{allows, mode_of, offer_name, policy_of, reachable_url, text},
     },
+    connection::RESPONSE_TIMEOUT,
     server_info,
 };
 use crate::{
@@ -95,6 +97,7 @@ async fn try_out(
 ) -> Result<TestedServer, SourceProblem> {
     let opened = connect::open_session(context, source).await?;
     let properties = server_info::read(&opened.session).await;
+    let publishing_interval_ms = granted_interval_ms(&opened.session, source).await;
     // Small servers have few places, and keep one that is not given back for half a minute.
     let _ = tokio::time::timeout(CLOSE_TIMEOUT, opened.session.disconnect()).await;
     let properties = properties?;
@@ -103,9 +106,19 @@ async fn try_out(
         endpoint: opened.endpoint.clone(),
         product: properties.product,
         limits: properties.limits,
+        publishing_interval_ms,
         clock_ahead_ms: properties.clock_ahead_ms,
         findings: properties.clock_ahead_ms.and_then(clock_finding).into_iter().collect(),
     })
+}
+
+/// Returns the publishing interval that the server grants, by a subscription that ends with the session.
+async fn granted_interval_ms(session: &Session, source: &SourceConfig) -> Option<u64> {
+    let request =
+        CreateSubscription::new(session).publishing_interval(source.publishing_interval());
+    let granted = tokio::time::timeout(RESPONSE_TIMEOUT, request.send(session.channel())).await;
+    let interval = granted.ok()?.ok()?.revised_publishing_interval;
+    Some(interval.round().max(0.0) as u64)
 }
 
 /// Returns the findings on the hosts by which a server calls itself.

@@ -131,12 +131,13 @@ async fn an_address_that_is_wrong_is_said_as_such() {
 #[tokio::test]
 async fn a_test_gives_its_place_back() {
     let mut config = MachineConfig::new("Cell", MachineKind::MillingCell);
-    config.sessions_max = 3;
+    (config.sessions_max, config.publishing_interval_ms_min) = (3, 500);
     let simulation = Simulation::of(vec![config]).await;
     let cell = simulation.machine("Cell");
     let floor = TestShopFloor::start();
     for _ in 0..10 {
-        test(&floor, &unprotected(&cell)).await.expect("there is room again");
+        let tested = test(&floor, &unprotected(&cell)).await.expect("there is room again");
+        assert_eq!(tested.publishing_interval_ms, Some(500), "what it grants, not what is asked");
     }
 }
 

@@ -86,6 +86,7 @@ const comesIn: SourceTest = {
     },
     family: 's7-1500',
     limits: { nodesPerReadMax: 500 },
+    publishingIntervalMs: 500,
     clockAheadMs: -7_200_000,
     findings: [{ code: 'clockDiffers', aheadMs: -7_200_000 }],
   },
@@ -234,6 +235,7 @@ describe('the server of a new source', () => {
     const said = status?.textContent.replace(/\s+/g, ' ')
     expect(said).toContain('Siemens AG · SIMATIC S7-1500 · 3.1')
     expect(said).toContain('500 nodes per read')
+    expect(said).toContain('The server grants changes every 500 ms')
     expect(said).toContain('Its clock is 2 h behind ours.')
     expect(bodies(log, '/source-test')[0]).toMatchObject({
       endpointUrl: ADDRESS,

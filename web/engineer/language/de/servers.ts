@@ -33,6 +33,7 @@ export const servers: typeof English = {
       subscriptionsPerSessionMax: 'Subscriptions je Sitzung',
       browseContinuationPointsMax: 'Fortsetzungspunkte',
     } as Record<string, string>,
+    publishes: (ms: string) => `Änderungen alle ${ms} ms`,
     clockRight: 'Seine Uhr stimmt mit unserer überein.',
     findings: {
       hostNameUnknown: (host: string, used: string) =>

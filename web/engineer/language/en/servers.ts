@@ -31,6 +31,7 @@ export const servers = {
       subscriptionsPerSessionMax: 'subscriptions per session',
       browseContinuationPointsMax: 'continuation points',
     } as Record<string, string>,
+    publishes: (ms: string) => `changes every ${ms} ms`,
     clockRight: 'Its clock agrees with ours.',
     findings: {
       hostNameUnknown: (host: string, used: string) =>
