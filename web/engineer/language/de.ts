@@ -4,6 +4,7 @@ import { ledger } from './de/ledger'
 import { mapping } from './de/mapping'
 import { operator } from './de/operator'
 import { overview } from './de/overview'
+import { servers } from './de/servers'
 import { settings } from './de/settings'
 import { sources } from './de/sources'
 import type { Texts } from './en'
@@ -15,6 +16,7 @@ export const de: Texts = {
   ...disclosure,
   ...ledger,
   ...sources,
+  ...servers,
   ...operator,
   ...settings,
 }

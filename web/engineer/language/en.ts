@@ -4,6 +4,7 @@ import { ledger } from './en/ledger'
 import { mapping } from './en/mapping'
 import { operator } from './en/operator'
 import { overview } from './en/overview'
+import { servers } from './en/servers'
 import { settings } from './en/settings'
 import { sources } from './en/sources'
 
@@ -14,6 +15,7 @@ export const en = {
   ...disclosure,
   ...ledger,
   ...sources,
+  ...servers,
   ...operator,
   ...settings,
 }
