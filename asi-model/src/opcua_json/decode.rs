@@ -118,7 +118,19 @@ impl<'d> Decoder<'d> {
         if shape.is_data_value_105() || shape.is_data_value() {
             return self.data_value_of(node, &shape, hint).map(DecodedValue::DataValue);
         }
+        let node = self.without_envelope(node, &shape)?;
         self.bare_or_guess(node, hint).map(DecodedValue::Bare)
+    }
+
+    /// The body of a variant that does not name its type, else the node itself.
+    fn without_envelope<'t, 'a>(
+        &mut self,
+        node: JsonNode<'t, 'a>,
+        shape: &Shape<'t, 'a>,
+    ) -> Result<JsonNode<'t, 'a>, Mismatch<'t, 'a>> {
+        let Some(body) = shape.untyped_body() else { return Ok(node) };
+        self.diagnostics.tolerate(node, "a Variant must name its Type beside its Body")?;
+        Ok(body)
     }
 
     /// A described structure may have fields of its own that are called as an envelope's members;
@@ -191,7 +203,7 @@ impl<'d> Decoder<'d> {
     /// The `Value` of a data value that does not name its type beside it: a 1.04 variant, or bare.
     fn inner_value<'t, 'a>(
         &mut self,
-        inner: JsonNode<'t, 'a>,
+        mut inner: JsonNode<'t, 'a>,
         outer: &Shape<'t, 'a>,
         hint: Option<TypeHint<'_>>,
     ) -> Result<Variant, Mismatch<'t, 'a>> {
@@ -200,6 +212,7 @@ impl<'d> Decoder<'d> {
             if shape.is_variant_104() || shape.is_variant_105() {
                 return self.typed(inner, &shape);
             }
+            inner = self.without_envelope(inner, &shape)?;
         }
         let bare = self.bare_or_guess(inner, hint)?;
         match (bare, outer.dimensions) {
