@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::{
     decode_names::NamespaceTable,
     decode_scalar::{
-        boolean, bytes, date_time, default_scalar, diagnostic_info, float, foreign_status, guid,
-        integer, integer_64, localized_text, named_status, named_value, status_code, text,
+        boolean, bytes, default_scalar, diagnostic_info, float, foreign_status, guid, integer,
+        integer_64, localized_text, named_status, named_value, noted_time, status_code, text,
     },
     decoded_value::DecodedValue,
     diagnostics::{Diagnostics, Leniency},
@@ -16,7 +16,7 @@ use super::{
 use crate::{
     json::{JsonNode, Kind},
     values::{
-        BuiltInType, DataValue, NodeId, STRUCTURE, Scalar, StatusCode, StructureField,
+        BuiltInType, DataValue, DateTime, NodeId, STRUCTURE, Scalar, StatusCode, StructureField,
         StructureType, Variant,
     },
 };
@@ -193,9 +193,9 @@ impl<'d> Decoder<'d> {
                 (None, Some(status)) => foreign_status(status, &mut self.diagnostics)?,
                 (None, None) => StatusCode::GOOD,
             },
-            source_timestamp: shape.source_timestamp.map(date_time).transpose()?,
+            source_timestamp: self.time(shape.source_timestamp)?,
             source_picoseconds: self.picoseconds(shape.source_picoseconds)?,
-            server_timestamp: shape.server_timestamp.map(date_time).transpose()?,
+            server_timestamp: self.time(shape.server_timestamp)?,
             server_picoseconds: self.picoseconds(shape.server_picoseconds)?,
         })
     }
@@ -222,6 +222,13 @@ impl<'d> Decoder<'d> {
             }
             (bare, _) => Ok(bare),
         }
+    }
+
+    fn time<'t, 'a>(
+        &mut self,
+        node: Option<JsonNode<'t, 'a>>,
+    ) -> Result<Option<DateTime>, Mismatch<'t, 'a>> {
+        node.map(|node| noted_time(node, &mut self.diagnostics)).transpose()
     }
 
     fn picoseconds<'t, 'a>(&self, node: Option<JsonNode<'t, 'a>>) -> Result<u16, Mismatch<'t, 'a>> {
@@ -311,7 +318,7 @@ impl<'d> Decoder<'d> {
             )?),
             T::String => Scalar::String(Some(text(node)?.into())),
             T::XmlElement => Scalar::XmlElement(Some(text(node)?.into())),
-            T::DateTime => Scalar::DateTime(date_time(node)?),
+            T::DateTime => Scalar::DateTime(noted_time(node, &mut self.diagnostics)?),
             T::Guid => Scalar::Guid(guid(node)?),
             T::ByteString => Scalar::ByteString(Some(bytes(node)?)),
             T::NodeId => Scalar::NodeId(Box::new(self.namespaces.node_id(node)?)),
