@@ -1,5 +1,9 @@
 import type { Words } from './en'
 
+import { networksCodes } from './codes/de/networks'
+import { plantCodes } from './codes/de/plant'
+import { problemsCodes } from './codes/de/problems'
+
 export const de: Words = {
   product: { name: 'Verbund', licences: 'Lizenzen', thirdParty: 'Was andere geschrieben haben' },
   session: {
@@ -119,6 +123,8 @@ export const de: Words = {
     explainInterrupted:
       'Sie sehen den zuletzt bekannten Stand. Er wird von selbst nachgeholt, sobald die Verbindung wieder steht.',
   },
+  /** Texts of the codes of both servers. */
+  code: { ...problemsCodes, ...networksCodes, ...plantCodes },
   resource: {
     loading: 'Wird geladen …',
     retry: 'Erneut versuchen',
@@ -128,6 +134,7 @@ export const de: Words = {
       'Die Seite versucht es von selbst weiter. Prüfen Sie das Netzwerkkabel oder fragen Sie den Betreiber dieses Servers.',
     failed: 'Die Anfrage ist fehlgeschlagen',
     details: 'Einzelheiten',
+    exactly: 'Wortlaut des Servers (Englisch)',
   },
   age: {
     now: 'gerade eben',

@@ -1,5 +1,6 @@
 import { decision } from './de/decision'
 import { disclosure } from './de/disclosure'
+import { faults } from './de/faults'
 import { ledger } from './de/ledger'
 import { mapping } from './de/mapping'
 import { operator } from './de/operator'
@@ -13,6 +14,7 @@ export const de: Texts = {
   ...decision,
   ...mapping,
   ...disclosure,
+  ...faults,
   ...ledger,
   ...sources,
   ...operator,

@@ -1,7 +1,7 @@
 //! Turns to read: a store has few readers, so that the pages of one person or one organisation hold some of them, and
 //! the others are there for everybody else.
 
-use std::{collections::HashMap, sync::Arc, time::Duration};
+use std::{collections::HashMap, num::NonZeroU64, sync::Arc, time::Duration};
 
 use axum::http::StatusCode;
 use parking_lot::Mutex;
@@ -143,7 +143,7 @@ fn refused() -> Problem {
          time, and the others wait; too many of yours do."
     );
     Problem {
-        retry_after_seconds: Some(RETRY_AFTER.as_secs()),
+        retry_after_seconds: NonZeroU64::new(RETRY_AFTER.as_secs()),
         ..Problem::new(StatusCode::TOO_MANY_REQUESTS, "TOO_MANY_READS", detail)
     }
 }

@@ -8,6 +8,7 @@ export const ledger: typeof English = {
     verifying: 'Wird geprüft …',
     valid: (entries: string) =>
       `Unversehrt: ${entries} Einträge geprüft, nichts wurde geändert, gelöscht oder verschoben.`,
+    differs: 'das ist nicht so, wie es geschrieben wurde.',
     invalid: 'Das Ausgangsbuch wurde verändert.',
     empty: 'Noch ist nichts hinausgegangen',
     emptyText: 'Der erste Wert, der diese Fabrik verlässt, wird der erste Eintrag.',

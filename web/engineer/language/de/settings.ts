@@ -17,6 +17,7 @@ export const settings: typeof English = {
       purpose: { mappings: 'Skripte von Zuordnungen', dryRuns: 'Skripte, die erprobt werden' },
       filtered: 'Systemaufrufe werden gefiltert.',
       unfiltered: 'Systemaufrufe werden NICHT gefiltert; eine Einstellung erlaubt das.',
+      refused: 'Er läuft nicht: Der Rechner gibt ihm keine Wände, oder keine, die genügen.',
       landlock: {
         none: 'Der Kern hat kein Landlock.',
         partial: 'Landlock verwehrt Dateien und Netz, zum Teil.',

@@ -6,6 +6,7 @@ export const ledger = {
     verifying: 'Verifying …',
     valid: (entries: string) =>
       `Intact: ${entries} entries verified, nothing was changed, deleted or moved.`,
+    differs: 'this is not as it was written.',
     invalid: 'The ledger has been tampered with.',
     empty: 'Nothing has left yet',
     emptyText: 'The first value that leaves this factory will be the first entry.',

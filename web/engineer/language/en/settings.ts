@@ -15,6 +15,7 @@ export const settings = {
       purpose: { mappings: 'Scripts of mappings', dryRuns: 'Scripts that are tried' },
       filtered: 'System calls are filtered.',
       unfiltered: 'System calls are NOT filtered; a setting allows that.',
+      refused: 'It does not run: the machine gives it no walls, or none that suffice.',
       landlock: {
         none: 'The kernel has no Landlock.',
         partial: 'Landlock denies files and network, in part.',
