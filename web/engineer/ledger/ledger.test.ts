@@ -253,7 +253,7 @@ describe('the ledger', () => {
     ).toEqual([
       ['JSON lines', 'jsonl'],
       ['CSV', 'csv'],
-      ['To print', 'html'],
+      ['Page to print (HTML)', 'html'],
     ])
     expect(links[0]?.getAttribute('href')).toContain('recipient=acme')
   })

@@ -4,15 +4,15 @@ import type { Texts } from './en'
 export const de: Texts = {
   shell: {
     subtitle: 'Plattform für Zusammenarbeit',
-    networks: 'Netzwerke',
+    networks: 'Vorgangsnetze',
     factories: 'Fabriken',
-    live: 'Live-Strom',
+    live: 'Live-Ansicht',
     settings: 'Einstellungen',
   },
   networks: {
     title: 'Vorgangsnetze',
     subtitle: 'Gemeinsame Herstellung und ihr Fortschritt',
-    add: 'Netz hinzufügen',
+    add: 'Vorgangsnetz hinzufügen',
     empty: 'Noch kein Netz',
     emptyText:
       'Ein Vorgangsnetz sagt, wer was in welcher Reihenfolge tut. Fügen Sie eines hinzu, und jede Fabrik erhält ihren Teil.',
@@ -130,8 +130,8 @@ export const de: Texts = {
     lastHeard: 'Letzter Kontakt',
     enrolled: 'Aufgenommen',
     notEnrolled: 'Noch nicht aufgenommen',
-    heard: 'Berichtet',
-    silent: 'Still',
+    heard: 'Meldet sich',
+    silent: 'Meldet sich nicht',
     never: 'Noch kein Kontakt',
     enrol: 'Aufnahmeschlüssel erstellen',
     tokenTitle: 'Aufnahmeschlüssel',
@@ -150,8 +150,8 @@ export const de: Texts = {
     writersHint:
       'Jeder Bericht ist nummeriert. Die Tabelle zeigt, welche angekommen, verloren oder wiederholt sind.',
     noWriters: 'Noch ist kein Bericht angekommen.',
-    writer: 'Schreiber',
-    epoch: 'Epoche',
+    writer: 'Datensatz',
+    epoch: 'Zählung',
     through: 'Vollständig bis',
     missing: 'Es fehlen',
     gaps: 'Angekündigte Lücken',
@@ -302,13 +302,13 @@ export const de: Texts = {
     },
   },
   live: {
-    title: 'Live-Strom',
+    title: 'Live-Ansicht',
     subtitle: 'Alles, was ankommt, sobald es ankommt',
     waiting: 'Seit diese Seite offen ist, kam nichts an.',
     waitingText:
       'Werte, Entscheidungen und Antworten erscheinen hier, sobald die Plattform sie gespeichert hat.',
     pause: 'Anhalten',
-    resume: 'Weiter',
+    resume: 'Fortsetzen',
     kind: {
       value: 'Wert',
       decision: 'Entscheidung',
@@ -330,7 +330,7 @@ export const de: Texts = {
     role: 'Rolle',
     platform: 'Plattform',
     version: 'Version',
-    started: 'Läuft seit',
+    started: 'Gestartet',
     plaintext: 'Wege ohne TLS',
     noPlaintext: 'Keine.',
     withoutTls: (key: string, address: string) =>

@@ -3,7 +3,7 @@ import type { AccessRetentionEntry } from '../api/types'
 export const en = {
   shell: {
     subtitle: 'Collaboration platform',
-    networks: 'Networks',
+    networks: 'Operation networks',
     factories: 'Factories',
     live: 'Live feed',
     settings: 'Settings',
@@ -11,7 +11,7 @@ export const en = {
   networks: {
     title: 'Operation networks',
     subtitle: 'Joint production and its progress',
-    add: 'Add a network',
+    add: 'Add an operation network',
     empty: 'No network yet',
     emptyText:
       'An operation network names who does what, in which order. Add one, and each factory receives its part.',
@@ -148,8 +148,8 @@ export const en = {
     writersHint:
       'Every report is numbered. This table shows which arrived, are missing or were repeated.',
     noWriters: 'No report has arrived yet.',
-    writer: 'Writer',
-    epoch: 'Epoch',
+    writer: 'Data set',
+    epoch: 'Count',
     through: 'Complete through',
     missing: 'Missing',
     gaps: 'Announced gaps',
@@ -304,7 +304,7 @@ export const en = {
     waitingText:
       'Values, decisions and answers appear here the moment the platform has stored them.',
     pause: 'Pause',
-    resume: 'Go on',
+    resume: 'Resume',
     kind: {
       value: 'Value',
       decision: 'Decision',
@@ -326,7 +326,7 @@ export const en = {
     role: 'Role',
     platform: 'Platform',
     version: 'Version',
-    started: 'Running since',
+    started: 'Started',
     plaintext: 'Ways without TLS',
     noPlaintext: 'None.',
     withoutTls: (key: string, address: string) =>

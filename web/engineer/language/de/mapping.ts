@@ -198,11 +198,11 @@ export const mapping: typeof English = {
   mappings: {
     title: 'Zuordnungen',
     subtitle: 'Alle Zuordnungen als Tabelle oder Datei, und Vorlagen für gleichartige Maschinen',
-    export: 'Ausgeben',
+    export: 'Exportieren',
     exportHint: 'Zum Lesen, Archivieren oder Bearbeiten mit anderen Werkzeugen.',
     asTable: 'Als Tabelle (CSV)',
     asFile: 'Als Datei (JSON)',
-    import: 'Einlesen',
+    import: 'Importieren',
     importHint:
       'Die Datei wird zuerst geprüft. Einwilligungen bleiben, wie sie sind: Zuordnungen offener Felder werden Vorschläge.',
     file: 'Tabelle oder Datei',

@@ -23,7 +23,7 @@ export const ledger = {
     until: 'Until',
     anyTime: 'Any time',
     export: 'Export',
-    formats: { jsonl: 'JSON lines', csv: 'CSV', html: 'To print' },
+    formats: { jsonl: 'JSON lines', csv: 'CSV', html: 'Page to print (HTML)' },
     none: 'No match',
     noneText: 'No entry of this chain matches.',
     anyKind: 'Any',

@@ -168,7 +168,7 @@ export const settings = {
     connector: 'Connector',
     factory: 'Factory',
     version: 'Version',
-    started: 'Running since',
+    started: 'Started',
     twin: 'OPC UA address of the twin',
     configuration:
       'The connector itself is set up in its configuration file; this page shows what it runs with.',
