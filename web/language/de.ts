@@ -230,7 +230,7 @@ export const de: Words = {
       SEVERITY: 'von Statuscodes nur gut, unsicher oder schlecht',
     } as Record<string, string>,
   },
-  value: { none: 'kein Wert', yes: 'wahr', no: 'falsch', noData: 'Noch keine Daten' },
+  value: { now: 'Jetzt', none: 'kein Wert', yes: 'wahr', no: 'falsch', noData: 'Noch keine Daten' },
   action: {
     close: 'Schließen',
     cancel: 'Abbrechen',

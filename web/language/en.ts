@@ -233,7 +233,7 @@ export const en = {
       SEVERITY: 'of status codes only good, uncertain or bad',
     } as Record<string, string>,
   },
-  value: { none: 'no value', yes: 'true', no: 'false', noData: 'No data yet' },
+  value: { now: 'Now', none: 'no value', yes: 'true', no: 'false', noData: 'No data yet' },
   action: {
     close: 'Close',
     cancel: 'Cancel',

@@ -1,3 +1,4 @@
+import { fromLocalInput } from '@/format/local-time'
 import type { BuiltInType } from '../api/types'
 
 const INTEGERS: readonly string[] = [
@@ -11,7 +12,8 @@ const INTEGERS: readonly string[] = [
 
 /**
  * Returns a typed text as a JSON value of the field's type, or `undefined` if it is none. 64-bit
- * integers stay text, as JSON numbers are not exact that far. A decimal comma is accepted.
+ * integers stay text, as JSON numbers are not exact that far. A decimal comma is accepted, and
+ * a time is local.
  */
 export function enteredValue(type: string, written: string): unknown {
   const text = written.trim()
@@ -24,5 +26,5 @@ export function enteredValue(type: string, written: string): unknown {
     const number = Number(text.replace(',', '.'))
     return Number.isFinite(number) ? number : undefined
   }
-  return text
+  return type === 'DateTime' ? fromLocalInput(text) : text
 }

@@ -91,6 +91,16 @@ export const de: Texts = {
     visibleTo: 'Sichtbar für',
     close: 'Vorgang schließen',
   },
+  plan: {
+    change: 'Plan ändern',
+    title: (operation: string) => `Plan von ${operation}`,
+    start: 'Geplanter Beginn',
+    end: 'Geplantes Ende',
+    inverted: 'Das Ende muss nach dem Beginn liegen.',
+    unit: 'Einheit',
+    unitHint: 'Ein UNECE-Code wie H87 oder ein Zeichen wie kg.',
+    saved: 'Der Plan wurde geändert, und die Fabriken werden benachrichtigt.',
+  },
   request: {
     title: (operation: string) => `Daten anfragen: ${operation}`,
     id: 'Kennung der Anfrage',

@@ -86,6 +86,16 @@ export const en = {
     visibleTo: 'Visible to',
     close: 'Close the operation',
   },
+  plan: {
+    change: 'Change the plan',
+    title: (operation: string) => `Plan of ${operation}`,
+    start: 'Planned start',
+    end: 'Planned end',
+    inverted: 'The end has to be after the start.',
+    unit: 'Unit',
+    unitHint: 'A UNECE code such as H87, or a symbol such as kg.',
+    saved: 'The plan was changed, and the factories are notified.',
+  },
   request: {
     title: (operation: string) => `Request data: ${operation}`,
     id: 'Request id',

@@ -80,7 +80,6 @@ export const decision: typeof English = {
     addConversion: 'Umrechnung hinzufügen',
     manualText:
       'Menschen geben den Wert hier oder auf der Bedienerseite ein. Er geht durch dieselbe Freigabe.',
-    manualValue: 'Wert',
     manualSend: 'Wert eingeben',
     manualDone: 'Wert eingegeben.',
     manualLocked: 'Werte lassen sich eingeben, sobald Sie eingewilligt haben.',

@@ -81,7 +81,6 @@ export const decision = {
     addConversion: 'Add a conversion',
     manualText:
       'People enter the value here or on the operator’s page. It passes the same disclosure gate.',
-    manualValue: 'Value',
     manualSend: 'Enter value',
     manualDone: 'Value entered.',
     manualLocked: 'You can enter values after you consented.',
