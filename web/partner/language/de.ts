@@ -169,6 +169,7 @@ export const de: Texts = {
     idHint: 'Buchstaben, Ziffern, - und _. Später nicht mehr zu ändern.',
     name: 'Name',
     organisation: 'Organisation',
+    unknown: 'Diese Fabrik gibt es nicht, oder Sie sind nicht daran beteiligt',
     lastHeard: 'Letzter Kontakt',
     enrolled: 'Aufgenommen',
     notEnrolled: 'Noch nicht aufgenommen',

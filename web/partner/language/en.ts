@@ -167,6 +167,7 @@ export const en = {
     idHint: 'Letters, digits, - and _. It cannot be changed later.',
     name: 'Name',
     organisation: 'Organisation',
+    unknown: 'There is no such factory, or you have no part in it',
     lastHeard: 'Last contact',
     enrolled: 'Enrolled',
     notEnrolled: 'Not enrolled yet',

@@ -45,6 +45,7 @@ export const decision: typeof English = {
     unread: 'Neuer Kommentar',
   },
   decision: {
+    readsOnly: 'Ihre Rolle zeigt die Anfrage und die Entscheidung. Es entscheiden Ingenieure.',
     notFound: 'Dieses Feld wird nicht mehr angefragt',
     notFoundText:
       'Der Partner hat die Anfrage zurückgezogen, oder ihre Kennung ist falsch geschrieben.',

@@ -47,6 +47,7 @@ export const decision = {
     unread: 'New comment',
   },
   decision: {
+    readsOnly: 'Your role shows the request and its decision. Engineers decide.',
     notFound: 'This field is no longer requested',
     notFoundText: 'The partner withdrew the request, or its id is mistyped.',
     toInbox: 'Inbox',
