@@ -24,7 +24,7 @@ export const de: Texts = {
     document: 'Vorgangsnetz (JSON)',
     documentHint: 'Das ganze Netz, jeder Vorgang mit seiner owningFactoryId.',
     collaboration: 'Zusammenarbeit',
-    notJson: 'Das ist kein JSON:',
+    notJson: (line: number) => `Das ist kein JSON: Sehen Sie in Zeile ${line} nach.`,
     sent: 'Das Netz wurde an seine Fabriken gesendet.',
     withdraw: 'Zurückziehen',
     withdrawTitle: 'Dieses Netz zurückziehen?',

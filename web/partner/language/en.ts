@@ -22,7 +22,7 @@ export const en = {
     document: 'Operation network (JSON)',
     documentHint: 'The whole network, each operation with its owningFactoryId.',
     collaboration: 'Collaboration',
-    notJson: 'This is not JSON:',
+    notJson: (line: number) => `This is not JSON: look at line ${line}.`,
     sent: 'The network was sent to its factories.',
     withdraw: 'Withdraw',
     withdrawTitle: 'Withdraw this network?',

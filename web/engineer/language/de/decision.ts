@@ -167,6 +167,7 @@ export const decision: typeof English = {
     none: 'Keine Variable der Quellen passt. Wählen Sie eine aus dem Baum.',
     accept: 'Übernehmen',
     accepted: 'Vorschlag übernommen. Sehen Sie die Vorschau an und willigen Sie dann ein.',
+    points: (n: number) => (n < 0 ? `${-n} Punkte dagegen` : `${n} Punkte dafür`),
     score: (n: number) => `Passt zu ${n} von 100`,
     more: (n: number) => `${n} weitere`,
     fewer: 'Weniger',

@@ -168,6 +168,7 @@ export const decision = {
     none: 'No variable of the sources fits. Pick one from the tree.',
     accept: 'Take it',
     accepted: 'Suggestion taken. Look at the preview, then consent.',
+    points: (n: number) => (n < 0 ? `${-n} points against it` : `${n} points for it`),
     score: (n: number) => `Fits ${n} of 100`,
     more: (n: number) => `${n} more`,
     fewer: 'Fewer',
