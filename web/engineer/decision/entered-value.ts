@@ -1,3 +1,4 @@
+import { decimalOf } from '@/format/decimal'
 import { fromLocalInput } from '@/format/local-time'
 import type { BuiltInType } from '../api/types'
 
@@ -23,8 +24,7 @@ export function enteredValue(type: string, written: string): unknown {
   if (type === 'Int64' || type === 'UInt64') return /^-?\d+$/.test(text) ? text : undefined
   if (INTEGERS.includes(type)) return /^-?\d+$/.test(text) ? Number(text) : undefined
   if (type === 'Float' || type === 'Double') {
-    const number = Number(text.replace(',', '.'))
-    return Number.isFinite(number) ? number : undefined
+    return decimalOf(text)
   }
   return type === 'DateTime' ? fromLocalInput(text) : text
 }
