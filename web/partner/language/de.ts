@@ -126,7 +126,7 @@ export const de: Texts = {
     ownWhat: 'Was noch',
     ownHint: 'Der Ingenieur der Fabrik liest das.',
     ownKind: 'Art',
-    removeOwn: 'Entfernen: Was noch',
+    removeOwn: 'Frage entfernen',
     technical: 'Technische Einzelheiten',
     kind: {
       Double: 'Zahl',

@@ -121,7 +121,7 @@ export const en = {
     ownWhat: 'What else',
     ownHint: 'The factory’s engineer reads this.',
     ownKind: 'Kind',
-    removeOwn: 'Remove what else',
+    removeOwn: 'Remove question',
     technical: 'Technical details',
     kind: {
       Double: 'Number',
