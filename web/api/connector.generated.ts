@@ -5004,6 +5004,10 @@ export interface components {
             detail: string;
             /** @description Each single fault, where a document has several. */
             faults?: components["schemas"]["ProblemFault"][];
+            /** @description Values that a text of the code in another language names, by their names in it. */
+            parameters?: {
+                [key: string]: string;
+            } | null;
             /**
              * Format: int64
              * @description Seconds after which trying again makes sense; also the header `Retry-After`.
@@ -6179,6 +6183,7 @@ export interface components {
         StepView: {
             /** @description Name of the function. */
             function: string;
+            kind?: components["schemas"]["FaultKind"] | null;
             /** @description Text of its fault; none if it succeeded. */
             message?: string | null;
             value?: components["schemas"]["ShownValue"] | null;

@@ -2026,6 +2026,10 @@ export interface components {
             detail: string;
             /** @description Each single fault, where a document has several. */
             faults?: components["schemas"]["ProblemFault"][];
+            /** @description Values that a text of the code in another language names, by their names in it. */
+            parameters?: {
+                [key: string]: string;
+            } | null;
             /**
              * Format: int64
              * @description Seconds after which trying again makes sense; also the header `Retry-After`.

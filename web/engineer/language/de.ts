@@ -1,5 +1,6 @@
 import { decision } from './de/decision'
 import { disclosure } from './de/disclosure'
+import { faults } from './de/faults'
 import { ledger } from './de/ledger'
 import { mapping } from './de/mapping'
 import { operator } from './de/operator'
@@ -14,6 +15,7 @@ export const de: Texts = {
   ...decision,
   ...mapping,
   ...disclosure,
+  ...faults,
   ...ledger,
   ...sources,
   ...servers,

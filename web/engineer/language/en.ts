@@ -1,5 +1,6 @@
 import { decision } from './en/decision'
 import { disclosure } from './en/disclosure'
+import { faults } from './en/faults'
 import { ledger } from './en/ledger'
 import { mapping } from './en/mapping'
 import { operator } from './en/operator'
@@ -13,6 +14,7 @@ export const en = {
   ...decision,
   ...mapping,
   ...disclosure,
+  ...faults,
   ...ledger,
   ...sources,
   ...servers,

@@ -75,6 +75,12 @@ export const overview: typeof English = {
     accepted: 'Zuletzt vom Broker angenommen',
     receipted: 'Zuletzt von der Plattform quittiert',
     backlog: 'Wartet auf Quittung',
+    why: {
+      partly: 'Senden oder Empfangen gelingt teilweise nicht; es wird wieder versucht.',
+      retrying: 'Der Broker ist nicht erreichbar. Es wird von selbst wieder versucht.',
+      permanent:
+        'Der Broker weist diese Anbindung ab. Jemand muss handeln: Prüfen Sie Zugangsdaten und Zertifikate.',
+    },
     reason: 'Grund',
     spool: 'Ausgangspuffer',
     spoolHint:

@@ -248,9 +248,9 @@ export const sources: typeof English = {
     installed: 'Zertifikat installiert. Der Zwilling zeigt es ab der nächsten Verbindung.',
   },
   authorities: {
-    title: 'Stellen, die OPC-UA-Clients Zertifikate ausstellen',
-    hint: 'Ein Client mit einem Zertifikat einer vertrauten Stelle braucht keine eigene Freigabe, solange die Stelle es nicht sperrt.',
-    none: 'Keine Stelle: Jeder Client braucht eine eigene Freigabe.',
+    title: 'Zertifizierungsstellen von OPC-UA-Clients',
+    hint: 'Ein Client mit einem Zertifikat einer vertrauten Stelle braucht keine eigene Zulassung, solange die Stelle es nicht sperrt.',
+    none: 'Keine Stelle: Jeder Client braucht eine eigene Zulassung.',
     authority: 'Stelle',
     isTrusted: 'Vertraut mit allen ihren Clients',
     isBetween: 'Zwischenstelle',

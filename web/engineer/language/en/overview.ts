@@ -73,6 +73,12 @@ export const overview = {
     accepted: 'Broker accepted last',
     receipted: 'Platform receipted last',
     backlog: 'Waiting to be receipted',
+    why: {
+      partly: 'Sending or receiving fails in part; it is tried again.',
+      retrying: 'The broker cannot be reached. It is tried again by itself.',
+      permanent:
+        'The broker refuses this connector. Someone has to act: check credentials and certificates.',
+    },
     reason: 'Reason',
     spool: 'Spool',
     spoolHint:
