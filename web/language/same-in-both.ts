@@ -3,7 +3,6 @@ export const SAME_IN_BOTH: readonly string[] = [
   ' µs',
   'Bit',
   'Bits',
-  'Browser',
   'CSV',
   'Code',
   'Element',

@@ -30,6 +30,8 @@ export const problemsCodes: Record<string, string> = {
   NOT_SIGNED_IN: 'Melden Sie sich zuerst an.',
   NOT_WRITTEN:
     'Es ließ sich nicht auf die Platte schreiben, darum wurde nichts geändert. Lassen Sie die Platte des Datenverzeichnisses prüfen.',
+  NAME_WAS_USED:
+    'Eine Person, die gegangen ist, hatte diesen Namen. Wählen Sie einen anderen: Im Protokoll stehen Personen damit.',
   NO_DOCUMENT: 'Der Server nannte keinen Grund.',
   NO_PAGES: 'Dieses Programm wurde ohne seine Seiten gebaut.',
   NO_TEXT: 'Geben Sie 1 bis 256 Zeichen ein, nach denen gesucht wird.',
@@ -41,6 +43,8 @@ export const problemsCodes: Record<string, string> = {
   PASSKEY_REFUSED: 'Der Passkey wurde nicht angenommen. Versuchen Sie es noch einmal.',
   PASSWORD_REFUSED:
     'Dieses Passwort wird abgelehnt: Wählen Sie eines mit mindestens zehn Zeichen, das schwer zu erraten ist.',
+  PASSWORD_NEEDED:
+    'Das Passwort galt für einen anderen Benutzer oder eine andere Adresse. Geben Sie es noch einmal ein, damit es nirgends sonst hingeht.',
   QUOTA_EXCEEDED:
     'Das ist mehr, als Ihre Organisation hier haben darf. Entfernen Sie zuerst etwas, oder fragen Sie einen Administrator.',
   REVISION_CONFLICT:
@@ -54,6 +58,7 @@ export const problemsCodes: Record<string, string> = {
   TOO_EXPENSIVE:
     'Das zu lesen dauert zu lange. Fragen Sie nach weniger auf einmal oder versuchen Sie es später.',
   TOO_MANY_BODIES: 'Sie senden zu viel auf einmal. Versuchen Sie es in {seconds} s noch einmal.',
+  TOO_MANY_CHANGES: 'Sie ändern zu viel auf einmal. Versuchen Sie es in {seconds} s noch einmal.',
   TOO_MANY_DOWNLOADS: 'Es laufen zu viele Downloads zugleich. Warten Sie, bis einer fertig ist.',
   TOO_MANY_PASSKEYS: 'Sie haben so viele Passkeys, wie man haben darf. Entfernen Sie zuerst einen.',
   TOO_MANY_READS: 'Sie lesen zu viel auf einmal. Versuchen Sie es in {seconds} s noch einmal.',

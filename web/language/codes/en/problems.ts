@@ -27,6 +27,8 @@ export const problemsCodes: Record<string, string> = {
   NOT_SIGNED_IN: 'Sign in first.',
   NOT_WRITTEN:
     'It could not be written to disk, so nothing was changed. Have the disk of the data directory checked.',
+  NAME_WAS_USED:
+    'A person who has left had this name. Choose another one: the record names people by it.',
   NO_DOCUMENT: 'The server gave no reason.',
   NO_PAGES: 'This program was built without its pages.',
   NO_TEXT: 'Enter 1 to 256 characters to look for.',
@@ -37,6 +39,8 @@ export const problemsCodes: Record<string, string> = {
   PASSKEY_REFUSED: 'The passkey was not accepted. Try again.',
   PASSWORD_REFUSED:
     'This password is refused: choose one of at least ten characters that is hard to guess.',
+  PASSWORD_NEEDED:
+    'The password was given for another user or address. Enter it again, so that it goes nowhere else.',
   QUOTA_EXCEEDED:
     'This exceeds what your organisation may have here. Remove something first, or ask an administrator.',
   REVISION_CONFLICT:
@@ -49,6 +53,7 @@ export const problemsCodes: Record<string, string> = {
   STOPPING: 'The program is stopping. Try again when it is back.',
   TOO_EXPENSIVE: 'This takes too long to read. Ask for less at once, or try again later.',
   TOO_MANY_BODIES: 'You send too much at once. Try again in {seconds} s.',
+  TOO_MANY_CHANGES: 'You change too much at once. Try again in {seconds} s.',
   TOO_MANY_DOWNLOADS: 'Too many downloads run at once. Wait for one to end.',
   TOO_MANY_PASSKEYS: 'You have as many passkeys as one may have. Remove one first.',
   TOO_MANY_READS: 'You read too much at once. Try again in {seconds} s.',
