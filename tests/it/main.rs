@@ -1,6 +1,7 @@
 //! Tests across the parts, with the real programs, and of the form of the workspace.
 #![allow(clippy::unwrap_used)]
 
+mod broker_dead_letters;
 mod chaos;
 mod credentials;
 mod data_directories;
