@@ -18,4 +18,5 @@ mod openapi;
 mod passwords;
 mod promises;
 mod shown;
+mod untested_brokers;
 mod vendored;
