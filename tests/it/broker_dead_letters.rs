@@ -74,6 +74,7 @@ async fn what_rabbitmq_sets_aside_is_taken_and_shown_with_the_reason() {
     // There is no reader yet.
     sender.send_to_the_tool("late", Some(Duration::from_secs(3)));
     let late = shown(&platform, "late").await;
+    assert_eq!(late["bytes"], 0, "whose it was is not known, so its content is not kept");
     assert_eq!((&late["code"], &late["address"]), (&json!("EXPIRED"), &json!("dead-letters")));
 
     let reader = Bystander::start(reads).await;

@@ -28,7 +28,8 @@ pub(super) fn holder(address: &str) -> String {
     of_factory.or(of_tool).unwrap_or_else(|| address.to_owned())
 }
 
-/// Makes the dead letter of a message.
+/// Makes the dead letter of a message. Of one that a broker set aside nothing of the content is kept: whose it was is not
+/// known, so it could neither be tried again nor go with a factory or tool that leaves.
 pub(super) fn dead_letter(
     address: &LogicalAddress,
     envelope: &Envelope,
@@ -36,6 +37,8 @@ pub(super) fn dead_letter(
     code: &'static str,
     reason: String,
 ) -> NewDeadLetter {
+    let is_kept = *address != LogicalAddress::DeadLetters;
+    let body = if is_kept { envelope.body.to_vec() } else { Vec::new() };
     NewDeadLetter {
         address: address.to_string(),
         message_id: envelope.message_id.as_ref().map(ToString::to_string),
@@ -43,10 +46,13 @@ pub(super) fn dead_letter(
         code,
         reason: reason.chars().take(1000).collect(),
         received_at,
-        body: envelope.body.to_vec(),
+        body,
         content_encoding: envelope.content_encoding.map(messaging::ContentEncoding::as_str),
         // Only what a verifier would read.
-        signature: envelope.signature.clone().filter(|text| text.len() <= SIGNATURE_BYTES_MAX),
+        signature: envelope
+            .signature
+            .clone()
+            .filter(|text| is_kept && text.len() <= SIGNATURE_BYTES_MAX),
     }
 }
 
