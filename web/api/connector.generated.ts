@@ -3721,7 +3721,7 @@ export interface components {
          * @description Right to send, as the platform last answered.
          * @enum {string}
          */
-        LeaseState: "ASKING" | "HELD" | "REFUSED";
+        LeaseState: "ASKING" | "HELD" | "REFUSED" | "UNANSWERED";
         /** @description State of the lease, as pages show it. */
         LeaseStatus: {
             contender?: components["schemas"]["LeaseParty"] | null;

@@ -129,7 +129,8 @@ export interface paths {
         put?: never;
         /**
          * Tries a dead letter again: one of ingest is taken as if it arrived now, one of the broker goes
-         *     back to its queue.
+         *     back to its queue. One that a broker of another make set aside (`dead-letters`) stays as it is: that broker does not
+         *     say whose it was.
          */
         post: operations["replayDeadLetter"];
         delete?: never;
