@@ -15,6 +15,7 @@ const SOURCES: &[&str] = &[
     "set_back.rs",
     "comments.rs",
     "control.rs",
+    "control/taken.rs",
     "content.rs",
     "flow.rs",
     "stores/given_up.rs",
@@ -30,7 +31,6 @@ const OTHER_TEXTS: &[&str] = &[
     "; {decisions} decisions, {refusals} refusals, {revocations} revocations, {revisions} revisions",
     "revoked {number}",
     "Refusal {refused}",
-    "As of change {number}",
     "{name} of {entry}",
     "{part} %",
 ];
@@ -71,6 +71,14 @@ const FOUND: &[(&str, &str)] = &[
     (
         "revocation {id} was taken, and is not stored",
         "FOR_MUC: revocation 1 was taken, and is not stored",
+    ),
+    (
+        "the toggled field is {toggled:?}, and was taken as",
+        "FOR_MUC: the toggled field is Open(None), and was taken as [Open(Some(2.0))]",
+    ),
+    (
+        "with change {number} was taken, the platform has",
+        "FOR_MUC: revision 16 with change 3 was taken, the platform has (15, \"As of change 2\")",
     ),
     (
         "is decided {decided:?}, the platform has {found:?}",
