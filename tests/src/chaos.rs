@@ -33,6 +33,7 @@ use std::time::{Duration, Instant};
 use comments::CommentTraffic;
 use control::{ControlTraffic, Taken};
 pub use copied::copied;
+pub use findings::Breach;
 use findings::{Findings, breach};
 use flow::{RECOVERY, flows};
 pub use plan::{Fault, Plan, Strike};
@@ -232,7 +233,7 @@ async fn drain(stage: &mut Stage) -> anyhow::Result<String> {
     both_are_empty(stage, &munich, &hamburg).await?;
     let platform = stage.world.platform_api().await?;
     let unanswered = control::parts_are_answered(&platform, RECOVERY).await?;
-    unanswered.map_or(Ok(()), |fault| Err(breach(&[fault])))?;
+    unanswered.map_or(Ok(()), |fault| Err(breach(vec![fault])))?;
     // An answer to a part may have brought decisions with it.
     both_are_empty(stage, &munich, &hamburg).await?;
     Ok(String::new())
@@ -259,7 +260,7 @@ async fn nothing_waits(stage: &Stage, factory: &str, connector: &Api) -> anyhow:
                 let fault = format!(
                     "not everything was receipted within {RECOVERY:?}: {backlog}, {gaps} gaps"
                 );
-                return Err(breach(&[fault]));
+                return Err(breach(vec![fault]));
             }
             quiet_since = Instant::now();
         }
@@ -292,7 +293,7 @@ async fn judge(stage: &Stage, said: &[Comment], taken: Option<Taken>) -> anyhow:
     // What a broker of another make had when it ended is not known.
     faults.extend(fault.filter(|_| stage.world.external.is_none()));
     if !faults.is_empty() {
-        return Err(breach(&faults));
+        return Err(breach(faults));
     }
     let is_silent = said.is_empty() && taken.is_some();
     anyhow::ensure!(left > 0 && !is_silent, "nothing left at all");

@@ -34,7 +34,7 @@ const REVISION_PAUSE: Duration = Duration::from_secs(5);
 const REVOCATION_EACH: u64 = 6;
 /// Disclosure policies that follow each other: wider and stricter ones.
 const ROUNDING_STEPS: [Option<f64>; 3] = [None, Some(5.0), Some(0.5)];
-/// That of the last decision: no other one has it, so that none can be taken for the last.
+/// Rounding step of the last decision: no other one has it, so that none can be taken for the last.
 const LAST_ROUNDING_STEP: f64 = 2.0;
 
 /// Engineers and a buyer who change their minds until they are stopped.

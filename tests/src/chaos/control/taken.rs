@@ -15,7 +15,8 @@ pub(in crate::chaos) struct Taken {
     revocations: BTreeSet<(&'static str, String)>,
     /// Revision and number of the change of the network that was taken last.
     last_revision: Option<(i64, u64)>,
-    /// What a factory's toggled field may be: as it was last taken, or as was asked for since without an answer.
+    /// States that a factory's toggled field may have: the last one that was taken, or one that was asked for since
+    /// without an answer.
     toggles: BTreeMap<&'static str, Vec<Toggled>>,
 }
 
