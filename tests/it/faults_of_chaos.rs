@@ -155,7 +155,10 @@ const WITHOUT_MUTANT: &[(&str, &str)] = &[
         "it {what}, by {} s",
         "the first and last seconds of what another fault finds in between: counts in no report",
     ),
-    ("no report has a value", "the run stops before, as no writer sends: no reports of a factory"),
+    (
+        "no report has a value",
+        "report-forgets-a-field brings it, too, which has to be found by what its reports lack",
+    ),
     (
         "counts of undisturbed times were judged",
         "it says that a run proves nothing, and not that a promise is broken",
@@ -266,7 +269,9 @@ fn each_fault_is_what_a_mutant_has_to_be_found_by() {
         let pattern = pattern.unwrap_or_else(|| panic!("{}: no Fault", path.display()));
         let found = found(pattern, &lines);
         assert!(!found.is_empty(), "{}: no fault of the judge is like {pattern:?}", path.display());
-        unproven.retain(|example| !found.lines().any(|line| line == *example));
+        // One of several faults may be there each time, and the others never.
+        let is_one = !pattern.contains('|');
+        unproven.retain(|example| !is_one || !found.lines().any(|line| line == *example));
     }
     assert!(unproven.is_empty(), "no mutant is found by these faults: {unproven:#?}");
 }
