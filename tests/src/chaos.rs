@@ -289,9 +289,9 @@ async fn judge(stage: &Stage, said: &[Comment], taken: Option<Taken>) -> anyhow:
         findings.faults.push(format!("{letters} messages could not be used"));
     }
     let Findings { left, arrived, given_up, replayed, mut faults } = findings;
-    let (share, fault) = set_back::share(stage.set_back.len(), left);
-    // What a broker of another make had when it ended is not known.
-    faults.extend(fault.filter(|_| stage.world.external.is_none()));
+    let is_external = stage.world.external.is_some();
+    let (share, fault) = set_back::share(stage.set_back.len(), left, is_external);
+    faults.extend(fault);
     if !faults.is_empty() {
         return Err(breach(faults));
     }
