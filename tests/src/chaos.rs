@@ -91,7 +91,14 @@ pub async fn run(seed: u64, length: Length, broker: BrokerKind, keep: bool) -> a
         anyhow::ensure!(may_lack, "{lacking}; or leave these faults out with {option}");
         say(&format!("  Left out on this machine: {lacking}"));
     }
-    let outcome = play(&mut stage, &cast, &mut steps, &mut Plan::new(seed, broker), length).await;
+    let mut outcome =
+        play(&mut stage, &cast, &mut steps, &mut Plan::new(seed, broker), length).await;
+    // A run that breaks off is not judged: what it noticed on the way is a fault all the same.
+    if let Err(error) = &mut outcome
+        && let Some(breach) = error.downcast_mut::<Breach>()
+    {
+        breach.add(&stage.faults);
+    }
     if outcome.is_err() {
         for daemon in stage.world.daemons() {
             say(&format!("\n--- the end of {}:\n{}", daemon.log().display(), daemon.log_tail(15)));

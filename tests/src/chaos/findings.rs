@@ -24,6 +24,15 @@ const SHOWN_MAX: usize = 20;
 pub struct Breach(Vec<String>);
 
 impl Breach {
+    /// Adds the faults that it does not have.
+    pub(super) fn add(&mut self, faults: &[String]) {
+        for fault in faults {
+            if !self.0.contains(fault) {
+                self.0.push(fault.clone());
+            }
+        }
+    }
+
     /// Returns all faults, each as a line.
     #[must_use]
     pub fn lines(&self) -> String {
@@ -213,6 +222,15 @@ mod tests {
         let shown = breach.to_string();
         assert!(shown.starts_with("25 faults:\n  fault 0\n"), "{shown}");
         assert!(shown.contains("fault 19") && !shown.contains("fault 20"), "{shown}");
+    }
+
+    #[test]
+    fn what_was_noticed_before_a_run_broke_off_is_among_its_faults() {
+        let mut error = breach(vec!["no reports".to_owned()]).context("a step of the run");
+        let faults = ["no reports", "a program ended"].map(str::to_owned);
+        error.downcast_mut::<Breach>().expect("faults").add(&faults);
+        let lines = error.downcast_ref::<Breach>().expect("faults").lines();
+        assert_eq!(lines, "no reports\na program ended\n");
     }
 
     #[test]
