@@ -2,7 +2,8 @@
 //! values flow: programs killed, lines cut and stalled, stores lost, clocks set, disks full. In the
 //! end the stores of both sides are compared: every report that left is held once, in its order
 //! within each lane, with the fields, values, statuses and times it left with, and the ledger knows of it;
-//! every comment that one side took is on both sides once, and both have the same decisions, revocations and revisions.
+//! every comment that one side took is on both sides once, and both have the same decisions, revocations and revisions,
+//! as they were last taken.
 //! No program ends by itself or panics, and all end well when they are asked to.
 //! What was given up is announced, and nothing else is; what the machines counted is in reports. After each round every
 //! writer has to send again.

@@ -147,8 +147,9 @@ async fn decide(
         }
     }
     // Again, where the program has forgotten who was signed in.
-    let _ = engineer.opens(factory, Some(LAST_ROUNDING_STEP), &mut taken).await
-        || engineer.opens(factory, Some(LAST_ROUNDING_STEP), &mut taken).await;
+    if !engineer.opens(factory, Some(LAST_ROUNDING_STEP), &mut taken).await {
+        engineer.opens(factory, Some(LAST_ROUNDING_STEP), &mut taken).await;
+    }
     taken
 }
 
