@@ -275,3 +275,13 @@ fn each_fault_is_what_a_mutant_has_to_be_found_by() {
     }
     assert!(unproven.is_empty(), "no mutant is found by these faults: {unproven:#?}");
 }
+
+/// The log of a run has lines that are like faults: of what was noticed on the way, whatever the judge thinks of it.
+#[test]
+fn a_mutant_is_looked_for_among_the_faults_of_the_judge_alone() {
+    let script = fs::read_to_string(root().join("tests/mutants/run.sh")).unwrap();
+    let searches: Vec<&str> = script.lines().filter(|line| line.contains("grep ")).collect();
+    assert!(!searches.is_empty(), "nothing looks for the fault");
+    let others: Vec<_> = searches.iter().filter(|line| !line.contains("\"$faults\"")).collect();
+    assert!(others.is_empty(), "{others:#?}");
+}
