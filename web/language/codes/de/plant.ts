@@ -51,6 +51,8 @@ export const plantCodes: Record<string, string> = {
     'Das ist ein privater Schlüssel. Er darf seinen Rechner nicht verlassen, und nichts hier braucht ihn.',
   SELF_SIGNED:
     'Es ist von sich selbst signiert. Nehmen Sie das, das eine Zertifizierungsstelle ausgestellt hat.',
+  SET_ASIDE_BY_BROKER:
+    'Der Broker hat diese Nachricht beiseitegelegt; er behält weder ihren Inhalt noch den Grund.',
   SEVERAL:
     'Die Datei enthält mehr als ein Zertifikat oder eine Liste. Fügen Sie sie einzeln hinzu.',
   SOURCE_REFUSED: 'Der Server der Maschine hat abgelehnt oder nicht geantwortet.',

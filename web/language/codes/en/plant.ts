@@ -43,6 +43,8 @@ export const plantCodes: Record<string, string> = {
     'A policy was changed since the preview was shown. Look at the preview again.',
   PRIVATE_KEY: 'This is a private key. It must not leave its machine, and nothing here needs it.',
   SELF_SIGNED: 'It is signed by itself. Give the one that an authority issued.',
+  SET_ASIDE_BY_BROKER:
+    'The broker set this message aside; it keeps neither its content nor the reason.',
   SEVERAL: 'The file holds more than one certificate or list. Add them one by one.',
   SOURCE_REFUSED: 'The server of the machine refused, or did not answer.',
   TOO_LONG: 'This is too long.',
