@@ -13,3 +13,13 @@ export function mayChange(who: SignedIn | undefined, owner: string | null | unde
   if (who === undefined || !mayPlan(who)) return false
   return who.role === 'ADMINISTRATOR' || (owner != null && owner === who.organisationId)
 }
+
+/** True for those who run the platform. */
+export function mayAdminister(who: SignedIn | undefined): boolean {
+  return who?.role === 'ADMINISTRATOR'
+}
+
+/** True where the person sees what concerns the organisation alone. */
+export function isOwn(who: SignedIn | undefined, owner: string | null | undefined): boolean {
+  return mayAdminister(who) || (owner != null && owner === who?.organisationId)
+}
