@@ -246,8 +246,10 @@ pub(super) async fn denied_certificate(engineer: Api, route: Route) -> anyhow::R
     let thumbprint = denied.certificate.thumbprint().as_hex_string();
     let path = format!("/api/v1/client-certificates/{thumbprint}");
     let _: Value = engineer.put(&path, &json!({ "isTrusted": false })).await?;
+    // Of one key, which is not that of the denied: any other certificate of that is denied, too.
+    let strangers = Client::named("probe of a stranger")?;
     for number in 0..STRANGERS {
-        let stranger = denied.another(&format!("stranger {number}"))?;
+        let stranger = strangers.another(&format!("stranger {number}"))?;
         let has_session = stranger.has_session(folder.path(), &route.opcua_url()).await?;
         anyhow::ensure!(!has_session, "a stranger got a session");
     }
