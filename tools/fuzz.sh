@@ -39,7 +39,7 @@ done
 keep() {
   local folder=$1 name=$2 merged=$root/target/fuzz/merged/$2
   rm -rf "$merged" && mkdir -p "$merged"
-  "$CARGO_TARGET_DIR/$host/release/$name" -merge=1 -max_len=300 -rss_limit_mb=2048 "$merged" "$root/target/fuzz/corpus/$name" \
+  "$CARGO_TARGET_DIR/$host/release/$name" -merge=1 -max_len=4096 -rss_limit_mb=2048 "$merged" "$root/target/fuzz/corpus/$name" \
     "$root/$folder/corpus/$name" >"$root/target/fuzz/$name.merge.log" 2>&1
   for input in "$merged"/*; do base64 -w0 "$input" && echo; done | LC_ALL=C sort >"$root/$folder/corpus/$name.base64"
   echo "$name: $(wc -l <"$root/$folder/corpus/$name.base64") inputs kept"
@@ -94,8 +94,9 @@ play() {
   local result="nothing found" length=4096
   # A whole chunk, and the beginning of the next.
   [ "$name" != chunks ] || length=70000
-  "$CARGO_TARGET_DIR/$host/release/$name" "$corpus" "${seeds[@]}" -max_total_time="$seconds" -timeout=30 -max_len="$length" \
-    -rss_limit_mb=256 -artifact_prefix="$found/" -print_final_stats=1 >"$log" 2>&1 || result="FOUND: $found, $log"
+  # Memory that is claimed and never written is not resident: a claim of gigabytes fails at this bound of addresses.
+  (ulimit -v 3145728 && exec "$CARGO_TARGET_DIR/$host/release/$name" "$corpus" "${seeds[@]}" -max_total_time="$seconds" -timeout=30 -max_len="$length" \
+    -rss_limit_mb=256 -artifact_prefix="$found/" -print_final_stats=1) >"$log" 2>&1 || result="FOUND: $found, $log"
   local count most
   count=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
   most=$(sed -n 's/^stat::peak_rss_mb: *//p' "$log")

@@ -24,7 +24,8 @@ const REQUESTS_MIN: usize = 30;
 /// throttles know ten thousand names and addresses for a while.
 const KEPT_MAX: u64 = 32 << 20;
 /// Memory that a program with pages may keep beside that: blocks of 19 MiB in which passwords are hashed are kept for the
-/// next hashes, and two are computed at once. One that had hashed before has them already.
+/// next hashes. Two are computed at once, and the threads that did before may each keep one in their part of the
+/// allocator: up to 83 MiB in all were seen, after ten thousand guesses as after two thousand.
 const KEPT_FOR_HASHES: u64 = 2 * (19 << 20);
 /// Part of the time of a siege for which attackers have to have a processor: one sixth, which is less than half of what
 /// they get on a machine of two that they share with all that they attack. With less of it they have hardly attacked.
@@ -242,8 +243,8 @@ mod tests {
 
     #[test]
     fn programs_that_hash_passwords_keep_memory_for_the_next_hashes() {
-        assert_eq!(mib(kept_max("platform")), 70);
-        assert_eq!(mib(kept_max("connector-FOR_MUC")), 70);
+        assert_eq!(mib(kept_max("platform")), 89);
+        assert_eq!(mib(kept_max("connector-FOR_MUC")), 89);
         assert_eq!(mib(kept_max("simulator-FOR_MUC")), 32);
     }
 
