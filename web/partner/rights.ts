@@ -13,3 +13,8 @@ export function mayChange(who: SignedIn | undefined, owner: string | null | unde
   if (who === undefined || !mayPlan(who)) return false
   return who.role === 'ADMINISTRATOR' || (owner != null && owner === who.organisationId)
 }
+
+/** True for those who run the platform. */
+export function mayAdminister(who: SignedIn | undefined): boolean {
+  return who?.role === 'ADMINISTRATOR'
+}

@@ -34,9 +34,14 @@ export type OperationRelation = Schemas['OperationRelation']
 export type Organisation = Schemas['Organisation']
 /** Part of a network that concerns one factory. */
 export type PartView = Schemas['PartView']
+/** Role of a person on the platform. */
+export type Role = Schemas['Role']
 export type RelationCondition = Schemas['RelationCondition']
 export type ReportField = Schemas['ReportField']
 /** Signed receipt of a revocation. */
 export type RevocationEntry = Schemas['RevocationEntry']
+export type Tool = Schemas['Tool']
+export type ToolCredential = Schemas['ToolCredential']
 export type UpdateFrequencyUnit = Schemas['UpdateFrequencyUnit']
+export type UserView = Schemas['UserView']
 export type WriterView = Schemas['WriterView']

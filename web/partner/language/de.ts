@@ -1,4 +1,5 @@
 import type { AccessRetentionEntry } from '../api/types'
+import { administration } from './de/administration'
 import type { Texts } from './en'
 
 export const de: Texts = {
@@ -302,6 +303,7 @@ export const de: Texts = {
       removeCollaborationFactory: 'hat eine Fabrik aus einer Zusammenarbeit genommen',
     } as Record<string, string>,
   },
+  administration,
   removals: {
     title: 'Abgänge',
     subtitle: 'Personen, Mitglieder, Fabriken, Werkzeuge und Organisationen gehen',

@@ -1,4 +1,5 @@
 import type { AccessRetentionEntry } from '../api/types'
+import { administration } from './en/administration'
 
 export const en = {
   shell: {
@@ -298,6 +299,7 @@ export const en = {
       removeCollaborationFactory: 'took a factory out of a collaboration',
     } as Record<string, string>,
   },
+  administration,
   removals: {
     title: 'Removals',
     subtitle: 'People, members, factories, tools and organisations leave',
