@@ -1,0 +1,235 @@
+import { render, screen, within } from '@testing-library/svelte'
+import userEvent from '@testing-library/user-event'
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
+import { router } from '@/navigation/router.svelte'
+import { session } from '@/transport/session.svelte'
+import { serve, type Asked } from '../../vitest.server'
+import { feed } from '../api/client'
+import { texts } from '../language/texts'
+import Pages from '../Pages.svelte'
+import Administration from './Administration.svelte'
+import { newPassword } from './new-password'
+
+const t = texts.administration
+const at = '2026-01-01T00:00:00Z'
+const acme = { organisationId: 'acme', name: 'Acme Aero', createdAt: at }
+const hull = { organisationId: 'hull', name: 'Hull Ltd', createdAt: at }
+const factory = { factoryId: 'MUC_1', organisationId: 'hull', name: 'Munich', createdAt: at }
+const frames = {
+  collaborationId: 'frames',
+  name: 'Frames',
+  createdAt: at,
+  members: ['acme'],
+  factories: ['MUC_1'],
+}
+const lists = {
+  'GET /organisations': () => ({ items: [acme, hull] }),
+  'GET /users': () => ({ items: [{ userName: 'anna', role: 'PLANNER', organisationId: 'acme' }] }),
+  'GET /factories': () => ({ items: [factory] }),
+  'GET /collaborations': () => ({ items: [frames] }),
+  'GET /tools': () => ({
+    items: [{ toolId: 'Planning', name: 'Planning', organisationId: 'acme', createdAt: at }],
+  }),
+}
+const changes = (log: Asked[]): Asked[] => log.filter(({ method }) => method !== 'GET')
+const dialog = (): Promise<HTMLElement> => screen.findByRole('dialog')
+const save = async (name: string): Promise<void> => {
+  await userEvent.click(within(await dialog()).getByRole('button', { name }))
+}
+
+function signIn(role: 'ADMINISTRATOR' | 'PLANNER'): void {
+  session.state = { is: 'signedIn', who: { userName: 'root', role, csrfToken: 't' } }
+}
+
+beforeEach(() => {
+  signIn('ADMINISTRATOR')
+})
+afterEach(() => {
+  vi.unstubAllGlobals()
+  router.parts = []
+})
+
+describe('the administration', () => {
+  it.each([
+    ['organisations', 'Acme Aero'],
+    ['people', 'anna'],
+    ['factories', 'Munich'],
+    ['collaborations', 'Frames'],
+    ['tools', 'Planning'],
+  ] as const)('lists %s, each with a way to remove or open it', async (section, name) => {
+    serve(lists)
+    render(Administration, { section })
+    expect(await screen.findAllByText(name)).toBeTruthy()
+    expect(screen.getByText(t[section].hint)).toBeTruthy()
+    expect(screen.getByRole('button', { name: t[section].add })).toBeTruthy()
+    const buttons = screen.getAllByRole(section === 'collaborations' ? 'link' : 'button')
+    const way = section === 'collaborations' ? /^Open: / : /^Remove: /
+    expect(buttons.some((each) => way.test(each.getAttribute('aria-label') ?? ''))).toBe(true)
+  })
+
+  it('is for those who run the platform alone', () => {
+    serve(lists)
+    vi.spyOn(feed, 'start').mockImplementation(() => undefined)
+    router.parts = ['administration']
+    const { unmount } = render(Pages)
+    expect(screen.getByRole('button', { name: t.organisations.add })).toBeTruthy()
+    unmount()
+    signIn('PLANNER')
+    render(Pages)
+    expect(screen.queryByRole('button', { name: t.organisations.add })).toBeNull()
+    expect(screen.queryByRole('link', { name: t.title })).toBeNull()
+  })
+
+  it('adds an organisation, and none whose id is in use', async () => {
+    const log = serve({ ...lists, 'POST /organisations': ({ body }: Asked) => body })
+    render(Administration, {})
+    await userEvent.click(await screen.findByRole('button', { name: t.organisations.add }))
+    await screen.findByText('Acme Aero')
+    await userEvent.type(within(await dialog()).getByLabelText(t.id), 'acme')
+    expect(within(await dialog()).getByText(t.idTaken)).toBeTruthy()
+    await save('Add')
+    expect(changes(log)).toEqual([])
+    await userEvent.type(within(await dialog()).getByLabelText(t.id), '-2')
+    await userEvent.type(within(await dialog()).getByLabelText(t.name), 'Acme Two')
+    await save('Add')
+    await vi.waitFor(() => {
+      expect(changes(log).map(({ body }) => body)).toEqual([
+        { organisationId: 'acme-2', name: 'Acme Two' },
+      ])
+    })
+  })
+
+  it('makes a password for a new person and shows it once', async () => {
+    const log = serve({ ...lists, 'PUT /users/bert': ({ body }: Asked) => body })
+    render(Administration, { section: 'people' })
+    await screen.findByText('anna')
+    await userEvent.click(screen.getByRole('button', { name: t.people.add }))
+    await userEvent.type(within(await dialog()).getByLabelText('User name'), 'bert')
+    await userEvent.selectOptions(within(await dialog()).getByLabelText(t.organisation), 'acme')
+    await save('Save')
+    const shown = await screen.findByLabelText(t.people.password)
+    const [put] = changes(log)
+    expect(put).toMatchObject({ path: '/users/bert' })
+    expect(put?.body).toEqual({
+      role: 'PLANNER',
+      organisationId: 'acme',
+      password: shown.textContent,
+    })
+    expect(shown.textContent).toHaveLength(20)
+    await save(t.secret.done)
+    expect(screen.queryByText(shown.textContent)).toBeNull()
+  })
+
+  it('hands a new factory its enrolment token at once', async () => {
+    const log = serve({
+      ...lists,
+      'POST /factories': () => ({ ...factory, factoryId: 'HAM_1' }),
+      'POST /factories/HAM_1/enrolment-tokens': () => ({ token: 'x.y', expiresAt: at }),
+    })
+    render(Administration, { section: 'factories' })
+    await userEvent.click(await screen.findByRole('button', { name: t.factories.add }))
+    await userEvent.type(within(await dialog()).getByLabelText(texts.factories.id), 'HAM_1')
+    const choice = within(await dialog()).getByLabelText(texts.factories.organisation)
+    await userEvent.selectOptions(choice, 'hull')
+    await save('Add')
+    expect(await screen.findByText('x.y')).toBeTruthy()
+    expect(changes(log).map(({ path }) => path)).toEqual([
+      '/factories',
+      '/factories/HAM_1/enrolment-tokens',
+    ])
+  })
+
+  it('starts a collaboration with members and factories', async () => {
+    const log = serve({ ...lists, 'POST /collaborations': ({ body }: Asked) => body })
+    render(Administration, { section: 'collaborations' })
+    await screen.findByText('Frames')
+    await userEvent.click(screen.getByRole('button', { name: t.collaborations.add }))
+    await userEvent.type(within(await dialog()).getByLabelText(t.id), 'hulls')
+    for (const name of [/^Acme Aero/, /^Hull Ltd/, /^Munich/])
+      await userEvent.click(within(await dialog()).getByRole('checkbox', { name }))
+    await save('Add')
+    await vi.waitFor(() => {
+      expect(changes(log).map(({ body }) => body)).toEqual([
+        {
+          collaborationId: 'hulls',
+          name: 'hulls',
+          members: ['acme', 'hull'],
+          factories: ['MUC_1'],
+        },
+      ])
+    })
+  })
+
+  it('changes who takes part in a collaboration, with what ends before it ends', async () => {
+    const path = '/collaborations/frames/factories/MUC_1'
+    const log = serve({
+      ...lists,
+      'PUT /collaborations/frames/members/hull': () => frames,
+      [`DELETE ${path}`]: () => ({
+        isDone: false,
+        inForce: ['operation-networks/n'],
+        people: [],
+        sessions: 0,
+        credentials: 0,
+        requests: [],
+        remains: [],
+      }),
+    })
+    render(Administration, { section: 'collaborations', id: 'frames' })
+    const choice = await screen.findByLabelText(t.collaborations.whichMember)
+    expect(within(choice).queryByRole('option', { name: /Acme/ })).toBeNull()
+    await userEvent.selectOptions(choice, 'hull')
+    await userEvent.click(screen.getByRole('button', { name: t.collaborations.addMember }))
+    await userEvent.click(screen.getByRole('button', { name: t.removeOf('MUC_1') }))
+    expect(await screen.findByText('operation-networks/n')).toBeTruthy()
+    expect(changes(log).map(({ method, path: asked }) => `${method} ${asked}`)).toEqual([
+      'PUT /collaborations/frames/members/hull',
+      `DELETE ${path}?dryRun=true`,
+    ])
+  })
+
+  it('shows the credential of a new tool once, with all that the program needs', async () => {
+    serve({
+      ...lists,
+      'POST /tools': ({ body }: Asked) => body,
+      'POST /tools/Erp/credentials': () => ({
+        brokerUrl: 'amqps://broker.example',
+        userName: 'tool.Erp',
+        password: 'its-secret',
+      }),
+    })
+    render(Administration, { section: 'tools' })
+    await screen.findByLabelText(t.removeOf('Planning'))
+    await userEvent.click(screen.getByRole('button', { name: t.tools.add }))
+    await userEvent.type(within(await dialog()).getByLabelText(t.id), 'Erp')
+    await userEvent.selectOptions(within(await dialog()).getByLabelText(t.organisation), 'acme')
+    await save('Add')
+    for (const text of ['amqps://broker.example', 'tool.Erp', 'its-secret', 'tool.Erp.requests'])
+      expect(await screen.findByText(text)).toBeTruthy()
+    await save(t.secret.done)
+    expect(screen.queryByText('its-secret')).toBeNull()
+  })
+
+  it('draws long lists in parts and finds in them', async () => {
+    const items = Array.from({ length: 120 }, (_, index) => ({
+      organisationId: `o${index}`,
+      name: `Company ${index}`,
+      createdAt: at,
+    }))
+    serve({ ...lists, 'GET /organisations': () => ({ items }) })
+    render(Administration, {})
+    await screen.findByText('Company 0')
+    expect(screen.queryByText('Company 50')).toBeNull()
+    await userEvent.click(screen.getByRole('button', { name: t.more(50) }))
+    expect(screen.getByText('Company 50')).toBeTruthy()
+    await userEvent.type(screen.getByRole('searchbox'), 'company 119')
+    expect(screen.getByText('Company 119')).toBeTruthy()
+    expect(screen.queryByText('Company 0')).toBeNull()
+  })
+})
+
+it('makes passwords that differ and that policies take', () => {
+  const made = new Set(Array.from({ length: 100 }, newPassword))
+  expect(made.size).toBe(100)
+  for (const each of made) expect(each).toMatch(/^[\w-]{20}$/)
+})
