@@ -26,6 +26,7 @@ export type LeaseView = Schemas['LeaseView']
 export type LiveData<Name extends LiveEvent['event']> = EventOf<LiveEvent, Name>['data']
 /** Live event with its name and its data. */
 export type LiveEvent = Schemas['LiveEvent']
+export type NetworkSummary = Schemas['NetworkSummary']
 export type NetworkView = Schemas['NetworkView']
 export type Operation = Schemas['Operation']
 export type OperationNetwork = Schemas['OperationNetwork']

@@ -2,7 +2,7 @@ import type { administration as English } from '../en/administration'
 
 export const administration: typeof English = {
   title: 'Verwaltung',
-  subtitle: 'Wer und was teilnimmt: Hier wird es angelegt und entfernt, sonst nirgends',
+  subtitle: 'Wer und was teilnimmt: sehen, hinzufügen, entfernen',
   sections: 'Teile der Verwaltung',
   search: (what: string) => `Suchen: ${what}`,
   more: (n: number) => (n === 1 ? 'Noch 1 zeigen' : `Weitere ${n} zeigen`),
@@ -114,6 +114,7 @@ export const administration: typeof English = {
     root: 'Zertifizierungsstelle des Brokers (PEM)',
   },
   enrolment: {
+    config: 'Läuft die Anbindung mit --config, gehört dieselbe Angabe zu diesem Befehl.',
     carries: (address: string) => `Im Schlüssel steht die Adresse der Plattform: ${address}.`,
     pins: 'Er nennt auch das Zertifikat der Plattform; die Anbindung gibt ihn niemand anderem.',
     local:
@@ -139,6 +140,7 @@ export const administration: typeof English = {
     networkText: 'Wer was in welcher Reihenfolge herstellt.',
     request: 'Den ersten Wert anfragen',
     requestText: 'Öffnen Sie einen Vorgang des Netzes und fragen Sie die Fabrik.',
+    addOne: 'Hinzufügen',
     openNetwork: 'Netz öffnen',
   },
 }

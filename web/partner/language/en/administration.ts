@@ -1,6 +1,6 @@
 export const administration = {
   title: 'Administration',
-  subtitle: 'Who and what takes part: made and removed here, and nowhere else',
+  subtitle: 'Who and what takes part: see it, add it, remove it',
   sections: 'Parts of the administration',
   search: (what: string) => `Search: ${what}`,
   more: (n: number) => (n === 1 ? 'Show 1 more' : `Show ${n} more`),
@@ -111,6 +111,7 @@ export const administration = {
     root: 'Certificate authority of the broker (PEM)',
   },
   enrolment: {
+    config: 'Where the connector runs with --config, give the same to this command.',
     carries: (address: string) => `The token has the platform’s address in it: ${address}.`,
     pins: 'It names the platform’s certificate, too; the connector gives the token to nobody else.',
     local:
@@ -136,6 +137,7 @@ export const administration = {
     networkText: 'Who makes what, in which order.',
     request: 'Ask for the first value',
     requestText: 'Open an operation of the network and ask the factory.',
+    addOne: 'Add one',
     openNetwork: 'Open the network',
   },
 }
