@@ -5,7 +5,6 @@ import { texts } from '../language/texts'
 import type { LinkedStatus } from '../link/link-state'
 import FirstSteps from './FirstSteps.svelte'
 
-const t = texts.firstSteps
 const status = (link: string, source?: string): LinkedStatus =>
   ({
     link: { state: link, backlog: 0 },
@@ -29,7 +28,12 @@ function left(known: LinkedStatus, pending: number): { titles: string[]; href: s
 
 describe('the first steps of a factory', () => {
   it('disappear one by one, and each leads to its page', () => {
-    const all = [t.link, t.source, t.request, t.decide]
+    const all = [
+      texts.firstSteps.link,
+      texts.firstSteps.source,
+      texts.firstSteps.request,
+      texts.firstSteps.decide,
+    ]
     expect(left(status('connecting'), 0)).toEqual({ titles: all, href: '#/link' })
     expect(left(status('up'), 0)).toEqual({ titles: all.slice(1), href: '#/new-source' })
     expect(left(status('up', 'connecting'), 0)).toEqual({

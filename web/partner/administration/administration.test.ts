@@ -2,6 +2,7 @@ import { render, screen, within } from '@testing-library/svelte'
 import userEvent from '@testing-library/user-event'
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
 import { router } from '@/navigation/router.svelte'
+import { language } from '@/language/language.svelte'
 import { session } from '@/transport/session.svelte'
 import { serve, type Asked } from '../../vitest.server'
 import { feed } from '../api/client'
@@ -10,7 +11,6 @@ import Pages from '../Pages.svelte'
 import Administration from './Administration.svelte'
 import { newPassword } from './new-password'
 
-const t = texts.administration
 const at = '2026-01-01T00:00:00Z'
 const acme = { organisationId: 'acme', name: 'Acme Aero', createdAt: at }
 const hull = { organisationId: 'hull', name: 'Hull Ltd', createdAt: at }
@@ -42,6 +42,7 @@ function signIn(role: 'ADMINISTRATOR' | 'PLANNER'): void {
 }
 
 beforeEach(() => {
+  language.choose('en')
   signIn('ADMINISTRATOR')
 })
 afterEach(() => {
@@ -60,8 +61,8 @@ describe('the administration', () => {
     serve(lists)
     render(Administration, { section })
     expect(await screen.findAllByText(name)).toBeTruthy()
-    expect(screen.getByText(t[section].hint)).toBeTruthy()
-    expect(screen.getByRole('button', { name: t[section].add })).toBeTruthy()
+    expect(screen.getByText(texts.administration[section].hint)).toBeTruthy()
+    expect(screen.getByRole('button', { name: texts.administration[section].add })).toBeTruthy()
     const buttons = screen.getAllByRole(section === 'collaborations' ? 'link' : 'button')
     const way = section === 'collaborations' ? /^Open: / : /^Remove: /
     expect(buttons.some((each) => way.test(each.getAttribute('aria-label') ?? ''))).toBe(true)
@@ -72,25 +73,34 @@ describe('the administration', () => {
     vi.spyOn(feed, 'start').mockImplementation(() => undefined)
     router.parts = ['administration']
     const { unmount } = render(Pages)
-    expect(screen.getByRole('button', { name: t.organisations.add })).toBeTruthy()
+    expect(
+      screen.getByRole('button', { name: texts.administration.organisations.add }),
+    ).toBeTruthy()
     unmount()
     signIn('PLANNER')
     render(Pages)
-    expect(screen.queryByRole('button', { name: t.organisations.add })).toBeNull()
-    expect(screen.queryByRole('link', { name: t.title })).toBeNull()
+    expect(
+      screen.queryByRole('button', { name: texts.administration.organisations.add }),
+    ).toBeNull()
+    expect(screen.queryByRole('link', { name: texts.administration.title })).toBeNull()
   })
 
   it('adds an organisation, and none whose id is in use', async () => {
     const log = serve({ ...lists, 'POST /organisations': ({ body }: Asked) => body })
     render(Administration, {})
-    await userEvent.click(await screen.findByRole('button', { name: t.organisations.add }))
+    await userEvent.click(
+      await screen.findByRole('button', { name: texts.administration.organisations.add }),
+    )
     await screen.findByText('Acme Aero')
-    await userEvent.type(within(await dialog()).getByLabelText(t.id), 'acme')
-    expect(within(await dialog()).getByText(t.idTaken)).toBeTruthy()
+    await userEvent.type(within(await dialog()).getByLabelText(texts.administration.id), 'acme')
+    expect(within(await dialog()).getByText(texts.administration.idTaken)).toBeTruthy()
     await save('Add')
     expect(changes(log)).toEqual([])
-    await userEvent.type(within(await dialog()).getByLabelText(t.id), '-2')
-    await userEvent.type(within(await dialog()).getByLabelText(t.name), 'Acme Two')
+    await userEvent.type(within(await dialog()).getByLabelText(texts.administration.id), '-2')
+    await userEvent.type(
+      within(await dialog()).getByLabelText(texts.administration.name),
+      'Acme Two',
+    )
     await save('Add')
     await vi.waitFor(() => {
       expect(changes(log).map(({ body }) => body)).toEqual([
@@ -103,11 +113,14 @@ describe('the administration', () => {
     const log = serve({ ...lists, 'PUT /users/bert': ({ body }: Asked) => body })
     render(Administration, { section: 'people' })
     await screen.findByText('anna')
-    await userEvent.click(screen.getByRole('button', { name: t.people.add }))
+    await userEvent.click(screen.getByRole('button', { name: texts.administration.people.add }))
     await userEvent.type(within(await dialog()).getByLabelText('User name'), 'bert')
-    await userEvent.selectOptions(within(await dialog()).getByLabelText(t.organisation), 'acme')
+    await userEvent.selectOptions(
+      within(await dialog()).getByLabelText(texts.administration.organisation),
+      'acme',
+    )
     await save('Save')
-    const shown = await screen.findByLabelText(t.people.password)
+    const shown = await screen.findByLabelText(texts.administration.people.password)
     const [put] = changes(log)
     expect(put).toMatchObject({ path: '/users/bert' })
     expect(put?.body).toEqual({
@@ -116,7 +129,7 @@ describe('the administration', () => {
       password: shown.textContent,
     })
     expect(shown.textContent).toHaveLength(20)
-    await save(t.secret.done)
+    await save(texts.administration.secret.done)
     expect(screen.queryByText(shown.textContent)).toBeNull()
   })
 
@@ -127,7 +140,9 @@ describe('the administration', () => {
       'POST /factories/HAM_1/enrolment-tokens': () => ({ token: 'x.y', expiresAt: at }),
     })
     render(Administration, { section: 'factories' })
-    await userEvent.click(await screen.findByRole('button', { name: t.factories.add }))
+    await userEvent.click(
+      await screen.findByRole('button', { name: texts.administration.factories.add }),
+    )
     await userEvent.type(within(await dialog()).getByLabelText(texts.factories.id), 'HAM_1')
     const choice = within(await dialog()).getByLabelText(texts.factories.organisation)
     await userEvent.selectOptions(choice, 'hull')
@@ -143,8 +158,10 @@ describe('the administration', () => {
     const log = serve({ ...lists, 'POST /collaborations': ({ body }: Asked) => body })
     render(Administration, { section: 'collaborations' })
     await screen.findByText('Frames')
-    await userEvent.click(screen.getByRole('button', { name: t.collaborations.add }))
-    await userEvent.type(within(await dialog()).getByLabelText(t.id), 'hulls')
+    await userEvent.click(
+      screen.getByRole('button', { name: texts.administration.collaborations.add }),
+    )
+    await userEvent.type(within(await dialog()).getByLabelText(texts.administration.id), 'hulls')
     for (const name of [/^Acme Aero/, /^Hull Ltd/, /^Munich/])
       await userEvent.click(within(await dialog()).getByRole('checkbox', { name }))
     await save('Add')
@@ -176,11 +193,15 @@ describe('the administration', () => {
       }),
     })
     render(Administration, { section: 'collaborations', id: 'frames' })
-    const choice = await screen.findByLabelText(t.collaborations.whichMember)
+    const choice = await screen.findByLabelText(texts.administration.collaborations.whichMember)
     expect(within(choice).queryByRole('option', { name: /Acme/ })).toBeNull()
     await userEvent.selectOptions(choice, 'hull')
-    await userEvent.click(screen.getByRole('button', { name: t.collaborations.addMember }))
-    await userEvent.click(screen.getByRole('button', { name: t.removeOf('MUC_1') }))
+    await userEvent.click(
+      screen.getByRole('button', { name: texts.administration.collaborations.addMember }),
+    )
+    await userEvent.click(
+      screen.getByRole('button', { name: texts.administration.removeOf('MUC_1') }),
+    )
     expect(await screen.findByText('operation-networks/n')).toBeTruthy()
     expect(changes(log).map(({ method, path: asked }) => `${method} ${asked}`)).toEqual([
       'PUT /collaborations/frames/members/hull',
@@ -199,14 +220,17 @@ describe('the administration', () => {
       }),
     })
     render(Administration, { section: 'tools' })
-    await screen.findByLabelText(t.removeOf('Planning'))
-    await userEvent.click(screen.getByRole('button', { name: t.tools.add }))
-    await userEvent.type(within(await dialog()).getByLabelText(t.id), 'Erp')
-    await userEvent.selectOptions(within(await dialog()).getByLabelText(t.organisation), 'acme')
+    await screen.findByLabelText(texts.administration.removeOf('Planning'))
+    await userEvent.click(screen.getByRole('button', { name: texts.administration.tools.add }))
+    await userEvent.type(within(await dialog()).getByLabelText(texts.administration.id), 'Erp')
+    await userEvent.selectOptions(
+      within(await dialog()).getByLabelText(texts.administration.organisation),
+      'acme',
+    )
     await save('Add')
     for (const text of ['amqps://broker.example', 'tool.Erp', 'its-secret', 'tool.Erp.requests'])
       expect(await screen.findByText(text)).toBeTruthy()
-    await save(t.secret.done)
+    await save(texts.administration.secret.done)
     expect(screen.queryByText('its-secret')).toBeNull()
   })
 
@@ -220,7 +244,7 @@ describe('the administration', () => {
     render(Administration, {})
     await screen.findByText('Company 0')
     expect(screen.queryByText('Company 50')).toBeNull()
-    await userEvent.click(screen.getByRole('button', { name: t.more(50) }))
+    await userEvent.click(screen.getByRole('button', { name: texts.administration.more(50) }))
     expect(screen.getByText('Company 50')).toBeTruthy()
     await userEvent.type(screen.getByRole('searchbox'), 'company 119')
     expect(screen.getByText('Company 119')).toBeTruthy()

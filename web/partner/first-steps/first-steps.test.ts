@@ -1,5 +1,6 @@
 import { render, screen } from '@testing-library/svelte'
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest'
+import { language } from '@/language/language.svelte'
 import { session } from '@/transport/session.svelte'
 import { serve, type Asked } from '../../vitest.server'
 import type { Collaboration, Factory, NetworkSummary } from '../api/types'
@@ -7,7 +8,6 @@ import { texts } from '../language/texts'
 import FirstSteps from './FirstSteps.svelte'
 import { administratorSteps, plannerSteps, type FirstStep, type Known } from './steps'
 
-const t = texts.administration.firstSteps
 const at = '2026-01-01T00:00:00Z'
 const organisation = { organisationId: 'acme', name: 'Acme', createdAt: at }
 const factory: Factory = {
@@ -43,6 +43,7 @@ function signIn(role: 'ADMINISTRATOR' | 'PLANNER' | 'VIEWER'): void {
 }
 
 beforeEach(() => {
+  language.choose('en')
   signIn('ADMINISTRATOR')
 })
 afterEach(() => {
@@ -56,14 +57,24 @@ describe('the first steps of those who run the platform', () => {
       known = { ...known, ...more }
       return titles(administratorSteps(known))
     }
-    const all = [t.organisation, t.factory, t.enrol, t.collaboration, t.person]
+    const all = [
+      texts.administration.firstSteps.organisation,
+      texts.administration.firstSteps.factory,
+      texts.administration.firstSteps.enrol,
+      texts.administration.firstSteps.collaboration,
+      texts.administration.firstSteps.person,
+    ]
     expect(left({})).toEqual(all)
     expect(left({ organisations: [organisation] })).toEqual(all.slice(1))
     expect(left({ factories: [factory] })).toEqual(all.slice(2))
     expect(left({ factories: [factory, { ...factory, enrolledAt: at }] })).toEqual(all.slice(3))
     expect(left({ collaborations: [{ ...collaboration, factories: [] }] })).toEqual(all.slice(3))
-    expect(left({ collaborations: [collaboration] })).toEqual([t.person])
-    expect(left({ people: [{ userName: 'root', role: 'ADMINISTRATOR' }] })).toEqual([t.person])
+    expect(left({ collaborations: [collaboration] })).toEqual([
+      texts.administration.firstSteps.person,
+    ])
+    expect(left({ people: [{ userName: 'root', role: 'ADMINISTRATOR' }] })).toEqual([
+      texts.administration.firstSteps.person,
+    ])
     expect(
       left({ people: [{ userName: 'bert', role: 'PLANNER', organisationId: 'acme' }] }),
     ).toEqual([])
@@ -109,23 +120,35 @@ describe('the first steps on the start page', () => {
       'GET /operation-networks/n': view([]),
     })
     render(FirstSteps, { networks: [network] })
-    expect(await screen.findByRole('heading', { name: t.factory })).toBeTruthy()
+    expect(
+      await screen.findByRole('heading', { name: texts.administration.firstSteps.factory }),
+    ).toBeTruthy()
     const headings = screen.getAllByRole('heading', { level: 3 }).map((each) => each.textContent)
-    expect(headings).toEqual([t.factory, t.enrol, t.collaboration, t.person, t.request])
+    expect(headings).toEqual([
+      texts.administration.firstSteps.factory,
+      texts.administration.firstSteps.enrol,
+      texts.administration.firstSteps.collaboration,
+      texts.administration.firstSteps.person,
+      texts.administration.firstSteps.request,
+    ])
   })
 
   it('are of planners the network and the request alone, and of viewers none', async () => {
     const log = serve({})
     signIn('PLANNER')
     const { unmount } = render(FirstSteps, { networks: [] })
-    expect(await screen.findByRole('heading', { name: t.network })).toBeTruthy()
+    expect(
+      await screen.findByRole('heading', { name: texts.administration.firstSteps.network }),
+    ).toBeTruthy()
     expect(screen.getAllByRole('listitem')).toHaveLength(2)
     expect(log).toEqual([])
     unmount()
     signIn('VIEWER')
     render(FirstSteps, { networks: [] })
     await Promise.resolve()
-    expect(screen.queryByRole('heading', { name: t.title })).toBeNull()
+    expect(
+      screen.queryByRole('heading', { name: texts.administration.firstSteps.title }),
+    ).toBeNull()
   })
 
   it('are gone once something is asked, without a look into networks that report', async () => {
@@ -135,12 +158,16 @@ describe('the first steps on the start page', () => {
     await vi.waitFor(() => {
       expect(log).toHaveLength(1)
     })
-    expect(screen.queryByRole('heading', { name: t.title })).toBeNull()
+    expect(
+      screen.queryByRole('heading', { name: texts.administration.firstSteps.title }),
+    ).toBeNull()
     unmount()
     log = serve({})
     render(FirstSteps, { networks: [{ ...network, lastReportAt: at }] })
     await Promise.resolve()
     expect(log).toEqual([])
-    expect(screen.queryByRole('heading', { name: t.title })).toBeNull()
+    expect(
+      screen.queryByRole('heading', { name: texts.administration.firstSteps.title }),
+    ).toBeNull()
   })
 })
