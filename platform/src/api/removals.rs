@@ -10,11 +10,9 @@ use utoipa::IntoParams;
 use super::problems::ChangeProblems;
 use crate::{
     application::Application,
+    leaving,
     principal::Principal,
-    store::{
-        AuditFact, AuditFactKind, AuditOutcome, AuditSubject, Leaver, RemovalEffects, StoreError,
-        Work,
-    },
+    store::{AuditOutcome, Leaver, RemovalEffects},
 };
 
 /// Things in force that a refusal names.
@@ -129,9 +127,7 @@ async fn leave(
     if !removal.in_force.is_empty() {
         return Err(in_force(&removal.in_force));
     }
-    let facts = facts(&mut work, &leaver, &subject, &removal).await?;
-    work.describe(facts);
-    work.removals().leave(&leaver, app.clock.now()).await?;
+    leaving::leave(&mut work, &leaver, &subject, &removal, app.clock.now()).await?;
     work.commit(subject, AuditOutcome::Done).await?;
     if let Leaver::Factory(id) = &leaver {
         app.ingest.forget(id);
@@ -181,33 +177,6 @@ async fn is_of_own_organisation(
     }
     let subject = app.store.read().await?.removals().subject(leaver).await?;
     Ok(subject.is_some_and(|subject| subject.concerned.as_ref() == Some(own)))
-}
-
-/// Returns what of a removal its path does not say.
-async fn facts(
-    work: &mut Work,
-    leaver: &Leaver,
-    subject: &AuditSubject,
-    removal: &RemovalEffects,
-) -> Result<Vec<AuditFact>, StoreError> {
-    let mut facts = Vec::new();
-    match leaver {
-        Leaver::User(name) => {
-            let user = work.users().lookup(name).await?;
-            facts.extend(user.map(|(user, _)| AuditFact::ended(AuditFactKind::Role, user.role)));
-        }
-        Leaver::Organisation(_) => {
-            let person = |name| AuditFact::ended(AuditFactKind::Person, name);
-            facts.extend(removal.people.iter().map(person));
-        }
-        Leaver::Tool(_) | Leaver::Factory(_) => {
-            facts.push(AuditFact::ended(AuditFactKind::Credentials, removal.credentials));
-        }
-        Leaver::Member(..) | Leaver::CollaborationFactory(..) => {}
-    }
-    let organisation = |id| AuditFact::ended(AuditFactKind::Organisation, id);
-    facts.extend(subject.concerned.as_ref().map(organisation));
-    Ok(facts)
 }
 
 /// Returns the problem of a change that would end what is in force.

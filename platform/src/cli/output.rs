@@ -8,3 +8,8 @@ use anyhow::Context as _;
 pub(super) fn print(text: &str) -> anyhow::Result<()> {
     writeln!(std::io::stdout(), "{text}").context("writing to standard output")
 }
+
+/// Prints a line for people, beside what programs read.
+pub(super) fn note(text: &str) -> anyhow::Result<()> {
+    writeln!(std::io::stderr(), "{text}").context("writing to standard error")
+}
