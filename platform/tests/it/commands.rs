@@ -137,3 +137,25 @@ async fn what_is_in_force_is_in_the_way_of_a_removal_by_command() {
     ];
     assert_eq!(removals, left, "each removal is on record");
 }
+
+/// Commands of the platform that the README lists, without the one that runs it.
+fn commands_of_the_readme() -> Vec<&'static str> {
+    include_str!("../../../README.md")
+        .lines()
+        .filter_map(|line| line.strip_prefix("target/release/platform "))
+        .filter(|words| *words != "serve")
+        .collect()
+}
+
+#[test]
+fn the_commands_of_the_readme_set_a_platform_up() {
+    let bare = Bare::new();
+    let commands = commands_of_the_readme();
+    assert!(commands.len() > 5, "{commands:?}");
+    let said: Vec<String> = commands.iter().map(|words| bare.said(words)).collect();
+    assert_eq!(
+        said.last().map(String::as_str),
+        Some("frames\tframes\tacme,munich\tMUC_1"),
+        "the last one lists what the others made"
+    );
+}
