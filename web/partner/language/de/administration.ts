@@ -128,7 +128,7 @@ export const administration: typeof English = {
     organisationText: 'Ihr Unternehmen und seine Partner, jedes einmal.',
     factory: 'Fabrik hinzufügen',
     factoryText: 'Das Werk, dessen Herstellung zu sehen sein soll.',
-    enrol: 'Ihre Anbindung aufnehmen',
+    enrol: 'Eine Anbindung aufnehmen',
     enrolText: (names: string) =>
       `Noch nicht aufgenommen: ${names}. Erzeugen Sie einen Schlüssel und geben Sie ihn in der Fabrik ein.`,
     collaboration: 'Zusammenarbeit beginnen',
@@ -140,7 +140,6 @@ export const administration: typeof English = {
     networkText: 'Wer was in welcher Reihenfolge herstellt.',
     request: 'Den ersten Wert anfragen',
     requestText: 'Öffnen Sie einen Vorgang des Netzes und fragen Sie die Fabrik.',
-    addOne: 'Hinzufügen',
     openNetwork: 'Netz öffnen',
   },
 }

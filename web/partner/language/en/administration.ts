@@ -125,7 +125,7 @@ export const administration = {
     organisationText: 'Your company and its partners, each once.',
     factory: 'Add a factory',
     factoryText: 'The plant whose production shall be seen.',
-    enrol: 'Enrol its connector',
+    enrol: 'Enrol a connector',
     enrolText: (names: string) =>
       `Not enrolled yet: ${names}. Make a token and enter it at the factory.`,
     collaboration: 'Start a collaboration',
@@ -137,7 +137,6 @@ export const administration = {
     networkText: 'Who makes what, in which order.',
     request: 'Ask for the first value',
     requestText: 'Open an operation of the network and ask the factory.',
-    addOne: 'Add one',
     openNetwork: 'Open the network',
   },
 }
