@@ -1,10 +1,12 @@
-//! The end of people, programs, plants and organisations on the platform, with what the record says of it.
+//! The end of people, programs, plants, organisations and collaborations on the platform, with what the record says of it.
 
 use asi_model::DateTime;
 
 use crate::{
     audit::RecordedWork,
-    store::{AuditFact, AuditFactKind, AuditSubject, Leaver, RemovalEffects, StoreError, Work},
+    store::{
+        AuditFact, AuditFactKind, AuditSubject, Leaver, RemovalEffects, Scope, StoreError, Work,
+    },
 };
 
 /// Lets it leave within a unit of work, whose entry says what was and what ends. What is in force was
@@ -43,6 +45,14 @@ async fn facts(
         }
         Leaver::Tool(_) | Leaver::Factory(_) => {
             facts.push(AuditFact::ended(AuditFactKind::Credentials, removal.credentials));
+        }
+        Leaver::Collaboration(id) => {
+            if let Some(ended) = work.collaborations().lookup(&Scope::Platform, id).await? {
+                let member = |id| AuditFact::ended(AuditFactKind::Member, id);
+                facts.extend(ended.members.iter().map(member));
+                let factory = |id| AuditFact::ended(AuditFactKind::Factory, id);
+                facts.extend(ended.factories.iter().map(factory));
+            }
         }
         Leaver::Member(..) | Leaver::CollaborationFactory(..) => {}
     }

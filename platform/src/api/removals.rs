@@ -1,4 +1,4 @@
-//! Removals of people, tools, factories, organisations and members: by administrators, by people of their own accounts,
+//! Removals of people, tools, factories, organisations, collaborations and members: by administrators, by people of their own accounts,
 //! and by planners of what is their organisation's.
 
 use asi_model::{CollaborationId, FactoryId, OrganisationId, ToolId};
@@ -79,6 +79,18 @@ pub async fn organisation(
     leave(&app, &who, "removeOrganisation", Leaver::Organisation(id), &query).await
 }
 
+/// Removes a collaboration of which every network is withdrawn: its members and factories part in it.
+#[utoipa::path(delete, operation_id = "removeCollaboration", path = "/collaborations/{collaborationId}", tag = "collaborations", security(("session" = [])),
+    params(("collaborationId" = String, Path), RemovalQuery), responses((status = 200, body = RemovalEffects), ChangeProblems))]
+pub async fn collaboration(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiPath(id): ApiPath<CollaborationId>,
+    ApiQuery(query): ApiQuery<RemovalQuery>,
+) -> Result<Json<RemovalEffects>, Problem> {
+    leave(&app, &who, "removeCollaboration", Leaver::Collaboration(id), &query).await
+}
+
 /// Takes a member out of a collaboration in which nothing of it is in force. What was released to it stays
 /// readable to it. Planners take their own organisation out within ten minutes of a sign-in.
 #[utoipa::path(delete, operation_id = "removeMember", path = "/collaborations/{collaborationId}/members/{organisationId}", tag = "collaborations",
@@ -135,7 +147,10 @@ async fn leave(
     if let Some(holder) = leaver.holder() {
         app.broker_access.revoked(&app.store.reserved_reader(), &holder).await?;
     }
-    tracing::info!(leaver = leaver.path(), "A person, program, plant or organisation has left.");
+    tracing::info!(
+        leaver = leaver.path(),
+        "A person, program, plant, organisation or collaboration has left."
+    );
     Ok(Json(RemovalEffects { is_done: true, ..removal }))
 }
 

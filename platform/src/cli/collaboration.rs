@@ -33,6 +33,13 @@ pub(super) enum CollaborationCommand {
         #[arg(long = "factory")]
         factories: Vec<FactoryId>,
     },
+    /// Remove a collaboration of which every network is withdrawn.
+    Remove {
+        collaboration: CollaborationId,
+        /// Say what would end and what is in force, and remove nothing.
+        #[arg(long)]
+        dry_run: bool,
+    },
     /// Let an organisation take part.
     AddMember { collaboration: CollaborationId, organisation: OrganisationId },
     /// Let a factory take part.
@@ -67,6 +74,10 @@ pub(super) async fn run(
             let collaboration_id = collaboration;
             add(config, Collaboration { collaboration_id, name, created_at, members, factories })
                 .await
+        }
+        CollaborationCommand::Remove { collaboration, dry_run } => {
+            let leaver = Leaver::Collaboration(collaboration);
+            removal::remove(config, "removeCollaboration", &leaver, dry_run).await
         }
         CollaborationCommand::AddMember { collaboration, organisation } => {
             add_member(config, &collaboration, &organisation).await
@@ -111,7 +122,7 @@ async fn add(config: &PlatformConfig, collaboration: Collaboration) -> anyhow::R
     let id = &collaboration.collaboration_id;
     anyhow::ensure!(
         work.collaborations().add(&collaboration).await?,
-        "there is a collaboration {id} already"
+        "the id {id} is in use, or was"
     );
     let member = |id| AuditFact::new(AuditFactKind::Member, id);
     work.describe(collaboration.members.iter().map(member));

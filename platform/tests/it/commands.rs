@@ -96,7 +96,11 @@ fn commands_name_what_is_missing_or_there_already() {
     }
     bare.said("collaboration add c");
     let refusal = bare.refusal("collaboration add c");
-    assert!(refusal.contains("there is a collaboration c already"), "{refusal}");
+    assert!(refusal.contains("the id c is in use, or was"), "{refusal}");
+    bare.said("collaboration remove c");
+    assert_eq!(bare.said("collaboration list"), "");
+    let refusal = bare.refusal("collaboration add c");
+    assert!(refusal.contains("the id c is in use, or was"), "never given again: {refusal}");
 }
 
 #[tokio::test]

@@ -292,6 +292,7 @@ export const de: Texts = {
       removeTool: 'hat ein Werkzeug entfernt',
       removeFactory: 'hat eine Fabrik entfernt',
       removeOrganisation: 'hat eine Organisation entfernt',
+      removeCollaboration: 'hat eine Zusammenarbeit entfernt',
       removeMember: 'hat ein Mitglied aus einer Zusammenarbeit genommen',
       answerOperationNetwork: 'hat eine Fassung eines Netzes beantwortet',
       decideField: 'hat über ein Feld entschieden',

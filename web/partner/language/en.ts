@@ -289,6 +289,7 @@ export const en = {
       removeTool: 'removed a tool',
       removeFactory: 'removed a factory',
       removeOrganisation: 'removed an organisation',
+      removeCollaboration: 'removed a collaboration',
       removeMember: 'took a member out of a collaboration',
       answerOperationNetwork: 'answered a revision of a network',
       decideField: 'decided on a field',

@@ -83,6 +83,8 @@ export const administration: typeof English = {
     whichMember: 'Organisation, die dazukommt',
     whichFactory: 'Fabrik, die dazukommt',
     all: 'Alle, die es gibt, nehmen teil.',
+    removeNote:
+      'Ihre Mitglieder und Fabriken gehen auseinander: Niemand zeichnet oder fragt mehr darin.',
     unknown: 'Diese Zusammenarbeit gibt es nicht',
     saved: (name: string) => `${name} wurde hinzugefügt.`,
   },

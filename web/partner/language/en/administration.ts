@@ -80,6 +80,7 @@ export const administration = {
     whichMember: 'Organisation to add',
     whichFactory: 'Factory to add',
     all: 'All that there are take part.',
+    removeNote: 'Its members and factories part: nobody draws or asks in it any more.',
     unknown: 'There is no such collaboration',
     saved: (name: string) => `${name} was added.`,
   },
