@@ -131,6 +131,35 @@ describe('the administration', () => {
     expect(screen.queryByText(shown.textContent)).toBeNull()
   })
 
+  it('ends sessions of a person, and asks before a second factor is reset', async () => {
+    const session = {
+      sessionId: 's1',
+      kind: 'WEB',
+      address: '10.0.0.7',
+      userAgent: 'Firefox',
+      startedAt: at,
+      lastUsedAt: at,
+      isPresent: false,
+    }
+    const log = serve({
+      ...lists,
+      'GET /users/anna/sessions': () => ({ items: [session] }),
+      'DELETE /users/anna/sessions/s1': () => new Response(null, { status: 204 }),
+      'DELETE /users/anna/second-factor': () => new Response(null, { status: 204 }),
+    })
+    render(Administration, { section: 'people' })
+    await userEvent.click(await screen.findByRole('button', { name: 'Sessions: anna' }))
+    await userEvent.click(await screen.findByRole('button', { name: /: 10\.0\.0\.7$/ }))
+    const name = texts.administration.people.resetFactor
+    await userEvent.click(screen.getByRole('button', { name }))
+    expect(changes(log).map(({ path }) => path)).toEqual(['/users/anna/sessions/s1'])
+    expect(screen.getByText(texts.administration.people.resetText)).toBeTruthy()
+    await userEvent.click(screen.getAllByRole('button', { name }).at(-1) ?? document.body)
+    await vi.waitFor(() => {
+      expect(changes(log).at(-1)?.path).toBe('/users/anna/second-factor')
+    })
+  })
+
   it('hands a new factory its enrolment token at once', async () => {
     const log = serve({
       ...lists,

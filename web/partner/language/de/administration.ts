@@ -37,6 +37,11 @@ export const administration: typeof English = {
     changeOf: (name: string) => `Ändern: ${name}`,
     changeHint:
       'Dazu gehört ein neues Passwort, und die Sitzungen der Person enden: Was vorher erlaubt war, endet sofort.',
+    resetFactor: 'Zweiten Faktor zurücksetzen',
+    resetTitle: (name: string) => `Zweiten Faktor von ${name} zurücksetzen?`,
+    resetText:
+      'App, Passkeys und Wiederherstellungscodes enden; bis ein neuer zweiter Faktor eingerichtet ist, genügt das Passwort. Vergewissern Sie sich, dass wirklich diese Person darum bittet.',
+    factorReset: (name: string) => `${name} meldet sich nun mit dem Passwort allein an.`,
     nameHint: 'Der Name zum Anmelden, etwa anna. Er wird nie an eine andere Person vergeben.',
     role: 'Rolle',
     roles: {

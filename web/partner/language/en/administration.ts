@@ -34,6 +34,11 @@ export const administration = {
     changeOf: (name: string) => `Change: ${name}`,
     changeHint:
       'It takes a new password, and the sessions of the person end: what was allowed before ends at once.',
+    resetFactor: 'Reset the second factor',
+    resetTitle: (name: string) => `Reset the second factor of ${name}?`,
+    resetText:
+      'App, passkeys and recovery codes end; the password alone signs in until a new second factor is set up. Make sure that it is really this person who asks.',
+    factorReset: (name: string) => `${name} signs in with the password alone now.`,
     nameHint: 'A name to sign in with, as anna. It is never given to another person.',
     role: 'Role',
     roles: {
