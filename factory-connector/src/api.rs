@@ -38,6 +38,8 @@ mod rules;
 mod search;
 mod session;
 mod shadow;
+mod source_client_certificates;
+mod source_inquiry;
 mod sources;
 mod spool;
 mod status;
@@ -141,16 +143,7 @@ fn guarded() -> OpenApiRouter<Api> {
         .routes(guarded!(templates::put_mapping_template))
         .routes(guarded!(templates::remove_mapping_template))
         .routes(guarded!(templates::fill_mapping_template))
-        .routes(guarded!(sources::list_sources))
-        .routes(guarded!(sources::add_source))
-        .routes(guarded!(sources::change_source))
-        .routes(guarded!(sources::remove_source))
-        .routes(guarded!(sources::show_source_use))
-        .routes(guarded!(sources::browse_source))
-        .routes(guarded!(sources::read_source_value))
-        .routes(guarded!(search::search_source))
-        .routes(guarded!(sources::list_source_certificates))
-        .routes(guarded!(sources::trust_source_certificate))
+        .merge(sources())
         .routes(guarded!(application_certificate::show_application_certificate))
         .routes(guarded!(application_certificate::request_application_certificate))
         .routes(guarded!(application_certificate::install_application_certificate))
@@ -202,6 +195,28 @@ fn account() -> OpenApiRouter<Api> {
         .routes(guarded!(account::list_user_sessions))
         .routes(guarded!(account::end_user_session))
         .routes(guarded!(account::reset_second_factor))
+}
+
+/// Operations on the OPC UA servers of machines, and on those that may become sources.
+fn sources() -> OpenApiRouter<Api> {
+    OpenApiRouter::new()
+        .routes(guarded!(sources::list_sources))
+        .routes(guarded!(sources::add_source))
+        .routes(guarded!(sources::change_source))
+        .routes(guarded!(sources::remove_source))
+        .routes(guarded!(sources::show_source_use))
+        .routes(guarded!(sources::browse_source))
+        .routes(guarded!(sources::read_source_value))
+        .routes(guarded!(search::search_source))
+        .routes(guarded!(source_inquiry::discover_source))
+        .routes(guarded!(source_inquiry::test_source))
+        .routes(guarded!(source_inquiry::list_server_profiles))
+        .routes(guarded!(sources::list_source_certificates))
+        .routes(guarded!(sources::trust_source_certificate))
+        .routes(guarded!(source_client_certificates::show_source_client_certificate))
+        .routes(guarded!(source_client_certificates::prepare_source_client_certificate))
+        .routes(guarded!(source_client_certificates::discard_source_client_certificate))
+        .routes(guarded!(source_client_certificates::use_source_client_certificate))
 }
 
 /// Operations on policies, standing rules, leak budgets and caps.

@@ -35,6 +35,9 @@ const ASK_AGAIN_MAX: Duration = Duration::from_secs(600);
 /// Most requests whose answers are accepted. Answers to older ones say what held before newer
 /// requests were sent.
 const ASKED_MAX: usize = 16;
+/// Requests of a connection in a row without an answer after which the platform counts as silent: more than one that
+/// restarts leaves behind.
+const UNANSWERED_MAX: u32 = 3;
 
 /// Identity of this running connector, which the platform distinguishes from others.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -75,6 +78,9 @@ pub enum LeaseState {
     Held,
     /// Another connector has the lease; nothing leaves here.
     Refused,
+    /// The link is up, and the platform has not answered since: it is down, or the access was revoked there. What may
+    /// leave is as before.
+    Unanswered,
 }
 
 /// Event that may change the lease.
@@ -116,6 +122,10 @@ pub struct LeaseMachine {
     asked: VecDeque<MessageId>,
     patience: Duration,
     ask_at: Option<Instant>,
+    /// State by the platform's last answer, and its time.
+    answered: (LeaseState, DateTime),
+    /// Requests since the last answer or the begin of the connection, and the time of the first of them.
+    unanswered: (u32, DateTime),
 }
 
 impl LeaseMachine {
@@ -138,6 +148,8 @@ impl LeaseMachine {
             asked: VecDeque::new(),
             patience: PATIENCE_MIN,
             ask_at: None,
+            answered: (LeaseState::Asking, now),
+            unanswered: (0, now),
         }
     }
 
@@ -167,11 +179,13 @@ impl LeaseMachine {
                 (self.is_connected, self.is_confirmed) = (true, false);
                 self.asked.clear();
                 self.patience = PATIENCE_MIN;
-                vec![self.ask(id, instant)]
+                vec![self.ask(id, instant, now)]
             }
             LeaseInput::Disconnected => {
                 (self.is_connected, self.is_confirmed) = (false, false);
                 self.ask_at = None;
+                // Without a link nothing can be answered.
+                self.end_silence();
                 // Not before the link is down: a receiver that leaves an address while it is
                 // connected may end the subscription of both connectors.
                 if self.status.state == LeaseState::Refused {
@@ -182,7 +196,7 @@ impl LeaseMachine {
             }
             LeaseInput::Tick => {
                 let is_due = self.is_connected && self.ask_at.is_some_and(|at| at <= instant);
-                if is_due { vec![self.ask(id, instant)] } else { Vec::new() }
+                if is_due { vec![self.ask(id, instant, now)] } else { Vec::new() }
             }
             LeaseInput::Answered(answer) if answer.instance_id == self.instance.instance_id => {
                 self.answered(*answer, instant, now)
@@ -194,7 +208,12 @@ impl LeaseMachine {
         }
     }
 
-    fn ask(&mut self, message_id: MessageId, instant: Instant) -> LeaseAction {
+    fn ask(&mut self, message_id: MessageId, instant: Instant, now: DateTime) -> LeaseAction {
+        let (count, since) = self.unanswered;
+        if count >= UNANSWERED_MAX {
+            (self.status.state, self.status.since) = (LeaseState::Unanswered, since);
+        }
+        self.unanswered = (count.saturating_add(1), if count == 0 { now } else { since });
         self.asked.push_back(message_id.clone());
         if self.asked.len() > ASKED_MAX {
             self.asked.pop_front();
@@ -269,6 +288,7 @@ impl LeaseMachine {
             last_heard_at: now,
         };
         self.status.contender = Some(other);
+        self.end_silence();
         // Its answer came here, so ours may have gone there: ask again soon, though not at once,
         // lest the two connectors receive each other's answers over and over.
         self.patience = PATIENCE_MIN;
@@ -276,10 +296,16 @@ impl LeaseMachine {
     }
 
     fn enter(&mut self, state: LeaseState, now: DateTime) {
-        if self.status.state != state {
-            self.status.state = state;
-            self.status.since = now;
+        if self.answered.0 != state {
+            self.answered = (state, now);
         }
+        self.end_silence();
+    }
+
+    /// Shows again what the platform answered last.
+    fn end_silence(&mut self) {
+        self.unanswered.0 = 0;
+        (self.status.state, self.status.since) = self.answered;
     }
 }
 

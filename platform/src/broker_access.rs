@@ -43,6 +43,8 @@ struct Inner {
 struct BrokerParts {
     broker: Option<EmbeddedBroker>,
     link: Option<LinkHandle>,
+    /// Addresses to read beside those of the store.
+    always_read: Vec<LogicalAddress>,
 }
 
 /// Users or queues could not be brought in line with the store.
@@ -91,9 +93,11 @@ impl BrokerAccess {
         self.0.parts.lock().broker = Some(broker);
     }
 
-    /// Sets the handle of the link, once it runs.
-    pub fn set_link(&self, link: LinkHandle) {
-        self.0.parts.lock().link = Some(link);
+    /// Sets the handle of the link, once it runs, with the addresses that it reads whatever the store says.
+    pub fn set_link(&self, link: LinkHandle, always_read: Vec<LogicalAddress>) {
+        let mut parts = self.0.parts.lock();
+        parts.link = Some(link);
+        parts.always_read = always_read;
     }
 
     /// Returns the embedded broker, if there is one.
@@ -175,6 +179,7 @@ impl BrokerAccess {
                 .cloned()
                 .map(LogicalAddress::FactoryIngress)
                 .chain(tools.iter().cloned().map(LogicalAddress::ToolRequests))
+                .chain(self.0.parts.lock().always_read.clone())
                 .collect();
             link.set_consumed(read);
         }

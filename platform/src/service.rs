@@ -114,12 +114,13 @@ impl Platform {
             brokers::open(&config, &broker_access, &store.reader(), started_at, program).await?;
         let broker_addresses =
             broker_access.broker().map(|broker| broker.addresses().to_vec()).unwrap_or_default();
+        let always_read = link_config.consumed.clone();
         let (link, link_handle) = Link::new(
             link_config,
             Arc::new(StoredSpool::new(store.clone())),
             Arc::new(ingest_handle.clone()),
         )?;
-        broker_access.set_link(link_handle);
+        broker_access.set_link(link_handle, always_read);
 
         let web_tls = config.web.tls.as_ref().map(server::TlsFiles::load).transpose()?;
         let (web_listener, web_address) = listen(&config).await?;

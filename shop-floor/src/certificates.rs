@@ -7,55 +7,36 @@
 //! certificate is trusted.
 
 mod folder;
+mod own;
 mod revocation;
 
 use std::{
     fs, io,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 use asi_model::values::DateTime;
-use opcua_stack::opcua::crypto::{CertificateStore, X509, X509Data};
+use opcua_stack::opcua::crypto::{CertificateStore, X509};
+use parking_lot::Mutex;
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 use utoipa::ToSchema;
 
 use self::folder::{contents, disk, read};
+pub use self::own::{OwnCertificate, OwnCertificates};
 use crate::{Config, ShopFloorError};
 
-const OWN_CERTIFICATE: &str = "own/cert.der";
-const OWN_PRIVATE_KEY: &str = "private/private.pem";
 const TRUSTED: &str = "trusted";
 const REJECTED: &str = "rejected";
 const ISSUERS: &str = "issuers";
 const REVOCATION_LISTS: &str = "crl";
-/// Days for which the client certificate is valid.
-const OWN_VALIDITY_DAYS: u32 = 3650;
 /// Most certificates listed per folder, and most stored as rejected.
 const CERTIFICATES_MAX: usize = 1000;
 /// Longest certificate file read.
 const CERTIFICATE_BYTES_MAX: u64 = 64 << 10;
 /// Longest revocation list read.
 const REVOCATION_LIST_BYTES_MAX: u64 = 4 << 20;
-
-/// Client certificate, which a server's administrator must trust.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct OwnCertificate {
-    /// SHA-1 thumbprint, hex: the certificate's name in OPC UA.
-    pub thumbprint: String,
-    /// SHA-256 fingerprint, hex, for people to compare.
-    pub fingerprint: String,
-    /// Distinguished name of the subject.
-    pub subject: String,
-    /// The application URI it is for.
-    pub application_uri: String,
-    pub valid_from: DateTime,
-    pub valid_to: DateTime,
-    /// The certificate itself (DER), to be handed to the server's administrator.
-    #[serde(skip)]
-    pub der: Vec<u8>,
-}
 
 /// Certificate that a server has presented.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
@@ -103,6 +84,8 @@ pub(crate) struct PkiDirectory {
     directory: PathBuf,
     application_name: String,
     application_uri: String,
+    /// Held while own certificates and keys are read or written, which belong together in pairs.
+    own_files: Arc<Mutex<()>>,
 }
 
 impl PkiDirectory {
@@ -111,85 +94,12 @@ impl PkiDirectory {
             directory: config.pki_directory.clone(),
             application_name: config.application_name.clone(),
             application_uri: config.application_uri.clone(),
+            own_files: Arc::default(),
         }
     }
 
     pub(crate) fn directory(&self) -> &Path {
         &self.directory
-    }
-
-    /// Returns the client certificate. Creates it with its key on first use, which takes seconds.
-    pub(crate) fn own(&self) -> Result<OwnCertificate, ShopFloorError> {
-        let (certificate_path, key_path) =
-            (self.directory.join(OWN_CERTIFICATE), self.directory.join(OWN_PRIVATE_KEY));
-        for folder in [TRUSTED, REJECTED, ISSUERS, REVOCATION_LISTS, "own", "private"] {
-            fs::create_dir_all(self.directory.join(folder))
-                .map_err(|error| disk(&self.directory, &error))?;
-        }
-        restrict(&self.directory.join("private"), 0o700)?;
-        if !certificate_path.exists() || !key_path.exists() {
-            self.create_own(&certificate_path, &key_path)?;
-        }
-        let der =
-            read_limited(&certificate_path).map_err(|error| disk(&certificate_path, &error))?;
-        let certificate = X509::from_der(&der).map_err(|_| {
-            ShopFloorError::Certificates(format!(
-                "{} is no certificate",
-                certificate_path.display()
-            ))
-        })?;
-        let (valid_from, valid_to) = validity(&certificate);
-        Ok(OwnCertificate {
-            thumbprint: certificate.thumbprint().as_hex_string(),
-            fingerprint: fingerprint(&certificate),
-            subject: certificate.subject_name(),
-            application_uri: self.application_uri.clone(),
-            valid_from: valid_from.unwrap_or(DateTime::MIN),
-            valid_to: valid_to.unwrap_or(DateTime::MIN),
-            der,
-        })
-    }
-
-    fn create_own(&self, certificate_path: &Path, key_path: &Path) -> Result<(), ShopFloorError> {
-        // Characters with a meaning in distinguished names would break the subject.
-        let name: String = self
-            .application_name
-            .chars()
-            .map(
-                |letter| {
-                    if letter.is_alphanumeric() || " -_.".contains(letter) { letter } else { ' ' }
-                },
-            )
-            .take(60)
-            .collect();
-        let description = X509Data {
-            key_size: 2048,
-            common_name: name,
-            organization: "Verbund".into(),
-            organizational_unit: String::new(),
-            country: String::new(),
-            state: String::new(),
-            alt_host_names: X509Data::alt_host_names(
-                &self.application_uri,
-                None,
-                false,
-                true,
-                false,
-            ),
-            certificate_duration_days: OWN_VALIDITY_DAYS,
-        };
-        CertificateStore::create_certificate_and_key(
-            &description,
-            true,
-            certificate_path,
-            key_path,
-        )
-        .map_err(ShopFloorError::Certificates)?;
-        restrict(key_path, 0o600)?;
-        tracing::info!(
-            "Created the client certificate for OPC UA servers; their administrators must trust it."
-        );
-        Ok(())
     }
 
     /// Returns whether a certificate may be relied on at a time. A new one is stored as rejected.
@@ -236,19 +146,28 @@ impl PkiDirectory {
 
     /// Returns true when exactly this certificate is approved. A new one is stored as rejected.
     fn is_approved(&self, certificate: &X509) -> Result<bool, ShopFloorError> {
-        let name = CertificateStore::cert_file_name(certificate);
-        let der = certificate.to_der().map_err(|_| {
-            ShopFloorError::Certificates("the server's certificate cannot be encoded".into())
-        })?;
-        let trusted = self.directory.join(TRUSTED).join(&name);
-        if trusted.exists() {
-            return Ok(read_limited(&trusted).map_err(|error| disk(&trusted, &error))? == der);
+        if let Some(is_approved) = self.known_as_trusted(certificate)? {
+            return Ok(is_approved);
         }
+        let name = CertificateStore::cert_file_name(certificate);
         let rejected = self.directory.join(REJECTED).join(&name);
         if !rejected.exists() && self.files(REJECTED)?.len() < CERTIFICATES_MAX {
-            fs::write(&rejected, der).map_err(|error| disk(&rejected, &error))?;
+            fs::write(&rejected, der(certificate)?).map_err(|error| disk(&rejected, &error))?;
         }
         Ok(false)
+    }
+
+    /// Returns whether the trusted certificate of this name is exactly this one; `None` without one. Stores nothing.
+    pub(crate) fn known_as_trusted(
+        &self,
+        certificate: &X509,
+    ) -> Result<Option<bool>, ShopFloorError> {
+        let path = self.directory.join(TRUSTED).join(CertificateStore::cert_file_name(certificate));
+        if !path.exists() {
+            return Ok(None);
+        }
+        let trusted = read_limited(&path).map_err(|error| disk(&path, &error))?;
+        Ok(Some(trusted == der(certificate)?))
     }
 
     /// Lists all certificates, the rejected ones first.
@@ -329,7 +248,13 @@ pub(crate) fn fingerprint(certificate: &X509) -> String {
     hex::encode(Sha256::digest(certificate.as_byte_string().as_ref()))
 }
 
-fn validity(certificate: &X509) -> (Option<DateTime>, Option<DateTime>) {
+fn der(certificate: &X509) -> Result<Vec<u8>, ShopFloorError> {
+    certificate.to_der().map_err(|_| {
+        ShopFloorError::Certificates("the server's certificate cannot be encoded".into())
+    })
+}
+
+pub(crate) fn validity(certificate: &X509) -> (Option<DateTime>, Option<DateTime>) {
     let micros = |time: Result<i64, _>| time.ok().map(DateTime::from_unix_micros);
     (
         micros(certificate.not_before().map(|time| time.timestamp_micros())),
@@ -339,17 +264,6 @@ fn validity(certificate: &X509) -> (Option<DateTime>, Option<DateTime>) {
 
 fn read_limited(path: &Path) -> io::Result<Vec<u8>> {
     read(path, CERTIFICATE_BYTES_MAX)
-}
-
-#[cfg(unix)]
-fn restrict(path: &Path, mode: u32) -> Result<(), ShopFloorError> {
-    use std::os::unix::fs::PermissionsExt as _;
-    fs::set_permissions(path, fs::Permissions::from_mode(mode)).map_err(|error| disk(path, &error))
-}
-
-#[cfg(not(unix))]
-fn restrict(_path: &Path, _mode: u32) -> Result<(), ShopFloorError> {
-    Ok(())
 }
 
 #[cfg(test)]

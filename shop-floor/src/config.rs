@@ -73,6 +73,10 @@ pub struct SourceConfig {
     /// Publishing interval of the subscriptions, in milliseconds (1 to 60 000).
     #[serde(default = "default_publishing_interval_ms")]
     pub publishing_interval_ms: u32,
+    /// Sampling interval of the variables, in milliseconds (0 to 86 400 000; 0: on every change). Absent: the publishing
+    /// interval. A mapping may ask for another one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sampling_interval_ms: Option<u32>,
     /// Milliseconds without any sign of life after which a connection is given up (500 to 600
     /// 000).
     #[serde(default = "default_silence_ms_max")]
@@ -99,12 +103,18 @@ impl SourceConfig {
             identity: Identity::default(),
             sends_password_unprotected: false,
             publishing_interval_ms: default_publishing_interval_ms(),
+            sampling_interval_ms: None,
             silence_ms_max: default_silence_ms_max(),
         }
     }
 
     pub(crate) fn publishing_interval(&self) -> Duration {
         Duration::from_millis(u64::from(self.publishing_interval_ms.clamp(1, 60_000)))
+    }
+
+    pub(crate) fn sampling_interval(&self) -> Duration {
+        let sampling = |ms: u32| Duration::from_millis(u64::from(ms.min(86_400_000)));
+        self.sampling_interval_ms.map_or_else(|| self.publishing_interval(), sampling)
     }
 
     pub(crate) fn silence_max(&self) -> Duration {
@@ -236,33 +246,6 @@ impl fmt::Debug for Password {
     }
 }
 
-/// An endpoint that a server offers.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct EndpointOffer {
-    /// Address of the server as the server returns it.
-    pub endpoint_url: String,
-    /// Name of the policy, also of one that the client does not use.
-    pub security_policy: String,
-    pub message_security: MessageSecurity,
-    /// True when the client supports it and may use it.
-    pub is_supported: bool,
-    /// Accepts anonymous users.
-    pub allows_anonymous: bool,
-    /// Accepts user name and password.
-    pub allows_user_name: bool,
-    /// Accepts user certificates.
-    pub allows_certificate: bool,
-    pub server_name: String,
-    /// The server's application URI.
-    pub application_uri: String,
-    /// SHA-1 thumbprint of the server's certificate, hex.
-    pub certificate_thumbprint: Option<String>,
-    /// SHA-256 fingerprint of the server's certificate, hex; to be compared with the certificate's own
-    /// at the machine.
-    pub certificate_fingerprint: Option<String>,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -276,6 +259,7 @@ mod tests {
         .expect("valid");
         assert_eq!(source.security, SecurityChoice::Strongest);
         assert_eq!(source.publishing_interval(), Duration::from_millis(20));
+        assert_eq!(source.sampling_interval(), Duration::from_millis(20));
         let Identity::UserName { password, .. } = &source.identity else { panic!("a user") };
         assert_eq!(password.expose(), "s3cret");
         assert!(!serde_json::to_string(&source).expect("serialises").contains("s3cret"));

@@ -24,9 +24,6 @@ pub enum ShopFloorError {
     Timeout(SourceId),
     #[error("the server refused: {status}")]
     Refused { status: StatusCode },
-    /// No server answers at the address, or it makes no sense.
-    #[error("the server could not be asked: {0}")]
-    Unreachable(String),
     /// Certificates or keys could not be read or written.
     #[error("certificates could not be read or written: {0}")]
     Certificates(String),

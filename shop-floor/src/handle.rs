@@ -6,10 +6,11 @@ use asi_model::values::{DataValue, NodeId, StatusCode, Variant};
 use tokio::sync::watch;
 
 use crate::{
-    BrowsePath, BrowsedNode, EndpointOffer, InputKey, MonitorOptions, MonitorRequest,
-    OwnCertificate, PeerCertificate, ShopFloorError, SourceCallResult, SourceConfig, SourceId,
-    SourceStatus, TrustState, VariableList, certificates::PkiDirectory, context::SourceContext,
-    monitor_options, registry::SourceRegistry, source,
+    BrowsePath, BrowsedNode, InputKey, MonitorOptions, MonitorRequest, OwnCertificates,
+    PeerCertificate, ServerOffer, ShopFloorError, SourceCallResult, SourceConfig, SourceId,
+    SourceProblem, SourceStatus, TestedServer, TrustState, VariableList,
+    certificates::PkiDirectory, context::SourceContext, monitor_options, registry::SourceRegistry,
+    source,
 };
 
 /// Cloneable handle to the [`ShopFloor`](crate::ShopFloor).
@@ -40,11 +41,7 @@ impl ShopFloorHandle {
     /// [`ShopFloorError::LimitReached`], [`ShopFloorError::Invalid`] when the address is no
     /// `opc.tcp://` one.
     pub fn check_source(&self, config: &SourceConfig) -> Result<(), ShopFloorError> {
-        if !config.endpoint_url.starts_with("opc.tcp://") || config.endpoint_url.len() > 4096 {
-            return Err(ShopFloorError::Invalid(
-                "the endpoint address must start with opc.tcp://".into(),
-            ));
-        }
+        check_address(&config.endpoint_url)?;
         self.registry.check(&config.source_id)
     }
 
@@ -194,6 +191,15 @@ impl ShopFloorHandle {
         source::search(&self.registry.connection(source)?, text, found_max).await
     }
 
+    /// Returns the id of a node with the URI of its namespace. An index, as other clients show it, is that of this server
+    /// at present.
+    ///
+    /// # Errors
+    /// As [`Self::browse`].
+    pub fn with_uri(&self, source: &SourceId, node: NodeId) -> Result<NodeId, ShopFloorError> {
+        Ok(self.registry.connection(source)?.with_uri(node))
+    }
+
     /// Returns the browse path from the Objects folder to a node.
     ///
     /// # Errors
@@ -245,21 +251,65 @@ impl ShopFloorHandle {
         source::call(&self.registry.connection(source)?, object, method, inputs).await
     }
 
-    /// Returns the endpoints that a server offers (GetEndpoints).
+    /// Asks a server what it offers (GetEndpoints), and looks at its certificates. Nothing is kept. The outer error is
+    /// of the address, the inner one of what is behind it.
     ///
     /// # Errors
-    /// [`ShopFloorError::Unreachable`] when no server answers.
-    pub async fn discover(&self, endpoint_url: &str) -> Result<Vec<EndpointOffer>, ShopFloorError> {
-        self.own_certificate().await?;
-        source::discover(&self.context, endpoint_url).await
+    /// [`ShopFloorError::Invalid`] when the address is no `opc.tcp://` one.
+    pub async fn discover(
+        &self,
+        endpoint_url: &str,
+    ) -> Result<Result<ServerOffer, SourceProblem>, ShopFloorError> {
+        check_address(endpoint_url)?;
+        Ok(source::discover(&self.context, endpoint_url).await)
     }
 
-    /// Returns the client's application instance certificate; creates it on first use.
+    /// Opens a session as the source would, reads what the server says of itself, and closes it again. The source is not
+    /// stored; a certificate that no person has approved is listed by [`Self::certificates`].
+    ///
+    /// # Errors
+    /// [`ShopFloorError::Invalid`] when the address is no `opc.tcp://` one.
+    pub async fn test_source(
+        &self,
+        config: &SourceConfig,
+    ) -> Result<Result<TestedServer, SourceProblem>, ShopFloorError> {
+        check_address(&config.endpoint_url)?;
+        Ok(source::test_source(&self.context, config).await)
+    }
+
+    /// Returns the client's application instance certificate, which is created on first use, and the next one.
     ///
     /// # Errors
     /// [`ShopFloorError::Certificates`].
-    pub async fn own_certificate(&self) -> Result<OwnCertificate, ShopFloorError> {
-        self.with_certificates(PkiDirectory::own).await
+    pub async fn own_certificates(&self) -> Result<OwnCertificates, ShopFloorError> {
+        self.with_certificates(PkiDirectory::own_and_next).await
+    }
+
+    /// Makes the next certificate of the client, unless there is one. It is not used before [`Self::use_next_certificate`],
+    /// so that machines can be made to trust it.
+    ///
+    /// # Errors
+    /// [`ShopFloorError::Certificates`].
+    pub async fn prepare_next_certificate(&self) -> Result<OwnCertificates, ShopFloorError> {
+        self.with_certificates(PkiDirectory::prepare_next).await
+    }
+
+    /// Uses the next certificate: sessions that are open go on, and each new one begins with it.
+    ///
+    /// # Errors
+    /// [`ShopFloorError::Invalid`] without a next certificate.
+    pub async fn use_next_certificate(&self) -> Result<OwnCertificates, ShopFloorError> {
+        let certificates = self.with_certificates(PkiDirectory::use_next).await?;
+        self.registry.retry_all();
+        Ok(certificates)
+    }
+
+    /// Deletes the next certificate and its key.
+    ///
+    /// # Errors
+    /// [`ShopFloorError::Certificates`].
+    pub async fn discard_next_certificate(&self) -> Result<OwnCertificates, ShopFloorError> {
+        self.with_certificates(PkiDirectory::discard_next).await
     }
 
     /// Lists the servers' certificates seen so far. Rejected ones wait for a person's approval.
@@ -304,4 +354,13 @@ impl ShopFloorHandle {
     ) -> Result<T, ShopFloorError> {
         self.context.with_certificates(work).await.map_err(|_| ShopFloorError::Stopped)?
     }
+}
+
+fn check_address(endpoint_url: &str) -> Result<(), ShopFloorError> {
+    if !endpoint_url.starts_with("opc.tcp://") || endpoint_url.len() > 4096 {
+        return Err(ShopFloorError::Invalid(
+            "the endpoint address must start with opc.tcp://".into(),
+        ));
+    }
+    Ok(())
 }

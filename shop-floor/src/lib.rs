@@ -21,25 +21,26 @@ mod context;
 mod error;
 mod handle;
 mod monitor_options;
+mod offer;
 mod registry;
 mod service;
 mod source;
 mod status;
 
-pub use certificates::{OwnCertificate, PeerCertificate, TrustState};
+pub use certificates::{OwnCertificate, OwnCertificates, PeerCertificate, TrustState};
 pub use config::{
-    Config, EndpointOffer, Identity, MessageSecurity, Password, SecurityChoice, SecurityPolicy,
-    SourceConfig,
+    Config, Identity, MessageSecurity, Password, SecurityChoice, SecurityPolicy, SourceConfig,
 };
 pub use error::ShopFloorError;
 pub use handle::ShopFloorHandle;
+pub use offer::{EndpointOffer, OfferedCertificate, ServerFinding, ServerOffer, TestedServer};
 pub use service::ShopFloor;
 pub use shop_floor_model::{
     BrowsePath, BrowsedNode, InputChange, InputKey, InvalidBrowsePath, InvalidSourceId,
-    ListedVariable, MonitorOptions, MonitorRequest, NodeClass, NodeType, SourceCallResult,
-    SourceId, UnitName, VariableList,
+    ListedVariable, MonitorOptions, MonitorRequest, NodeClass, NodeType, ServerProfile,
+    SourceCallResult, SourceId, UnitName, VariableList,
 };
 pub use status::{
-    ChosenEndpoint, CoarseInput, GrantedIntervals, InputProblem, ServerLimits, SourceProblem,
-    SourceProblemKind, SourceState, SourceStatus,
+    ChosenEndpoint, CoarseInput, GrantedIntervals, InputProblem, ServerLimits, ServerProduct,
+    SourceProblem, SourceProblemKind, SourceState, SourceStatus,
 };

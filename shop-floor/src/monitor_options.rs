@@ -31,9 +31,9 @@ pub(crate) fn numeric_range(options: &MonitorOptions) -> NumericRange {
     options.index_range.as_deref().and_then(parse_range).unwrap_or(NumericRange::None)
 }
 
-/// Returns the requested sampling interval, else the publishing interval.
-pub(crate) fn sampling_interval_ms(options: &MonitorOptions, publishing_ms: f64) -> f64 {
-    options.sampling_interval_ms.unwrap_or(publishing_ms)
+/// Returns the requested sampling interval, else that of the source.
+pub(crate) fn sampling_interval_ms(options: &MonitorOptions, default_ms: f64) -> f64 {
+    options.sampling_interval_ms.unwrap_or(default_ms)
 }
 
 /// Parses `2` or `1:3` (OPC 10000-4 §7.27).

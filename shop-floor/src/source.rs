@@ -6,6 +6,7 @@ mod browse;
 mod browse_paths;
 mod connect;
 mod connection;
+mod inquiry;
 mod memory;
 mod notification_sink;
 mod record;
@@ -23,8 +24,8 @@ use crate::{SourceConfig, SourceProblemKind, SourceState, context::SourceContext
 
 pub(crate) use browse::{browse, describe, describe_many, list_variables, search};
 pub(crate) use browse_paths::browse_path;
-pub(crate) use connect::discover;
 pub(crate) use connection::Connection;
+pub(crate) use inquiry::{discover, test_source};
 pub(crate) use record::SourceRecord;
 pub(crate) use services::{call, read, write};
 
@@ -95,14 +96,20 @@ fn backoff(attempts: u32, kind: SourceProblemKind, jitter: u8) -> Duration {
     use SourceProblemKind as Kind;
     let max = match kind {
         Kind::Unreachable
+        | Kind::HostNameUnknown
+        | Kind::NothingListens
         | Kind::ConnectionLost
         | Kind::Stalled
         | Kind::ServerFull
         | Kind::Refused => BACKOFF_MAX,
-        Kind::NoSuitableEndpoint
+        Kind::EndpointsHidden
+        | Kind::NoSuitableEndpoint
+        | Kind::SecurityOutdated
         | Kind::ServerCertificateUntrusted
         | Kind::ServerCertificateInvalid
+        | Kind::ServerKeyTooShort
         | Kind::ClientCertificateRejected
+        | Kind::ClientCertificateOutOfTime
         | Kind::CredentialsRejected
         | Kind::Configuration => BACKOFF_REFUSED_MAX,
     };

@@ -4,7 +4,7 @@ use asi_model::values::{DateTime, NodeId, StatusCode};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use crate::{InputKey, MessageSecurity, SecurityPolicy, SourceId};
+use crate::{InputKey, MessageSecurity, SecurityPolicy, ServerProfile, SourceId};
 
 /// Status of a source, with the evidence.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
@@ -35,6 +35,10 @@ pub struct SourceStatus {
     /// Milliseconds by which the server's clock is ahead of the connector's, measured when the
     /// session was established.
     pub clock_ahead_ms: Option<i64>,
+    /// Product behind the server, as it says.
+    pub product: Option<ServerProduct>,
+    /// Family of the server, where it is one that is known.
+    pub family: Option<String>,
     pub endpoint: Option<ChosenEndpoint>,
     /// The server's limits as it declares them.
     pub limits: Option<ServerLimits>,
@@ -108,14 +112,26 @@ impl SourceProblem {
 pub enum SourceProblemKind {
     /// No answer from the address.
     Unreachable,
+    /// The host name in the address is known to no name service here.
+    HostNameUnknown,
+    /// The host answers, but nothing listens at the port.
+    NothingListens,
+    /// The server does not show its endpoints without protection (OPC 10000-4 §5.5.4 demands that).
+    EndpointsHidden,
     /// The server offers no endpoint that fits the choice of security or identity.
     NoSuitableEndpoint,
+    /// The server offers security policies that are outdated, and no others.
+    SecurityOutdated,
     /// The server's certificate is not trusted (yet).
     ServerCertificateUntrusted,
     /// The server's certificate is trusted but not valid: expired, wrong name or key.
     ServerCertificateInvalid,
+    /// The key of the server's certificate is too short for the security policy.
+    ServerKeyTooShort,
     /// The server does not trust the connector's certificate (yet).
     ClientCertificateRejected,
+    /// The server takes the connector's certificate for expired or not valid yet.
+    ClientCertificateOutOfTime,
     /// User name, password or user certificate are wrong.
     CredentialsRejected,
     /// The server has no room for another session.
@@ -137,15 +153,33 @@ impl SourceProblemKind {
             Self::Unreachable => {
                 "Check that the server runs, the address, and the network between. Tried again on its own."
             }
+            Self::HostNameUnknown => {
+                "Check the name, or use the server's IP address. Tried again on its own."
+            }
+            Self::NothingListens => {
+                "Check the port, and that the OPC UA server of the machine is switched on. Tried again on its own."
+            }
+            Self::EndpointsHidden => {
+                "Allow the security policy None for discovery in the server's settings; sessions stay protected."
+            }
             Self::NoSuitableEndpoint => {
                 "Choose a security setting and a sign-in that the server offers."
+            }
+            Self::SecurityOutdated => {
+                "Switch on the security policy Basic256Sha256, signed and encrypted, in the server's settings."
             }
             Self::ServerCertificateUntrusted => {
                 "Compare the fingerprint with that of the server's own certificate and approve it in the list of certificates."
             }
             Self::ServerCertificateInvalid => "Renew the server's certificate.",
+            Self::ServerKeyTooShort => {
+                "Have the server make a certificate with a key of 2048 bits or more."
+            }
             Self::ClientCertificateRejected => {
                 "Ask the server's administrator to trust this connector's certificate, then wait a moment."
+            }
+            Self::ClientCertificateOutOfTime => {
+                "Set the clock of the server. If it is right, renew this connector's certificate."
             }
             Self::CredentialsRejected => {
                 "Correct user name and password, or ask the server's administrator."
@@ -185,6 +219,24 @@ pub struct ChosenEndpoint {
     pub server_name: String,
     /// The server's application URI.
     pub application_uri: String,
+}
+
+/// Product behind a server, as it says (OPC 10000-5 §12.4, BuildInfo); empty where it says nothing.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct ServerProduct {
+    pub product_uri: String,
+    pub product_name: String,
+    pub manufacturer_name: String,
+    pub software_version: String,
+}
+
+impl ServerProduct {
+    /// Returns the family of a server with this product, where it is one that is known.
+    pub(crate) fn family(&self, endpoint: &ChosenEndpoint) -> Option<String> {
+        let said = [&endpoint.application_uri, &self.product_uri, &self.product_name];
+        ServerProfile::recognised(said.map(String::as_str)).map(|profile| profile.family.clone())
+    }
 }
 
 /// A server's limits (OPC 10000-5 §6.3.2, §6.3.11); `None` where it declares none.

@@ -7,6 +7,7 @@ use std::{
 };
 
 use serde::{Deserialize, Serialize};
+use shop_floor_model::{ProfileLimit, ServerProfile};
 
 use crate::signals::hash;
 
@@ -71,6 +72,10 @@ pub struct MachineConfig {
     /// False takes the relay away that network faults need: a little faster, for measurements.
     #[serde(default = "yes")]
     pub relay: bool,
+    /// Family of controllers whose limits the server has, as `s7-1200`: those of `shop-floor/model/profiles.json`. Limits
+    /// below go before them.
+    #[serde(default)]
+    pub profile: Option<String>,
     /// Most monitored items of one subscription, as small devices have it; declared to clients. 0:
     /// plenty.
     #[serde(default)]
@@ -78,6 +83,9 @@ pub struct MachineConfig {
     /// Most subscriptions of one session. 0: plenty.
     #[serde(default)]
     pub subscriptions_per_session_max: u32,
+    /// Most sessions at a time, as small devices have places. 0: plenty.
+    #[serde(default)]
+    pub sessions_max: u32,
     /// Least publishing interval that is granted, in milliseconds, as controllers have it. 0: any.
     #[serde(default)]
     pub publishing_interval_ms_min: u32,
@@ -209,8 +217,10 @@ impl MachineConfig {
             variables: 0,
             changes_per_second: 0.0,
             relay: true,
+            profile: None,
             items_per_subscription_max: 0,
             subscriptions_per_session_max: 0,
+            sessions_max: 0,
             publishing_interval_ms_min: 0,
             sampling_interval_ms_min: 0,
             queue_size_max: 0,
@@ -222,6 +232,16 @@ impl MachineConfig {
     #[must_use]
     pub fn namespace_uri(&self) -> String {
         self.namespace_uri.clone().unwrap_or_else(|| format!("urn:verbund:simulator:{}", self.name))
+    }
+
+    /// Returns the profile whose limits the server has.
+    pub(crate) fn profile(&self) -> Option<&'static ServerProfile> {
+        self.profile.as_deref().and_then(ServerProfile::of_family)
+    }
+
+    /// Returns the machine's own limit, or else that of its profile.
+    pub(crate) fn limit(&self, own: u32, limit: ProfileLimit) -> Option<u32> {
+        if own > 0 { Some(own) } else { self.profile()?.limit(limit) }
     }
 
     pub(crate) fn asset_id(&self) -> &str {
@@ -306,6 +326,11 @@ impl Config {
                     "at most 200000, with at most 10000000 changes per second",
                 );
             }
+            if machine.profile.is_some() && machine.profile().is_none() {
+                let known: Vec<&str> =
+                    ServerProfile::all().iter().map(|profile| profile.family.as_str()).collect();
+                return invalid(key("profile"), &format!("must be one of {}", known.join(", ")));
+            }
             let security = &machine.security;
             if !security.unprotected && !security.protected {
                 return invalid(
@@ -358,5 +383,7 @@ mod tests {
         check("speed = -1", "speed: must be between");
         check("[[machines]]\nname = 'a b'\nkind = 'press'", "machines.a b.name: must match");
         check("[[machines]]\nname = 'a'\nkind = 'lathe'", "unknown variant `lathe`");
+        let unknown = "[[machines]]\nname = 'a'\nkind = 'press'\nprofile = 'plc'";
+        check(unknown, "machines.a.profile: must be one of s7-1500, s7-1200");
     }
 }

@@ -15,6 +15,9 @@ struct Arguments {
     /// The configuration file (TOML).
     #[arg(long, env = "SIMULATOR_CONFIG")]
     config: Option<PathBuf>,
+    /// Family of controllers whose limits all machines have that name none, as `s7-1200`.
+    #[arg(long)]
+    profile: Option<String>,
     #[command(subcommand)]
     command: Option<SimulatorCommand>,
 }
@@ -38,7 +41,13 @@ async fn main() -> anyhow::Result<()> {
     let filter =
         EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("info,opcua=error"));
     tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
-    let config = Config::load(&path)?;
+    let mut config = Config::load(&path)?;
+    if let Some(profile) = arguments.profile {
+        for machine in &mut config.machines {
+            machine.profile.get_or_insert_with(|| profile.clone());
+        }
+        config.check()?;
+    }
     let (simulator, handle) = Simulator::new(config).await?;
     for machine in handle.machines() {
         tracing::info!(machine = %machine.name(), endpoint = %machine.endpoint_url(), "A machine is ready.");

@@ -33,6 +33,7 @@ use opcua_stack::{
     },
     values::{node_id_from_stack, to_stack},
 };
+use shop_floor_model::ProfileLimit;
 use tokio::{net::TcpListener, task::JoinHandle};
 
 use crate::{Layout, MachineConfig, SecurityConfig, SimulatorError, blueprint::Blueprint};
@@ -185,26 +186,10 @@ fn assemble(
     pki_directory: PathBuf,
 ) -> Result<(Server, ServerHandle), String> {
     let name = config.name.clone();
-    let mut builder = limits::raise_server(ServerBuilder::new());
-    let subscriptions = &mut builder.limits_mut().subscriptions;
-    if config.items_per_subscription_max > 0 {
-        subscriptions.max_monitored_items_per_sub = config.items_per_subscription_max as usize;
-    }
-    if config.subscriptions_per_session_max > 0 {
-        subscriptions.max_subscriptions_per_session = config.subscriptions_per_session_max as usize;
-    }
-    if config.publishing_interval_ms_min > 0 {
-        subscriptions.min_publishing_interval_ms = config.publishing_interval_ms_min.into();
-    }
-    if config.sampling_interval_ms_min > 0 {
-        subscriptions.min_sampling_interval_ms = config.sampling_interval_ms_min.into();
-    }
-    if config.queue_size_max > 0 {
-        subscriptions.max_monitored_item_queue_size = config.queue_size_max as usize;
-    }
+    let builder = limited(limits::raise_server(ServerBuilder::new()), config);
     let builder = builder
         .application_name(format!("{name} (simulated)"))
-        .application_uri(format!("urn:verbund:simulator:server:{name}"))
+        .application_uri(application_uri(config))
         .product_uri("urn:verbund:simulator")
         .host(address.ip().to_string())
         .port(public_port)
@@ -219,6 +204,60 @@ fn assemble(
             MachineNodes::build(&blueprint, layout, &name, &context, space)
         });
     secure(builder, &config.security).with_node_manager(nodes).build()
+}
+
+/// Returns the application URI of a machine's server; one with a profile is recognised by it.
+fn application_uri(config: &MachineConfig) -> String {
+    let mark = config.profile().and_then(|profile| profile.recognised_by.first());
+    let mark = mark.map(|mark| format!(":{mark}")).unwrap_or_default();
+    format!("urn:verbund:simulator:server:{}{mark}", config.name)
+}
+
+/// Sets the limits of a machine and of its profile.
+fn limited(mut builder: ServerBuilder, config: &MachineConfig) -> ServerBuilder {
+    use ProfileLimit as Limit;
+    let limits = builder.limits_mut();
+    let subscriptions = &mut limits.subscriptions;
+    if config.items_per_subscription_max > 0 {
+        subscriptions.max_monitored_items_per_sub = config.items_per_subscription_max as usize;
+    }
+    let own = config.subscriptions_per_session_max;
+    if let Some(most) = config.limit(own, Limit::SubscriptionsPerSessionMax) {
+        subscriptions.max_subscriptions_per_session = most as usize;
+    }
+    let own = config.publishing_interval_ms_min;
+    if let Some(least) = config.limit(own, Limit::PublishingIntervalMsMin) {
+        subscriptions.min_publishing_interval_ms = least.into();
+    }
+    let own = config.sampling_interval_ms_min;
+    if let Some(least) = config.limit(own, Limit::SamplingIntervalMsMin) {
+        subscriptions.min_sampling_interval_ms = least.into();
+    }
+    if let Some(most) = config.limit(config.queue_size_max, Limit::QueueSizeMax) {
+        subscriptions.max_monitored_item_queue_size = most as usize;
+    }
+    if let Some(most) = config.limit(0, Limit::KeepAliveCountMax) {
+        subscriptions.max_keep_alive_count = most;
+    }
+    if let Some(most) = config.limit(0, Limit::LifetimeCountMax) {
+        subscriptions.max_lifetime_count = most;
+    }
+    if let Some(most) = config.limit(config.sessions_max, Limit::SessionsMax) {
+        limits.max_sessions = most as usize;
+    }
+    let operational = &mut limits.operational;
+    if let Some(most) = config.limit(0, Limit::NodesPerCallMax) {
+        let most = most as usize;
+        operational.max_nodes_per_read = most;
+        operational.max_nodes_per_write = most;
+        operational.max_nodes_per_browse = most;
+        operational.max_nodes_per_translate_browse_paths_to_node_ids = most;
+        operational.max_monitored_items_per_call = most;
+    }
+    if let Some(most) = config.limit(0, Limit::NodesPerBrowseMax) {
+        operational.max_nodes_per_browse = most as usize;
+    }
+    builder
 }
 
 fn secure(mut builder: ServerBuilder, security: &SecurityConfig) -> ServerBuilder {

@@ -6,8 +6,8 @@ const CLICKS_MAX = 20
 const TEXTS_MAX = 5
 /** URL of a machine's OPC UA server whose certificate is not trusted yet. */
 const MACHINE = process.env['MACHINE_URL'] ?? ''
-/** Field that a partner requested and the machine can answer. */
-const FIELD = 'spindlePower'
+/** Title of a field that a partner requested and the machine can answer. */
+const FIELD = 'Power drawn by the spindle'
 
 test('from an empty installation to the first mapped field', async ({ page }) => {
   test.setTimeout(120_000)

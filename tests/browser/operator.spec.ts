@@ -102,7 +102,7 @@ test('an operator works on without a network, and everything arrives once', asyn
 
   await test.step('what is entered without a network is counted on the page and shown as waiting', async () => {
     await goOffline(plug, context)
-    await card.getByRole('button', { name: isRunning ? 'Done' : /^(Start|Go on)$/ }).click()
+    await card.getByRole('button', { name: isRunning ? 'Done' : /^(Start|Resume)$/ }).click()
     for (let piece = 0; piece < 3; piece += 1) await one.click()
     await expect(waiting).toHaveAttribute('data-waiting', '4')
     await expect(waiting).toContainText('4 entries are kept on this device.')

@@ -65,6 +65,21 @@ async fn is_refused(connector: &Api) {
     .unwrap();
 }
 
+/// Waits until the connector's page says that the platform does not answer it.
+async fn is_unanswered(connector: &Api) {
+    eventually("the page says that the platform does not answer", PATIENCE, || async {
+        let status: Value = connector.get("/api/v1/status").await.map_err(|e| e.to_string())?;
+        let (link, lease) = (&status["link"]["state"], &status["lease"]["state"]);
+        if *link == "up" && *lease == "UNANSWERED" {
+            Ok(())
+        } else {
+            Err(format!("{link}, {lease}"))
+        }
+    })
+    .await
+    .unwrap();
+}
+
 fn broker(world: &mut World) -> &mut ExternalBroker {
     world.external.as_mut().expect("a broker of another make")
 }
@@ -114,6 +129,7 @@ async fn credentials_are_answered_with_the_truth(kind: BrokerKind) {
     })
     .await
     .unwrap();
+    is_unanswered(munich).await;
     let before = arrived(platform).await.unwrap();
     let count = set_aside(platform).await.unwrap();
     eventually("more is set aside", PATIENCE, || async {

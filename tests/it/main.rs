@@ -1,6 +1,7 @@
 //! Tests across the parts, with the real programs, and of the form of the workspace.
 #![allow(clippy::unwrap_used)]
 
+mod broker_dead_letters;
 mod chaos;
 mod credentials;
 mod data_directories;
@@ -17,4 +18,5 @@ mod openapi;
 mod passwords;
 mod promises;
 mod shown;
+mod untested_brokers;
 mod vendored;

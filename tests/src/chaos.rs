@@ -2,7 +2,8 @@
 //! values flow: programs killed, lines cut and stalled, stores lost, clocks set, disks full. In the
 //! end the stores of both sides are compared: every report that left is held once, in its order
 //! within each lane, with the fields, values, statuses and times it left with, and the ledger knows of it;
-//! every comment that one side took is on both sides once, and both have the same decisions, revocations and revisions.
+//! every comment that one side took is on both sides once, and both have the same decisions, revocations and revisions,
+//! as they were last taken.
 //! No program ends by itself or panics, and all end well when they are asked to.
 //! What was given up is announced, and nothing else is; what the machines counted is in reports. After each round every
 //! writer has to send again.
@@ -33,6 +34,7 @@ use std::time::{Duration, Instant};
 use comments::CommentTraffic;
 use control::{ControlTraffic, Taken};
 pub use copied::copied;
+pub use findings::Breach;
 use findings::{Findings, breach};
 use flow::{RECOVERY, flows};
 pub use plan::{Fault, Plan, Strike};
@@ -90,7 +92,14 @@ pub async fn run(seed: u64, length: Length, broker: BrokerKind, keep: bool) -> a
         anyhow::ensure!(may_lack, "{lacking}; or leave these faults out with {option}");
         say(&format!("  Left out on this machine: {lacking}"));
     }
-    let outcome = play(&mut stage, &cast, &mut steps, &mut Plan::new(seed, broker), length).await;
+    let mut outcome =
+        play(&mut stage, &cast, &mut steps, &mut Plan::new(seed, broker), length).await;
+    // A run that breaks off is not judged: what it noticed on the way is a fault all the same.
+    if let Err(error) = &mut outcome
+        && let Some(breach) = error.downcast_mut::<Breach>()
+    {
+        breach.add(&stage.faults);
+    }
     if outcome.is_err() {
         for daemon in stage.world.daemons() {
             say(&format!("\n--- the end of {}:\n{}", daemon.log().display(), daemon.log_tail(15)));
@@ -232,7 +241,7 @@ async fn drain(stage: &mut Stage) -> anyhow::Result<String> {
     both_are_empty(stage, &munich, &hamburg).await?;
     let platform = stage.world.platform_api().await?;
     let unanswered = control::parts_are_answered(&platform, RECOVERY).await?;
-    unanswered.map_or(Ok(()), |fault| Err(breach(&[fault])))?;
+    unanswered.map_or(Ok(()), |fault| Err(breach(vec![fault])))?;
     // An answer to a part may have brought decisions with it.
     both_are_empty(stage, &munich, &hamburg).await?;
     Ok(String::new())
@@ -259,7 +268,7 @@ async fn nothing_waits(stage: &Stage, factory: &str, connector: &Api) -> anyhow:
                 let fault = format!(
                     "not everything was receipted within {RECOVERY:?}: {backlog}, {gaps} gaps"
                 );
-                return Err(breach(&[fault]));
+                return Err(breach(vec![fault]));
             }
             quiet_since = Instant::now();
         }
@@ -288,11 +297,11 @@ async fn judge(stage: &Stage, said: &[Comment], taken: Option<Taken>) -> anyhow:
         findings.faults.push(format!("{letters} messages could not be used"));
     }
     let Findings { left, arrived, given_up, replayed, mut faults } = findings;
-    let (share, fault) = set_back::share(stage.set_back.len(), left);
-    // What a broker of another make had when it ended is not known.
-    faults.extend(fault.filter(|_| stage.world.external.is_none()));
+    let is_external = stage.world.external.is_some();
+    let (share, fault) = set_back::share(stage.set_back.len(), left, is_external);
+    faults.extend(fault);
     if !faults.is_empty() {
-        return Err(breach(&faults));
+        return Err(breach(faults));
     }
     let is_silent = said.is_empty() && taken.is_some();
     anyhow::ensure!(left > 0 && !is_silent, "nothing left at all");

@@ -85,6 +85,7 @@ async fn play_attacks(scene: &mut Scene, only: Option<&str>) -> anyhow::Result<(
         played += usize::from(is_wanted);
         is_wanted
     };
+    let usual = if is_wanted("siege") { Some(siege::usual(scene).await?) } else { None };
     for attack in attacks(scene) {
         if is_wanted(attack.name) {
             let before = scene.before(attack.target)?;
@@ -92,8 +93,8 @@ async fn play_attacks(scene: &mut Scene, only: Option<&str>) -> anyhow::Result<(
             scene.judge(attack.name, before, outcome).await?;
         }
     }
-    if is_wanted("siege") {
-        siege::run(scene).await?;
+    if let Some(usual) = usual {
+        siege::run(scene, usual).await?;
     }
     // Last: the values that fill the ledger go on.
     let of_load = [WALLS, downloads::NAME].map(is_wanted);

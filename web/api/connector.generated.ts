@@ -1583,6 +1583,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/server-profiles": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Lists the families of servers that are known: limits, what to expect, what to set at the machine.
+         * @description Least role: VIEWER.
+         */
+        get: operations["listServerProfiles"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/session": {
         parameters: {
             query?: never;
@@ -1804,6 +1824,111 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/source-client-certificate": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Shows the certificate that machines see, and the next one.
+         * @description Least role: VIEWER.
+         */
+        get: operations["showSourceClientCertificate"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/source-client-certificate/next": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Makes the next certificate with a key of its own, unless there is one. It is not used yet.
+         * @description Least role: ENGINEER.
+         */
+        post: operations["prepareSourceClientCertificate"];
+        /**
+         * Deletes the next certificate and its key.
+         * @description Least role: ENGINEER.
+         */
+        delete: operations["discardSourceClientCertificate"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/source-client-certificate/next/use": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Uses the next certificate for each new session; open ones go on. A server that does not trust it refuses them.
+         * @description Least role: ENGINEER.
+         */
+        post: operations["useSourceClientCertificate"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/source-discovery": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Asks a server which endpoints it offers. Nothing is stored.
+         * @description Least role: ENGINEER.
+         */
+        post: operations["discoverSource"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/source-test": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Opens a session with a server as a source would, and closes it again. No source is stored; a certificate of the server
+         *     that no person has approved is listed with those that servers have shown.
+         * @description Least role: ENGINEER.
+         */
+        post: operations["testSource"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/sources": {
         parameters: {
             query?: never;
@@ -1837,7 +1962,8 @@ export interface paths {
         };
         get?: never;
         /**
-         * Changes a source; mappings that use it go on under the new settings.
+         * Changes a source; mappings that use it go on under the new settings. Without a password the stored one of the same user
+         *     is kept, at the same address.
          * @description Least role: ENGINEER.
          */
         put: operations["changeSource"];
@@ -2116,6 +2242,13 @@ export interface components {
             fieldName: components["schemas"]["FieldName"];
             /** @description Value in plain JSON; 64-bit integers may be texts. */
             value: components["schemas"]["PlainValue"];
+        };
+        /** @description Intervals that fit a family, by judgement, in milliseconds. */
+        AdvisedIntervals: {
+            /** Format: int32 */
+            publishingIntervalMs: number;
+            /** Format: int32 */
+            samplingIntervalMs: number;
         };
         /**
          * @description Function over the values in a window.
@@ -2847,6 +2980,11 @@ export interface components {
             /** @default null */
             workingHours?: components["schemas"]["WorkingHours"] | null;
         };
+        /** @description Address to ask. */
+        DiscoveryBody: {
+            /** @description The server's address, `opc.tcp://host:port/path`. */
+            endpointUrl: string;
+        };
         /** @description The id of a policy or rule, chosen by its author. */
         DocumentId: string;
         /** @description One version of a policy or rule. */
@@ -2949,6 +3087,28 @@ export interface components {
         EffectKind: "WITHHELD" | "AGGREGATED" | "BANDED" | "ROUNDED" | "DIGITS" | "STATUS_CODES" | "TIME_STEP" | "DELAYED" | "INTERVAL" | "RATE" | "HOURS";
         /** @description A value in the OPC UA JSON encoding (OPC 10000-6 §5.4) of the message that carried it: plain, a Variant, or a DataValue. */
         EncodedValue: unknown;
+        /** @description An endpoint that a server offers. */
+        EndpointOffer: {
+            /** @description Accepts anonymous users. */
+            allowsAnonymous: boolean;
+            /** @description Accepts user certificates. */
+            allowsCertificate: boolean;
+            /** @description Accepts user name and password. */
+            allowsUserName: boolean;
+            /** @description The server's application URI. */
+            applicationUri: string;
+            /** @description SHA-256 fingerprint of the server's certificate, hex. */
+            certificateFingerprint?: string | null;
+            choice?: components["schemas"]["SecurityChoice"] | null;
+            /** @description Address of the server as the server returns it. */
+            endpointUrl: string;
+            messageSecurity: components["schemas"]["MessageSecurity"];
+            /** @description Name of the policy, also of one that the client does not use. */
+            securityPolicy: string;
+            serverName: string;
+            /** @description Address that is used instead: with the host and port that were asked. */
+            usedUrl: string;
+        };
         /** @description Outcome of an entered value. */
         Entered: {
             /** @description Less than was entered is disclosed. */
@@ -3094,6 +3254,11 @@ export interface components {
             /** @enum {string} */
             kind: "UNREADABLE";
         };
+        /**
+         * @description Kinds of evidence, the strongest first.
+         * @enum {string}
+         */
+        EvidenceKind: "manual" | "source" | "issue" | "project" | "general";
         /**
          * @description An arithmetic expression over `value` and the inputs by name.
          *
@@ -3556,7 +3721,7 @@ export interface components {
          * @description Right to send, as the platform last answered.
          * @enum {string}
          */
-        LeaseState: "ASKING" | "HELD" | "REFUSED";
+        LeaseState: "ASKING" | "HELD" | "REFUSED" | "UNANSWERED";
         /** @description State of the lease, as pages show it. */
         LeaseStatus: {
             contender?: components["schemas"]["LeaseParty"] | null;
@@ -4048,7 +4213,7 @@ export interface components {
             /**
              * Format: double
              * @description Sampling interval of the server, in milliseconds. 0: on every change. Default: the
-             *     publishing interval of the source.
+             *     sampling interval of the source.
              * @default null
              */
             samplingIntervalMs?: number | null;
@@ -4143,6 +4308,27 @@ export interface components {
         };
         /** @description A number; integers beyond 2^53 as text. */
         Number: number | string;
+        /** @description Certificate that a server offers, to be compared with the one at the machine. */
+        OfferedCertificate: {
+            /** @description The application it is for. */
+            applicationUri?: string | null;
+            /** @description SHA-256 fingerprint, hex, for people to compare. */
+            fingerprint: string;
+            /** @description The names and addresses of the machine it is for. */
+            hostNames: string[];
+            /** @description True where it is signed over SHA-1, of which two certificates with the same can be made. */
+            isSignedWithSha1: boolean;
+            /** @description True where a person approved it already. */
+            isTrusted: boolean;
+            /** @description The length of its RSA key in bits. */
+            keyBits?: number | null;
+            /** @description Distinguished name of the subject. */
+            subject: string;
+            /** @description SHA-1 thumbprint, hex: the certificate's name in OPC UA. */
+            thumbprint: string;
+            validFrom?: components["schemas"]["DateTime"] | null;
+            validTo?: components["schemas"]["DateTime"] | null;
+        };
         /**
          * @description Meaning of a counter's decrease that is no wrap.
          * @enum {string}
@@ -4327,6 +4513,19 @@ export interface components {
          * @enum {string}
          */
         Overflow: "fault" | "clamp";
+        /** @description Client certificate, which a server's administrator must trust. */
+        OwnCertificate: {
+            /** @description The application URI it is for. */
+            applicationUri: string;
+            /** @description SHA-256 fingerprint, hex, for people to compare. */
+            fingerprint: string;
+            /** @description Distinguished name of the subject. */
+            subject: string;
+            /** @description SHA-1 thumbprint, hex: the certificate's name in OPC UA. */
+            thumbprint: string;
+            validFrom: components["schemas"]["DateTime"];
+            validTo: components["schemas"]["DateTime"];
+        };
         /** @description A page of a list. */
         Page_AllianceLeaks: {
             items: components["schemas"]["AllianceLeaks"][];
@@ -4468,6 +4667,12 @@ export interface components {
         /** @description A page of a list. */
         Page_RuleDecision: {
             items: components["schemas"]["RuleDecision"][];
+            /** @description Cursor of the next page; none on the last. */
+            nextCursor?: string | null;
+        };
+        /** @description A page of a list. */
+        Page_ServerProfile: {
+            items: components["schemas"]["ServerProfile"][];
             /** @description Cursor of the next page; none on the last. */
             nextCursor?: string | null;
         };
@@ -4799,6 +5004,10 @@ export interface components {
             detail: string;
             /** @description Each single fault, where a document has several. */
             faults?: components["schemas"]["ProblemFault"][];
+            /** @description Values that a text of the code in another language names, by their names in it. */
+            parameters?: {
+                [key: string]: string;
+            } | null;
             /**
              * Format: int64
              * @description Seconds after which trying again makes sense; also the header `Retry-After`.
@@ -4823,6 +5032,30 @@ export interface components {
             message: string;
             /** @description JSON pointer (RFC 6901) into the document that was sent. */
             pointer: string;
+        };
+        /** @description A limit of a family, with its evidence. */
+        ProfileFigure: {
+            kind: components["schemas"]["EvidenceKind"];
+            limit: components["schemas"]["ProfileLimit"];
+            /** @description Document, thread or project that says so. */
+            source: string;
+            /** Format: int32 */
+            value: number;
+        };
+        /**
+         * @description Limits that a family may have.
+         * @enum {string}
+         */
+        ProfileLimit: "publishingIntervalMsMin" | "samplingIntervalMsMin" | "sessionsMax" | "subscriptionsPerSessionMax" | "queueSizeMax" | "nodesPerCallMax" | "nodesPerBrowseMax" | "keepAliveCountMax" | "lifetimeCountMax";
+        /** @description A sentence about a family in both languages, with its evidence. */
+        ProfileNote: {
+            /** @description The same in German. */
+            de: string;
+            /** @description The sentence in English. */
+            en: string;
+            kind: components["schemas"]["EvidenceKind"];
+            /** @description Document, thread or project that says so. */
+            source: string;
         };
         /** @description Commitment to the values of a DataSetMessage. */
         QueuedView: components["schemas"]["SequenceRange"] & {
@@ -5412,6 +5645,57 @@ export interface components {
                 [key: string]: string;
             }[];
         };
+        /** @description Finding about a server that does not keep it from being used. */
+        ServerFinding: {
+            /** @enum {string} */
+            code: "hostNameUnknown";
+            host: string;
+            usedUrl: string;
+        } | {
+            /** @enum {string} */
+            code: "hostNameDiffers";
+            host: string;
+            usedUrl: string;
+        } | {
+            /** @enum {string} */
+            code: "nothingEncrypted";
+            offered: string[];
+        } | {
+            /** @enum {string} */
+            code: "certificateExpired";
+            fingerprint: string;
+            validTo: components["schemas"]["DateTime"];
+        } | {
+            /** @enum {string} */
+            code: "certificateNotYetValid";
+            fingerprint: string;
+            validFrom: components["schemas"]["DateTime"];
+        } | {
+            /** @enum {string} */
+            code: "certificateOfOtherHost";
+            fingerprint: string;
+            host: string;
+            hostNames: string[];
+        } | {
+            applicationUri: string;
+            /** @enum {string} */
+            code: "certificateOfOtherApplication";
+            fingerprint: string;
+        } | {
+            /** @enum {string} */
+            code: "keyTooShort";
+            fingerprint: string;
+            keyBits: number;
+        } | {
+            /** @enum {string} */
+            code: "signedWithSha1";
+            fingerprint: string;
+        } | {
+            /** Format: int64 */
+            aheadMs: number;
+            /** @enum {string} */
+            code: "clockDiffers";
+        };
         /** @description A server's limits (OPC 10000-5 §6.3.2, §6.3.11); `None` where it declares none. */
         ServerLimits: {
             /** Format: int32 */
@@ -5430,6 +5714,37 @@ export interface components {
             pathsPerTranslateMax?: number | null;
             /** Format: int32 */
             subscriptionsPerSessionMax?: number | null;
+        };
+        /** @description Answer of a server that was asked what it offers. Nothing of it is kept. */
+        ServerOffer: {
+            /** @description Certificates of these endpoints, each once. */
+            certificates: components["schemas"]["OfferedCertificate"][];
+            /** @description Endpoints of the server, the strongest that can be used first. */
+            endpoints: components["schemas"]["EndpointOffer"][];
+            /** @description Findings that a person should know before relying on the server. */
+            findings: components["schemas"]["ServerFinding"][];
+        };
+        /** @description Product behind a server, as it says (OPC 10000-5 §12.4, BuildInfo); empty where it says nothing. */
+        ServerProduct: {
+            manufacturerName: string;
+            productName: string;
+            productUri: string;
+            softwareVersion: string;
+        };
+        /** @description Profile of a family of servers. */
+        ServerProfile: {
+            advised: components["schemas"]["AdvisedIntervals"];
+            /** @description Behaviour that is normal for the family. */
+            expected: components["schemas"]["ProfileNote"][];
+            /** @description Name of the family for programs, as `s7-1500`. */
+            family: string;
+            figures: components["schemas"]["ProfileFigure"][];
+            /** @description Name of the family for people. */
+            name: string;
+            /** @description Texts of which one occurs in what a server says of itself. */
+            recognisedBy: string[];
+            /** @description Steps that are taken at the machine. */
+            settings: components["schemas"]["ProfileNote"][];
         };
         /** @description Session of a person. */
         Session: {
@@ -5533,6 +5848,17 @@ export interface components {
             password: string;
             userName: string;
         };
+        /** @description A certificate that the connector shows machines. */
+        SourceClientCertificate: components["schemas"]["OwnCertificate"] & {
+            /** @description The certificate as PEM, to be handed to the servers' administrators. DER is what it contains in base64. */
+            content: string;
+        };
+        /** @description Certificate that the connector shows machines, and the next one. */
+        SourceClientCertificates: {
+            /** @description Used for each new session. */
+            current: components["schemas"]["SourceClientCertificate"];
+            next?: components["schemas"]["SourceClientCertificate"] | null;
+        };
         /**
          * @description One OPC UA server to read from. The password is accepted but never serialised; who persists a
          *     source stores [`Password::expose`] apart.
@@ -5549,6 +5875,12 @@ export interface components {
              * @description Publishing interval of the subscriptions, in milliseconds (1 to 60 000).
              */
             publishingIntervalMs?: number;
+            /**
+             * Format: int32
+             * @description Sampling interval of the variables, in milliseconds (0 to 86 400 000; 0: on every change). Absent: the publishing
+             *     interval. A mapping may ask for another one.
+             */
+            samplingIntervalMs?: number | null;
             /** @description Choice among the server's endpoints. */
             security?: components["schemas"]["SecurityChoice"];
             /**
@@ -5565,6 +5897,11 @@ export interface components {
             /** @description The source's name, unique in a connector. */
             sourceId: components["schemas"]["SourceId"];
         };
+        /** @description Answer of a server, or the problem that it could not be asked. */
+        SourceDiscovery: {
+            offer?: components["schemas"]["ServerOffer"] | null;
+            problem?: components["schemas"]["SourceProblem"] | null;
+        };
         /** @description The name of a source: `[A-Za-z0-9_-]{1,64}`. */
         SourceId: string;
         /** @description Problem of a source, with its remedy. */
@@ -5578,7 +5915,7 @@ export interface components {
          * @description Kinds of problems with a source.
          * @enum {string}
          */
-        SourceProblemKind: "unreachable" | "noSuitableEndpoint" | "serverCertificateUntrusted" | "serverCertificateInvalid" | "clientCertificateRejected" | "credentialsRejected" | "serverFull" | "connectionLost" | "stalled" | "refused" | "configuration";
+        SourceProblemKind: "unreachable" | "hostNameUnknown" | "nothingListens" | "endpointsHidden" | "noSuitableEndpoint" | "securityOutdated" | "serverCertificateUntrusted" | "serverCertificateInvalid" | "serverKeyTooShort" | "clientCertificateRejected" | "clientCertificateOutOfTime" | "credentialsRejected" | "serverFull" | "connectionLost" | "stalled" | "refused" | "configuration";
         /**
          * @description Progress of a session towards live values.
          * @enum {string}
@@ -5600,6 +5937,8 @@ export interface components {
             /** @description Inputs of which single changes may not arrive, each with the reason; the first 1000. */
             coarse: components["schemas"]["CoarseInput"][];
             endpoint?: components["schemas"]["ChosenEndpoint"] | null;
+            /** @description Family of the server, where it is one that is known. */
+            family?: string | null;
             /**
              * @description Number of inputs with a known browse path. They are found again when the server changes its
              *     node ids.
@@ -5616,6 +5955,7 @@ export interface components {
             /** @description The inputs that are not live, each with the reason; the first 1000. */
             notLive: components["schemas"]["InputProblem"][];
             problem?: components["schemas"]["SourceProblem"] | null;
+            product?: components["schemas"]["ServerProduct"] | null;
             /**
              * Format: int64
              * @description Sessions established since the connector started.
@@ -5624,6 +5964,11 @@ export interface components {
             since: components["schemas"]["DateTime"];
             sourceId: components["schemas"]["SourceId"];
             state: components["schemas"]["SourceState"];
+        };
+        /** @description Findings of a test, or the problem that kept it from a session. */
+        SourceTest: {
+            problem?: components["schemas"]["SourceProblem"] | null;
+            server?: components["schemas"]["TestedServer"] | null;
         };
         /** @description Fields that are disclosed from the values of a source. */
         SourceUse: {
@@ -5838,6 +6183,7 @@ export interface components {
         StepView: {
             /** @description Name of the function. */
             function: string;
+            kind?: components["schemas"]["FaultKind"] | null;
             /** @description Text of its fault; none if it succeeded. */
             message?: string | null;
             value?: components["schemas"]["ShownValue"] | null;
@@ -5979,6 +6325,28 @@ export interface components {
             /** @description Name of the person who changed it last. */
             author: string;
             changedAt: components["schemas"]["DateTime"];
+        };
+        /** @description Findings of a session that was opened as a source would, and closed again. */
+        TestedServer: {
+            /**
+             * Format: int64
+             * @description Milliseconds by which the server's clock is ahead of the connector's.
+             */
+            clockAheadMs?: number | null;
+            endpoint: components["schemas"]["ChosenEndpoint"];
+            /** @description Family of the server, where it is one that is known. */
+            family?: string | null;
+            /** @description Findings that a person should know before relying on the server. */
+            findings: components["schemas"]["ServerFinding"][];
+            /** @description The server's limits as it declares them. */
+            limits: components["schemas"]["ServerLimits"];
+            product: components["schemas"]["ServerProduct"];
+            /**
+             * Format: int64
+             * @description Publishing interval that the server grants where that of the source is requested, in milliseconds; absent where it
+             *     refuses a subscription.
+             */
+            publishingIntervalMs?: number | null;
         };
         /** @description Comparison of a number with a limit, with hysteresis. */
         Threshold: {
@@ -9191,6 +9559,34 @@ export interface operations {
             503: components["responses"]["ServiceUnavailable"];
         };
     };
+    listServerProfiles: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A page of a list. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Page_ServerProfile"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
     showSession: {
         parameters: {
             query?: never;
@@ -9725,6 +10121,182 @@ export interface operations {
             503: components["responses"]["ServiceUnavailable"];
         };
     };
+    showSourceClientCertificate: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Certificate that the connector shows machines, and the next one. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SourceClientCertificates"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    prepareSourceClientCertificate: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Certificate that the connector shows machines, and the next one. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SourceClientCertificates"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    discardSourceClientCertificate: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Certificate that the connector shows machines, and the next one. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SourceClientCertificates"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    useSourceClientCertificate: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Certificate that the connector shows machines, and the next one. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SourceClientCertificates"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    discoverSource: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["DiscoveryBody"];
+            };
+        };
+        responses: {
+            /** @description Answer of a server, or the problem that it could not be asked. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SourceDiscovery"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
+    testSource: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SourceConfig"];
+            };
+        };
+        responses: {
+            /** @description Findings of a test, or the problem that kept it from a session. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SourceTest"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+            503: components["responses"]["ServiceUnavailable"];
+        };
+    };
     listSources: {
         parameters: {
             query?: never;
@@ -9893,7 +10465,10 @@ export interface operations {
     searchSource: {
         parameters: {
             query: {
-                /** @description Words that all occur in the variable's path, in any order, without regard to case. */
+                /**
+                 * @description Words that all occur in the variable's path, in any order, without regard to case. Or a node id, as other clients
+                 *     show it: `ns=3;s=Speed` or `nsu=<URI>;s=Speed`.
+                 */
                 text: string;
                 /** @description At most so many, up to 200; 50 without it. */
                 limit?: number;

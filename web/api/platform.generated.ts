@@ -146,7 +146,8 @@ export interface paths {
         put?: never;
         /**
          * Tries a dead letter again: one of ingest is taken as if it arrived now, one of the broker goes
-         *     back to its queue.
+         *     back to its queue. One that a broker of another make set aside (`dead-letters`) stays as it is: that broker does not
+         *     say whose it was.
          */
         post: operations["replayDeadLetter"];
         delete?: never;
@@ -2043,6 +2044,10 @@ export interface components {
             detail: string;
             /** @description Each single fault, where a document has several. */
             faults?: components["schemas"]["ProblemFault"][];
+            /** @description Values that a text of the code in another language names, by their names in it. */
+            parameters?: {
+                [key: string]: string;
+            } | null;
             /**
              * Format: int64
              * @description Seconds after which trying again makes sense; also the header `Retry-After`.

@@ -1,3 +1,4 @@
+import { problemText } from '@/language/said'
 import { Problem } from '@/transport/problem'
 
 export interface Toast {
@@ -21,9 +22,9 @@ class Toasts {
     }, SHOWN_MS)
   }
 
-  /** Shows the server's description of a problem. */
+  /** Shows a problem in the language of the page. */
   problem(thrown: unknown): void {
-    this.show('bad', Problem.from(thrown).message)
+    this.show('bad', problemText(Problem.from(thrown)))
   }
 
   dismiss(id: number): void {

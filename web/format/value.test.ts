@@ -1,6 +1,7 @@
 import { describe, expect, it } from 'vitest'
 import { language } from '@/language/language.svelte'
 import { severity, statusName, statusText } from './status'
+import { moment } from './time'
 import { bytesText, valueNumber, valueText } from './value'
 
 describe('valueText', () => {
@@ -60,4 +61,14 @@ it('bytes are told in their unit', () => {
     '17.8 KiB',
     '3 GiB',
   ])
+})
+
+it('says times in the reader’s zone, and states of operations in words', () => {
+  const at = '2026-11-23T13:13:15.978Z'
+  expect(valueText(at)).toBe(moment(at))
+  expect(valueText({ Type: 13, Body: at })).toBe(moment(at))
+  expect(valueText('2026-13-99T99:99:99Z')).toBe('2026-13-99T99:99:99Z')
+  expect(valueText('AllowedToStart')).toBe('AllowedToStart')
+  expect(valueText('AllowedToStart', 'OPERATION_STATE')).toBe('Ready to start')
+  expect(valueText({ Type: 12, Body: 'Running' }, 'OPERATION_STATE')).toBe('Running')
 })

@@ -1,15 +1,24 @@
 import { language } from '@/language/language.svelte'
 import { words } from '@/language/words'
+import { moment } from './time'
 
-/** Text of a value. All digits are shown, as precision is decided by disclosure. */
-export function valueText(value: unknown): string {
+const DATE_TIME = /^\d{4}-\d{2}-\d{2}T\d{2}:\d{2}:\d{2}(\.\d+)?(Z|[+-]\d{2}:\d{2})$/
+
+/**
+ * Text of a value of a field with this meaning. All digits are shown, as precision is decided by
+ * disclosure; times are those of this machine's time zone.
+ */
+export function valueText(value: unknown, semantic?: string | null): string {
   if (value === null || value === undefined) return words.value.none
   if (typeof value === 'number') return numberText(value)
   if (typeof value === 'boolean') return value ? words.value.yes : words.value.no
-  if (typeof value === 'string') return value
-  if (Array.isArray(value)) return `[${value.map(valueText).join(', ')}]`
+  if (typeof value === 'string') {
+    if (semantic === 'OPERATION_STATE') return words.operationState[value] ?? value
+    return DATE_TIME.test(value) && !Number.isNaN(Date.parse(value)) ? moment(value) : value
+  }
+  if (Array.isArray(value)) return `[${value.map((each) => valueText(each, semantic)).join(', ')}]`
   const body = variantBody(value)
-  return body === undefined ? JSON.stringify(value) : valueText(body.value)
+  return body === undefined ? JSON.stringify(value) : valueText(body.value, semantic)
 }
 
 /** A number in the reader's notation. */

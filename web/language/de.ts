@@ -1,5 +1,9 @@
 import type { Words } from './en'
 
+import { networksCodes } from './codes/de/networks'
+import { plantCodes } from './codes/de/plant'
+import { problemsCodes } from './codes/de/problems'
+
 export const de: Words = {
   product: { name: 'Verbund', licences: 'Lizenzen', thirdParty: 'Was andere geschrieben haben' },
   session: {
@@ -122,6 +126,8 @@ export const de: Words = {
     explainInterrupted:
       'Sie sehen den zuletzt bekannten Stand. Er wird von selbst nachgeholt, sobald die Verbindung wieder steht.',
   },
+  /** Texts of the codes of both servers. */
+  code: { ...problemsCodes, ...networksCodes, ...plantCodes },
   resource: {
     loading: 'Wird geladen …',
     retry: 'Erneut versuchen',
@@ -131,6 +137,7 @@ export const de: Words = {
       'Die Seite versucht es von selbst weiter. Prüfen Sie das Netzwerkkabel oder fragen Sie den Betreiber dieses Servers.',
     failed: 'Die Anfrage ist fehlgeschlagen',
     details: 'Einzelheiten',
+    exactly: 'Wortlaut des Servers (Englisch)',
   },
   age: {
     now: 'gerade eben',
@@ -226,7 +233,7 @@ export const de: Words = {
       SEVERITY: 'von Statuscodes nur gut, unsicher oder schlecht',
     } as Record<string, string>,
   },
-  value: { none: 'kein Wert', yes: 'wahr', no: 'falsch', noData: 'Noch keine Daten' },
+  value: { now: 'Jetzt', none: 'kein Wert', yes: 'wahr', no: 'falsch', noData: 'Noch keine Daten' },
   action: {
     close: 'Schließen',
     cancel: 'Abbrechen',

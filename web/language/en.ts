@@ -1,3 +1,7 @@
+import { networksCodes } from './codes/en/networks'
+import { plantCodes } from './codes/en/plant'
+import { problemsCodes } from './codes/en/problems'
+
 export const en = {
   product: { name: 'Verbund', licences: 'Licences', thirdParty: 'What others wrote' },
   session: {
@@ -115,6 +119,8 @@ export const en = {
     explainInterrupted:
       'This page shows the last known state. It is updated when the connection is back.',
   },
+  /** Texts of the codes of both servers. */
+  code: { ...problemsCodes, ...networksCodes, ...plantCodes },
   resource: {
     loading: 'Loading …',
     retry: 'Try again',
@@ -124,6 +130,7 @@ export const en = {
       'The page retries automatically. Check the network or ask the operator of this server.',
     failed: 'The request failed',
     details: 'Details',
+    exactly: 'In the server’s words',
   },
   age: {
     now: 'just now',
@@ -228,7 +235,7 @@ export const en = {
       SEVERITY: 'of status codes only good, uncertain or bad',
     } as Record<string, string>,
   },
-  value: { none: 'no value', yes: 'true', no: 'false', noData: 'No data yet' },
+  value: { now: 'Now', none: 'no value', yes: 'true', no: 'false', noData: 'No data yet' },
   action: {
     close: 'Close',
     cancel: 'Cancel',

@@ -18,3 +18,8 @@ export function mayChange(who: SignedIn | undefined, owner: string | null | unde
 export function mayAdminister(who: SignedIn | undefined): boolean {
   return who?.role === 'ADMINISTRATOR'
 }
+
+/** True where the person sees what concerns the organisation alone. */
+export function isOwn(who: SignedIn | undefined, owner: string | null | undefined): boolean {
+  return mayAdminister(who) || (owner != null && owner === who?.organisationId)
+}

@@ -1,8 +1,8 @@
 //! Random values of every type, for round trips.
 
-use std::sync::Arc;
+use std::{fmt, sync::Arc};
 
-use proptest::prelude::*;
+use proptest::{collection::vec, option, prelude::*, sample::select};
 use uuid::Uuid;
 
 use crate::values::{
@@ -84,8 +84,8 @@ pub(crate) fn date_time() -> impl Strategy<Value = DateTime> {
 pub(crate) fn diagnostic_info() -> impl Strategy<Value = DiagnosticInfo> {
     let leaf = (
         any::<[Option<i32>; 4]>(),
-        proptest::option::of(arc_text()),
-        proptest::option::of(any::<u32>().prop_map(StatusCode)),
+        option::of(arc_text()),
+        option::of(any::<u32>().prop_map(StatusCode)),
     )
         .prop_map(|(numbers, additional_info, inner_status_code)| DiagnosticInfo {
             symbolic_id: numbers[0],
@@ -97,58 +97,132 @@ pub(crate) fn diagnostic_info() -> impl Strategy<Value = DiagnosticInfo> {
             inner_diagnostic_info: None,
         });
     let leaf = leaf.boxed();
-    (leaf.clone(), proptest::option::of(leaf)).prop_map(|(outer, inner)| DiagnosticInfo {
+    (leaf.clone(), option::of(leaf)).prop_map(|(outer, inner)| DiagnosticInfo {
         inner_diagnostic_info: inner.map(Box::new),
         ..outer
     })
 }
 
-/// Finite numbers, and both infinities; NaN is no equal of itself.
-pub(crate) fn double() -> impl Strategy<Value = f64> {
-    any::<f64>().prop_filter("NaN", |value| !value.is_nan())
+/// True for equal values. NaN equals NaN here, though not as a number.
+pub(crate) fn is_alike<T: PartialEq + fmt::Debug>(one: &T, other: &T) -> bool {
+    one == other || format!("{one:?}") == format!("{other:?}")
 }
 
-pub(crate) fn plain_scalar() -> impl Strategy<Value = Scalar> {
-    prop_oneof![
-        any::<bool>().prop_map(Scalar::Boolean),
-        any::<i8>().prop_map(Scalar::SByte),
-        any::<u8>().prop_map(Scalar::Byte),
-        any::<i16>().prop_map(Scalar::Int16),
-        any::<u16>().prop_map(Scalar::UInt16),
-        any::<i32>().prop_map(Scalar::Int32),
-        any::<u32>().prop_map(Scalar::UInt32),
-        any::<i64>().prop_map(Scalar::Int64),
-        any::<u64>().prop_map(Scalar::UInt64),
-        any::<f32>().prop_filter("NaN", |value| !value.is_nan()).prop_map(Scalar::Float),
-        double().prop_map(Scalar::Double),
-        proptest::option::of(arc_text()).prop_map(Scalar::String),
-        date_time().prop_map(Scalar::DateTime),
-        any::<u128>().prop_map(|bits| Scalar::Guid(Uuid::from_u128(bits))),
-        proptest::option::of(any::<Vec<u8>>())
-            .prop_map(|bytes| Scalar::ByteString(bytes.map(Arc::from))),
-        proptest::option::of(arc_text()).prop_map(Scalar::XmlElement),
-        node_id().prop_map(|id| Scalar::NodeId(Box::new(id))),
-        (
-            node_id(),
-            prop_oneof![
-                Just(Server::Local),
-                (1_u32..).prop_map(Server::Index),
-                arc_text().prop_map(Server::Uri)
-            ]
-        )
-            .prop_map(|(node_id, server)| Scalar::ExpandedNodeId(Box::new(
-                ExpandedNodeId { node_id, server }
-            ))),
-        any::<u32>().prop_map(|code| Scalar::StatusCode(StatusCode(code))),
-        (namespace(), arc_text()).prop_map(|(namespace, name)| Scalar::QualifiedName(Box::new(
-            QualifiedName { namespace, name: Some(name) }
-        ))),
-        Just(Scalar::QualifiedName(Box::default())),
-        (proptest::option::of(arc_text()), proptest::option::of(arc_text())).prop_map(
-            |(locale, text)| Scalar::LocalizedText(Box::new(LocalizedText { locale, text }))
-        ),
-        diagnostic_info().prop_map(|info| Scalar::DiagnosticInfo(Box::new(info))),
+/// Finite numbers, both infinities and NaN.
+pub(crate) fn double() -> impl Strategy<Value = f64> {
+    let special = select(vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -0.0]);
+    prop_oneof![8 => any::<f64>(), 1 => special]
+}
+
+fn float() -> impl Strategy<Value = f32> {
+    let special = select(vec![f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -0.0]);
+    prop_oneof![8 => any::<f32>(), 1 => special]
+}
+
+/// Types whose values contain no others.
+const PLAIN: [BuiltInType; 22] = {
+    use BuiltInType as T;
+    [
+        T::Boolean,
+        T::SByte,
+        T::Byte,
+        T::Int16,
+        T::UInt16,
+        T::Int32,
+        T::UInt32,
+        T::Int64,
+        T::UInt64,
+        T::Float,
+        T::Double,
+        T::String,
+        T::DateTime,
+        T::Guid,
+        T::ByteString,
+        T::XmlElement,
+        T::NodeId,
+        T::ExpandedNodeId,
+        T::StatusCode,
+        T::QualifiedName,
+        T::LocalizedText,
+        T::DiagnosticInfo,
     ]
+};
+
+/// A scalar of a type. One that contains another value contains a plain one.
+fn scalar_of(built_in_type: BuiltInType) -> BoxedStrategy<Scalar> {
+    use BuiltInType as T;
+    let texts = || option::of(arc_text());
+    match built_in_type {
+        T::Boolean => any::<bool>().prop_map(Scalar::Boolean).boxed(),
+        T::SByte => any::<i8>().prop_map(Scalar::SByte).boxed(),
+        T::Byte => any::<u8>().prop_map(Scalar::Byte).boxed(),
+        T::Int16 => any::<i16>().prop_map(Scalar::Int16).boxed(),
+        T::UInt16 => any::<u16>().prop_map(Scalar::UInt16).boxed(),
+        T::Int32 => any::<i32>().prop_map(Scalar::Int32).boxed(),
+        T::UInt32 => any::<u32>().prop_map(Scalar::UInt32).boxed(),
+        T::Int64 => any::<i64>().prop_map(Scalar::Int64).boxed(),
+        T::UInt64 => any::<u64>().prop_map(Scalar::UInt64).boxed(),
+        T::Float => float().prop_map(Scalar::Float).boxed(),
+        T::Double => double().prop_map(Scalar::Double).boxed(),
+        T::String => texts().prop_map(Scalar::String).boxed(),
+        T::DateTime => date_time().prop_map(Scalar::DateTime).boxed(),
+        T::Guid => any::<u128>().prop_map(|bits| Scalar::Guid(Uuid::from_u128(bits))).boxed(),
+        T::ByteString => option::of(any::<Vec<u8>>())
+            .prop_map(|bytes| Scalar::ByteString(bytes.map(Arc::from)))
+            .boxed(),
+        T::XmlElement => texts().prop_map(Scalar::XmlElement).boxed(),
+        T::NodeId => node_id().prop_map(|id| Scalar::NodeId(Box::new(id))).boxed(),
+        T::ExpandedNodeId => {
+            expanded_node_id().prop_map(|id| Scalar::ExpandedNodeId(Box::new(id))).boxed()
+        }
+        T::StatusCode => any::<u32>().prop_map(|code| Scalar::StatusCode(StatusCode(code))).boxed(),
+        T::QualifiedName => {
+            qualified_name().prop_map(|name| Scalar::QualifiedName(Box::new(name))).boxed()
+        }
+        T::LocalizedText => (texts(), texts())
+            .prop_map(|(locale, text)| {
+                Scalar::LocalizedText(Box::new(LocalizedText { locale, text }))
+            })
+            .boxed(),
+        T::ExtensionObject => {
+            extension_object().prop_map(|object| Scalar::ExtensionObject(Box::new(object))).boxed()
+        }
+        T::DataValue => data_value(plain_scalar().prop_map(Variant::Scalar))
+            .prop_map(|value| Scalar::DataValue(Box::new(value)))
+            .boxed(),
+        T::Variant => plain_scalar()
+            .prop_map(|scalar| Scalar::Variant(Box::new(Variant::Scalar(scalar))))
+            .boxed(),
+        T::DiagnosticInfo => {
+            diagnostic_info().prop_map(|info| Scalar::DiagnosticInfo(Box::new(info))).boxed()
+        }
+    }
+}
+
+fn expanded_node_id() -> impl Strategy<Value = ExpandedNodeId> {
+    let server = prop_oneof![
+        Just(Server::Local),
+        (1_u32..).prop_map(Server::Index),
+        arc_text().prop_map(Server::Uri)
+    ];
+    (node_id(), server).prop_map(|(node_id, server)| ExpandedNodeId { node_id, server })
+}
+
+fn qualified_name() -> impl Strategy<Value = QualifiedName> {
+    let named = (namespace(), arc_text())
+        .prop_map(|(namespace, name)| QualifiedName { namespace, name: Some(name) });
+    prop_oneof![3 => named, 1 => Just(QualifiedName::default())]
+}
+
+/// A scalar of a type whose values contain no others.
+pub(crate) fn plain_scalar() -> impl Strategy<Value = Scalar> {
+    select(PLAIN.to_vec()).prop_flat_map(scalar_of)
+}
+
+/// A scalar, an array or a matrix of such a type.
+pub(crate) fn plain_value() -> impl Strategy<Value = Variant> {
+    let arrays = select(PLAIN.to_vec()).prop_flat_map(|known| array(known, scalar_of(known)));
+    prop_oneof![plain_scalar().prop_map(Variant::Scalar), arrays]
 }
 
 pub(crate) fn structure_of(
@@ -254,33 +328,44 @@ pub(crate) fn scalar() -> impl Strategy<Value = Scalar> {
         1 => extension_object().prop_map(|object| Scalar::ExtensionObject(Box::new(object))),
     ];
     leaf.prop_recursive(3, 24, 4, |inner| {
-        let value = array_of(inner.clone());
         prop_oneof![
-            data_value(value).prop_map(|value| Scalar::DataValue(Box::new(value))),
-            inner.prop_map(|scalar| Scalar::Variant(Box::new(Variant::Scalar(scalar)))),
+            data_value(array_of(inner.clone()))
+                .prop_map(|value| Scalar::DataValue(Box::new(value))),
+            array_of(inner).prop_map(|value| Scalar::Variant(Box::new(value))),
         ]
     })
 }
 
-/// A scalar, an array or a matrix.
+/// An array or a matrix, each of whose elements is another one.
+fn array(
+    element_type: BuiltInType,
+    element: BoxedStrategy<Scalar>,
+) -> impl Strategy<Value = Variant> {
+    let lengths = prop_oneof![(0_u32..5).prop_map(|length| vec![length]), vec(1_u32..4, 2..4)];
+    lengths.prop_flat_map(move |lengths| {
+        let count = lengths.iter().product::<u32>() as usize;
+        vec(element.clone(), count).prop_map(move |elements| {
+            let dimensions = (lengths.len() > 1).then(|| lengths.clone());
+            Variant::Array(Arc::new(Array { element_type, elements, dimensions }))
+        })
+    })
+}
+
+/// A scalar, an array of one type, or one of variants, whose elements have types of their own.
 pub(crate) fn array_of(
     scalar: impl Strategy<Value = Scalar> + Clone + 'static,
 ) -> impl Strategy<Value = Variant> {
-    let matrix = (proptest::collection::vec(1_u32..4, 2..4), scalar.clone()).prop_map(
-        |(dimensions, scalar)| {
-            let count = dimensions.iter().product::<u32>() as usize;
-            let elements = vec![scalar.clone(); count];
-            Array { element_type: scalar.built_in_type(), elements, dimensions: Some(dimensions) }
-        },
-    );
-    let list = (scalar.clone(), 0_usize..5).prop_map(|(scalar, count)| Array {
-        element_type: scalar.built_in_type(),
-        elements: vec![scalar; count],
-        dimensions: None,
+    let uniform =
+        select(BuiltInType::ALL.to_vec()).prop_flat_map(|known| array(known, scalar_of(known)));
+    let variants = scalar.clone().prop_map(|scalar| match scalar {
+        Scalar::Variant(_) => scalar,
+        other => Scalar::Variant(Box::new(Variant::Scalar(other))),
     });
+    let variants = prop_oneof![1 => Just(Scalar::Variant(Box::default())), 8 => variants];
     prop_oneof![
-        4 => scalar.prop_map(Variant::Scalar),
-        1 => prop_oneof![list, matrix].prop_map(|array| Variant::Array(Arc::new(array))),
+        8 => scalar.prop_map(Variant::Scalar),
+        1 => uniform,
+        1 => array(BuiltInType::Variant, variants.boxed()),
     ]
 }
 
@@ -292,7 +377,7 @@ pub(crate) fn data_value(
     value: impl Strategy<Value = Variant>,
 ) -> impl Strategy<Value = DataValue> {
     let time = || (date_time(), 0_u16..10_000);
-    (value, any::<u32>(), proptest::option::of(time()), proptest::option::of(time())).prop_map(
+    (value, any::<u32>(), option::of(time()), option::of(time())).prop_map(
         |(value, status, source, server)| DataValue {
             value,
             status: StatusCode(status),

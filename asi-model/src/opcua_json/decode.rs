@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::{
     decode_names::NamespaceTable,
     decode_scalar::{
-        boolean, bytes, date_time, default_scalar, diagnostic_info, float, foreign_status, guid,
-        integer, integer_64, localized_text, named_status, named_value, status_code, text,
+        boolean, bytes, default_scalar, diagnostic_info, float, foreign_status, guid, integer,
+        integer_64, localized_text, named_status, named_value, noted_time, status_code, text,
     },
     decoded_value::DecodedValue,
     diagnostics::{Diagnostics, Leniency},
@@ -16,7 +16,7 @@ use super::{
 use crate::{
     json::{JsonNode, Kind},
     values::{
-        BuiltInType, DataValue, NodeId, STRUCTURE, Scalar, StatusCode, StructureField,
+        BuiltInType, DataValue, DateTime, NodeId, STRUCTURE, Scalar, StatusCode, StructureField,
         StructureType, Variant,
     },
 };
@@ -118,7 +118,19 @@ impl<'d> Decoder<'d> {
         if shape.is_data_value_105() || shape.is_data_value() {
             return self.data_value_of(node, &shape, hint).map(DecodedValue::DataValue);
         }
+        let node = self.without_envelope(node, &shape)?;
         self.bare_or_guess(node, hint).map(DecodedValue::Bare)
+    }
+
+    /// The body of a variant that does not name its type, else the node itself.
+    fn without_envelope<'t, 'a>(
+        &mut self,
+        node: JsonNode<'t, 'a>,
+        shape: &Shape<'t, 'a>,
+    ) -> Result<JsonNode<'t, 'a>, Mismatch<'t, 'a>> {
+        let Some(body) = shape.untyped_body() else { return Ok(node) };
+        self.diagnostics.tolerate(node, "a Variant must name its Type beside its Body")?;
+        Ok(body)
     }
 
     /// A described structure may have fields of its own that are called as an envelope's members;
@@ -181,9 +193,9 @@ impl<'d> Decoder<'d> {
                 (None, Some(status)) => foreign_status(status, &mut self.diagnostics)?,
                 (None, None) => StatusCode::GOOD,
             },
-            source_timestamp: shape.source_timestamp.map(date_time).transpose()?,
+            source_timestamp: self.time(shape.source_timestamp)?,
             source_picoseconds: self.picoseconds(shape.source_picoseconds)?,
-            server_timestamp: shape.server_timestamp.map(date_time).transpose()?,
+            server_timestamp: self.time(shape.server_timestamp)?,
             server_picoseconds: self.picoseconds(shape.server_picoseconds)?,
         })
     }
@@ -191,7 +203,7 @@ impl<'d> Decoder<'d> {
     /// The `Value` of a data value that does not name its type beside it: a 1.04 variant, or bare.
     fn inner_value<'t, 'a>(
         &mut self,
-        inner: JsonNode<'t, 'a>,
+        mut inner: JsonNode<'t, 'a>,
         outer: &Shape<'t, 'a>,
         hint: Option<TypeHint<'_>>,
     ) -> Result<Variant, Mismatch<'t, 'a>> {
@@ -200,6 +212,7 @@ impl<'d> Decoder<'d> {
             if shape.is_variant_104() || shape.is_variant_105() {
                 return self.typed(inner, &shape);
             }
+            inner = self.without_envelope(inner, &shape)?;
         }
         let bare = self.bare_or_guess(inner, hint)?;
         match (bare, outer.dimensions) {
@@ -209,6 +222,13 @@ impl<'d> Decoder<'d> {
             }
             (bare, _) => Ok(bare),
         }
+    }
+
+    fn time<'t, 'a>(
+        &mut self,
+        node: Option<JsonNode<'t, 'a>>,
+    ) -> Result<Option<DateTime>, Mismatch<'t, 'a>> {
+        node.map(|node| noted_time(node, &mut self.diagnostics)).transpose()
     }
 
     fn picoseconds<'t, 'a>(&self, node: Option<JsonNode<'t, 'a>>) -> Result<u16, Mismatch<'t, 'a>> {
@@ -298,7 +318,7 @@ impl<'d> Decoder<'d> {
             )?),
             T::String => Scalar::String(Some(text(node)?.into())),
             T::XmlElement => Scalar::XmlElement(Some(text(node)?.into())),
-            T::DateTime => Scalar::DateTime(date_time(node)?),
+            T::DateTime => Scalar::DateTime(noted_time(node, &mut self.diagnostics)?),
             T::Guid => Scalar::Guid(guid(node)?),
             T::ByteString => Scalar::ByteString(Some(bytes(node)?)),
             T::NodeId => Scalar::NodeId(Box::new(self.namespaces.node_id(node)?)),

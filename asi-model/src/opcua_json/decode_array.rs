@@ -97,8 +97,9 @@ impl Decoder<'_> {
             Some(hint) => self.bare(node, hint),
             None if node.is_null() => Ok(Variant::Null),
             None => {
+                let guessed = self.guess(node)?;
                 self.diagnostics.note(node, GUESSED);
-                Ok(self.guess(node))
+                Ok(guessed)
             }
         }
     }
@@ -145,12 +146,12 @@ impl Decoder<'_> {
     }
 
     /// The likeliest value of a JSON value that nothing describes.
-    fn guess(&self, node: JsonNode<'_, '_>) -> Variant {
-        match node.kind() {
+    fn guess<'t, 'a>(&self, node: JsonNode<'t, 'a>) -> Result<Variant, Mismatch<'t, 'a>> {
+        Ok(match node.kind() {
             Kind::Null => Variant::Null,
             Kind::Array => {
-                let elements: Vec<Variant> =
-                    node.elements().map(|element| self.guess(element)).collect();
+                let guessed = node.elements().map(|element| self.guess(element));
+                let elements = guessed.collect::<Result<Vec<Variant>, _>>()?;
                 let first = elements.first().and_then(Variant::built_in_type);
                 let is_uniform =
                     elements.iter().all(|e| e.as_scalar().is_some() && e.built_in_type() == first);
@@ -173,13 +174,13 @@ impl Decoder<'_> {
             Kind::String => Variant::Scalar(Scalar::String(node.text().map(Arc::from))),
             Kind::Number => match node.integer::<i64>() {
                 Some(integer) => integer.into(),
-                None => node
-                    .raw()
-                    .parse::<f64>()
-                    .ok()
-                    .filter(|value| value.is_finite())
-                    .map_or(Variant::Null, f64::into),
+                None => {
+                    let value = node.raw().parse::<f64>().ok().filter(|value| value.is_finite());
+                    value.map(Variant::from).ok_or_else(|| {
+                        Mismatch::out_of_range(node, "the number is too large for the type")
+                    })?
+                }
             },
-        }
+        })
     }
 }

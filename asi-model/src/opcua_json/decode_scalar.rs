@@ -63,6 +63,27 @@ pub(crate) fn date_time<'t, 'a>(node: JsonNode<'t, 'a>) -> Result<DateTime, Mism
         .ok_or_else(|| Mismatch::new(node, "expected a time as 2019-04-18T18:20:30Z"))
 }
 
+/// A time of a value, with a note where it is not quite what the text says.
+pub(super) fn noted_time<'t, 'a>(
+    node: JsonNode<'t, 'a>,
+    diagnostics: &mut Diagnostics,
+) -> Result<DateTime, Mismatch<'t, 'a>> {
+    let time = date_time(node)?;
+    let text = text(node)?;
+    let clock = text.get(10..).unwrap_or_default();
+    if !clock.starts_with('T') {
+        diagnostics.tolerate(node, "a T must stand between date and time")?;
+    }
+    if clock.get(6..).is_some_and(|second| second.starts_with(":60")) {
+        diagnostics.note(node, "the leap second is read as the end of the second before");
+    }
+    let is_early = text.get(..4).is_some_and(|year| year < "1601");
+    if is_early && !text.starts_with("0001-01-01T00:00:00") {
+        diagnostics.note(node, "a time before 1601 is read as no time");
+    }
+    Ok(time)
+}
+
 pub(crate) fn status_code<'t, 'a>(node: JsonNode<'t, 'a>) -> Result<StatusCode, Mismatch<'t, 'a>> {
     const EXPECTED: &str = "expected a status code: a number, or an object with Code";
     let code = match node.kind() {

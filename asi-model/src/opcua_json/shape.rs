@@ -87,6 +87,17 @@ impl<'t, 'a> Shape<'t, 'a> {
             && self.ua_type.is_none()
     }
 
+    /// The content of `{"Body":…}` alone: a Variant of version 1.04 without its type, as umati shows it.
+    pub(super) fn untyped_body(&self) -> Option<JsonNode<'t, 'a>> {
+        let is_alone = !self.has_others
+            && !self.has_quality()
+            && self.type_id.is_none()
+            && self.value.is_none()
+            && self.ua_type.is_none()
+            && self.dimensions.is_none();
+        self.body.filter(|_| is_alone)
+    }
+
     /// `{"Value":…}` or at least status or a time, and nothing foreign.
     pub(super) const fn is_data_value(&self) -> bool {
         !self.has_others

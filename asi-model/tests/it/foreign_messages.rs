@@ -5,8 +5,8 @@ use std::path::Path;
 use asi_model::{
     opcua_json::{DataEncoding, Leniency, encode_variant},
     pubsub::{
-        DataSetMessage, PubSubMessage,
-        json::{PubSubError, decode_described},
+        DataSetMessage, NetworkMessage, PubSubMessage,
+        json::{PubSubError, decode, decode_described},
     },
 };
 
@@ -54,7 +54,7 @@ fn data_set(message: &DataSetMessage) -> Vec<String> {
 /// One file: its name, its content in short, and the pointers of its diagnostics.
 type Expected = (&'static str, &'static [&'static str], &'static [&'static str]);
 
-const TAKEN: [Expected; 13] = [
+const TAKEN: &[Expected] = &[
     (
         "opc-publisher.key-frame.json",
         &[
@@ -134,6 +134,70 @@ const TAKEN: [Expected; 13] = [
         &[],
     ),
     (
+        "opc-publisher.structure.json",
+        &[
+            "ua-event of 3, Good",
+            r#"Message {"Type":21,"Body":{"Locale":"en-US","Text":"The system cycle '5' has started."}} Good"#,
+            // Its type is no NodeId of JSON; the other fields stay.
+            "CurrentStep null BadTypeMismatch",
+        ],
+        &["~/Message/Type", "~/CurrentStep/Type", "~/CurrentStep/Body/TypeId"],
+    ),
+    (
+        "umati.body.json",
+        &[
+            "ua-keyframe of 9, Good",
+            r#"TypeDefinition {"Type":22,"Body":{"TypeId":{"Id":0},"Body":{ "Id": 32, "Namespace": "http://opcfoundation.org/UA/MachineTool/" }}} Good"#,
+            r#"Name {"Type":12,"Body":"Basic Program"} Good"#,
+            r#"NumberInList {"Type":8,"Body":"0"} Good"#,
+            "NodeVersion null Good",
+        ],
+        &[
+            "~/TypeDefinition",
+            "~/TypeDefinition/Body",
+            "~/Name",
+            "~/Name/Body",
+            "~/NumberInList",
+            "~/NumberInList/Body",
+            "~/NodeVersion",
+        ],
+    ),
+    (
+        "umati.data-set.json",
+        &[
+            "ua-keyframe of 0, Uncertain",
+            r#"Name {"Type":12,"Body":"Basic Program"} Good"#,
+            r#"NumberInList {"Type":8,"Body":"0"} Good"#,
+        ],
+        &["/Payload/Name", "/Payload/NumberInList"],
+    ),
+    ("milo.keep-alive.json", &["ua-keepalive of 17, Good"], &[]),
+    ("milo.no-payload.json", &["ua-keepalive of 17, Good"], &[]),
+    (
+        "milo.delta-frame.json",
+        &[
+            "ua-deltaframe of 17, Good",
+            r#"Mode {"Type":8,"Body":"3"} Good"#,
+            r#"Speed {"Type":11,"Body":1.5} Good"#,
+        ],
+        &["/Payload/Mode", "/Payload/Speed"],
+    ),
+    (
+        "ua-netstandard.raw.json",
+        &["ua-keyframe of 0, Good", r#"Temperature {"Type":11,"Body":22.5} Good"#],
+        &["~/Temperature"],
+    ),
+    ("ua-netstandard.metadata.json", &["metadata of 10"], &[]),
+    (
+        "open62541.reversible.json",
+        &[
+            "ua-keyframe of 62541, Good",
+            r#"Test {"Type":5,"Body":42} Good"#,
+            r#"Server localtime {"Type":13,"Body":"2018-06-05T05:58:36Z"} Good"#,
+        ],
+        &[],
+    ),
+    (
         "ua-netstandard.minimal.json",
         &[
             "ua-keyframe of 1, Good",
@@ -162,21 +226,52 @@ const TAKEN: [Expected; 13] = [
     ),
 ];
 
+/// Files that are refused as a whole: their names and the reasons, each after its pointer.
+const REFUSED: &[(&str, &str)] = &[
+    (
+        "opc-publisher.batch.json",
+        "/0: NetworkMessages must not be in an array: each is a message of its own",
+    ),
+    (
+        "opc-publisher.metadata-batch.json",
+        "/0: NetworkMessages must not be in an array: each is a message of its own",
+    ),
+    (
+        "opc-publisher.metadata-names.json",
+        "/MetaData/Fields/0/DataType: expected a NodeId as nsu=urn:press;s=Counter",
+    ),
+    (
+        "opc-publisher.event.json",
+        "/Messages/0/DataSetWriterId: expected a DataSetWriterId from 0 to 65535",
+    ),
+    (
+        "open62541.null-payload.json",
+        "/Messages/0/Payload: Payload is null; only a keep-alive has none",
+    ),
+    ("ua-netstandard.header-alone.json", ": Messages is missing"),
+];
+
 #[test]
 fn they_are_read_as_they_are_meant() {
-    for (name, content, pointers) in TAKEN {
+    for &(name, content, pointers) in TAKEN {
         let (found, noted) = read(name, Leniency::Lenient).unwrap();
         assert_eq!((found, noted), (owned(content), owned(pointers)), "{name}");
+    }
+    for &(name, reason) in REFUSED {
+        assert_eq!(read(name, Leniency::Lenient).unwrap_err(), reason, "{name}");
     }
 }
 
 #[test]
-fn every_file_is_expected() {
+fn every_file_is_expected_and_has_a_source() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/foreign-messages");
+    let sources = std::fs::read_to_string(folder.join("README.md")).unwrap();
     for entry in std::fs::read_dir(folder).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
-        let is_expected = TAKEN.iter().any(|(known, ..)| *known == name);
-        assert!(is_expected || name == "opc-publisher.batch.json", "{name}");
+        let mut expected =
+            TAKEN.iter().map(|(known, ..)| known).chain(REFUSED.iter().map(|(known, _)| known));
+        assert!(name == "README.md" || expected.any(|known| *known == name), "{name}");
+        assert!(name == "README.md" || sources.contains(&format!("| `{name}` |")), "{name}");
     }
 }
 
@@ -187,6 +282,29 @@ fn what_deviates_is_refused_where_strictness_is_wanted() {
     assert_eq!(found[1], "Temperature null BadTypeMismatch");
     let refused = read("umati.metadata.json", Leniency::Strict).unwrap_err();
     assert!(refused.starts_with("/MetaData/Namespaces/0: "), "{refused}");
+    let (found, _) = read("umati.body.json", Leniency::Strict).unwrap();
+    assert_eq!(found[2], "Name null BadTypeMismatch");
+}
+
+#[test]
+fn a_variant_without_its_type_has_that_of_the_metadata() {
+    let metadata = r#"{"MessageType":"ua-metadata","DataSetWriterId":9,"MetaData":{"Fields":[
+        {"Name":"NumberInList","BuiltInType":5},{"Name":"Override","BuiltInType":11}]}}"#;
+    let PubSubMessage::MetaData(known) = decode(metadata.as_bytes()).unwrap().message else {
+        panic!("metadata")
+    };
+    let text = r#"{"Messages":[{"DataSetWriterId":9,"Payload":{
+        "NumberInList":{"Body":2},"Override":{"Value":{"Body":103},"Status":1073741824}}}]}"#;
+    let decoded = decode_described(text.as_bytes(), Leniency::Lenient, &known.meta_data).unwrap();
+    let PubSubMessage::Data(message) = decoded.message else { panic!("data") };
+    assert_eq!(
+        data_set(&message.messages[0]),
+        [
+            "ua-keyframe of 9, Good",
+            r#"NumberInList {"Type":5,"Body":2} Good"#,
+            r#"Override {"Type":11,"Body":103} Uncertain"#,
+        ]
+    );
 }
 
 /// The type of a text's message, or the reason to refuse it.
@@ -223,17 +341,19 @@ fn headers_are_read_to_the_letter() {
             "/MessageType: the MessageType of a message with Messages must be ua-data",
         ),
         (r#"{"Messages":[{"MessageType":"alarm","Payload":{}}]}"#, "ua-data"),
+        (r#"{"Messages":{"MessageType":"ua-condition","Payload":{}}}"#, "ua-data"),
     ] {
         assert_eq!(type_of(text), expected, "{text}");
     }
 }
 
 #[test]
-fn batches_are_no_message() {
-    assert_eq!(
-        read("opc-publisher.batch.json", Leniency::Lenient).unwrap_err(),
-        "/0: NetworkMessages must not be in an array: each is a message of its own"
-    );
+fn an_unknown_type_leaves_the_message_of_a_single_one_empty() {
+    let text =
+        r#"{"MessageType":"ua-data","Messages":{"MessageType":"ua-condition","Payload":{"a":1}}}"#;
+    let decoded = decode(text.as_bytes()).unwrap();
+    assert_eq!(decoded.message, PubSubMessage::Data(NetworkMessage::default()));
+    assert_eq!(decoded.diagnostics[0].pointer, "/Messages/MessageType");
 }
 
 fn owned(texts: &[&str]) -> Vec<String> {

@@ -9,6 +9,7 @@ mod foreign_messages;
 mod linear;
 mod networks;
 mod round_trip;
+mod units;
 mod vectors;
 
 #[global_allocator]

@@ -1,6 +1,6 @@
 //! Problem documents (RFC 9457): the one form in which the APIs say no.
 
-use std::fmt;
+use std::{collections::BTreeMap, fmt, num::NonZeroU64};
 
 use axum::{
     Json,
@@ -35,10 +35,15 @@ pub struct Problem {
     pub faults: Vec<ProblemFault>,
     /// Seconds after which trying again makes sense; also the header `Retry-After`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub retry_after_seconds: Option<u64>,
+    #[schema(value_type = Option<u64>)]
+    pub retry_after_seconds: Option<NonZeroU64>,
     /// Second factors of which a sign-in needs one, with the code `SECOND_FACTOR_NEEDED`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub second_factor: Option<Box<SecondFactorNeeded>>,
+    /// Values that a text of the code in another language names, by their names in it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<BTreeMap<String, String>>)]
+    pub parameters: Option<Box<BTreeMap<String, String>>>,
 }
 
 /// Second factors that a person has.
@@ -93,7 +98,15 @@ impl Problem {
             faults: Vec::new(),
             retry_after_seconds: None,
             second_factor: None,
+            parameters: None,
         }
+    }
+
+    /// Adds a value that texts of the code name.
+    #[must_use]
+    pub fn with(mut self, name: &str, value: impl fmt::Display) -> Self {
+        self.parameters.get_or_insert_default().insert(name.to_owned(), value.to_string());
+        self
     }
 
     /// 400: the request cannot be understood.
@@ -140,7 +153,7 @@ impl Problem {
     #[must_use]
     pub fn too_many(detail: impl Into<String>, retry_after: std::time::Duration) -> Self {
         Self {
-            retry_after_seconds: Some(retry_after.as_secs().max(1)),
+            retry_after_seconds: NonZeroU64::new(retry_after.as_secs().max(1)),
             ..Self::new(StatusCode::TOO_MANY_REQUESTS, "TOO_MANY_REQUESTS", detail)
         }
     }
@@ -183,7 +196,7 @@ impl IntoResponse for Problem {
         headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
         headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
         if let Some(seconds) = retry_after {
-            headers.insert(header::RETRY_AFTER, HeaderValue::from(seconds));
+            headers.insert(header::RETRY_AFTER, HeaderValue::from(seconds.get()));
         }
         response
     }
@@ -216,4 +229,20 @@ pub async fn unknown_method(uri: Uri) -> Problem {
             uri.path()
         ),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn parameters_have_their_names_and_a_problem_without_any_has_no_such_member() {
+        let plain = Problem::conflict("REVISION_CONFLICT", "Another change was faster.");
+        let document = serde_json::to_value(&plain).expect("JSON");
+        assert_eq!(document.get("parameters"), None);
+        let document = serde_json::to_value(plain.with("revision", 7)).expect("JSON");
+        assert_eq!(document["parameters"], json!({ "revision": "7" }));
+    }
 }

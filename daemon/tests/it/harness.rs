@@ -181,7 +181,7 @@ async fn endless_page(State(sessions): State<Sessions<Memory>>) -> &'static str 
 }
 
 /// Changes something, and answers with what was sent.
-async fn change(body: String) -> String {
+async fn change_page(body: String) -> String {
     body
 }
 
@@ -275,7 +275,7 @@ impl Harness {
         let readiness = Readiness::new();
         let operations = Operations {
             guarded: OpenApiRouter::new()
-                .route("/page", get(page).put(change).layer(from_fn(in_turn)))
+                .route("/page", get(page).put(change_page).layer(from_fn(in_turn)))
                 .route("/page/endless", get(endless_page).layer(from_fn(in_turn)))
                 .route("/live", get(live).layer(from_fn(hold_stream)))
                 .route("/export", get(export).layer(from_fn(hold_download)))

@@ -27,7 +27,15 @@ const RETRY_AFTER: Duration = Duration::from_secs(1);
 
 /// Turns of all servers; clones share them. Servers and people without a request are forgotten.
 #[derive(Clone, Default)]
-pub(super) struct MachineTurns(Arc<Mutex<HashMap<SourceId, OfServer>>>);
+pub(super) struct MachineTurns(Arc<Mutex<HashMap<Machine, OfServer>>>);
+
+/// Server that has turns. All that are no source yet have them together: an address is quickly given, and asking many at
+/// a time would be a search of the plant's network.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+enum Machine {
+    Source(SourceId),
+    Unsaved,
+}
 
 struct OfServer {
     turns: Arc<Semaphore>,
@@ -51,7 +59,7 @@ pub(super) struct MachineTurn {
 /// Request of a person among those of its server.
 struct Place {
     turns: MachineTurns,
-    source: SourceId,
+    machine: Machine,
     person: String,
 }
 
@@ -62,11 +70,23 @@ impl MachineTurns {
     /// 429 `TOO_MANY_REQUESTS` where the person has too many requests to this server, or where the turn does not come in
     /// time.
     pub async fn take(&self, source: &SourceId, person: &str) -> Result<MachineTurn, Problem> {
+        self.take_of(Machine::Source(source.clone()), person).await
+    }
+
+    /// Waits for the turn of a person's request to a server that is no source yet.
+    ///
+    /// # Errors
+    /// As [`Self::take`].
+    pub async fn take_unsaved(&self, person: &str) -> Result<MachineTurn, Problem> {
+        self.take_of(Machine::Unsaved, person).await
+    }
+
+    async fn take_of(&self, machine: Machine, person: &str) -> Result<MachineTurn, Problem> {
         let refused = |owner, detail| {
             count_refusal("machine_requests", owner);
             Problem::too_many(detail, RETRY_AFTER)
         };
-        let (place, turns) = self.place(source, person).ok_or_else(|| {
+        let (place, turns) = self.place(machine, person).ok_or_else(|| {
             let detail =
                 "You look at too much of this server at a time; wait until some of it is there.";
             refused(ShareOwner::Person(person), detail)
@@ -81,17 +101,16 @@ impl MachineTurns {
         Ok(MachineTurn { permit: Some(permit), place: Some(place), ends_not_before })
     }
 
-    fn place(&self, source: &SourceId, person: &str) -> Option<(Place, Arc<Semaphore>)> {
+    fn place(&self, machine: Machine, person: &str) -> Option<(Place, Arc<Semaphore>)> {
         let mut servers = self.0.lock();
-        let server = servers.entry(source.clone()).or_default();
+        let server = servers.entry(machine.clone()).or_default();
         let count = server.persons.entry(person.to_owned()).or_default();
         if *count >= OF_A_PERSON_MAX {
             return None;
         }
         *count += 1;
         let turns = Arc::clone(&server.turns);
-        let place =
-            Place { turns: self.clone(), source: source.clone(), person: person.to_owned() };
+        let place = Place { turns: self.clone(), machine, person: person.to_owned() };
         Some((place, turns))
     }
 }
@@ -112,7 +131,7 @@ impl Drop for MachineTurn {
 impl Drop for Place {
     fn drop(&mut self) {
         let mut servers = self.turns.0.lock();
-        let Some(server) = servers.get_mut(&self.source) else { return };
+        let Some(server) = servers.get_mut(&self.machine) else { return };
         if let Some(count) = server.persons.get_mut(&self.person) {
             *count -= 1;
             if *count == 0 {
@@ -120,7 +139,7 @@ impl Drop for Place {
             }
         }
         if server.persons.is_empty() {
-            servers.remove(&self.source);
+            servers.remove(&self.machine);
         }
     }
 }

@@ -14,7 +14,7 @@ use disclosure::{
     CapExcess, DisclosurePolicy, DocumentId, DraftGate, Effect, GateOutcome, LeakWarning,
     Statement, VariableKey, effects, leak_warnings,
 };
-use mapping_engine::{DryRunSample, MappingDiagnostic, TraceRun};
+use mapping_engine::{DryRunSample, FaultKind, MappingDiagnostic, TraceRun};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -61,6 +61,8 @@ pub struct StepView {
     function: String,
     /// Its result; none if it yielded none or failed.
     value: Option<ShownValue>,
+    /// Kind of its fault, for programs; none if it succeeded.
+    kind: Option<FaultKind>,
     /// Text of its fault; none if it succeeded.
     message: Option<String>,
 }
@@ -312,6 +314,7 @@ async fn run(
         .map(|step| StepView {
             function: step.function,
             value: step.value.map(|result| ShownValue::of_function(result, before_gate)),
+            kind: step.fault.as_ref().map(|fault| fault.kind),
             message: step.fault.map(|fault| fault.message),
         })
         .collect();

@@ -27,7 +27,8 @@ const LISTING_TIMEOUT: Duration = Duration::from_secs(8);
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct SearchQuery {
-    /// Words that all occur in the variable's path, in any order, without regard to case.
+    /// Words that all occur in the variable's path, in any order, without regard to case. Or a node id, as other clients
+    /// show it: `ns=3;s=Speed` or `nsu=<URI>;s=Speed`.
     text: String,
     /// At most so many, up to 200; 50 without it.
     limit: Option<usize>,
@@ -69,6 +70,13 @@ pub async fn search_source(
             "NO_TEXT",
             "Give a text of 1 to 256 characters to look for.",
         ));
+    }
+    if let Ok(node) = query.text.trim().parse::<NodeId>() {
+        let node = api.shop_floor.with_uri(&id, node).map_err(shop_floor)?;
+        let _turn = api.machine_turns.take(&id, &user.principal.user_name).await?;
+        let items = api.shop_floor.describe_many(&id, &[node]).await.map_err(shop_floor)?;
+        let total = items.len();
+        return Ok(Json(FoundVariables { items, total, is_complete: true, listed_at: None }));
     }
     let Some(listing) = api.catalog.list(&id, LISTING_TIMEOUT).await else {
         return Ok(Json(FoundVariables {

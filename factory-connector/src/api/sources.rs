@@ -84,7 +84,8 @@ pub async fn add_source(
     Ok((StatusCode::CREATED, Json(source)))
 }
 
-/// Changes a source; mappings that use it go on under the new settings.
+/// Changes a source; mappings that use it go on under the new settings. Without a password the stored one of the same user
+/// is kept, at the same address.
 #[utoipa::path(
     put,
     path = "/sources/{sourceId}",
@@ -105,8 +106,47 @@ pub async fn change_source(
             "The document's sourceId differs from the path's.",
         ));
     }
+    let source = with_kept_password(&api, source).await?;
     put(&api, source.clone()).await?;
     Ok(Json(source))
+}
+
+/// Returns a source with the password that is stored for it, where the same user's is left out.
+///
+/// # Errors
+/// 422 `PASSWORD_NEEDED` where the source is at another address than the password was given for: it would be sent to
+/// whatever is there.
+pub(super) async fn with_kept_password(
+    api: &Api,
+    mut source: SourceConfig,
+) -> Result<SourceConfig, Problem> {
+    let Identity::UserName { user_name, password } = &mut source.identity else {
+        return Ok(source);
+    };
+    if !password.expose().is_empty() {
+        return Ok(source);
+    }
+    let rows = api.store().await?.sources().all().await?;
+    let Some(row) = rows.into_iter().find(|row| row.source_id == source.source_id.as_str()) else {
+        return Ok(source);
+    };
+    let stored: SourceConfig =
+        serde_json::from_str(&row.config).map_err(|error| Problem::internal(&error))?;
+    let is_same_user = matches!(&stored.identity,
+        Identity::UserName { user_name: known, .. } if known == user_name);
+    let kept = passwords::of_source(&api.instance.sealer, &row)
+        .map_err(|error| Problem::internal(error.as_ref()))?
+        .filter(|kept| is_same_user && !kept.expose().is_empty());
+    let Some(kept) = kept else { return Ok(source) };
+    if stored.endpoint_url != source.endpoint_url {
+        return Err(Problem::unprocessable(
+            "PASSWORD_NEEDED",
+            "The password is kept for the address that it was given for. Enter it again for another one.",
+            Vec::new(),
+        ));
+    }
+    *password = kept.expose().as_str().into();
+    Ok(source)
 }
 
 async fn put(api: &Api, source: SourceConfig) -> Result<(), Problem> {

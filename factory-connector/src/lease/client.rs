@@ -237,6 +237,11 @@ fn log_change(before: &LeaseStatus, after: &LeaseStatus) {
                     "This connector speaks for its factory."
                 )
             }
+            LeaseState::Unanswered => tracing::warn!(
+                since = %after.since,
+                "The link is up, and the platform answers nothing: it is down, or this connector's access was revoked \
+                 there. What leaves may not count; it stays stored here until it is receipted."
+            ),
             LeaseState::Refused => tracing::error!(
                 holder = host(&after.holder),
                 "Another connector speaks for this factory; nothing leaves from here. Stop one of the two; if that one \

@@ -119,8 +119,64 @@ fn a_lost_answer_is_requested_again_and_the_lease_stays() {
         assert!((2..=60).contains(&pause), "{pause}");
         second += pause;
         Bench::asked(&bench.on(LeaseInput::Tick, second));
-        assert_eq!(bench.lease.status().state, LeaseState::Held);
+        assert_eq!(bench.lease.status().lease_number, Some(3), "what may leave is as before");
     }
+}
+
+/// Lets the next request be due, and returns its second, its id and what is shown with it.
+fn asks_in_vain(bench: &mut Bench) -> (u64, MessageId, (LeaseState, DateTime)) {
+    let wake_at = bench.lease.wake_at().expect("it waits for an answer");
+    let second = wake_at.duration_since(bench.start).as_secs();
+    let request = Bench::asked(&bench.on(LeaseInput::Tick, second));
+    let status = bench.lease.status();
+    (second, request, (status.state, status.since))
+}
+
+#[test]
+fn a_platform_that_answers_nothing_is_shown_as_silent_until_it_answers() {
+    let mut bench = Bench::new();
+    let first = Bench::asked(&bench.on(LeaseInput::Connected, 0));
+    bench.on(answered(answer(&first, LeaseResult::Granted)), 1);
+    let (silent_since, _, held) = asks_in_vain(&mut bench);
+    assert_eq!(held, (LeaseState::Held, at(1)));
+    assert_eq!(asks_in_vain(&mut bench).2, held);
+    assert_eq!(asks_in_vain(&mut bench).2, held, "three may be lost");
+    let since = at(i64::try_from(silent_since).expect("small"));
+    let (_, _, shown) = asks_in_vain(&mut bench);
+    assert_eq!(shown, (LeaseState::Unanswered, since));
+    let (second, request, still) = asks_in_vain(&mut bench);
+    assert_eq!(still, shown, "it goes on asking");
+    let granted = bench.on(answered(answer(&request, LeaseResult::Granted)), second);
+    assert_eq!(granted, [], "it was open all the time");
+    let status = bench.lease.status();
+    assert_eq!((status.state, status.since), held);
+    for _ in 0..3 {
+        assert_eq!(asks_in_vain(&mut bench).2, held, "counted from the answer on");
+    }
+}
+
+#[test]
+fn a_platform_is_shown_as_silent_while_the_link_is_up_only() {
+    let mut bench = Bench::new();
+    bench.on(LeaseInput::Connected, 0);
+    for _ in 0..3 {
+        asks_in_vain(&mut bench);
+    }
+    assert_eq!(bench.lease.status().state, LeaseState::Unanswered, "before any answer, too");
+    assert_eq!(bench.on(LeaseInput::Disconnected, 20), []);
+    let status = bench.lease.status();
+    assert_eq!((status.state, status.since), (LeaseState::Asking, at(0)));
+    let again = Bench::asked(&bench.on(LeaseInput::Connected, 30));
+    bench.on(answered(answer(&again, LeaseResult::Refused)), 30);
+    bench.on(LeaseInput::Disconnected, 31);
+    bench.on(LeaseInput::Connected, 40);
+    for _ in 0..3 {
+        asks_in_vain(&mut bench);
+    }
+    assert_eq!(bench.lease.status().state, LeaseState::Unanswered);
+    let left = bench.on(LeaseInput::Disconnected, 60);
+    assert_eq!(left, [LeaseAction::Receive(false)], "the lease is still another one's");
+    assert_eq!(bench.lease.status().state, LeaseState::Refused);
 }
 
 #[test]

@@ -15,6 +15,7 @@ mod plant;
 mod previews;
 mod roles;
 mod shown;
+mod source_inquiry;
 mod texts_of_scripts;
 mod trust;
 mod twin_sign_in;

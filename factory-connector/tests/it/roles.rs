@@ -102,6 +102,13 @@ const ROLES: &[(&str, Least)] = &[
     ("readSourceValue", Engineer),
     ("listSourceCertificates", Viewer),
     ("trustSourceCertificate", Engineer),
+    ("discoverSource", Engineer),
+    ("testSource", Engineer),
+    ("listServerProfiles", Viewer),
+    ("showSourceClientCertificate", Viewer),
+    ("prepareSourceClientCertificate", Engineer),
+    ("discardSourceClientCertificate", Engineer),
+    ("useSourceClientCertificate", Engineer),
     // The OPC UA server.
     ("showApplicationCertificate", Viewer),
     ("requestApplicationCertificate", Engineer),

@@ -2,6 +2,7 @@
 
 use std::{
     io,
+    os::unix::fs::PermissionsExt as _,
     path::{Path, PathBuf},
     process::Stdio,
     time::Duration,
@@ -73,14 +74,19 @@ impl Process {
         let path = std::path::absolute(path).map_err(ProcessError::Start)?;
         let host_user = rustix::process::geteuid();
         let own_user = (host_user.is_root() && config.user_id != 0).then_some(config.user_id);
-        let mut child =
-            spawn(&path, own_user).map_err(|source| match (own_user, source.kind()) {
-                // Nothing runs as root instead.
-                (Some(user_id), io::ErrorKind::PermissionDenied | io::ErrorKind::InvalidInput) => {
-                    ProcessError::UserMayNot { user_id, path, source }
-                }
-                _ => ProcessError::Start(source),
-            })?;
+        let spawned = match (spawn(&path, own_user), own_user) {
+            (Err(error), Some(_)) if error.kind() == io::ErrorKind::PermissionDenied => {
+                spawn_copy(&path, own_user)
+            }
+            (spawned, _) => spawned,
+        };
+        let mut child = spawned.map_err(|source| match (own_user, source.kind()) {
+            // Nothing runs as root instead.
+            (Some(user_id), io::ErrorKind::PermissionDenied | io::ErrorKind::InvalidInput) => {
+                ProcessError::UserMayNot { user_id, path, source }
+            }
+            _ => ProcessError::Start(source),
+        })?;
         let (Some(input), Some(output)) = (child.stdin.take(), child.stdout.take()) else {
             return Err(ProcessError::Start(io::Error::other("its streams are not there")));
         };
@@ -177,6 +183,19 @@ fn spawn(path: &Path, user_id: Option<u32>) -> io::Result<Child> {
         command.uid(id).gid(id);
     }
     command.spawn()
+}
+
+/// Starts a copy of the binary that every user may run: its own folders may be closed, as root's are. The copy is gone as
+/// soon as it runs.
+fn spawn_copy(path: &Path, user_id: Option<u32>) -> io::Result<Child> {
+    let folder = tempfile::Builder::new().prefix("verbund-script-").tempdir()?;
+    let copy = folder.path().join("worker");
+    std::fs::copy(path, &copy)?;
+    // Whatever the umask is.
+    for open in [folder.path(), &copy] {
+        std::fs::set_permissions(open, std::fs::Permissions::from_mode(0o755))?;
+    }
+    spawn(&copy, user_id)
 }
 
 async fn receive(output: &mut ChildStdout) -> Result<WorkerMessage, ProcessError> {

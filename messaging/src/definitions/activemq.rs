@@ -6,12 +6,16 @@ use std::fmt::Write;
 use super::BrokerPlan;
 use crate::address::LogicalAddress;
 
+/// The first line, which says so where it is used.
+const UNTESTED: &str = "<!-- Generated. Untested: written after the documentation of ActiveMQ Artemis. Try loss, redelivery and rights before \
+     you rely on it. -->\n";
+
 /// `<security-settings>`, `<address-settings>` and `<addresses>`, to be put into `<core>`. Each
 /// user's role has the user's name; users and passwords belong into the broker's login module.
 #[must_use]
 pub fn artemis_broker_xml(plan: &BrokerPlan) -> String {
     let rights = plan.rights();
-    let mut xml = String::from("<security-settings>\n");
+    let mut xml = format!("{UNTESTED}<security-settings>\n");
     for queue in plan.queues().iter().chain([&LogicalAddress::DeadLetters]) {
         let roles = |list: for<'r> fn(&'r super::Rights<'_>) -> &'r Vec<LogicalAddress>| {
             let names = rights
@@ -68,6 +72,10 @@ mod tests {
             limits: QueueLimits::default(),
         };
         let xml = artemis_broker_xml(&plan);
+        let first = xml.lines().next().expect("a line");
+        assert!(
+            first.starts_with("<!-- ") && first.contains("Untested") && first.ends_with(" -->")
+        );
         assert!(xml.contains(
             "<security-setting match=\"factory.f1.ingress\">\n    <permission type=\"send\" roles=\"f1\"/>\n    <permission type=\"consume\" roles=\"platform\"/>"
         ));

@@ -89,7 +89,21 @@ impl RabbitMq {
         self.control(&["close_all_user_connections", user_name, "removed"]);
     }
 
-    fn control(&self, arguments: &[&str]) {
+    /// Returns how many messages a queue holds.
+    ///
+    /// # Panics
+    /// Panics when the broker does not know the queue.
+    #[must_use]
+    pub fn messages_in(&self, queue: &str) -> u64 {
+        let listed = self.control(&["-q", "list_queues", "--no-table-headers", "name", "messages"]);
+        let mut lines = listed.lines().filter_map(|line| line.split_once('\t'));
+        let found = lines.find(|(name, _)| *name == queue);
+        found
+            .and_then(|(_, messages)| messages.trim().parse().ok())
+            .expect("a queue and its number")
+    }
+
+    fn control(&self, arguments: &[&str]) -> String {
         let mut command = Command::new(server().with_file_name("rabbitmqctl"));
         let output = environment(&mut command, self.folder.path(), &self.ports)
             .args(arguments)
@@ -97,6 +111,7 @@ impl RabbitMq {
             .expect("rabbitmqctl runs");
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "rabbitmqctl {arguments:?}: {said}");
+        String::from_utf8_lossy(&output.stdout).into_owned()
     }
 
     /// Returns whether its log has these words.

@@ -98,7 +98,8 @@ pub async fn list(
 }
 
 /// Tries a dead letter again: one of ingest is taken as if it arrived now, one of the broker goes
-/// back to its queue.
+/// back to its queue. One that a broker of another make set aside (`dead-letters`) stays as it is: that broker does not
+/// say whose it was.
 #[utoipa::path(post, operation_id = "replayDeadLetter", path = "/dead-letters/{deadLetterId}/replay", tag = "dead letters", security(("session" = [])),
     params(("deadLetterId" = String, Path)), responses((status = 200, body = Replayed), ChangeProblems))]
 pub async fn replay(
@@ -140,6 +141,9 @@ async fn replay_own(app: &Application, who: &Principal, id: u64) -> Result<Optio
     let content = app.store.read().await?.dead_letters().content(id).await?;
     let Some(content) = content else { return Ok(None) };
     let Ok(address) = content.address.parse::<LogicalAddress>() else { return Ok(None) };
+    if address == LogicalAddress::DeadLetters {
+        return Ok(Some(false));
+    }
     // It was seen before; without this it would be discarded as a repeat.
     let mut work = app.store.begin(who, "replayDeadLetter").await?;
     work.inbox()

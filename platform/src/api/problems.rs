@@ -121,6 +121,7 @@ impl From<EnrolmentError> for Problem {
                          add it to the file broker.external.password_file."
                     ),
                 )
+                .with("userName", user_name)
             }
             EnrolmentError::NoAccount(error) => Self::internal(&error),
             EnrolmentError::Store(error) => Self::internal(&error),
@@ -179,7 +180,8 @@ impl From<ChangeError> for Problem {
                 format!(
                     "Another change was faster: the revision in effect is {revision}. Read it and try again."
                 ),
-            ),
+            )
+            .with("revision", revision),
             ChangeError::QuotaExceeded { .. } => quota_exceeded(&error.to_string()),
             ChangeError::Faulty(faults) => faulty(faults, ""),
             ChangeError::Store(error) => error.into(),

@@ -1,7 +1,5 @@
 //! Broker definitions for import by the administration of an external broker.
 
-use std::io::Write;
-
 use anyhow::Context;
 use clap::ValueEnum;
 use messaging::definitions::{
@@ -13,6 +11,8 @@ use platform::{
 };
 use rand::RngCore;
 use zeroize::Zeroizing;
+
+use super::output;
 
 /// The kinds of broker that definitions are made for.
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -26,9 +26,12 @@ pub enum BrokerKind {
 }
 
 /// Prints the definitions for all factories and tools that the platform knows; each needs an
-/// account.
+/// account. Says beside them where nothing was tried with the broker.
 pub async fn print(config: &PlatformConfig, kind: BrokerKind) -> anyhow::Result<()> {
     let plan = plan(config).await?;
+    if let Some(note) = config.untested_broker() {
+        output::note(&note)?;
+    }
     let text = match kind {
         BrokerKind::Rabbitmq => {
             let salt = || {
@@ -41,7 +44,7 @@ pub async fn print(config: &PlatformConfig, kind: BrokerKind) -> anyhow::Result<
         BrokerKind::Activemq => artemis_broker_xml(&plan),
         BrokerKind::Mosquitto => mosquitto_acl(&plan),
     };
-    writeln!(std::io::stdout(), "{}", text.trim_end()).context("writing to standard output")
+    output::print(text.trim_end())
 }
 
 async fn plan(config: &PlatformConfig) -> anyhow::Result<BrokerPlan> {

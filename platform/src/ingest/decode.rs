@@ -18,7 +18,7 @@ use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
 use super::{
-    dead_letter::{DeadLetterReason, dead_letter},
+    dead_letter::{DeadLetterReason, dead_letter, reason_of_broker},
     portion::Unpacked,
     signatures::{check_body, examine},
 };
@@ -133,6 +133,9 @@ pub fn decode(
         envelope.lease = verified.properties.lease;
     }
     let understood = examined.and_then(|verified| {
+        if *address == LogicalAddress::DeadLetters {
+            return Err(reason_of_broker(delivery));
+        }
         let text = text_of(&message.text)?;
         let (id, kind, content) = understand(address, &text, lookup)?;
         if let Some(verified) = &verified {

@@ -13,7 +13,7 @@ use daemon::{
     plaintext,
     web::session::random_token,
 };
-use messaging::{BrokerProfile, BrokerUrl, LinkConfig, LinkError, Login, Roots};
+use messaging::{BrokerProfile, BrokerUrl, LinkConfig, LinkError, LogicalAddress, Login, Roots};
 use tokio_util::sync::CancellationToken;
 
 use super::error::StartError;
@@ -113,6 +113,10 @@ fn open_external(
     let mut link = LinkConfig::new(first.clone(), login, container);
     link.brokers.clone_from(&external.urls);
     link.profile = external.profile.clone();
+    // A broker that speaks AMQP collects there what expired or was refused; the platform's own keeps that by itself.
+    if !first.is_mqtt() {
+        link.consumed = vec![LogicalAddress::DeadLetters];
+    }
     if let Some(pem) = &roots {
         link.tls.roots = Roots::Pem(pem.clone().into_bytes().into());
     }

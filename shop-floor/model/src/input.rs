@@ -40,7 +40,7 @@ pub struct MonitorRequest {
 #[serde(rename_all = "camelCase", default, deny_unknown_fields)]
 pub struct MonitorOptions {
     /// Sampling interval of the server, in milliseconds. 0: on every change. Default: the
-    /// publishing interval of the source.
+    /// sampling interval of the source.
     pub sampling_interval_ms: Option<f64>,
     /// Changes that the server queues between two publishings. Default: enough for the sampling and
     /// publishing interval, so that no change is lost.

@@ -5,6 +5,7 @@
 
 mod input;
 mod node;
+mod profile;
 mod source_id;
 
 pub use input::{
@@ -13,5 +14,8 @@ pub use input::{
 };
 pub use node::{
     BrowsedNode, ListedVariable, NodeClass, NodeType, SourceCallResult, UnitName, VariableList,
+};
+pub use profile::{
+    AdvisedIntervals, EvidenceKind, ProfileFigure, ProfileLimit, ProfileNote, ServerProfile,
 };
 pub use source_id::{InvalidSourceId, SourceId};

@@ -1,6 +1,6 @@
 //! Establishment of a session: discovery, choice of the endpoint, trust and sign-in.
 
-mod endpoint_choice;
+pub(super) mod endpoint_choice;
 mod failure;
 
 use std::{sync::Arc, time::Duration};
@@ -10,22 +10,22 @@ use opcua_stack::{
     limits,
     opcua::{
         client::{Client, ClientBuilder, IdentityToken, Session, SessionPollResult},
-        crypto::X509,
+        crypto::{self, X509},
         types::{EndpointDescription, Error, StatusCode},
     },
 };
 use tokio::{sync::watch, task::AbortHandle};
 
 use crate::{
-    ChosenEndpoint, EndpointOffer, Identity, MessageSecurity, SecurityPolicy, ShopFloorError,
-    SourceConfig, SourceProblem, SourceProblemKind as Kind,
+    ChosenEndpoint, Identity, MessageSecurity, SecurityPolicy, SourceConfig, SourceProblem,
+    SourceProblemKind as Kind,
     certificates::{PkiDirectory, TrustFinding, fingerprint},
     clock,
     context::SourceContext,
 };
 
-use endpoint_choice::{choose, exposes_password, mode_of, offer, policy_of, reachable_url, text};
-use failure::session_problem;
+use endpoint_choice::{choose, exposes_password, mode_of, policy_of, reachable_url, text};
+use failure::{discovery_problem, session_problem};
 
 /// Longest wait for a server's list of endpoints.
 const DISCOVERY_TIMEOUT: Duration = Duration::from_secs(5);
@@ -187,14 +187,12 @@ async fn run_event_loop(
 }
 
 /// Returns the endpoints that a server offers.
-pub(crate) async fn discover(
+pub(super) async fn offered(
     context: &SourceContext,
     endpoint_url: &str,
-) -> Result<Vec<EndpointOffer>, ShopFloorError> {
-    let unreachable = |problem: SourceProblem| ShopFloorError::Unreachable(problem.message);
-    let client = discovery_client(context).map_err(unreachable)?;
-    let offered = endpoints(&client, endpoint_url).await.map_err(unreachable)?;
-    Ok(offered.iter().map(offer).collect())
+) -> Result<Vec<EndpointDescription>, SourceProblem> {
+    ensure_own_certificate(context).await?;
+    endpoints(&discovery_client(context)?, endpoint_url).await
 }
 
 /// Creates the client certificate if it is missing: the stack only reads it.
@@ -271,6 +269,20 @@ async fn endpoints(
     client: &Client,
     endpoint_url: &str,
 ) -> Result<Vec<EndpointDescription>, SourceProblem> {
+    match listed(client, endpoint_url).await {
+        // Some servers, as Ignition, answer without protection at this path alone.
+        Err(problem) if problem.kind == Kind::EndpointsHidden => {
+            let url = format!("{}/discovery", endpoint_url.trim_end_matches('/'));
+            listed(client, &url).await.map_err(|_| problem)
+        }
+        answer => answer,
+    }
+}
+
+async fn listed(
+    client: &Client,
+    endpoint_url: &str,
+) -> Result<Vec<EndpointDescription>, SourceProblem> {
     let offered =
         tokio::time::timeout(DISCOVERY_TIMEOUT, client.get_server_endpoints_from_url(endpoint_url))
             .await;
@@ -279,10 +291,7 @@ async fn endpoints(
             endpoints.truncate(ENDPOINTS_MAX);
             Ok(endpoints)
         }
-        Ok(Err(error)) => Err(SourceProblem::new(
-            Kind::Unreachable,
-            format!("No OPC UA server answers at {endpoint_url}: {error}."),
-        )),
+        Ok(Err(error)) => Err(discovery_problem(endpoint_url, &error)),
         Err(_) => Err(SourceProblem::new(
             Kind::Unreachable,
             format!("Nothing answers in time at {endpoint_url}."),
@@ -301,6 +310,18 @@ async fn check_trust(
         )
     })?;
     let (subject, fingerprint) = (certificate.subject_name(), fingerprint(&certificate));
+    // Said before a person is asked to approve what cannot be used; the stack would refuse it later.
+    let policy = crypto::SecurityPolicy::from_uri(endpoint.security_policy_uri.as_ref());
+    if let Ok(bits) = certificate.key_length()
+        && !policy.is_valid_keylength(bits)
+    {
+        return Err(SourceProblem::new(
+            Kind::ServerKeyTooShort,
+            format!(
+                "The key of the server's certificate has {bits} bits, which {policy} does not allow: {subject}."
+            ),
+        ));
+    }
     let invalid = |why: &str| {
         Err(SourceProblem::new(
             Kind::ServerCertificateInvalid,
@@ -346,3 +367,6 @@ async fn identity_token(identity: Identity) -> Result<IdentityToken, SourceProbl
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,6 +5,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use asi_model::values::{Namespace, NodeId};
 use opcua_stack::{
     NamespaceTable,
     notifications::decode_data_changes,
@@ -74,6 +75,17 @@ impl Connection {
     /// Returns the session's namespaces, with the server's data types once they are loaded.
     pub(super) fn namespaces(&self) -> NamespaceTable {
         self.inner.namespaces.read().clone()
+    }
+
+    /// Returns a node's id with the URI of its namespace in place of the server's index.
+    pub(crate) fn with_uri(&self, node: NodeId) -> NodeId {
+        match node.namespace {
+            Namespace::Index(index) => {
+                let namespace = self.inner.namespaces.read().namespace(index);
+                NodeId { namespace, identifier: node.identifier }
+            }
+            _ => node,
+        }
     }
 
     pub(super) fn limits(&self) -> ServerLimits {

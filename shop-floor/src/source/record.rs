@@ -17,8 +17,8 @@ use super::{
 };
 use crate::{
     ChosenEndpoint, CoarseInput, GrantedIntervals, InputKey, InputProblem, MonitorRequest,
-    ServerLimits, SourceConfig, SourceId, SourceProblem, SourceState, SourceStatus, clock,
-    context::SourceContext,
+    ServerLimits, ServerProduct, SourceConfig, SourceId, SourceProblem, SourceState, SourceStatus,
+    clock, context::SourceContext,
 };
 
 /// Most inputs named in [`SourceStatus::not_live`] and [`SourceStatus::coarse`].
@@ -48,7 +48,8 @@ struct TaskStatus {
     since: DateTime,
     problem: Option<SourceProblem>,
     sessions: u64,
-    clock_ahead_ms: Option<i64>,
+    /// Clock and product of the server as of the last session.
+    server: Option<ServerFacts>,
     endpoint: Option<ChosenEndpoint>,
     limits: Option<ServerLimits>,
     /// Sink of the running session.
@@ -58,6 +59,14 @@ struct TaskStatus {
     granted: Option<GrantedIntervals>,
     /// Inputs whose queue is too short for what may come between two publishings.
     overruns: HashMap<InputKey, GrantedItem>,
+}
+
+/// Facts about a server that it said at the start of a session.
+#[derive(Debug, Clone)]
+pub(super) struct ServerFacts {
+    /// Milliseconds; negative when the server's clock is behind.
+    pub(super) clock_ahead_ms: Option<i64>,
+    pub(super) product: ServerProduct,
 }
 
 /// Sampling interval and queue of a monitored item as the server revised them.
@@ -82,7 +91,7 @@ impl SourceRecord {
                 since: clock::now(),
                 problem: None,
                 sessions: 0,
-                clock_ahead_ms: None,
+                server: None,
                 endpoint: None,
                 limits: None,
                 sink: None,
@@ -196,12 +205,12 @@ impl SourceRecord {
         &self,
         connection: Connection,
         endpoint: ChosenEndpoint,
-        clock_ahead_ms: Option<i64>,
+        server: ServerFacts,
         sink: Arc<NotificationSink>,
     ) {
         let mut status = self.status.lock();
         status.sessions += 1;
-        status.clock_ahead_ms = clock_ahead_ms;
+        status.server = Some(server);
         status.endpoint = Some(endpoint);
         status.limits = Some(connection.limits());
         status.sink = Some(sink);
@@ -278,7 +287,13 @@ impl SourceRecord {
             last_sign_of_life_at: self.activity.last_sign_of_life_at(),
             changes: self.activity.changes(),
             sessions: status.sessions,
-            clock_ahead_ms: status.clock_ahead_ms,
+            clock_ahead_ms: status.server.as_ref().and_then(|server| server.clock_ahead_ms),
+            product: status.server.as_ref().map(|server| server.product.clone()),
+            family: status
+                .server
+                .as_ref()
+                .zip(status.endpoint.as_ref())
+                .and_then(|(server, endpoint)| server.product.family(endpoint)),
             endpoint: status.endpoint.clone(),
             limits: status.limits,
             granted: status.granted,

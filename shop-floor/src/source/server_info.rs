@@ -1,4 +1,4 @@
-//! Properties of the Server object: namespaces, limits, start time, clock and state.
+//! Properties of the Server object: namespaces, limits, start time, clock, product and state.
 
 use asi_model::values::{DateTime, Variant};
 use opcua_stack::{
@@ -13,7 +13,10 @@ use opcua_stack::{
 };
 
 use super::connection::RESPONSE_TIMEOUT;
-use crate::{ServerLimits, SourceProblem, SourceProblemKind, clock};
+use crate::{ServerLimits, ServerProduct, SourceProblem, SourceProblemKind, clock};
+
+/// Longest text of a server about itself, in characters.
+const TEXT_CHARS_MAX: usize = 200;
 
 /// Properties read at the start of a session.
 pub(super) struct ServerProperties {
@@ -23,10 +26,11 @@ pub(super) struct ServerProperties {
     pub(super) clock_ahead_ms: Option<i64>,
     /// Start of the server. After another start node ids may name other nodes.
     pub(super) started_at: Option<DateTime>,
+    pub(super) product: ServerProduct,
 }
 
 /// Variables in the order in which [`read`] interprets them.
-const PROPERTIES: [VariableId; 11] = [
+const PROPERTIES: [VariableId; 15] = [
     VariableId::Server_NamespaceArray,
     VariableId::Server_ServerStatus_StartTime,
     VariableId::Server_ServerStatus_CurrentTime,
@@ -38,6 +42,10 @@ const PROPERTIES: [VariableId; 11] = [
     VariableId::Server_ServerCapabilities_MaxMonitoredItemsPerSubscription,
     VariableId::Server_ServerCapabilities_MaxSubscriptionsPerSession,
     VariableId::Server_ServerCapabilities_MaxBrowseContinuationPoints,
+    VariableId::Server_ServerStatus_BuildInfo_ProductUri,
+    VariableId::Server_ServerStatus_BuildInfo_ProductName,
+    VariableId::Server_ServerStatus_BuildInfo_ManufacturerName,
+    VariableId::Server_ServerStatus_BuildInfo_SoftwareVersion,
 ];
 
 /// Reads the properties of the server behind a new session.
@@ -82,10 +90,21 @@ pub(super) async fn read(session: &Session) -> Result<ServerProperties, SourcePr
         subscriptions_per_session_max: limit(9),
         browse_continuation_points_max: limit(10),
     };
+    let text = |index: usize| {
+        let text = values.get(index).and_then(Variant::as_str).unwrap_or_default();
+        text.chars().filter(|letter| !letter.is_control()).take(TEXT_CHARS_MAX).collect::<String>()
+    };
+    let product = ServerProduct {
+        product_uri: text(11),
+        product_name: text(12),
+        manufacturer_name: text(13),
+        software_version: text(14),
+    };
     // The server read its clock about in the middle between request and answer.
     let middle = requested_at.ticks() + (answered_at.ticks() - requested_at.ticks()) / 2;
     let clock_ahead_ms = time(2).map(|server| (server.ticks() - middle) / 10_000);
-    Ok(ServerProperties { started_at: time(1), namespaces, limits, clock_ahead_ms })
+    let started_at = time(1);
+    Ok(ServerProperties { started_at, namespaces, limits, clock_ahead_ms, product })
 }
 
 /// Reads all values in one request, or one by one from a server with a lower limit: limits are not

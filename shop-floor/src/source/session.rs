@@ -23,7 +23,7 @@ use super::{
     connection::Connection,
     memory::{ServerIdentity, SourceMemory},
     notification_sink::NotificationSink,
-    record::SourceRecord,
+    record::{ServerFacts, SourceRecord},
     server_info::{self, ServerProperties},
     subscriptions::Subscriptions,
 };
@@ -162,7 +162,7 @@ impl<'a> SourceSession<'a> {
         record.begin_session(
             connection.clone(),
             opened.endpoint.clone(),
-            properties.clock_ahead_ms,
+            ServerFacts { clock_ahead_ms: properties.clock_ahead_ms, product: properties.product },
             Arc::clone(&sink),
         );
         record.activity.record(0);

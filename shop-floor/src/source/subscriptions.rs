@@ -29,7 +29,8 @@ pub(super) struct Subscriptions {
     record: Arc<SourceRecord>,
     connection: Connection,
     sink: Arc<NotificationSink>,
-    publishing_interval: Duration,
+    /// Sampling interval of the inputs that ask for none.
+    sampling_interval: Duration,
     items: Items,
     pool: SubscriptionPool,
     /// Items per request; halved when the server cannot take so many.
@@ -46,7 +47,7 @@ impl Subscriptions {
     ) -> Self {
         Self {
             items: Items::new(Arc::clone(&record), changes),
-            publishing_interval: config.publishing_interval(),
+            sampling_interval: config.sampling_interval(),
             pool: SubscriptionPool::new(
                 connection.clone(),
                 Arc::clone(&sink),
@@ -74,9 +75,9 @@ impl Subscriptions {
 
     /// Returns the sampling interval of a monitored input; zero for others.
     pub(super) fn sampling_of(&self, input: InputKey) -> Duration {
-        let publishing_ms = self.publishing_interval.as_secs_f64() * 1000.0;
+        let default_ms = self.sampling_interval.as_secs_f64() * 1000.0;
         self.items.monitored(input).map_or(Duration::ZERO, |request| {
-            let sampling_ms = sampling_interval_ms(&request.options, publishing_ms);
+            let sampling_ms = sampling_interval_ms(&request.options, default_ms);
             Duration::from_secs_f64(sampling_ms / 1000.0)
         })
     }
@@ -147,7 +148,7 @@ impl Subscriptions {
             record: &self.record,
             connection: &self.connection,
             sink: &self.sink,
-            publishing_ms: self.publishing_interval.as_secs_f64() * 1000.0,
+            sampling_ms: self.sampling_interval.as_secs_f64() * 1000.0,
             items: &mut self.items,
             pool: &mut self.pool,
             items_per_request: &mut self.items_per_request,

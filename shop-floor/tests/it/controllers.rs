@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use shop_floor::{SourceId, SourceState};
 use simulator::{MachineConfig, MachineFault, MachineHandle, MachineKind};
 
-use crate::support::{Simulation, TestShopFloor, node, until};
+use crate::support::{Simulation, TestShopFloor, node, unprotected, until};
 
 const COUNTER: &str = "Production.PartCounter";
 
@@ -82,4 +82,21 @@ async fn what_a_short_queue_loses_is_shown_with_the_input() {
     .await;
     let coarse = floor.status(&source).coarse;
     assert_eq!((coarse[0].sampling_ms, coarse[0].queue_size), (Some(50.0), Some(2)));
+}
+
+#[tokio::test]
+async fn a_source_that_samples_as_seldom_as_its_server_publishes_needs_no_queue() {
+    let mut config = MachineConfig::new("Cell", MachineKind::MillingCell);
+    (config.publishing_interval_ms_min, config.queue_size_max) = (500, 1);
+    let simulation = Simulation::of(vec![config]).await;
+    let cell = simulation.machine("Cell");
+    for (sampling_interval_ms, is_coarse) in [(None, true), (Some(500), false)] {
+        let floor = TestShopFloor::start();
+        let mut source = unprotected(&cell);
+        source.sampling_interval_ms = sampling_interval_ms;
+        let id = floor.connect_to(source).await;
+        floor.monitor(0, &id, node(&cell, COUNTER));
+        until("it is live", || floor.status(&id).live == 1).await;
+        assert_eq!(!floor.status(&id).coarse.is_empty(), is_coarse, "{sampling_interval_ms:?}");
+    }
 }

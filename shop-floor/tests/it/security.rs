@@ -46,13 +46,6 @@ async fn trust_is_given_by_people_on_both_sides_and_the_user_signs_in() {
     let shown = floor.handle.certificates().await.expect("certificates");
     assert_eq!(shown.len(), 1);
     assert_eq!(shown[0].trust, TrustState::Rejected);
-    let offers = floor.handle.discover(press.endpoint_url()).await.expect("discovered");
-    assert!(
-        offers
-            .iter()
-            .all(|offer| offer.certificate_fingerprint.as_ref() == Some(&shown[0].fingerprint))
-    );
-    assert!(offers.iter().all(|offer| offer.allows_user_name && !offer.allows_anonymous));
     floor.handle.set_trust(&shown[0].thumbprint, TrustState::Trusted).await.expect("approved");
 
     // Then it does not trust us.
@@ -130,9 +123,8 @@ async fn an_address_without_server_is_unreachable() {
         SourceConfig::new(SourceId::new("nothing").expect("valid"), "opc.tcp://127.0.0.1:1");
     let id = source.source_id.clone();
     floor.handle.put_source(source).expect("valid");
-    until("it is unreachable", || problem(&floor, &id) == Some(SourceProblemKind::Unreachable))
-        .await;
-    assert!(floor.handle.discover("opc.tcp://127.0.0.1:1").await.is_err());
+    let kind = SourceProblemKind::NothingListens;
+    until("nothing is there", || problem(&floor, &id) == Some(kind)).await;
     let http = SourceConfig::new(SourceId::new("http").expect("valid"), "http://127.0.0.1");
     assert!(floor.handle.put_source(http).is_err());
 }

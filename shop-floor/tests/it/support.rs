@@ -95,7 +95,7 @@ impl TestShopFloor {
         self.connect_to(source).await
     }
 
-    async fn connect_to(&self, source: SourceConfig) -> SourceId {
+    pub async fn connect_to(&self, source: SourceConfig) -> SourceId {
         let id = source.source_id.clone();
         self.handle.put_source(source).expect("a valid source");
         self.until_connected(&id).await;

@@ -1,10 +1,10 @@
 //! `chaos --minutes 30 --seed 7`: the seeded run of everything that can go wrong.
 
-use std::{process::ExitCode, time::Duration};
+use std::{path::PathBuf, process::ExitCode, time::Duration};
 
 use clap::Parser;
 use verbund_tests::{
-    chaos::{self, Length},
+    chaos::{self, Breach, Length},
     harness::say,
     world::BrokerKind,
 };
@@ -41,6 +41,9 @@ struct Arguments {
     /// Keeps the folder for a look at logs and data.
     #[arg(long)]
     keep: bool,
+    /// File for all faults that are found, each in a line; people are shown the first ones.
+    #[arg(long)]
+    faults: Option<PathBuf>,
 }
 
 #[tokio::main]
@@ -56,11 +59,16 @@ async fn main() -> ExitCode {
         may_lack_disks: arguments.may_lack_disks,
         may_lack_clocks: arguments.may_lack_clocks,
     };
-    let Arguments { seed, broker, keep, .. } = arguments;
+    let Arguments { seed, broker, keep, faults, .. } = arguments;
     match chaos::run(seed.unwrap_or_else(rand::random), length, broker, keep).await {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             say(&format!("\n{error:#}"));
+            if let (Some(file), Some(breach)) = (faults, error.downcast_ref::<Breach>())
+                && let Err(error) = std::fs::write(&file, breach.lines())
+            {
+                say(&format!("{}: {error}", file.display()));
+            }
             ExitCode::FAILURE
         }
     }

@@ -189,7 +189,7 @@ mod tests {
         assert_eq!(changed(&|held| held.shopfloor_time = Some(0)), 1);
         assert_eq!(changed(&|held| held.report_name.clear()), 1);
         assert_eq!(changed(&|held| held.readers.clear()), 1);
-        assert_eq!(changed(&|held| drop(held.readers.insert("other".to_owned()))), 1);
+        assert_eq!(changed(&|held| held.readers.extend(["other".to_owned()])), 1);
         assert_eq!(changed(&|held| held.units.clear()), 1);
         let level = |change: &dyn Fn(&mut FieldContent)| {
             changed(&|held| change(held.fields.get_mut("level").expect("a field")))

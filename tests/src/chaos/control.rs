@@ -1,19 +1,22 @@
 //! Decisions, revocations and revisions of the network while things go wrong: each has to arrive at the other side,
 //! as it was last taken.
 
+mod taken;
+
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::BTreeSet,
     path::Path,
     time::{Duration, Instant},
 };
 
 use asi_model::DateTime;
 use serde_json::{Value, json};
+pub(super) use taken::Taken;
 use tokio_util::sync::CancellationToken;
 
 use super::stores::{
     self,
-    control::{Controls, FieldId, Side},
+    control::{Controls, FieldId, Toggled},
 };
 use crate::{
     frame_order::{COLLABORATION, HAMBURG, MUNICH, NETWORK},
@@ -31,58 +34,13 @@ const REVISION_PAUSE: Duration = Duration::from_secs(5);
 const REVOCATION_EACH: u64 = 6;
 /// Disclosure policies that follow each other: wider and stricter ones.
 const ROUNDING_STEPS: [Option<f64>; 3] = [None, Some(5.0), Some(0.5)];
+/// Rounding step of the last decision: no other one has it, so that none can be taken for the last.
+const LAST_ROUNDING_STEP: f64 = 2.0;
 
 /// Engineers and a buyer who change their minds until they are stopped.
 pub(super) struct ControlTraffic {
     stop: CancellationToken,
     people: Vec<tokio::task::JoinHandle<Taken>>,
-}
-
-/// Changes that the programs answered as taken.
-#[derive(Debug, Default)]
-pub(super) struct Taken {
-    decisions: u64,
-    revisions: u64,
-    /// Reasons of the refusals, by factory and field.
-    refusals: BTreeMap<(&'static str, FieldId), String>,
-    /// Factory and id of each.
-    revocations: BTreeSet<(&'static str, String)>,
-}
-
-impl Taken {
-    /// Returns the numbers for people.
-    ///
-    /// # Errors
-    /// When one of them is zero: then the run proves nothing about it.
-    pub fn said(&self) -> anyhow::Result<String> {
-        let Self { decisions, revisions, refusals, revocations } = self;
-        let (refusals, revocations) = (refusals.len(), revocations.len());
-        let is_any = *decisions > 0 && refusals > 0 && revocations > 0 && *revisions > 0;
-        anyhow::ensure!(is_any, "not all of decisions, refusals, revocations, revisions: {self:?}");
-        Ok(format!(
-            "; {decisions} decisions, {refusals} refusals, {revocations} revocations, {revisions} revisions"
-        ))
-    }
-
-    /// Returns what a factory's connector answered as taken, and has not stored.
-    fn missing(&self, factory: &str, here: &Side) -> Vec<String> {
-        let of_factory = |whose: &str| whose == factory;
-        let refusals = self.refusals.iter().filter(|((whose, _), _)| of_factory(whose));
-        let refusals = refusals.filter_map(|((_, field), reason)| {
-            let found = here.decisions.get(field);
-            let is_same = found.and_then(|found| found.reason.as_ref()) == Some(reason);
-            (!is_same).then(|| {
-                format!(
-                    "{factory}: {field:?} is decided otherwise than was taken: {reason}, {found:?}"
-                )
-            })
-        });
-        let revocations = self.revocations.iter().filter(|(whose, _)| of_factory(whose));
-        let revocations = revocations.filter(|(_, id)| !here.revocations.contains(id));
-        let revocations = revocations
-            .map(|(_, id)| format!("{factory}: revocation {id} was taken, and is not stored"));
-        refusals.chain(revocations).collect()
-    }
 }
 
 /// Control messages that were in a queue of the broker when it lost its store.
@@ -120,11 +78,7 @@ impl ControlTraffic {
         self.stop.cancel();
         let mut all = Taken::default();
         for person in self.people {
-            let taken = person.await?;
-            all.decisions += taken.decisions;
-            all.revisions += taken.revisions;
-            all.refusals.extend(taken.refusals);
-            all.revocations.extend(taken.revocations);
+            all.add(person.await?);
         }
         Ok(all)
     }
@@ -144,10 +98,19 @@ impl Person {
         self.is_signed_in = answer.is_ok();
         answer.ok()
     }
+
+    /// Opens the toggled field of a factory with a disclosure policy. Returns true where it was taken.
+    async fn opens(&mut self, factory: &'static str, step: Option<f64>, taken: &mut Taken) -> bool {
+        let disclosure = step.map_or(json!({}), |step| json!({ "roundingStep": step }));
+        let (path, body) = load::toggle(factory, disclosure);
+        let is_taken = self.does(true, &path, &body).await.is_some();
+        taken.toggled(factory, Toggled::Open(step), is_taken);
+        is_taken
+    }
 }
 
 /// Opens and revokes a field by turns, each time with another policy, and refuses others one after the other, each once:
-/// what is lost of it does not come with a later decision.
+/// what is lost of it does not come with a later decision. The last decision is unlike all others.
 async fn decide(
     mut engineer: Person,
     factory: &'static str,
@@ -165,7 +128,7 @@ async fn decide(
             let body = json!({ "fields": [load::toggled_field(factory)], "reason": format!("revoked {number}") });
             let answer = engineer.does(false, "/api/v1/revocations", &body).await;
             let id = answer.as_ref().and_then(|answer| answer["revocationId"].as_str());
-            taken.revocations.extend(id.map(|id| (factory, id.to_owned())));
+            taken.revoked(factory, id);
         } else if number % 2 == 0 && is_due {
             let (field, reason) = (load::refused_field(refused), format!("Refusal {refused}"));
             let (path, body) = load::refuse(factory, &field, &reason);
@@ -173,17 +136,19 @@ async fn decide(
             refused += 1;
             if engineer.does(true, &path, &body).await.is_some() {
                 let field = FieldId { request: load::refused_request(factory), field };
-                taken.refusals.insert((factory, field), reason);
+                taken.refused(factory, field, reason);
             }
         } else {
             let step = ROUNDING_STEPS[usize::try_from(number % 3).unwrap_or_default()];
-            let disclosure = step.map_or(json!({}), |step| json!({ "roundingStep": step }));
-            let (path, body) = load::toggle(factory, disclosure);
-            taken.decisions += u64::from(engineer.does(true, &path, &body).await.is_some());
+            engineer.opens(factory, step, &mut taken).await;
         }
         if stop.run_until_cancelled(tokio::time::sleep(DECISION_PAUSE)).await.is_none() {
             break;
         }
+    }
+    // Again, where the program has forgotten who was signed in.
+    if !engineer.opens(factory, Some(LAST_ROUNDING_STEP), &mut taken).await {
+        engineer.opens(factory, Some(LAST_ROUNDING_STEP), &mut taken).await;
     }
     taken
 }
@@ -195,9 +160,12 @@ async fn revise(mut buyer: Person, stop: CancellationToken) -> Taken {
     for number in 0_u64.. {
         if let Ok(view) = buyer.api.get::<Value>(&path).await {
             let mut network = view["network"].clone();
-            network["description"] = json!(format!("As of change {number}"));
+            network["description"] = json!(taken::description(number));
             let body = json!({ "collaborationId": COLLABORATION, "operationNetwork": network });
-            taken.revisions += u64::from(buyer.does(true, &path, &body).await.is_some());
+            let answer = buyer.does(true, &path, &body).await;
+            if let Some(revision) = answer.and_then(|answer| answer["revision"].as_i64()) {
+                taken.revised(revision, number);
+            }
         } else {
             buyer.is_signed_in = buyer.api.sign_in(buyer.user, PASSWORD).await.is_ok();
         }
@@ -224,7 +192,7 @@ impl LostControls {
             // The receipt is a signed text in a message: its id is nowhere else.
             let is_queued =
                 |id: &str| bodies.iter().any(|body| String::from_utf8_lossy(body).contains(id));
-            let Controls { here, there } = stores::control::controls(folder, factory).await?;
+            let Controls { here, there, .. } = stores::control::controls(folder, factory).await?;
             for (field, decided) in &here.decisions {
                 let is_open = there.decisions.get(field) != Some(decided);
                 if is_open
@@ -286,15 +254,16 @@ pub(super) async fn parts_are_answered(
 }
 
 /// Returns what one side does not have as the other one decided, revoked or revised it, but for what the broker lost
-/// with its store, and what a connector does not have though it was `taken`.
+/// with its store, and what a program does not have though it was `taken`.
 pub(super) async fn faults(
     folder: &Path,
     factory: &str,
     lost: &LostControls,
     taken: Option<&Taken>,
 ) -> anyhow::Result<Vec<String>> {
-    let Controls { here, there } = stores::control::controls(folder, factory).await?;
-    let mut faults = taken.map_or_else(Vec::new, |taken| taken.missing(factory, &here));
+    let controls = stores::control::controls(folder, factory).await?;
+    let mut faults = taken.map_or_else(Vec::new, |taken| taken.missing(factory, &controls));
+    let Controls { here, there, .. } = controls;
     let unknown = there
         .decisions
         .iter()
@@ -333,7 +302,6 @@ pub(super) async fn faults(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chaos::stores::control::Decided;
 
     fn field(name: &str) -> FieldId {
         FieldId { request: "r".to_owned(), field: name.to_owned() }
@@ -347,25 +315,5 @@ mod tests {
         assert_eq!(documents.len(), 2, "{documents:?}");
         let found: Vec<_> = documents.iter().filter_map(decision).collect();
         assert_eq!(found, [(field("f1"), 2_000_001)]);
-    }
-
-    #[test]
-    fn what_was_taken_has_to_be_stored() {
-        let mut taken = Taken::default();
-        taken.refusals.insert((MUNICH, field("f1")), "Refusal 1".to_owned());
-        taken.revocations.insert((MUNICH, "one".to_owned()));
-        let side = |reason: &str, revocation: &str| {
-            let reason = Some(reason.to_owned());
-            let decided = Decided { state: "REFUSED".to_owned(), reason, at: Some(1) };
-            Side {
-                decisions: BTreeMap::from([(field("f1"), decided)]),
-                revocations: BTreeSet::from([revocation.to_owned()]),
-                network: (1, String::new()),
-            }
-        };
-        assert_eq!(taken.missing(MUNICH, &side("Refusal 1", "one")), [""; 0]);
-        assert_eq!(taken.missing(MUNICH, &side("Refusal 0", "one")).len(), 1);
-        assert_eq!(taken.missing(MUNICH, &side("Refusal 1", "two")).len(), 1);
-        assert_eq!(taken.missing(HAMBURG, &side("Refusal 0", "two")), [""; 0]);
     }
 }

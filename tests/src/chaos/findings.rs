@@ -1,6 +1,9 @@
 //! Checks of the stores of both sides after everything has stopped.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt,
+};
 
 use anyhow::Context as _;
 
@@ -12,8 +15,39 @@ use super::{
 };
 use crate::{frame_order::HAMBURG, scenario::load};
 
-/// Faults shown at most.
+/// Faults shown at most to people.
 const SHOWN_MAX: usize = 20;
+
+/// Breaches of what is promised, as the error of a run. `tests/mutants/run.sh` looks for a fault among all of them, and
+/// nowhere else.
+#[derive(Debug)]
+pub struct Breach(Vec<String>);
+
+impl Breach {
+    /// Adds the faults that it does not have.
+    pub(super) fn add(&mut self, faults: &[String]) {
+        for fault in faults {
+            if !self.0.contains(fault) {
+                self.0.push(fault.clone());
+            }
+        }
+    }
+
+    /// Returns all faults, each as a line.
+    #[must_use]
+    pub fn lines(&self) -> String {
+        self.0.iter().map(|fault| fault.replace('\n', " ") + "\n").collect()
+    }
+}
+
+impl fmt::Display for Breach {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} faults:", self.0.len())?;
+        self.0.iter().take(SHOWN_MAX).try_for_each(|fault| write!(f, "\n  {fault}"))
+    }
+}
+
+impl std::error::Error for Breach {}
 
 /// Result of the checks.
 #[derive(Debug, Default)]
@@ -41,10 +75,9 @@ impl Findings {
     }
 }
 
-/// Returns breaches of what is promised as the error of a run. `tests/mutants/run.sh` looks for its first words.
-pub(super) fn breach(faults: &[String]) -> anyhow::Error {
-    let shown: Vec<_> = faults.iter().take(SHOWN_MAX).cloned().collect();
-    anyhow::anyhow!("{} faults:\n  {}", faults.len(), shown.join("\n  "))
+/// Returns breaches of what is promised as the error of a run.
+pub(super) fn breach(faults: Vec<String>) -> anyhow::Error {
+    Breach(faults).into()
 }
 
 /// Compares what left one factory with what arrived, and adds to the findings.
@@ -177,6 +210,27 @@ mod tests {
 
     fn key(sequence: i64) -> ReportKey {
         ReportKey { factory: "F".into(), writer: 1, epoch: 1, sequence }
+    }
+
+    #[test]
+    fn all_faults_of_a_run_are_listed_and_the_first_ones_shown() {
+        let faults = (0..SHOWN_MAX + 5).map(|number| format!("fault {number}\nand why")).collect();
+        let error = breach(faults).context("a step of the run");
+        let breach = error.downcast_ref::<Breach>().expect("faults");
+        assert_eq!(breach.lines().lines().count(), SHOWN_MAX + 5);
+        assert!(breach.lines().ends_with("fault 24 and why\n"));
+        let shown = breach.to_string();
+        assert!(shown.starts_with("25 faults:\n  fault 0\n"), "{shown}");
+        assert!(shown.contains("fault 19") && !shown.contains("fault 20"), "{shown}");
+    }
+
+    #[test]
+    fn what_was_noticed_before_a_run_broke_off_is_among_its_faults() {
+        let mut error = breach(vec!["no reports".to_owned()]).context("a step of the run");
+        let faults = ["no reports", "a program ended"].map(str::to_owned);
+        error.downcast_mut::<Breach>().expect("faults").add(&faults);
+        let lines = error.downcast_ref::<Breach>().expect("faults").lines();
+        assert_eq!(lines, "no reports\na program ended\n");
     }
 
     #[test]

@@ -58,7 +58,7 @@ pub(super) async fn flows(stage: &mut Stage) -> anyhow::Result<()> {
             }
             if Instant::now() > deadline {
                 let fault = format!("no reports of {factory} to {silent:?} for {RECOVERY:?}");
-                return Err(breach(&[fault]));
+                return Err(breach(vec![fault]));
             }
             stage.supervise()?;
             tokio::time::sleep(Duration::from_millis(50)).await;

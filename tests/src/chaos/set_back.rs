@@ -12,6 +12,9 @@ use crate::frame_order::{HAMBURG, MUNICH};
 
 /// Reports of a hundred that may be excused from their order. The order of all others is judged.
 const MAX: usize = 25;
+/// The same beside a broker of another make: what it had when it ended is not known, so that everything is excused that
+/// had no receipt then.
+const MAX_BESIDE_ANOTHER: usize = 75;
 
 /// Writer and sequence number.
 type Number = (i64, i64);
@@ -48,9 +51,10 @@ fn numbers(body: &[u8]) -> Vec<Number> {
 }
 
 /// Returns the share of reports that are excused from their order, for people, and the fault where it is too large.
-pub(super) fn share(excused: usize, left: usize) -> (String, Option<String>) {
+pub(super) fn share(excused: usize, left: usize, is_external: bool) -> (String, Option<String>) {
     let part = excused * 100 / left.max(1);
-    let fault = (part > MAX)
+    let most = if is_external { MAX_BESIDE_ANOTHER } else { MAX };
+    let fault = (part > most)
         .then(|| format!("{excused} of {left} reports are excused from their order, {part} %"));
     (format!("{part} %"), fault)
 }
@@ -69,8 +73,10 @@ mod tests {
 
     #[test]
     fn too_many_excuses_are_a_fault() {
-        assert_eq!(share(250, 1000), ("25 %".to_owned(), None));
-        assert!(share(260, 1000).1.is_some());
-        assert_eq!(share(0, 0).1, None);
+        assert_eq!(share(250, 1000, false), ("25 %".to_owned(), None));
+        assert!(share(260, 1000, false).1.is_some());
+        assert_eq!(share(0, 0, false).1, None);
+        assert_eq!(share(750, 1000, true).1, None);
+        assert!(share(760, 1000, true).1.is_some());
     }
 }

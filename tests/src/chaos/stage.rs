@@ -166,7 +166,7 @@ impl Stage {
     pub fn lacking_disks(&self) -> Option<&'static str> {
         (self.disks.len() < 3).then_some(
             "disks that will be full are mounted: run as root, or in namespaces of your own with \
-             `unshare --map-root-user --map-auto --mount`",
+             `unshare --map-root-user --mount`",
         )
     }
 

@@ -192,11 +192,33 @@ impl ExternalBroker {
     /// When the tool has no account.
     pub fn link_of_tool(&self) -> anyhow::Result<LinkConfig> {
         let (_, account) = self.plan.tools.first().context("the tool has an account")?;
-        let login = Login::new(account.user_name.clone(), account.password.as_str());
-        let mut config = LinkConfig::new(self.url().parse()?, login, TOOL);
-        config.profile = self.profile();
+        let mut config = self.link_of(account)?;
         config.consumed = vec![format!("tool.{TOOL}.reports").parse()?];
         Ok(config)
+    }
+
+    /// Returns the configuration of a link that sends with the platform's account, and reads nothing.
+    ///
+    /// # Errors
+    /// When the broker's address is none.
+    pub fn link_of_platform(&self) -> anyhow::Result<LinkConfig> {
+        self.link_of(&self.plan.platform)
+    }
+
+    fn link_of(&self, account: &Account) -> anyhow::Result<LinkConfig> {
+        let login = Login::new(account.user_name.clone(), account.password.as_str());
+        let mut config = LinkConfig::new(self.url().parse()?, login, &account.user_name);
+        config.profile = self.profile();
+        Ok(config)
+    }
+
+    /// Returns how many messages a queue holds; none where the broker has no queues by name.
+    #[must_use]
+    pub fn messages_in(&self, queue: &str) -> Option<u64> {
+        match &self.process {
+            Process::RabbitMq(broker) => Some(broker.messages_in(queue)),
+            Process::Mosquitto(_) => None,
+        }
     }
 
     /// Returns the platform's configuration for it. Connectors are sent to the port of a proxy where there is one.

@@ -113,11 +113,20 @@ resend_after_s = 10
 [admin]
 user_name = "{ENGINEER}"
 password = "{PASSWORD}"
-"#,
+{scripts}"#,
         folder = places.folder.display(),
         web = factory.connector_web,
         twin = factory.twin,
+        scripts = if has_one_user() { "\n[mapping.script]\nuserId = 0\n" } else { "" },
     ))
+}
+
+/// Returns true in a namespace of users that has one alone: its root is an ordinary user of the machine, and there is
+/// no other user who could run scripts.
+fn has_one_user() -> bool {
+    let map = std::fs::read_to_string("/proc/self/uid_map").unwrap_or_default();
+    let sizes = map.lines().filter_map(|line| line.split_whitespace().nth(2)?.parse::<u32>().ok());
+    sizes.sum::<u32>() == 1
 }
 
 fn machines(places: &Places, factory_id: &str) -> anyhow::Result<String> {

@@ -222,6 +222,8 @@ describe('a value that a person types', () => {
     ['Boolean', 'true', true],
     ['String', ' a ', ' a '],
     ['String', '', ''],
+    ['DateTime', '2026-11-23T16:00', new Date(2026, 10, 23, 16).toISOString()],
+    ['DateTime', '23.11.2026 16:00', undefined],
   ])('%s %j', (type, written, value) => {
     expect(enteredValue(type, written)).toEqual(value)
   })

@@ -75,6 +75,11 @@ export class Draft {
     return this.shownTag !== undefined && field.shownTag != null && this.shownTag !== field.shownTag
   }
 
+  /** Field that is decided on. */
+  get wanted(): FieldView {
+    return this.#wanted
+  }
+
   get mapping(): MappingDraft | undefined {
     if (this.source !== 'MAPPING') return undefined
     // The connector checks the parameters and reports faults.

@@ -1,3 +1,5 @@
+import { decimalOf } from '@/format/decimal'
+import { fromLocalInput } from '@/format/local-time'
 import type { BuiltInType } from '../api/types'
 
 const INTEGERS: readonly string[] = [
@@ -11,7 +13,8 @@ const INTEGERS: readonly string[] = [
 
 /**
  * Returns a typed text as a JSON value of the field's type, or `undefined` if it is none. 64-bit
- * integers stay text, as JSON numbers are not exact that far. A decimal comma is accepted.
+ * integers stay text, as JSON numbers are not exact that far. A decimal comma is accepted, and
+ * a time is local.
  */
 export function enteredValue(type: string, written: string): unknown {
   const text = written.trim()
@@ -21,8 +24,7 @@ export function enteredValue(type: string, written: string): unknown {
   if (type === 'Int64' || type === 'UInt64') return /^-?\d+$/.test(text) ? text : undefined
   if (INTEGERS.includes(type)) return /^-?\d+$/.test(text) ? Number(text) : undefined
   if (type === 'Float' || type === 'Double') {
-    const number = Number(text.replace(',', '.'))
-    return Number.isFinite(number) ? number : undefined
+    return decimalOf(text)
   }
-  return text
+  return type === 'DateTime' ? fromLocalInput(text) : text
 }

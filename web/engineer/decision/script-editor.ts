@@ -1,3 +1,4 @@
+import { texts } from '../language/texts'
 import {
   autocompletion,
   closeBrackets,
@@ -115,7 +116,7 @@ export class ScriptEditor {
           from,
           to: Math.max(word?.to ?? line.to, from),
           severity: 'error' as const,
-          message: diagnostic.message,
+          message: `${texts.diagnostics[diagnostic.code]} ${diagnostic.message}`,
         }
       })
       .sort((a, b) => a.from - b.from)

@@ -12,6 +12,7 @@ export interface StepDraft {
 /** Input control of a parameter. */
 export type ParameterKind<Option extends string = string> =
   | { is: 'number' }
+  | { is: 'duration' }
   | { is: 'text'; wide?: boolean }
   | { is: 'flag' }
   | { is: 'literal' }
@@ -68,6 +69,11 @@ export const BUILT_IN_TYPES = [
 const number = <Name extends string>(name: Name, needed = false): Parameter<Name, never> => ({
   name,
   kind: { is: 'number' },
+  needed,
+})
+const duration = <Name extends string>(name: Name, needed = false): Parameter<Name, never> => ({
+  name,
+  kind: { is: 'duration' },
   needed,
 })
 const text = <Name extends string>(
@@ -128,7 +134,7 @@ export const STEP_KINDS: readonly StepKind[] = [
     { name: 'below', kind: { is: 'literal' } },
   ),
   kind('deadband', {}, number('absolute'), number('percent')),
-  kind('debounce', { quietMs: 1000 }, number('quietMs', true)),
+  kind('debounce', { quietMs: 1000 }, duration('quietMs', true)),
   kind('edge', { direction: 'rising' }, choice('direction', 'rising', 'falling', 'both')),
   kind('rate', { per: 'minute' }, choice('per', 'second', 'minute', 'hour', 'day')),
   kind(
@@ -136,7 +142,7 @@ export const STEP_KINDS: readonly StepKind[] = [
     { aggregate: 'mean', durationMs: 60000 },
     choice('aggregate', 'minimum', 'maximum', 'mean', 'sum', 'count', 'last'),
     number('samples'),
-    number('durationMs'),
+    duration('durationMs'),
   ),
   kind(
     'lookup',

@@ -194,3 +194,12 @@ describe('the inbox', () => {
     expect(await screen.findByText('No requests yet')).toBeTruthy()
   })
 })
+
+it('shows viewers what is asked, and nothing that they may not do', async () => {
+  session.state = { is: 'signedIn', who: { userName: 'ida', role: 'VIEWER', csrfToken: 't' } }
+  serve({ 'GET /inbox': inbox })
+  render(InboxPage)
+  expect((await screen.findAllByRole('link', { name: 'Open: power' })).length).toBeGreaterThan(0)
+  expect(screen.queryByRole('link', { name: /^(Decide|Change):/ })).toBeNull()
+  expect(screen.queryByRole('button', { name: /Revoke|Refuse/ })).toBeNull()
+})

@@ -253,7 +253,7 @@ describe('the ledger', () => {
     ).toEqual([
       ['JSON lines', 'jsonl'],
       ['CSV', 'csv'],
-      ['To print', 'html'],
+      ['Page to print (HTML)', 'html'],
     ])
     expect(links[0]?.getAttribute('href')).toContain('recipient=acme')
   })
@@ -336,7 +336,10 @@ describe('the ledger', () => {
     const faults = result
       .getAllByRole('listitem')
       .map((item) => item.textContent.replace(/\s+/g, ' ').trim())
-    expect(faults).toEqual(['acme No. 12: The hash differs.', 'No. 3: A head is missing.'])
+    expect(faults).toEqual([
+      'acme No. 12: this is not as it was written. In the server’s words The hash differs.',
+      'No. 3: this is not as it was written. In the server’s words A head is missing.',
+    ])
   })
 
   it('says when it could not verify', async () => {

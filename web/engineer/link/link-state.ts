@@ -23,3 +23,9 @@ export function linkTone(state: string): Tone {
   if (state === 'up') return 'good'
   return state === 'connecting' ? 'warn' : state === 'notConfigured' ? 'idle' : 'bad'
 }
+
+/** Cause for which a link is not up, or sends and receives only in part. */
+export function whyDown({ state, isPermanent }: { state: string; isPermanent?: boolean }): string {
+  if (state === 'up') return texts.link.why.partly
+  return isPermanent === true ? texts.link.why.permanent : texts.link.why.retrying
+}

@@ -34,6 +34,13 @@ describe('two connectors with one credential', () => {
     for (const part of ['It was refused', 'laboratory:/copy', 'stop it'])
       expect(textContent).toContain(part)
   })
+  it('are not, where the platform does not answer, which is said with what it means and a remedy', () => {
+    render(LeaseNote, { lease: lease({ state: 'UNANSWERED' }) })
+    const { textContent } = screen.getByRole('alert')
+    for (const part of ['does not answer', 'No answer since', 'revoked there', 'administrator'])
+      expect(textContent).toContain(part)
+    expect(textContent).not.toContain('Another connector')
+  })
   it.each([undefined, lease({}), lease({ state: 'ASKING' })])(
     'are not reported where there is one',
     (alone) => {

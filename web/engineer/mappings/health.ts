@@ -44,7 +44,9 @@ export function whyOf(
   health: MappingHealth,
   { circuit, lastFault, inputs, lastCandidate }: MappingStatus,
 ): string | undefined {
-  const fault = lastFault ? `${lastFault.message} (${placeOf(lastFault)})` : undefined
+  const fault = lastFault
+    ? `${texts.valueFaults[lastFault.kind]} (${placeOf(lastFault)})`
+    : undefined
   switch (health) {
     case 'RESTING': {
       const rest =

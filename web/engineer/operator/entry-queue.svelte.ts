@@ -1,4 +1,5 @@
 import { clock } from '@/format/clock.svelte'
+import { said } from '@/language/said'
 import { Problem } from '@/transport/problem'
 import { session } from '@/transport/session.svelte'
 import { connector } from '../api/client'
@@ -164,7 +165,10 @@ export class EntryQueue {
       const entry = batch.find((each) => each.entryId === outcome.entryId)
       if (entry === undefined) continue
       if (outcome.result === 'REFUSED')
-        this.refused = [...this.refused, { entry, message: outcome.message ?? '' }]
+        this.refused = [
+          ...this.refused,
+          { entry, message: said(outcome.code ?? '', outcome.message ?? '') },
+        ]
       await this.#storage.drop(outcome.entryId).catch(() => undefined)
     }
     const answered = outcomes.map((outcome) => outcome.entryId)

@@ -51,3 +51,10 @@ export function utcOffsetMinutes(now = new Date()): number {
   // The platform's function counts the other way round; adding 0 makes of its -0 a 0.
   return -now.getTimezoneOffset() + 0
 }
+
+/** Another field of the same request, whose state may withhold this one. */
+export interface Sibling {
+  name: string
+  semantic?: string | null | undefined
+  description?: string | null | undefined
+}

@@ -1,4 +1,8 @@
+import { readFileSync } from 'node:fs'
+import path from 'node:path'
 import { describe, expect, it } from 'vitest'
+import { de } from '../language/de'
+import { en } from '../language/en'
 import { awaited, grouped } from './certificates.svelte'
 import { suggestedId } from './source-id'
 
@@ -32,4 +36,13 @@ describe('certificates', () => {
   it('are compared in groups', () => {
     expect(grouped('ab12cd34ef')).toBe('AB12 CD34 EF')
   })
+})
+
+it('has words, and what to do, for each kind of problem of a source', () => {
+  const file = path.resolve(import.meta.dirname, '../../../factory-connector/openapi.json')
+  const { components } = JSON.parse(readFileSync(file, 'utf8')) as {
+    components: { schemas: { SourceProblemKind: { enum: string[] } } }
+  }
+  const kinds = components.schemas.SourceProblemKind.enum
+  for (const { sources } of [en, de]) expect(Object.keys(sources.problems)).toEqual(kinds)
 })

@@ -86,7 +86,7 @@ fn message<'t, 'a, 'd>(
         // A layout without NetworkMessage header: one or several DataSetMessages or payloads.
         Kind::Array => {
             // OPC Publisher batches them so; receivers know a message by its own id.
-            if let Some(whole) = root.elements().find(|element| element.get("Messages").is_some()) {
+            if let Some(whole) = root.elements().find(|element| is_network_message(*element)) {
                 return Err(Mismatch::new(
                     whole,
                     "NetworkMessages must not be in an array: each is a message of its own",
@@ -98,6 +98,13 @@ fn message<'t, 'a, 'd>(
         Kind::Object => object(root, decoder, lookup),
         _ => Err(Mismatch::new(root, "a PubSub message must be an object or an array")),
     }
+}
+
+/// True for an object with the messages or the type of a NetworkMessage.
+fn is_network_message(node: JsonNode<'_, '_>) -> bool {
+    let message_type = node.get("MessageType").and_then(JsonNode::text);
+    node.get("Messages").is_some()
+        || matches!(message_type.as_deref(), Some("ua-data" | "ua-metadata" | "ua-status"))
 }
 
 fn object<'t, 'a, 'd>(

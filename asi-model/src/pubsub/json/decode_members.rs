@@ -17,7 +17,7 @@ pub(super) fn message_id<'t, 'a>(
     root: JsonNode<'t, 'a>,
     decoder: &mut Decoder<'_>,
 ) -> Result<Option<MessageId>, Mismatch<'t, 'a>> {
-    let Some(node) = root.get("MessageId") else { return Ok(None) };
+    let Some(node) = root.get("MessageId").filter(|id| !id.is_null()) else { return Ok(None) };
     match MessageId::new(text(node)?) {
         Ok(id) => Ok(Some(id)),
         Err(_) => {

@@ -45,23 +45,19 @@ pub(super) fn data_set_messages<'t, 'a, 'd>(
     lookup: &'d dyn MetaDataLookup,
     publisher_id: Option<&str>,
 ) -> Result<Vec<DataSetMessage>, Mismatch<'t, 'a>> {
-    match node.kind() {
-        Kind::Array => {
-            let mut messages = Vec::new();
-            for element in node.elements() {
-                if let Some(kind) = unknown_kind(element) {
-                    // Receivers ignore what they do not know (OPC 10000-14 §7.2.5.1).
-                    let message = "the MessageType is none of a DataSetMessage; \
-                                   the DataSetMessage is left out";
-                    decoder.diagnostics.note(kind, message);
-                } else {
-                    messages.push(data_set_message(element, decoder, lookup, publisher_id)?);
-                }
-            }
-            Ok(messages)
+    let single = (node.kind() != Kind::Array).then_some(node);
+    let mut messages = Vec::new();
+    for element in node.elements().chain(single) {
+        if let Some(kind) = unknown_kind(element) {
+            // Receivers ignore what they do not know (OPC 10000-14 §7.2.5.1).
+            let message = "the MessageType is none of a DataSetMessage; \
+                           the DataSetMessage is left out";
+            decoder.diagnostics.note(kind, message);
+        } else {
+            messages.push(data_set_message(element, decoder, lookup, publisher_id)?);
         }
-        _ => Ok(vec![data_set_message(node, decoder, lookup, publisher_id)?]),
     }
+    Ok(messages)
 }
 
 /// True for an object with a DataSetMessage header; without one, the object itself is the payload.
@@ -71,6 +67,24 @@ pub(super) fn is_data_set_message(node: JsonNode<'_, '_>) -> bool {
         || node.get("Payload").is_some_and(|payload| {
             matches!(payload.kind(), Kind::Object | Kind::Null) && payload.get("UaType").is_none()
         })
+}
+
+/// True for a header without payload and type. What has no payload is a keep-alive (OPC 10000-14 §7.2.5.4.1); Milo reads
+/// it so, too.
+fn is_header_alone(node: JsonNode<'_, '_>) -> bool {
+    const MEMBERS: [&str; 9] = [
+        "DataSetWriterId",
+        "DataSetWriterName",
+        "PublisherId",
+        "WriterGroupName",
+        "SequenceNumber",
+        "MetaDataVersion",
+        "MinorVersion",
+        "Timestamp",
+        "Status",
+    ];
+    let is_of_header = |name: JsonNode<'_, '_>| MEMBERS.iter().any(|known| name.is_text(known));
+    node.get("DataSetWriterId").is_some() && node.members().all(|(name, _)| is_of_header(name))
 }
 
 /// The MessageType of an object with a DataSetMessage header, where it is none that is known.
@@ -93,6 +107,9 @@ pub(super) fn data_set_message<'t, 'a, 'd>(
     let mut message = DataSetMessage::default();
     let mut payload = Some(node);
     if is_data_set_message(node) {
+        payload = header(node, &mut message)?;
+    } else if is_header_alone(node) {
+        message.kind = DataSetMessageKind::KeepAlive;
         payload = header(node, &mut message)?;
     }
     let publisher_id = message.publisher_id.as_deref().or(publisher_id);

@@ -2,6 +2,7 @@
 
 use std::{
     net::IpAddr,
+    num::NonZeroU64,
     time::{Duration, Instant},
 };
 
@@ -164,7 +165,7 @@ pub(super) fn count(result: &'static str) {
 pub(super) fn busy() -> Problem {
     count("busy");
     Problem {
-        retry_after_seconds: Some(RETRY_AFTER.as_secs()),
+        retry_after_seconds: NonZeroU64::new(RETRY_AFTER.as_secs()),
         ..Problem::unavailable("BUSY", "Too many people are signing in; try again in a moment.")
     }
 }

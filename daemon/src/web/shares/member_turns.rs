@@ -1,7 +1,7 @@
 //! Turns of members at a store: it has few readers and one writer, so that one person and one organisation use some of
 //! the first and wait in a line of their own for the other, and the rest is there for everybody else.
 
-use std::time::Duration;
+use std::{num::NonZeroU64, time::Duration};
 
 use axum::http::StatusCode;
 use tokio::time::{Instant, timeout_at};
@@ -121,7 +121,7 @@ impl MemberTurns {
              time, and the others wait; too many of yours do."
         );
         Problem {
-            retry_after_seconds: Some(RETRY_AFTER.as_secs()),
+            retry_after_seconds: NonZeroU64::new(RETRY_AFTER.as_secs()),
             ..Problem::new(StatusCode::TOO_MANY_REQUESTS, code, detail)
         }
     }

@@ -1,6 +1,6 @@
 //! Answers that last, and the number of those under way.
 
-use std::time::Duration;
+use std::{num::NonZeroU64, time::Duration};
 
 use axum::http::StatusCode;
 
@@ -38,7 +38,7 @@ impl Share {
              at the same time; wait until one has ended."
         );
         Problem {
-            retry_after_seconds: Some(RETRY_AFTER.as_secs()),
+            retry_after_seconds: NonZeroU64::new(RETRY_AFTER.as_secs()),
             ..Problem::new(StatusCode::TOO_MANY_REQUESTS, code, detail)
         }
     }

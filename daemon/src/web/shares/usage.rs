@@ -2,7 +2,7 @@
 
 use std::{
     collections::HashMap,
-    num::NonZeroU32,
+    num::{NonZeroU32, NonZeroU64},
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -166,7 +166,7 @@ impl FairShares {
             let detail = "You, your organisation or all together send too much at once; wait until some of \
                           it has arrived.";
             return Err(Problem {
-                retry_after_seconds: Some(BODY_RETRY_AFTER.as_secs()),
+                retry_after_seconds: NonZeroU64::new(BODY_RETRY_AFTER.as_secs()),
                 ..Problem::new(StatusCode::TOO_MANY_REQUESTS, "TOO_MANY_BODIES", detail)
             });
         }

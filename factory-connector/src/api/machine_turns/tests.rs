@@ -58,3 +58,14 @@ async fn a_slow_server_holds_up_no_other_server() {
     drop(stuck);
     assert!(turns.take(&mill, "otto").await.is_ok());
 }
+
+#[tokio::test]
+async fn servers_that_are_no_source_yet_are_asked_two_at_a_time_whatever_their_addresses() {
+    let turns = MachineTurns::default();
+    let asked = [turns.take_unsaved("vera").await, turns.take_unsaved("vera").await];
+    let waits = timeout(Duration::from_millis(50), turns.take_unsaved("otto")).await;
+    assert!(waits.is_err(), "both turns are taken");
+    assert!(turns.take(&source("Mill1"), "otto").await.is_ok(), "sources have their own");
+    drop(asked);
+    assert!(turns.take_unsaved("otto").await.is_ok());
+}

@@ -110,16 +110,11 @@ async fn what_was_given_up_while_it_left_and_is_missing_keeps_its_cause() {
     let rows = running.fetch(Lane::Reports).await;
     let made = reports(&rows[0])[0].clone();
     let mut beside = connect(&running.folder).await;
-    let writer = made.writer;
-    for given_up in [
-        format!("UPDATE report SET state = 'DONE' WHERE writer_id = {writer} AND sequence = 1"),
-        format!(
-            "INSERT INTO announced_gap VALUES ({writer}, {}, 1, 1, 'COALESCED', 0)",
-            made.epoch
-        ),
-    ] {
-        sqlx::query(&given_up).execute(&mut beside).await.expect("as without room");
-    }
+    let given_up = "UPDATE report SET state = 'DONE' WHERE writer_id = ? AND sequence = 1";
+    sqlx::query(given_up).bind(made.writer as i64).execute(&mut beside).await.expect("given up");
+    let announced = "INSERT INTO announced_gap VALUES (?, ?, 1, 1, 'COALESCED', 0)";
+    let announced = sqlx::query(announced).bind(made.writer as i64).bind(made.epoch as i64);
+    announced.execute(&mut beside).await.expect("announced");
     running.accept(&rows).await;
     running.receipt_without(&made, 2, &[1]).await;
     let again = gaps(&running).await;

@@ -27,6 +27,21 @@ pub async fn configure(answers: &mut Answers<'_>) {
     let plant = answers.plant;
     let endpoint = plant.machines.machine("Mill1").expect("a machine").endpoint_url().to_owned();
     let source = json!({ "sourceId": "Secured", "endpointUrl": endpoint });
+    let address = json!({ "endpointUrl": endpoint });
+    answers
+        .without(&["certificates", "findings"])
+        .post("discoverSource", "/source-discovery", address)
+        .await;
+    let unsaved =
+        json!({ "sourceId": "New", "endpointUrl": endpoint, "security": { "choice": "none" } });
+    answers.post("testSource", "/source-test", unsaved).await;
+    answers.without(&["items"]).get("listServerProfiles", "/server-profiles").await;
+    let own = "/source-client-certificate";
+    answers.get("showSourceClientCertificate", own).await;
+    let next = format!("{own}/next");
+    answers.post("prepareSourceClientCertificate", &next, json!({})).await;
+    answers.post("useSourceClientCertificate", &format!("{next}/use"), json!({})).await;
+    answers.delete("discardSourceClientCertificate", &next).await;
     answers.post("addSource", "/sources", source.clone()).await;
     let certificates = "/source-certificates";
     let page = plant

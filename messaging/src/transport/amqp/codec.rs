@@ -120,6 +120,12 @@ pub(super) fn to_delivery(
         Some(SimpleValue::String(text)) => Some(text.as_str()),
         _ => None,
     };
+    let creation_time = properties.creation_time.as_ref().and_then(moment);
+    // A broker takes it off what it sets aside as expired; the time of expiry stays.
+    let ttl = header.ttl.map(|ttl| Duration::from_millis(u64::from(ttl))).or_else(|| {
+        let expiry = properties.absolute_expiry_time.as_ref().and_then(moment)?;
+        Duration::try_from(expiry - creation_time?).ok()
+    });
     let lease = text(LEASE).and_then(|number| number.parse().ok());
     let signature = text(SIGNATURE).map(str::to_owned);
     let envelope = Envelope {
@@ -128,8 +134,8 @@ pub(super) fn to_delivery(
         content_type: properties.content_type.map(|t| t.0).unwrap_or_default(),
         content_encoding,
         correlation_id: properties.correlation_id.as_ref().and_then(text_of_id),
-        creation_time: properties.creation_time.as_ref().and_then(moment),
-        ttl: header.ttl.map(|ttl| Duration::from_millis(u64::from(ttl))),
+        creation_time,
+        ttl,
         replay,
         lease,
         signature,
@@ -202,6 +208,19 @@ mod tests {
         let delivery = to_delivery(arrived, now, BYTES_MAX).expect("a delivery");
         assert_eq!(delivery.envelope, envelope);
         assert!(delivery.is_redelivered, "the first acquirer is marked by the broker");
+    }
+
+    #[test]
+    fn what_a_broker_set_aside_as_expired_still_says_when() {
+        let now = OffsetDateTime::from_unix_timestamp(1_555_607_910).expect("a time");
+        let mut envelope = Envelope::new(MessageId::new("m1").expect("an id"), "lease", "{}");
+        envelope.creation_time = Some(now);
+        envelope.ttl = Some(Duration::from_secs(60));
+        let mut sent = to_message(&envelope, now + Duration::from_secs(20));
+        sent.header.as_mut().expect("a header").ttl = None;
+        let arrived = sent.map_body(|data| Body::Data(Batch::new(vec![data])));
+        let delivery = to_delivery(arrived, now, BYTES_MAX).expect("a delivery");
+        assert_eq!(delivery.envelope.expires_at(), envelope.expires_at());
     }
 
     #[test]

@@ -1,13 +1,13 @@
 //! Choice among the endpoints that a server offers.
 
 use opcua_stack::opcua::{
-    crypto::{self, X509},
+    crypto,
     types::{EndpointDescription, MessageSecurityMode, UAString, UserTokenType},
 };
 
 use crate::{
-    EndpointOffer, Identity, MessageSecurity, SecurityChoice, SecurityPolicy, SourceProblem,
-    SourceProblemKind as Kind, certificates::fingerprint,
+    Identity, MessageSecurity, SecurityChoice, SecurityPolicy, SourceProblem,
+    SourceProblemKind as Kind,
 };
 
 /// Returns the strongest endpoint that fits the choice of security and the identity.
@@ -16,7 +16,7 @@ pub(super) fn choose<'a>(
     choice: SecurityChoice,
     identity: &Identity,
 ) -> Result<&'a EndpointDescription, SourceProblem> {
-    let unsuitable = |message: String| Err(SourceProblem::new(Kind::NoSuitableEndpoint, message));
+    let unsuitable = |kind: Kind, message: String| Err(SourceProblem::new(kind, message));
     let fits = |endpoint: &&EndpointDescription| {
         let Some(policy) = policy_of(endpoint) else { return false };
         let mode = mode_of(endpoint.security_mode);
@@ -35,14 +35,19 @@ pub(super) fn choose<'a>(
     let secure_enough: Vec<_> = offered.iter().filter(fits).collect();
     if secure_enough.is_empty() {
         let names: Vec<_> = offered.iter().map(offer_name).collect();
+        // Where nothing can be chosen instead, the server has to change.
+        let is_outdated = !offered.is_empty() && offered.iter().all(|one| policy_of(one).is_none());
+        let kind = if is_outdated { Kind::SecurityOutdated } else { Kind::NoSuitableEndpoint };
         let hint = match choice {
+            _ if is_outdated => "only security policies that are outdated",
             SecurityChoice::Strongest => {
                 "no endpoint with encryption that is not outdated; choose one of these to accept that"
             }
             SecurityChoice::None => "no unprotected endpoint",
             SecurityChoice::Exactly { .. } => "no endpoint with the wanted policy and mode",
         };
-        return unsuitable(format!("The server offers {hint}. It offers: {}.", names.join(", ")));
+        let names = names.join(", ");
+        return unsuitable(kind, format!("The server offers {hint}. It offers: {names}."));
     }
     let token = match identity {
         Identity::Anonymous => UserTokenType::Anonymous,
@@ -57,7 +62,10 @@ pub(super) fn choose<'a>(
         });
     match strongest {
         Some(endpoint) => Ok(endpoint),
-        None => unsuitable(format!("The server does not accept sign-in by {token:?} there.")),
+        None => {
+            let message = format!("The server does not accept sign-in by {token:?} there.");
+            unsuitable(Kind::NoSuitableEndpoint, message)
+        }
     }
 }
 
@@ -69,12 +77,12 @@ pub(super) fn exposes_password(endpoint: &EndpointDescription, identity: &Identi
     is_unprotected && matches!(identity, Identity::UserName { .. })
 }
 
-fn allows(endpoint: &EndpointDescription, token: UserTokenType) -> bool {
+pub(in crate::source) fn allows(endpoint: &EndpointDescription, token: UserTokenType) -> bool {
     endpoint.user_identity_tokens.iter().flatten().any(|policy| policy.token_type == token)
 }
 
 /// Returns the security policy of an endpoint; `None` for one that is deprecated or unknown.
-pub(super) fn policy_of(endpoint: &EndpointDescription) -> Option<SecurityPolicy> {
+pub(in crate::source) fn policy_of(endpoint: &EndpointDescription) -> Option<SecurityPolicy> {
     match crypto::SecurityPolicy::from_uri(endpoint.security_policy_uri.as_ref()) {
         crypto::SecurityPolicy::None => Some(SecurityPolicy::None),
         crypto::SecurityPolicy::Aes128Sha256RsaOaep => Some(SecurityPolicy::Aes128Sha256RsaOaep),
@@ -84,7 +92,7 @@ pub(super) fn policy_of(endpoint: &EndpointDescription) -> Option<SecurityPolicy
     }
 }
 
-pub(super) const fn mode_of(mode: MessageSecurityMode) -> MessageSecurity {
+pub(in crate::source) const fn mode_of(mode: MessageSecurityMode) -> MessageSecurity {
     match mode {
         MessageSecurityMode::Sign => MessageSecurity::Sign,
         MessageSecurityMode::SignAndEncrypt => MessageSecurity::SignAndEncrypt,
@@ -92,37 +100,19 @@ pub(super) const fn mode_of(mode: MessageSecurityMode) -> MessageSecurity {
     }
 }
 
-pub(super) fn text(text: &UAString) -> String {
+pub(in crate::source) fn text(text: &UAString) -> String {
     text.value().clone().unwrap_or_default()
 }
 
-fn offer_name(endpoint: &EndpointDescription) -> String {
+/// Returns policy and mode of an endpoint for people.
+pub(in crate::source) fn offer_name(endpoint: &EndpointDescription) -> String {
     let uri = endpoint.security_policy_uri.as_ref();
     let policy = uri.rsplit_once('#').map_or(uri, |(_, name)| name);
     format!("{policy} {:?}", mode_of(endpoint.security_mode))
 }
 
-pub(super) fn offer(endpoint: &EndpointDescription) -> EndpointOffer {
-    let uri = endpoint.security_policy_uri.as_ref();
-    let certificate = X509::from_byte_string(&endpoint.server_certificate).ok();
-    EndpointOffer {
-        endpoint_url: text(&endpoint.endpoint_url),
-        security_policy: uri.rsplit_once('#').map_or(uri, |(_, name)| name).to_owned(),
-        message_security: mode_of(endpoint.security_mode),
-        is_supported: policy_of(endpoint).is_some(),
-        allows_anonymous: allows(endpoint, UserTokenType::Anonymous),
-        allows_user_name: allows(endpoint, UserTokenType::UserName),
-        allows_certificate: allows(endpoint, UserTokenType::Certificate),
-        server_name: text(&endpoint.server.application_name.text),
-        application_uri: text(&endpoint.server.application_uri),
-        certificate_fingerprint: certificate.as_ref().map(fingerprint),
-        certificate_thumbprint: certificate
-            .map(|certificate| certificate.thumbprint().as_hex_string()),
-    }
-}
-
 /// Combines the configured host and port with the path of the address that the server returned.
-pub(super) fn reachable_url(configured: &str, returned: &str) -> String {
+pub(in crate::source) fn reachable_url(configured: &str, returned: &str) -> String {
     let split = |url: &str| {
         let rest = url.strip_prefix("opc.tcp://").unwrap_or(url);
         let at = rest.find('/').unwrap_or(rest.len());
@@ -186,6 +176,20 @@ mod tests {
         check(&offered[..2], SecurityChoice::Strongest, &user, Option::None);
         check(&offered[..3], SecurityChoice::Strongest, &user, Option::None);
         check(&offered[4..], SecurityChoice::Strongest, &user, Option::None);
+    }
+
+    #[test]
+    fn a_server_whose_security_is_outdated_throughout_has_to_change() {
+        use MessageSecurityMode::{None, SignAndEncrypt};
+        let tokens = [UserTokenType::Anonymous];
+        let outdated = endpoint("Basic128Rsa15", SignAndEncrypt, &tokens);
+        let offered = [outdated, endpoint("None", None, &tokens)];
+        let kind = |offered: &[EndpointDescription]| {
+            let chosen = choose(offered, SecurityChoice::Strongest, &Identity::Anonymous);
+            chosen.expect_err("nothing fits").kind
+        };
+        assert_eq!(kind(&offered[..1]), Kind::SecurityOutdated);
+        assert_eq!(kind(&offered), Kind::NoSuitableEndpoint, "another choice is left");
     }
 
     #[test]

@@ -32,7 +32,7 @@ pub(super) struct ItemCreation<'a> {
     pub(super) record: &'a SourceRecord,
     pub(super) connection: &'a Connection,
     pub(super) sink: &'a NotificationSink,
-    pub(super) publishing_ms: f64,
+    pub(super) sampling_ms: f64,
     pub(super) items: &'a mut Items,
     pub(super) pool: &'a mut SubscriptionPool,
     pub(super) items_per_request: &'a mut usize,
@@ -152,7 +152,7 @@ impl ItemCreation<'_> {
         let grant = self.pool.grant(index);
         let requests = chunk.iter().zip(&handles).map(|(item, handle)| {
             let options = &item.attempt.request.options;
-            item_request::new(item.node_id.clone(), options, *handle, self.publishing_ms, grant)
+            item_request::new(item.node_id.clone(), options, *handle, self.sampling_ms, grant)
         });
         let session = self.connection.session();
         // Past the session's own list of items, which would store all of them a second time.

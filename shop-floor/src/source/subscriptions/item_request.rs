@@ -11,16 +11,16 @@ use crate::{
     monitor_options::{numeric_range, sampling_interval_ms},
 };
 
-/// Returns the request for an item under a client handle, in a subscription with this grant; the interval is
-/// in milliseconds.
+/// Returns the request for an item under a client handle, in a subscription with this grant; the interval of an input
+/// that asks for none is in milliseconds.
 pub(super) fn new(
     node_id: NodeId,
     options: &MonitorOptions,
     handle: u32,
-    publishing_ms: f64,
+    default_sampling_ms: f64,
     grant: SubscriptionGrant,
 ) -> MonitoredItemCreateRequest {
-    let sampling_interval = sampling_interval_ms(options, publishing_ms);
+    let sampling_interval = sampling_interval_ms(options, default_sampling_ms);
     MonitoredItemCreateRequest {
         item_to_monitor: ReadValueId {
             node_id,

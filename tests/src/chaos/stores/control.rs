@@ -9,6 +9,7 @@ use serde_json::Value;
 use sqlx::{AssertSqlSafe, Row as _, sqlite::SqliteRow};
 
 use super::{connector_store, open, platform_store};
+use crate::scenario::load;
 
 /// Field of a request.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -36,11 +37,21 @@ pub(in crate::chaos) struct Side {
     pub network: (i64, String),
 }
 
+/// State of a field that changes all the time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::chaos) enum Toggled {
+    Closed,
+    /// Its values are disclosed, with this rounding step or unchanged.
+    Open(Option<f64>),
+}
+
 /// Both sides: connector and platform.
 #[derive(Debug)]
 pub(in crate::chaos) struct Controls {
     pub here: Side,
     pub there: Side,
+    /// State of the toggled field, of which the connector alone has the policy.
+    pub toggled: Toggled,
 }
 
 const DECISION: &str = "dynamic_data_request_id, field_name, mapping_state, reason, decided_at";
@@ -52,7 +63,22 @@ pub(in crate::chaos) async fn controls(folder: &Path, factory: &str) -> anyhow::
     Ok(Controls {
         here: of_connector(folder, factory).await?,
         there: of_platform(folder, factory).await?,
+        toggled: toggled(folder, factory).await?,
     })
+}
+
+async fn toggled(folder: &Path, factory: &str) -> anyhow::Result<Toggled> {
+    let mut store = open(&connector_store(folder, factory)).await?;
+    let sql = "SELECT mapping_state, policy FROM field \
+               WHERE dynamic_data_request_id = ? AND field_name = ?";
+    let row = sqlx::query(sql)
+        .bind(load::toggled_request(factory))
+        .bind(load::TOGGLED)
+        .fetch_one(&mut store)
+        .await?;
+    let policy: Value = serde_json::from_str(row.get("policy"))?;
+    let is_open = row.get::<&str, _>("mapping_state") == "MAPPED";
+    Ok(if is_open { Toggled::Open(policy["roundingStep"].as_f64()) } else { Toggled::Closed })
 }
 
 fn decided(row: &SqliteRow, micros: impl Fn(i64) -> i64) -> (FieldId, Decided) {

@@ -16,8 +16,8 @@ const NAME: &str = "attacker";
 /// those leave that are under siege, and never what these need.
 const LEAST_PRIORITY: i32 = 19;
 
-/// All attackers. They have threads of their own: those that measure honest requests do nothing else, since whoever
-/// waits behind ten thousand attackers in the measuring program says nothing of those that are attacked.
+/// All attackers. They have threads of their own: those that measure honest requests do nothing else, since one
+/// that waits behind ten thousand attackers in the measuring program says nothing of those that are attacked.
 pub(super) struct Attackers {
     /// Empty once they have left.
     runtime: Option<Runtime>,
@@ -25,6 +25,10 @@ pub(super) struct Attackers {
 }
 
 impl Attackers {
+    /// Starts their threads, which have no attack yet.
+    ///
+    /// # Errors
+    /// When the system gives no threads.
     pub fn gather() -> anyhow::Result<Self> {
         let runtime = Builder::new_multi_thread()
             .worker_threads(2)

@@ -168,3 +168,17 @@ async fn send(wire: &mut Box<dyn Wire>, byte: u8) -> io::Result<()> {
     wire.write_all(&[byte]).await?;
     wire.flush().await
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_siege_in_which_too_little_was_done_is_found() {
+        let mut tally = Tally::default();
+        let (guesses, repeats) = (tally.count("a".to_owned(), 3), tally.count("b".to_owned(), 3));
+        guesses.fetch_add(3, Ordering::Relaxed);
+        repeats.fetch_add(2, Ordering::Relaxed);
+        assert_eq!(tally.judge(), ["b: 2 only, of 3 at least"]);
+    }
+}

@@ -1,4 +1,4 @@
-//! Judgement of a siege: times of honest requests, and memory of each process.
+//! Judgement of a siege: its strength, times of honest requests, memory of each process, and what their logs say.
 
 use std::time::Duration;
 
@@ -20,11 +20,41 @@ const FACTOR_MAX: f64 = 10.0;
 const SLOWEST_MAX: Duration = Duration::from_secs(2);
 /// Honest requests of a kind, at least.
 const REQUESTS_MIN: usize = 30;
-/// Memory that a process may keep of a siege, beside what it had: blocks in which passwords are hashed are kept for the
-/// next ones, 19 MiB each, and an allocator keeps a part of what was in use.
-const KEPT_MAX: u64 = 96 << 20;
+/// Memory that any process may keep of a siege, beside what it had: an allocator keeps a part of what was in use, and the
+/// throttles know ten thousand names and addresses for a while.
+const KEPT_MAX: u64 = 32 << 20;
+/// Memory that a program with pages may keep beside that: blocks of 19 MiB in which passwords are hashed are kept for the
+/// next hashes, and two are computed at once. One that had hashed before has them already.
+const KEPT_FOR_HASHES: u64 = 2 * (19 << 20);
+/// Part of the time of a siege for which attackers have to have a processor: one sixth, which is less than half of what
+/// they get on a machine of two that they share with all that they attack. With less of it they have hardly attacked.
+const ATTACKERS_PART: u32 = 6;
+/// Words of a panic in a log.
+const PANICKED: &str = "panicked at";
 /// Time after which memory has to be back.
 const RELIEF: Duration = Duration::from_secs(90);
+
+/// Prints the time of processors that attackers had, and returns that it was too little.
+pub(super) fn of_attackers(used: Duration, span: Duration) -> Option<String> {
+    say(&format!("  processors: {used:.0?} for the attackers, of {span:.0?} on each"));
+    let at_least = span / ATTACKERS_PART;
+    (used < at_least)
+        .then(|| format!("the attackers had processors for {used:.0?}, of {at_least:.0?} at least"))
+}
+
+/// Returns the panics of which the logs of all programs say: of a task, which another one replaces, no other trace is left.
+pub(super) fn of_logs(scene: &mut Scene) -> Vec<String> {
+    let mut faults = Vec::new();
+    for daemon in scene.world.daemons() {
+        faults.extend(panics(daemon.name(), &daemon.log_tail(usize::MAX)));
+    }
+    faults
+}
+
+fn panics(name: &str, log: &str) -> Vec<String> {
+    let lines = log.lines().filter(|line| line.contains(PANICKED));
+    lines.map(|line| format!("the log of {name} says that it panicked: {line}")).collect()
+}
 
 /// Durations of one kind of honest requests.
 #[derive(Debug, Default, Clone)]
@@ -102,6 +132,8 @@ pub(super) struct Watched {
     name: String,
     memory: Memory,
     before: u64,
+    /// Memory that it may have afterwards.
+    allowed: u64,
     /// Time of processors that it had used before.
     used: Duration,
 }
@@ -111,17 +143,23 @@ pub(super) fn watched(scene: &mut Scene) -> anyhow::Result<Vec<Watched>> {
     let mut all = Vec::new();
     for daemon in scene.world.daemons() {
         let memory = Memory::of(daemon.pid());
-        all.push((daemon.name().to_owned(), memory));
+        all.push((daemon.name().to_owned(), memory, kept_max(daemon.name())));
         for child in memory.children()? {
-            all.push((format!("{} of {}", child.program()?, daemon.name()), child));
+            all.push((format!("{} of {}", child.program()?, daemon.name()), child, KEPT_MAX));
         }
     }
-    let watch = |(name, memory): (String, Memory)| {
+    let watch = |(name, memory, kept_max): (String, Memory, u64)| {
         memory.reset_peak()?;
         let (before, used) = (memory.resident()?, memory.processor_time()?);
-        Ok(Watched { name, memory, before, used })
+        Ok(Watched { name, memory, before, allowed: before + kept_max, used })
     };
     all.into_iter().map(watch).collect()
+}
+
+/// Returns the memory that a program may keep. Its broker and its workers, processes of their own, hash no passwords.
+fn kept_max(name: &str) -> u64 {
+    let has_pages = name == "platform" || name.starts_with("connector-");
+    KEPT_MAX + if has_pages { KEPT_FOR_HASHES } else { 0 }
 }
 
 /// Prints what each process needed, waits until it gave that back, and returns those that did not, took too much or
@@ -129,16 +167,15 @@ pub(super) fn watched(scene: &mut Scene) -> anyhow::Result<Vec<Watched>> {
 pub(super) async fn of_memory(watched: &[Watched]) -> Vec<String> {
     let deadline = Deadline::after(RELIEF);
     let mut faults = Vec::new();
-    for Watched { name, memory, before, used } in watched {
+    for Watched { name, memory, before, allowed, used } in watched {
         // A supervisor starts a broker or a worker again that has crashed: as another process.
         let Ok(peak) = memory.peak() else {
             faults.push(format!("{name} ended"));
             continue;
         };
         let used = memory.processor_time().unwrap_or_default().saturating_sub(*used);
-        let allowed = before + KEPT_MAX;
         let mut after = memory.resident().unwrap_or_default();
-        while after > allowed && !deadline.has_passed() {
+        while after > *allowed && !deadline.has_passed() {
             tokio::time::sleep(Duration::from_secs(1)).await;
             after = memory.resident().unwrap_or_default();
         }
@@ -151,8 +188,12 @@ pub(super) async fn of_memory(watched: &[Watched]) -> Vec<String> {
         if peak > MEMORY_MAX {
             faults.push(format!("{name} took {} MiB", mib(peak)));
         }
-        if after > allowed {
-            faults.push(format!("{name} keeps {} MiB more", mib(after - before)));
+        if after > *allowed {
+            let more = mib(after.saturating_sub(*before));
+            faults.push(format!(
+                "{name} keeps {more} MiB more, of {} at most",
+                mib(allowed - before)
+            ));
         }
     }
     faults
@@ -187,6 +228,30 @@ mod tests {
     fn a_kind_that_was_hardly_asked_proves_nothing() {
         let faults = of_kind("a page", &times([10; 40]), &times([10; 29]));
         assert_eq!(faults, ["a page: 29 of 30 requests at least"]);
+    }
+
+    #[test]
+    fn attackers_that_hardly_had_a_processor_prove_nothing() {
+        let span = Duration::from_secs(96);
+        assert_eq!(of_attackers(Duration::from_secs(37), span), None);
+        assert_eq!(
+            of_attackers(Duration::from_secs(15), span).as_deref(),
+            Some("the attackers had processors for 15s, of 16s at least")
+        );
+    }
+
+    #[test]
+    fn programs_that_hash_passwords_keep_memory_for_the_next_hashes() {
+        assert_eq!(mib(kept_max("platform")), 70);
+        assert_eq!(mib(kept_max("connector-FOR_MUC")), 70);
+        assert_eq!(mib(kept_max("simulator-FOR_MUC")), 32);
+    }
+
+    #[test]
+    fn a_panic_of_which_a_log_says_is_found() {
+        let log = "{\"level\":\"INFO\"}\nthread 'a' (7) panicked at src/a.rs:1:2:\nno\n";
+        assert_eq!(panics("platform", log).len(), 1);
+        assert_eq!(panics("platform", "all is well\n"), [] as [&str; 0]);
     }
 
     #[test]

@@ -45,6 +45,7 @@ export const decision: typeof English = {
     unread: 'Neuer Kommentar',
   },
   decision: {
+    readsOnly: 'Ihre Rolle zeigt die Anfrage und die Entscheidung. Es entscheiden Ingenieure.',
     notFound: 'Dieses Feld wird nicht mehr angefragt',
     notFoundText:
       'Der Partner hat die Anfrage zurückgezogen, oder ihre Kennung ist falsch geschrieben.',
@@ -80,7 +81,6 @@ export const decision: typeof English = {
     addConversion: 'Umrechnung hinzufügen',
     manualText:
       'Menschen geben den Wert hier oder auf der Bedienerseite ein. Er geht durch dieselbe Freigabe.',
-    manualValue: 'Wert',
     manualSend: 'Wert eingeben',
     manualDone: 'Wert eingegeben.',
     manualLocked: 'Werte lassen sich eingeben, sobald Sie eingewilligt haben.',
@@ -167,6 +167,7 @@ export const decision: typeof English = {
     none: 'Keine Variable der Quellen passt. Wählen Sie eine aus dem Baum.',
     accept: 'Übernehmen',
     accepted: 'Vorschlag übernommen. Sehen Sie die Vorschau an und willigen Sie dann ein.',
+    points: (n: number) => (n < 0 ? `${-n} Punkte dagegen` : `${n} Punkte dafür`),
     score: (n: number) => `Passt zu ${n} von 100`,
     more: (n: number) => `${n} weitere`,
     fewer: 'Weniger',

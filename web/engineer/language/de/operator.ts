@@ -3,17 +3,17 @@ import type { operator as English } from '../en/operator'
 export const operator: typeof English = {
   operator: {
     page: 'Bedienung',
-    title: 'Vorgänge von heute',
+    title: 'Vorgänge an den Maschinen',
     subtitle:
       'Eingaben werden sofort festgehalten und gesendet, sobald die Anbindung erreichbar ist.',
-    empty: 'Heute ist nichts einzugeben',
+    empty: 'Zurzeit ist nichts einzugeben',
     emptyText: 'Vorgänge erscheinen hier, wenn eines ihrer Felder von Hand gefüllt wird.',
-    later: 'Die nächsten Tage',
+    later: 'An den nächsten Tagen',
     notStarted: 'Nicht begonnen',
     good: 'gut',
     scrap: 'Ausschuss',
     start: 'Start',
-    resume: 'Weiter',
+    resume: 'Fortsetzen',
     addOne: 'Ein weiteres Gutteil',
     addMany: 'Mehrere',
     scrapOne: 'Ausschuss',
@@ -50,7 +50,7 @@ export const operator: typeof English = {
     offline: (n: number) =>
       n === 1 ? '1 Eintrag liegt auf diesem Gerät.' : `${n} Einträge liegen auf diesem Gerät.`,
     offlineText: (age: string) =>
-      `Die Anbindung antwortet nicht mehr (${age}). Arbeiten Sie weiter: Einträge behalten ihre Zeit und werden automatisch gesendet.`,
+      `Die Anbindung hat zuletzt ${age} geantwortet. Arbeiten Sie weiter: Einträge behalten ihre Zeit und werden automatisch gesendet.`,
     foreign: (n: number) => `${n} weitere warten, bis sich ihr Verfasser hier anmeldet.`,
     volatile:
       'Dieser Browser kann keine Einträge speichern: Schließen Sie die Seite nicht, bevor alles angekommen ist.',

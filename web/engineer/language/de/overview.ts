@@ -74,6 +74,12 @@ export const overview: typeof English = {
     accepted: 'Zuletzt vom Broker angenommen',
     receipted: 'Zuletzt von der Plattform quittiert',
     backlog: 'Wartet auf Quittung',
+    why: {
+      partly: 'Senden oder Empfangen gelingt teilweise nicht; es wird wieder versucht.',
+      retrying: 'Der Broker ist nicht erreichbar. Es wird von selbst wieder versucht.',
+      permanent:
+        'Der Broker weist diese Anbindung ab. Jemand muss handeln: Prüfen Sie Zugangsdaten und Zertifikate.',
+    },
     reason: 'Grund',
     spool: 'Ausgangspuffer',
     spoolHint:
@@ -94,10 +100,15 @@ export const overview: typeof English = {
       ASKING: 'Die Plattform hat noch nicht geantwortet',
       HELD: 'Diese Anbindung',
       REFUSED: 'Eine andere Anbindung',
+      UNANSWERED: 'Die Plattform antwortet nicht',
     },
     refused:
       'Eine andere Anbindung hat die Sendeberechtigung dieser Fabrik. Von hier geht nichts hinaus; Werte werden gespeichert.',
     contested: 'Eine zweite Anbindung mit den Zugangsdaten dieser läuft. Sie wurde abgewiesen.',
+    unanswered: 'Die Plattform antwortet nicht. Was von hier hinausgeht, zählt womöglich nicht.',
+    unansweredSince: 'Keine Antwort seit der Anfrage ',
+    unansweredRemedy:
+      'Der Broker nimmt Nachrichten an, und die Plattform beantwortet keine: Sie läuft nicht, oder der Zugang dieser Anbindung wurde dort widerrufen. Fragen Sie einen Verwalter der Plattform. Werte bleiben hier gespeichert, bis die Plattform sie quittiert hat; wurde der Zugang widerrufen, nehmen Sie diese Anbindung erneut auf.',
     own: 'Diese Anbindung:',
     other: 'Die andere:',
     refusedRemedy:

@@ -17,6 +17,7 @@ export const settings: typeof English = {
       purpose: { mappings: 'Skripte von Zuordnungen', dryRuns: 'Skripte, die erprobt werden' },
       filtered: 'Systemaufrufe werden gefiltert.',
       unfiltered: 'Systemaufrufe werden NICHT gefiltert; eine Einstellung erlaubt das.',
+      refused: 'Er läuft nicht: Der Rechner gibt ihm keine Wände, oder keine, die genügen.',
       landlock: {
         none: 'Der Kern hat kein Landlock.',
         partial: 'Landlock verwehrt Dateien und Netz, zum Teil.',
@@ -101,7 +102,7 @@ export const settings: typeof English = {
       'twin.security.allow_signed_unencrypted':
         'Auch Endpunkte, die nur signieren, für Clients ohne Verschlüsselung. Wer am Weg sitzt, liest Werte und Schreibzugriffe.',
       'twin.security.trust_unknown_certificates':
-        'Nur zur Entwicklung: jedem Zertifikat eines Clients vertrauen, statt auf eine Freigabe zu warten.',
+        'Nur zur Entwicklung: jedem Zertifikat eines Clients vertrauen, statt auf eine Zulassung zu warten.',
       'twin.security.login_failures_max':
         'Falsche Passwörter eines Benutzers innerhalb des Zeitfensters, ab denen weitere Versuche ebenso lange abgewiesen werden.',
       'twin.security.login_window_s': 'Das Zeitfenster für falsche Passwörter in Sekunden.',
@@ -136,7 +137,7 @@ export const settings: typeof English = {
       'reports.encoding':
         'Wie Werte geschrieben werden: digicor (1.04 umkehrbar), 1.05-compact oder 1.05-verbose.',
       'reports.publishing_interval_ms':
-        'Der kürzeste Abstand zweier Berichte eines Datensatzes in Millisekunden. Freigaben verlängern ihn, Feld für Feld.',
+        'Der kürzeste Abstand zweier Berichte eines Datensatzes in Millisekunden. Richtlinien verlängern ihn, Feld für Feld.',
       'spool.bytes_max':
         'Größe der Berichte in Bytes, ab der ältere für neuere aufgegeben werden; die Lücke wird angekündigt.',
       'spool.age_hours_max': 'Alter in Stunden, ab dem Berichte aufgegeben werden.',
@@ -171,7 +172,7 @@ export const settings: typeof English = {
     connector: 'Fabrikanbindung',
     factory: 'Fabrik',
     version: 'Version',
-    started: 'Läuft seit',
+    started: 'Gestartet',
     twin: 'OPC-UA-Adresse des Zwillings',
     configuration:
       'Die Anbindung selbst wird in ihrer Konfigurationsdatei eingerichtet; hier steht, womit sie läuft.',

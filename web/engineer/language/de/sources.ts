@@ -23,12 +23,15 @@ export const sources: typeof English = {
     withUser: 'Benutzername und Passwort',
     userName: 'Benutzername',
     password: 'Passwort',
-    passwordKept: 'Leer lassen, um das Passwort zu behalten.',
+    passwordKept: 'Leer lassen, um es zu behalten. Eine andere Adresse braucht es erneut.',
     passwordUnprotected: 'Das Passwort ungeschützt senden',
     passwordUnprotectedHint:
       'Jeder im Netz kann es lesen. Ohne dies wird es nicht gesendet, und die Quelle bleibt unverbunden.',
     publishingInterval: 'Sendeintervall (ms)',
     publishingIntervalHint: 'Was gewünscht wird. Viele Steuerungen gewähren 100 bis 1000 ms.',
+    samplingInterval: 'Abtastintervall (ms)',
+    samplingIntervalHint:
+      'So oft sieht der Server nach jeder Variablen. Leer: so oft, wie er sendet. 0: bei jeder Änderung.',
     silence: 'Aufgegeben nach Stille von (ms)',
     silenceHint: 'Ein langsamerer Server bekommt die Zeit, die er für ein Lebenszeichen braucht.',
     granted: 'Der Server gewährt',
@@ -78,7 +81,7 @@ export const sources: typeof English = {
     removeMore: (n: number) => (n === 1 ? 'und eines mehr.' : `und ${n} weitere.`),
     treeEmpty: 'Hier zeigt der Server nichts.',
     treeLabel: 'Adressraum der Quelle',
-    searchNodes: 'Im ganzen Server suchen',
+    searchNodes: 'Den ganzen Server durchsuchen, oder eine Node-Id einfügen',
     nothingFound: 'Nichts gefunden',
     found: (shown: string, all: string) =>
       shown === all ? `${all} gefunden` : `${shown} von ${all} gefunden`,
@@ -91,9 +94,29 @@ export const sources: typeof English = {
         remedy:
           'Prüfen Sie, ob der Server läuft, die Adresse und das Netz dazwischen. Es wird von selbst wieder versucht.',
       },
+      hostNameUnknown: {
+        what: 'Kein Namensdienst kennt diesen Rechnernamen',
+        remedy:
+          'Prüfen Sie den Namen, oder geben Sie die IP-Adresse des Servers an. Es wird von selbst wieder versucht.',
+      },
+      nothingListens: {
+        what: 'An diesem Port antwortet nichts',
+        remedy:
+          'Prüfen Sie den Port, und ob der OPC-UA-Server im Projekt der Maschine eingeschaltet ist. Es wird von selbst wieder versucht.',
+      },
+      endpointsHidden: {
+        what: 'Der Server zeigt nicht, was er anbietet',
+        remedy:
+          'Lassen Sie in den Einstellungen des Servers die Richtlinie None für die Endpunktsuche zu. Sitzungen bleiben geschützt.',
+      },
       noSuitableEndpoint: {
         what: 'Der Server bietet diese Sicherheit oder Anmeldung nicht',
         remedy: 'Wählen Sie eine Sicherheit und eine Anmeldung, die der Server anbietet.',
+      },
+      securityOutdated: {
+        what: 'Der Server bietet nur veraltete Sicherheit',
+        remedy:
+          'Schalten Sie in den Sicherheitseinstellungen des Servers die Richtlinie Basic256Sha256, signiert und verschlüsselt, ein.',
       },
       serverCertificateUntrusted: {
         what: 'Dem Zertifikat des Servers wird noch nicht vertraut',
@@ -104,10 +127,20 @@ export const sources: typeof English = {
         what: 'Das Zertifikat des Servers ist nicht gültig',
         remedy: 'Lassen Sie das Zertifikat des Servers erneuern.',
       },
+      serverKeyTooShort: {
+        what: 'Der Schlüssel des Serverzertifikats ist zu kurz',
+        remedy:
+          'Lassen Sie den Server ein Zertifikat mit einem Schlüssel von mindestens 2048 Bit erstellen, und vertrauen Sie dann diesem.',
+      },
       clientCertificateRejected: {
         what: 'Der Server vertraut dieser Anbindung noch nicht',
         remedy:
           'Bitten Sie den Betreiber des Servers, dem Zertifikat dieser Anbindung zu vertrauen, und warten Sie einen Augenblick.',
+      },
+      clientCertificateOutOfTime: {
+        what: 'Nach der Uhr des Servers ist das Zertifikat dieser Anbindung nicht gültig',
+        remedy:
+          'Stellen Sie die Uhr des Servers; ohne Zeitabgleich beginnen viele Steuerungen im Jahr 1970. Geht sie richtig, erneuern Sie das Zertifikat dieser Anbindung.',
       },
       credentialsRejected: {
         what: 'Benutzername oder Passwort ist nicht richtig',
@@ -215,9 +248,9 @@ export const sources: typeof English = {
     installed: 'Zertifikat installiert. Der Zwilling zeigt es ab der nächsten Verbindung.',
   },
   authorities: {
-    title: 'Stellen, die OPC-UA-Clients Zertifikate ausstellen',
-    hint: 'Ein Client mit einem Zertifikat einer vertrauten Stelle braucht keine eigene Freigabe, solange die Stelle es nicht sperrt.',
-    none: 'Keine Stelle: Jeder Client braucht eine eigene Freigabe.',
+    title: 'Zertifizierungsstellen von OPC-UA-Clients',
+    hint: 'Ein Client mit einem Zertifikat einer vertrauten Stelle braucht keine eigene Zulassung, solange die Stelle es nicht sperrt.',
+    none: 'Keine Stelle: Jeder Client braucht eine eigene Zulassung.',
     authority: 'Stelle',
     isTrusted: 'Vertraut mit allen ihren Clients',
     isBetween: 'Zwischenstelle',

@@ -47,6 +47,7 @@ export const decision = {
     unread: 'New comment',
   },
   decision: {
+    readsOnly: 'Your role shows the request and its decision. Engineers decide.',
     notFound: 'This field is no longer requested',
     notFoundText: 'The partner withdrew the request, or its id is mistyped.',
     toInbox: 'Inbox',
@@ -81,7 +82,6 @@ export const decision = {
     addConversion: 'Add a conversion',
     manualText:
       'People enter the value here or on the operator’s page. It passes the same disclosure gate.',
-    manualValue: 'Value',
     manualSend: 'Enter value',
     manualDone: 'Value entered.',
     manualLocked: 'You can enter values after you consented.',
@@ -168,6 +168,7 @@ export const decision = {
     none: 'No variable of the sources fits. Pick one from the tree.',
     accept: 'Take it',
     accepted: 'Suggestion taken. Look at the preview, then consent.',
+    points: (n: number) => (n < 0 ? `${-n} points against it` : `${n} points for it`),
     score: (n: number) => `Fits ${n} of 100`,
     more: (n: number) => `${n} more`,
     fewer: 'Fewer',

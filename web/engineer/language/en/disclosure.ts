@@ -234,7 +234,7 @@ export const disclosure = {
       n === 1 ? 'End the consent to 1 field' : `End the consent to ${n} fields`,
     text: 'Values stop at once, waiting reports are discarded, and the partner is notified. Delivered values cannot be recalled; the receipt names the last one.',
     then: 'From now on',
-    pending: 'Leave open',
+    pending: 'Decide again later',
     refused: 'Refuse',
     revoke: 'Revoke now',
     receipt: 'Receipt',
@@ -245,7 +245,7 @@ export const disclosure = {
     inFlight: (n: number) =>
       n === 1 ? '1 report may still arrive' : `${n} reports may still arrive`,
     settled: 'Settled',
-    print: 'To print',
+    print: 'Page to print (HTML)',
     dataSet: 'Data set',
     queued: 'Last queued',
     sent: 'Last sent',

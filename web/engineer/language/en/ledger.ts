@@ -6,6 +6,7 @@ export const ledger = {
     verifying: 'Verifying …',
     valid: (entries: string) =>
       `Intact: ${entries} entries verified, nothing was changed, deleted or moved.`,
+    differs: 'this is not as it was written.',
     invalid: 'The ledger has been tampered with.',
     empty: 'Nothing has left yet',
     emptyText: 'The first value that leaves this factory will be the first entry.',
@@ -22,7 +23,7 @@ export const ledger = {
     until: 'Until',
     anyTime: 'Any time',
     export: 'Export',
-    formats: { jsonl: 'JSON lines', csv: 'CSV', html: 'To print' },
+    formats: { jsonl: 'JSON lines', csv: 'CSV', html: 'Page to print (HTML)' },
     none: 'No match',
     noneText: 'No entry of this chain matches.',
     anyKind: 'Any',

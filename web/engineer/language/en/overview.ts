@@ -72,6 +72,12 @@ export const overview = {
     accepted: 'Broker accepted last',
     receipted: 'Platform receipted last',
     backlog: 'Waiting to be receipted',
+    why: {
+      partly: 'Sending or receiving fails in part; it is tried again.',
+      retrying: 'The broker cannot be reached. It is tried again by itself.',
+      permanent:
+        'The broker refuses this connector. Someone has to act: check credentials and certificates.',
+    },
     reason: 'Reason',
     spool: 'Spool',
     spoolHint:
@@ -92,10 +98,15 @@ export const overview = {
       ASKING: 'The platform has not answered yet',
       HELD: 'This connector',
       REFUSED: 'Another connector',
+      UNANSWERED: 'The platform does not answer',
     } as Record<string, string>,
     refused:
       'Another connector holds the lease of this factory. Nothing leaves from here; values are stored.',
     contested: 'A second connector with this connector’s credential is running. It was refused.',
+    unanswered: 'The platform does not answer. What leaves from here may not count.',
+    unansweredSince: 'No answer since the request sent ',
+    unansweredRemedy:
+      'The broker takes messages, and the platform answers none: it is down, or the access of this connector was revoked there. Ask an administrator of the platform. Values stay stored here until the platform has receipted them; if the access was revoked, enrol this connector again.',
     own: 'This connector:',
     other: 'The other one:',
     refusedRemedy:

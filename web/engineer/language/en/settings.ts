@@ -15,6 +15,7 @@ export const settings = {
       purpose: { mappings: 'Scripts of mappings', dryRuns: 'Scripts that are tried' },
       filtered: 'System calls are filtered.',
       unfiltered: 'System calls are NOT filtered; a setting allows that.',
+      refused: 'It does not run: the machine gives it no walls, or none that suffice.',
       landlock: {
         none: 'The kernel has no Landlock.',
         partial: 'Landlock denies files and network, in part.',
@@ -168,7 +169,7 @@ export const settings = {
     connector: 'Connector',
     factory: 'Factory',
     version: 'Version',
-    started: 'Running since',
+    started: 'Started',
     twin: 'OPC UA address of the twin',
     configuration:
       'The connector itself is set up in its configuration file; this page shows what it runs with.',

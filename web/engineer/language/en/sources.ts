@@ -20,12 +20,15 @@ export const sources = {
     withUser: 'User name and password',
     userName: 'User name',
     password: 'Password',
-    passwordKept: 'Leave empty to keep the password.',
+    passwordKept: 'Leave empty to keep it. Another address needs it again.',
     passwordUnprotected: 'Send the password unprotected',
     passwordUnprotectedHint:
       'Everybody on the network can read it. Without this it is not sent, and the source stays unconnected.',
     publishingInterval: 'Publishing interval (ms)',
     publishingIntervalHint: 'What is asked for. Many controllers grant 100 to 1000 ms.',
+    samplingInterval: 'Sampling interval (ms)',
+    samplingIntervalHint:
+      'How often the server looks at each variable. Empty: as often as it publishes. 0: on every change.',
     silence: 'Given up after silence of (ms)',
     silenceHint: 'A slower server is given the time that it takes for a sign of life.',
     granted: 'The server grants',
@@ -74,7 +77,7 @@ export const sources = {
     removeMore: (n: number) => (n === 1 ? 'and one more.' : `and ${n} more.`),
     treeEmpty: 'The server shows nothing here.',
     treeLabel: 'Address space of the source',
-    searchNodes: 'Search the whole server',
+    searchNodes: 'Search the whole server, or paste a node id',
     nothingFound: 'Nothing found',
     found: (shown: string, all: string) =>
       shown === all ? `${all} found` : `${shown} of ${all} found`,
@@ -87,9 +90,29 @@ export const sources = {
         remedy:
           'Check that the server runs, its address, and the network. The connector retries automatically.',
       },
+      hostNameUnknown: {
+        what: 'No name service knows this host name',
+        remedy:
+          'Check the name, or use the IP address of the server. The connector retries automatically.',
+      },
+      nothingListens: {
+        what: 'Nothing listens at this port',
+        remedy:
+          'Check the port, and that the OPC UA server is switched on in the machine’s project. The connector retries automatically.',
+      },
+      endpointsHidden: {
+        what: 'The server does not show what it offers',
+        remedy:
+          'Allow the security policy None for discovery in the settings of the server. Sessions stay protected.',
+      },
       noSuitableEndpoint: {
         what: 'The server offers no such security or sign-in',
         remedy: 'Choose a security setting and a sign-in that the server offers.',
+      },
+      securityOutdated: {
+        what: 'The server offers outdated security only',
+        remedy:
+          'Switch on the policy Basic256Sha256, signed and encrypted, in the security settings of the server.',
       },
       serverCertificateUntrusted: {
         what: 'The server’s certificate is not trusted yet',
@@ -100,10 +123,20 @@ export const sources = {
         what: 'The server’s certificate is not valid',
         remedy: 'Have the server’s certificate renewed.',
       },
+      serverKeyTooShort: {
+        what: 'The key of the server’s certificate is too short',
+        remedy:
+          'Have the server make a certificate with a key of 2048 bits or more, then trust that.',
+      },
       clientCertificateRejected: {
         what: 'The server does not trust this connector yet',
         remedy:
           'Ask the operator of the server to trust this connector’s certificate, then wait a moment.',
+      },
+      clientCertificateOutOfTime: {
+        what: 'By the server’s clock, the certificate of this connector is not valid',
+        remedy:
+          'Set the clock of the server; without time synchronisation many controllers start in 1970. If it is right, renew the certificate of this connector.',
       },
       credentialsRejected: {
         what: 'User name or password is not right',

@@ -50,7 +50,7 @@ fn requests_come_back_with_time_and_the_answer_says_when() {
     assert_eq!(exhaust(&shares, &ann, now), 4);
     let problem = shares.take_request(&ann, now).expect_err("used up");
     assert_eq!((problem.status, &*problem.code), (429, "TOO_MANY_REQUESTS"));
-    assert_eq!(problem.retry_after_seconds, Some(1));
+    assert_eq!(problem.retry_after_seconds.map(NonZeroU64::get), Some(1));
     assert_eq!(exhaust(&shares, &ann, now + Duration::from_secs(2)), 2);
     assert_eq!(exhaust(&shares, &ann, now + Duration::from_secs(60)), 4, "never more than at once");
 }

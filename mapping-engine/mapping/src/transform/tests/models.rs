@@ -6,6 +6,14 @@ use asi_model::units as unece;
 
 use super::*;
 
+/// Multiplier and offset of a unit in the ontology QUDT (`asi-model/tests/units`).
+fn qudt(code: &str) -> Option<(f64, f64)> {
+    let table = include_str!("../../../../../asi-model/tests/units/qudt.tsv");
+    let columns = |line: &'static str| line.split('\t').collect::<Vec<_>>();
+    let found = table.lines().map(columns).find(|columns| columns[0] == code)?;
+    Some((found[2].parse().ok()?, found[3].parse().ok()?))
+}
+
 pub(super) fn any_value() -> impl Strategy<Value = Variant> {
     prop_oneof![
         any::<i32>().prop_map(Variant::from),
@@ -202,6 +210,11 @@ proptest! {
         let got = got.value.as_f64().expect("a double");
         let scale = expected.abs().max(unece::convert(0.0, &from, to).expect("alike").abs());
         prop_assert!((got - expected).abs() <= scale * 1e-12, "{} {} to {}: {} not {}", value, from.code, to.code, got, expected);
+        // Others' factors are rounded, and some units are ours alone.
+        if let (Some((multiplier, offset)), Some((divisor, subtrahend))) = (qudt(from.code), qudt(to.code)) {
+            let expected = (value + offset) * multiplier / divisor - subtrahend;
+            prop_assert!((got - expected).abs() <= scale * 3e-6, "{} {} to {}: {} not {}", value, from.code, to.code, got, expected);
+        }
         // Integers: the same value, exactly where it is one.
         let integer = value.trunc();
         let Reaction::Candidate(got) = conversion.on(at(1), 0, DataValue::good(integer as i64, at(1)), None) else {

@@ -1,0 +1,42 @@
+import { render, screen } from '@testing-library/svelte'
+import { expect, it } from 'vitest'
+import type { Resource } from '@/transport/resource.svelte'
+import type { SourceStatus } from '../api/types'
+import type { ShownCertificate } from './certificates.svelte'
+import SourceEvidence from './SourceEvidence.svelte'
+
+const certificates = { value: [] } as unknown as Resource<ShownCertificate[]>
+
+function show(changes: Partial<SourceStatus>): void {
+  const source: SourceStatus = {
+    sourceId: 'press',
+    state: 'connected',
+    since: '2026-03-01T00:00:00Z',
+    inputs: 0,
+    live: 0,
+    findable: 0,
+    notLive: [],
+    changes: 0,
+    sessions: 1,
+    coarse: [],
+    ...changes,
+  }
+  render(SourceEvidence, { source, certificates })
+}
+
+it('says what to do about a clock that is wrong, and nothing about one that is right', () => {
+  show({ clockAheadMs: 7_200_000 })
+  expect(screen.getByText(/Its clock is 2 h ahead of ours.*best by NTP/)).toBeTruthy()
+})
+
+it('has nothing to say about a clock that is right', () => {
+  show({ clockAheadMs: 120 })
+  expect(screen.queryByText(/NTP/)).toBeNull()
+})
+
+it('leads from a certificate that a machine refuses to where it is handed out', () => {
+  const problem = { kind: 'clientCertificateOutOfTime' as const, message: '…', remedy: '' }
+  show({ state: 'waiting', problem })
+  expect(screen.getByText(/many controllers start in 1970/)).toBeTruthy()
+  expect(screen.getByRole('link', { name: 'Certificate of this connector' })).toBeTruthy()
+})
