@@ -135,6 +135,7 @@ fn in_turns() -> OpenApiRouter<Application> {
         .routes(routes!(tools::list, tools::add))
         .routes(routes!(tools::make_credential, tools::revoke))
         .routes(routes!(collaborations::list, collaborations::add))
+        .routes(routes!(removals::collaboration))
         .routes(routes!(collaborations::add_member, removals::member))
         .routes(routes!(collaborations::add_factory, removals::collaboration_factory))
         .routes(routes!(networks::list))

@@ -1,10 +1,16 @@
 //! The command line.
 
 mod administration;
+mod collaboration;
 mod definitions;
+mod factory;
+mod organisation;
 mod output;
+mod removal;
 mod seal;
 mod serve;
+mod tool;
+mod user;
 
 use std::{
     path::{Path, PathBuf},
@@ -12,12 +18,9 @@ use std::{
 };
 
 use anyhow::Context;
-use clap::{Args, Parser, Subcommand};
+use clap::{Parser, Subcommand};
 use daemon::{configuration, data_directory};
-use platform::{
-    config::{EXAMPLE, PlatformConfig},
-    store::Role,
-};
+use platform::config::{EXAMPLE, PlatformConfig};
 
 use output::print;
 
@@ -52,15 +55,21 @@ enum Command {
     Config(ConfigCommand),
     /// Print what others wrote of this program and its pages, with the licences.
     Notices,
-    /// Add organisations to the platform.
+    /// List, add and remove organisations.
     #[command(subcommand)]
-    Organisation(OrganisationCommand),
-    /// Add factories and make their enrolment tokens.
+    Organisation(organisation::OrganisationCommand),
+    /// List, add and remove factories, and make their enrolment tokens.
     #[command(subcommand)]
-    Factory(FactoryCommand),
-    /// Add or change users of the platform.
+    Factory(factory::FactoryCommand),
+    /// List, add, change and remove the people who may sign in.
+    #[command(subcommand, visible_alias = "person")]
+    User(user::UserCommand),
+    /// List and add collaborations, and say who takes part in them.
     #[command(subcommand)]
-    User(UserCommand),
+    Collaboration(collaboration::CollaborationCommand),
+    /// List, add and remove tools, and make their credentials.
+    #[command(subcommand)]
+    Tool(tool::ToolCommand),
     /// Manage the key that seals the secrets in the database.
     #[command(subcommand)]
     Seal(seal::SealCommand),
@@ -72,57 +81,6 @@ enum ConfigCommand {
     Check,
     /// Print a commented example with every key.
     Example,
-}
-
-#[derive(Debug, Subcommand)]
-enum OrganisationCommand {
-    /// Add an organisation.
-    Add {
-        /// Its id: letters, digits, `_` and `-`.
-        organisation: String,
-        /// Name for people; the id by default.
-        #[arg(long)]
-        name: Option<String>,
-    },
-}
-
-#[derive(Debug, Subcommand)]
-enum FactoryCommand {
-    /// Add a factory and print a token with which its connector enrols.
-    Add {
-        /// Its id: letters, digits, `_` and `-`.
-        factory: String,
-        /// The organisation it belongs to; made where it is not known.
-        #[arg(long)]
-        organisation: String,
-        /// Name for people; the id by default.
-        #[arg(long)]
-        name: Option<String>,
-    },
-    /// Print a new enrolment token for a factory.
-    Token {
-        /// Id of the factory.
-        factory: String,
-    },
-}
-
-#[derive(Debug, Subcommand)]
-enum UserCommand {
-    /// Add or change a user; the password is read from standard input.
-    Set(SetUser),
-}
-
-/// A user to add or change.
-#[derive(Debug, Args)]
-struct SetUser {
-    /// The name to sign in with.
-    user: String,
-    /// ADMINISTRATOR, PLANNER or VIEWER.
-    #[arg(long)]
-    role: Role,
-    /// Organisation for which the user looks and acts; made where it is not known.
-    #[arg(long)]
-    organisation: Option<String>,
 }
 
 /// Runs the command; prints what goes wrong with all its causes.
@@ -169,18 +127,11 @@ fn run_command(command: Command, config: PlatformConfig) -> anyhow::Result<()> {
             Command::Serve => serve::serve(config).await,
             Command::Broker { .. } => serve::broker(config).await,
             Command::Definitions { kind } => definitions::print(&config, kind).await,
-            Command::Organisation(OrganisationCommand::Add { organisation, name }) => {
-                administration::add_organisation(&config, &organisation, name).await
-            }
-            Command::Factory(FactoryCommand::Add { factory, organisation, name }) => {
-                administration::add_factory(&config, &factory, &organisation, name).await
-            }
-            Command::Factory(FactoryCommand::Token { factory }) => {
-                administration::print_token(&config, &factory).await
-            }
-            Command::User(UserCommand::Set(user)) => {
-                administration::set_user(&config, user.user, user.role, user.organisation).await
-            }
+            Command::Organisation(command) => organisation::run(command, &config).await,
+            Command::Factory(command) => factory::run(command, &config).await,
+            Command::User(command) => user::run(command, &config).await,
+            Command::Collaboration(command) => collaboration::run(command, &config).await,
+            Command::Tool(command) => tool::run(command, &config).await,
             Command::Seal(command) => seal::run(command, &config).await,
             Command::Config(_) | Command::Notices => Ok(()),
         }

@@ -37,6 +37,7 @@ pub mod enrolment;
 mod entitlement;
 pub mod ingest;
 pub mod leases;
+pub mod leaving;
 pub mod live;
 pub mod networks;
 pub mod opaque_id;

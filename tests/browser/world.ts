@@ -158,6 +158,15 @@ export async function places(page: Page, site: Site): Promise<Place[]> {
             },
           ]),
       { name: 'live', hash: '#/live' },
+      ...['organisations', 'people', 'factories', 'collaborations', 'tools'].map((section) => ({
+        name: `administration-${section}`,
+        hash: hash('administration', section),
+      })),
+      {
+        name: 'new-person',
+        hash: hash('administration', 'people'),
+        act: (shown: Page) => press(shown, /^(add a person|person hinzufügen)$/i),
+      },
       { name: 'settings', hash: '#/settings' },
     ]
   }

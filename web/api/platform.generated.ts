@@ -56,6 +56,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/collaborations/{collaborationId}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /** Removes a collaboration of which every network is withdrawn: its members and factories part in it. */
+        delete: operations["removeCollaboration"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/collaborations/{collaborationId}/factories/{factoryId}": {
         parameters: {
             query?: never;
@@ -2655,6 +2672,38 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Collaboration"];
+                };
+            };
+            400: components["responses"]["BadRequest"];
+            401: components["responses"]["Unauthorized"];
+            403: components["responses"]["Forbidden"];
+            404: components["responses"]["NotFound"];
+            409: components["responses"]["Conflict"];
+            422: components["responses"]["UnprocessableEntity"];
+            429: components["responses"]["TooManyRequests"];
+        };
+    };
+    removeCollaboration: {
+        parameters: {
+            query?: {
+                /** @description True where the answer shall only say what would end and what is in force. */
+                dryRun?: boolean;
+            };
+            header?: never;
+            path: {
+                collaborationId: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Effects of a removal, and what is in its way. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Removal"];
                 };
             };
             400: components["responses"]["BadRequest"];

@@ -249,6 +249,9 @@ export const de: Words = {
     open: 'Öffnen',
     filter: 'Filtern',
   },
+  firstSteps: {
+    done: (done: number, all: number) => `${done} von ${all} sind getan.`,
+  },
   graph: {
     label: (n: number) => `Graph mit ${n} Vorgängen und ihren Beziehungen`,
     instruction: 'Pfeiltasten folgen den Beziehungen, Eingabe öffnet einen Vorgang.',

@@ -251,6 +251,9 @@ export const en = {
     open: 'Open',
     filter: 'Filter',
   },
+  firstSteps: {
+    done: (done: number, all: number) => `${done} of ${all} are done.`,
+  },
   graph: {
     label: (n: number) => `Graph of ${n} operations and their relations`,
     instruction: 'Arrow keys move along the relations, Enter opens an operation.',

@@ -221,8 +221,8 @@ impl NodeManagerBuilder for HostBuilder {
     }
 }
 
-/// Connections that wait to be accepted: the library's 128 are full as soon as a crowd comes, and Linux drops whoever
-/// comes next, who tries again after a second only.
+/// Connections that wait to be accepted: the library's 128 are full as soon as a crowd comes. Linux drops those
+/// that come next, and they try again after a second only.
 const ACCEPT_QUEUE: i32 = 4096;
 
 fn listen(config: &TwinConfig) -> Result<(TcpListener, SocketAddr), TwinError> {

@@ -1,4 +1,4 @@
-//! Removals of people, tools, factories, organisations and members: by administrators, by people of their own accounts,
+//! Removals of people, tools, factories, organisations, collaborations and members: by administrators, by people of their own accounts,
 //! and by planners of what is their organisation's.
 
 use asi_model::{CollaborationId, FactoryId, OrganisationId, ToolId};
@@ -10,11 +10,9 @@ use utoipa::IntoParams;
 use super::problems::ChangeProblems;
 use crate::{
     application::Application,
+    leaving,
     principal::Principal,
-    store::{
-        AuditFact, AuditFactKind, AuditOutcome, AuditSubject, Leaver, RemovalEffects, StoreError,
-        Work,
-    },
+    store::{AuditOutcome, Leaver, RemovalEffects},
 };
 
 /// Things in force that a refusal names.
@@ -81,6 +79,18 @@ pub async fn organisation(
     leave(&app, &who, "removeOrganisation", Leaver::Organisation(id), &query).await
 }
 
+/// Removes a collaboration of which every network is withdrawn: its members and factories part in it.
+#[utoipa::path(delete, operation_id = "removeCollaboration", path = "/collaborations/{collaborationId}", tag = "collaborations", security(("session" = [])),
+    params(("collaborationId" = String, Path), RemovalQuery), responses((status = 200, body = RemovalEffects), ChangeProblems))]
+pub async fn collaboration(
+    State(app): State<Application>,
+    who: SignedIn<Principal>,
+    ApiPath(id): ApiPath<CollaborationId>,
+    ApiQuery(query): ApiQuery<RemovalQuery>,
+) -> Result<Json<RemovalEffects>, Problem> {
+    leave(&app, &who, "removeCollaboration", Leaver::Collaboration(id), &query).await
+}
+
 /// Takes a member out of a collaboration in which nothing of it is in force. What was released to it stays
 /// readable to it. Planners take their own organisation out within ten minutes of a sign-in.
 #[utoipa::path(delete, operation_id = "removeMember", path = "/collaborations/{collaborationId}/members/{organisationId}", tag = "collaborations",
@@ -129,9 +139,7 @@ async fn leave(
     if !removal.in_force.is_empty() {
         return Err(in_force(&removal.in_force));
     }
-    let facts = facts(&mut work, &leaver, &subject, &removal).await?;
-    work.describe(facts);
-    work.removals().leave(&leaver, app.clock.now()).await?;
+    leaving::leave(&mut work, &leaver, &subject, &removal, app.clock.now()).await?;
     work.commit(subject, AuditOutcome::Done).await?;
     if let Leaver::Factory(id) = &leaver {
         app.ingest.forget(id);
@@ -139,7 +147,10 @@ async fn leave(
     if let Some(holder) = leaver.holder() {
         app.broker_access.revoked(&app.store.reserved_reader(), &holder).await?;
     }
-    tracing::info!(leaver = leaver.path(), "A person, program, plant or organisation has left.");
+    tracing::info!(
+        leaver = leaver.path(),
+        "A person, program, plant, organisation or collaboration has left."
+    );
     Ok(Json(RemovalEffects { is_done: true, ..removal }))
 }
 
@@ -181,33 +192,6 @@ async fn is_of_own_organisation(
     }
     let subject = app.store.read().await?.removals().subject(leaver).await?;
     Ok(subject.is_some_and(|subject| subject.concerned.as_ref() == Some(own)))
-}
-
-/// Returns what of a removal its path does not say.
-async fn facts(
-    work: &mut Work,
-    leaver: &Leaver,
-    subject: &AuditSubject,
-    removal: &RemovalEffects,
-) -> Result<Vec<AuditFact>, StoreError> {
-    let mut facts = Vec::new();
-    match leaver {
-        Leaver::User(name) => {
-            let user = work.users().lookup(name).await?;
-            facts.extend(user.map(|(user, _)| AuditFact::ended(AuditFactKind::Role, user.role)));
-        }
-        Leaver::Organisation(_) => {
-            let person = |name| AuditFact::ended(AuditFactKind::Person, name);
-            facts.extend(removal.people.iter().map(person));
-        }
-        Leaver::Tool(_) | Leaver::Factory(_) => {
-            facts.push(AuditFact::ended(AuditFactKind::Credentials, removal.credentials));
-        }
-        Leaver::Member(..) | Leaver::CollaborationFactory(..) => {}
-    }
-    let organisation = |id| AuditFact::ended(AuditFactKind::Organisation, id);
-    facts.extend(subject.concerned.as_ref().map(organisation));
-    Ok(facts)
 }
 
 /// Returns the problem of a change that would end what is in force.

@@ -129,7 +129,8 @@ pub async fn set_user(
     Ok(work.commit(administrator::subject(&user), AuditOutcome::Done).await?)
 }
 
-async fn open(config: &PlatformConfig) -> anyhow::Result<RecordingStore> {
+/// Opens the database, whose changes go on record.
+pub(super) async fn open(config: &PlatformConfig) -> anyhow::Result<RecordingStore> {
     data_directory::create(&config.data_directory, config.allow_shared_data_directory)?;
     let store = Store::open(&config.database_path()).await?;
     Ok(RecordingStore::new(store, Clock::system()))

@@ -138,7 +138,8 @@ impl Collaborations<'_> {
         id: Option<&CollaborationId>,
     ) -> Result<Vec<Collaboration>, StoreError> {
         let sql = concat!(
-            "SELECT c.collaboration_id, c.name, c.created_at FROM collaboration c WHERE ",
+            "SELECT c.collaboration_id, c.name, c.created_at FROM collaboration c
+             WHERE c.removed_at IS NULL AND ",
             visible!(),
             " ORDER BY c.collaboration_id"
         );

@@ -13,7 +13,7 @@ use sqlx::{
 
 use super::{error::StoreError, work::Work};
 
-const MIGRATIONS: [(i64, &str, &str); 26] = [
+const MIGRATIONS: [(i64, &str, &str); 27] = [
     (1, "house", include_str!("../../migrations/sqlite/0001_house.sql")),
     (2, "tools by publisher", include_str!("../../migrations/sqlite/0002_tools_by_publisher.sql")),
     (3, "leases", include_str!("../../migrations/sqlite/0003_leases.sql")),
@@ -52,6 +52,11 @@ const MIGRATIONS: [(i64, &str, &str); 26] = [
         include_str!("../../migrations/sqlite/0044_facts_of_the_record.sql"),
     ),
     (45, "former users", include_str!("../../migrations/sqlite/0045_former_users.sql")),
+    (
+        46,
+        "ended collaborations",
+        include_str!("../../migrations/sqlite/0046_ended_collaborations.sql"),
+    ),
 ];
 
 /// Reads of pages and exports at once; more would only share the same disk. An organisation has turns for four of them

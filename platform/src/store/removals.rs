@@ -1,10 +1,16 @@
-//! Removals: people, tools, factories and organisations leave the platform, members and factories a
+//! Removals: people, tools, factories, organisations and collaborations leave the platform, members and factories a
 //! collaboration. Nothing leaves while something of it is in force.
 
 mod left_behind;
+mod queries;
 
 use asi_model::{CollaborationId, DateTime, FactoryId, OrganisationId, ToolId};
 pub use left_behind::RemainingRecords;
+use queries::{
+    ALL_ADMINISTRATORS, ASKED, COLLABORATIONS, CREDENTIALS, DRAWN, FACTORIES, LAST_ADMINISTRATOR,
+    MEMBERSHIPS, OWN_FACTORIES, PEOPLE, PERFORMED, RECEIVED, REQUESTS_OF_TOOL, SESSIONS_OF_PEOPLE,
+    SESSIONS_OF_USER, STANDING, TOOLS,
+};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -16,13 +22,14 @@ use super::{
 /// Things that are listed of each kind; who wants to leave ends them one by one anyway.
 const LISTED_MAX: i64 = 100;
 
-/// Person, program, plant or organisation that leaves.
+/// Person, program, plant, organisation or collaboration that leaves.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Leaver {
     User(String),
     Tool(ToolId),
     Factory(FactoryId),
     Organisation(OrganisationId),
+    Collaboration(CollaborationId),
     Member(CollaborationId, OrganisationId),
     CollaborationFactory(CollaborationId, FactoryId),
 }
@@ -36,6 +43,7 @@ impl Leaver {
             Self::Tool(id) => format!("tools/{id}"),
             Self::Factory(id) => format!("factories/{id}"),
             Self::Organisation(id) => format!("organisations/{id}"),
+            Self::Collaboration(id) => format!("collaborations/{id}"),
             Self::Member(of, id) => format!("collaborations/{of}/members/{id}"),
             Self::CollaborationFactory(of, id) => format!("collaborations/{of}/factories/{id}"),
         }
@@ -52,6 +60,7 @@ impl Leaver {
             Self::Tool(_) => vec![Networks, Accesses, Audit],
             Self::Factory(_)
             | Self::Organisation(_)
+            | Self::Collaboration(_)
             | Self::Member(..)
             | Self::CollaborationFactory(..) => {
                 vec![Reports, Networks, Comments, Revocations, LedgerLogs, Accesses, Audit]
@@ -122,6 +131,13 @@ impl Removals<'_> {
                 id.as_str(),
                 "",
             ),
+            Leaver::Collaboration(id) => (
+                // It belongs to no single organisation.
+                "SELECT CAST(NULL AS TEXT) AS organisation_id FROM collaboration
+                 WHERE collaboration_id = $1 AND $2 = '' AND removed_at IS NULL",
+                id.as_str(),
+                "",
+            ),
             Leaver::Member(of, id) => (
                 "SELECT organisation_id FROM collaboration_member
                  WHERE organisation_id = $1 AND collaboration_id = $2",
@@ -176,6 +192,9 @@ impl Removals<'_> {
                 removal.in_force.extend(self.list(ALL_ADMINISTRATORS, id.as_str(), "").await?);
                 removal.people = self.list(PEOPLE, id.as_str(), "").await?;
                 removal.sessions = self.count(SESSIONS_OF_PEOPLE, id.as_str(), "").await?;
+            }
+            Leaver::Collaboration(id) => {
+                removal.in_force = self.list(STANDING, id.as_str(), "").await?;
             }
             Leaver::Member(of, id) => {
                 for sql in [DRAWN, ASKED, RECEIVED, OWN_FACTORIES] {
@@ -249,6 +268,16 @@ impl Removals<'_> {
                 let sql = "DELETE FROM user_account WHERE organisation_id = $1 AND $2 = ''";
                 self.run(sql, id.as_str(), "").await?;
                 let sql = "UPDATE organisation SET removed_at = $2 WHERE organisation_id = $1";
+                self.remove(sql, id.as_str(), now).await
+            }
+            Leaver::Collaboration(id) => {
+                let sql =
+                    "DELETE FROM collaboration_factory WHERE collaboration_id = $1 AND $2 = ''";
+                self.run(sql, id.as_str(), "").await?;
+                let sql =
+                    "DELETE FROM collaboration_member WHERE collaboration_id = $1 AND $2 = ''";
+                self.run(sql, id.as_str(), "").await?;
+                let sql = "UPDATE collaboration SET removed_at = $2 WHERE collaboration_id = $1";
                 self.remove(sql, id.as_str(), now).await
             }
             Leaver::Member(of, id) => {
@@ -325,63 +354,3 @@ impl Removals<'_> {
         Ok(())
     }
 }
-
-/// The one administrator that there is: without one nobody runs the platform.
-const LAST_ADMINISTRATOR: &str = "SELECT 'users/' || u.user_name AS path FROM user_account u
-    WHERE u.user_name = $1 AND u.role = 'ADMINISTRATOR' AND $2 = '' AND NOT EXISTS (
-        SELECT 1 FROM user_account o WHERE o.role = 'ADMINISTRATOR' AND o.user_name <> $1) LIMIT $3";
-/// The administrators of an organisation, where there is no other one.
-const ALL_ADMINISTRATORS: &str = "SELECT 'users/' || u.user_name AS path FROM user_account u
-    WHERE u.organisation_id = $1 AND u.role = 'ADMINISTRATOR' AND $2 = '' AND NOT EXISTS (
-        SELECT 1 FROM user_account o WHERE o.role = 'ADMINISTRATOR'
-        AND (o.organisation_id IS NULL OR o.organisation_id <> $1)) ORDER BY 1 LIMIT $3";
-const SESSIONS_OF_USER: &str = "SELECT COUNT(*) FROM session WHERE user_name = $1 AND $2 = ''";
-const SESSIONS_OF_PEOPLE: &str = "SELECT COUNT(*) FROM session s
-    JOIN user_account u ON u.user_name = s.user_name WHERE u.organisation_id = $1 AND $2 = ''";
-const CREDENTIALS: &str =
-    "SELECT COUNT(*) FROM broker_credential WHERE holder_kind = $1 AND holder_id = $2";
-const PEOPLE: &str =
-    "SELECT user_name AS path FROM user_account WHERE organisation_id = $1 AND $2 = ''
-    ORDER BY user_name LIMIT $3";
-const REQUESTS_OF_TOOL: &str =
-    "SELECT 'operation-networks/' || t.operation_network_id || '/requests/'
-        || t.dynamic_data_request_id AS path
-    FROM request_tool t JOIN operation_network n ON n.operation_network_id = t.operation_network_id
-    WHERE t.tool_id = $1 AND $2 = '' AND n.withdrawn_at IS NULL ORDER BY 1 LIMIT $3";
-/// Networks in which a factory performs operations, in the collaboration `$2` where one is given.
-const PERFORMED: &str =
-    "SELECT 'operation-networks/' || p.operation_network_id AS path FROM network_part p
-    JOIN operation_network n ON n.operation_network_id = p.operation_network_id
-    WHERE p.factory_id = $1 AND p.is_withdrawal = 0 AND n.withdrawn_at IS NULL
-      AND ($2 = '' OR n.collaboration_id = $2) ORDER BY 1 LIMIT $3";
-const COLLABORATIONS: &str =
-    "SELECT 'collaborations/' || collaboration_id || '/factories/' || factory_id AS path
-    FROM collaboration_factory WHERE factory_id = $1 AND $2 = '' ORDER BY 1 LIMIT $3";
-const MEMBERSHIPS: &str =
-    "SELECT 'collaborations/' || collaboration_id || '/members/' || organisation_id AS path
-    FROM collaboration_member WHERE organisation_id = $1 AND $2 = '' ORDER BY 1 LIMIT $3";
-const FACTORIES: &str = "SELECT 'factories/' || factory_id AS path FROM factory
-    WHERE organisation_id = $1 AND $2 = '' AND removed_at IS NULL ORDER BY 1 LIMIT $3";
-const TOOLS: &str = "SELECT 'tools/' || tool_id AS path FROM tool
-    WHERE organisation_id = $1 AND $2 = '' AND removed_at IS NULL ORDER BY 1 LIMIT $3";
-const DRAWN: &str =
-    "SELECT 'operation-networks/' || operation_network_id AS path FROM operation_network
-    WHERE drawn_by = $1 AND collaboration_id = $2 AND withdrawn_at IS NULL ORDER BY 1 LIMIT $3";
-/// Requests in force have fields.
-const ASKED: &str =
-    "SELECT DISTINCT 'operation-networks/' || f.operation_network_id || '/operations/'
-        || f.operation_id || '/requests/' || f.dynamic_data_request_id AS path
-    FROM request_field f JOIN operation_network n ON n.operation_network_id = f.operation_network_id
-    JOIN request_requester q ON q.operation_network_id = f.operation_network_id
-        AND q.dynamic_data_request_id = f.dynamic_data_request_id
-    WHERE q.requester_id = $1 AND n.collaboration_id = $2 ORDER BY 1 LIMIT $3";
-const RECEIVED: &str = "SELECT DISTINCT 'operation-networks/' || f.operation_network_id || '/operations/'
-        || f.operation_id || '/requests/' || f.dynamic_data_request_id || '/recipients/' || r.organisation_id AS path
-    FROM request_field f JOIN operation_network n ON n.operation_network_id = f.operation_network_id
-    JOIN request_recipient r ON r.operation_network_id = f.operation_network_id
-        AND r.dynamic_data_request_id = f.dynamic_data_request_id
-    WHERE r.organisation_id = $1 AND n.collaboration_id = $2 ORDER BY 1 LIMIT $3";
-const OWN_FACTORIES: &str =
-    "SELECT 'collaborations/' || c.collaboration_id || '/factories/' || c.factory_id AS path
-    FROM collaboration_factory c JOIN factory f ON f.factory_id = c.factory_id
-    WHERE f.organisation_id = $1 AND c.collaboration_id = $2 ORDER BY 1 LIMIT $3";

@@ -273,7 +273,7 @@ async fn structure(answers: &mut Answers, admin: &Api) {
     answers.put(admin, "addCollaborationFactory", path, json!({})).await;
     answers.delete(admin, "removeCollaborationFactory", path).await;
     answers.delete(admin, "removeMember", "/collaborations/new/members/acme-aero").await;
-    admin.delete("/collaborations/new/members/new").await.expect_ok();
+    answers.delete(admin, "removeCollaboration", "/collaborations/new").await;
     answers.delete(admin, "removeTool", "/tools/Monitoring").await;
     answers.delete(admin, "removeFactory", "/factories/NEW").await;
     answers.get(admin, "listUsers", "/users").await;

@@ -9,6 +9,7 @@ mod audit;
 mod audit_facts;
 mod broker_process;
 mod chain;
+mod commands;
 mod connector;
 mod corpus;
 mod enrolment;

@@ -189,3 +189,29 @@ async fn people_and_tools_are_listed_and_removed() {
     let body = json!({ "userName": "acme-aero-planner", "password": PASSWORD });
     assert_eq!(world.anonymous().post("/session", body).await.status, 401);
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_collaboration_ends_once_its_networks_are_withdrawn_and_its_members_part() {
+    let world = World::start().await;
+    let (admin, buyer, _munich, _hamburg) = story::accepted(&world).await;
+    let order = "/collaborations/order";
+    let in_force = json!(["operation-networks/frame-4711"]);
+    assert_eq!(preview(&admin, order).await["inForce"], in_force);
+    admin.delete(order).await.expect_problem(409, "IN_FORCE");
+    buyer.delete(&network_path()).await.expect_ok();
+    buyer.delete(order).await.expect_problem(403, "FORBIDDEN");
+    assert_eq!(admin.delete(order).await.expect_ok()["isDone"], json!(true));
+    admin.delete(order).await.expect_problem(404, "NOT_FOUND");
+    for api in [&admin, &buyer] {
+        assert_eq!(api.get("/collaborations").await.expect_ok()["items"], json!([]));
+    }
+    admin
+        .put("/collaborations/order/members/acme-aero", json!({}))
+        .await
+        .expect_problem(404, "NOT_FOUND");
+    let body = json!({ "collaborationId": "order", "name": "Again" });
+    admin.post("/collaborations", body).await.expect_problem(409, "ALREADY_EXISTS");
+    // Nothing of it is in the way of its members any more.
+    let shown = preview(&admin, "/organisations/frames-munich").await;
+    assert_eq!(shown["inForce"], json!(["factories/FOR_MUC"]));
+}

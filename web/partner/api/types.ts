@@ -26,6 +26,7 @@ export type LeaseView = Schemas['LeaseView']
 export type LiveData<Name extends LiveEvent['event']> = EventOf<LiveEvent, Name>['data']
 /** Live event with its name and its data. */
 export type LiveEvent = Schemas['LiveEvent']
+export type NetworkSummary = Schemas['NetworkSummary']
 export type NetworkView = Schemas['NetworkView']
 export type Operation = Schemas['Operation']
 export type OperationNetwork = Schemas['OperationNetwork']
@@ -34,9 +35,14 @@ export type OperationRelation = Schemas['OperationRelation']
 export type Organisation = Schemas['Organisation']
 /** Part of a network that concerns one factory. */
 export type PartView = Schemas['PartView']
+/** Role of a person on the platform. */
+export type Role = Schemas['Role']
 export type RelationCondition = Schemas['RelationCondition']
 export type ReportField = Schemas['ReportField']
 /** Signed receipt of a revocation. */
 export type RevocationEntry = Schemas['RevocationEntry']
+export type Tool = Schemas['Tool']
+export type ToolCredential = Schemas['ToolCredential']
 export type UpdateFrequencyUnit = Schemas['UpdateFrequencyUnit']
+export type UserView = Schemas['UserView']
 export type WriterView = Schemas['WriterView']

@@ -1,3 +1,4 @@
+import { administration } from './de/administration'
 import { records } from './de/records'
 import type { Texts } from './en'
 
@@ -228,6 +229,7 @@ export const de: Texts = {
       `Ab jetzt berichtet ${host} für die Fabrik, und die andere Anbindung wird abgewiesen. Berichte, die die andere nicht gesendet hat, bleiben dort.`,
     handedOver: 'Die Sendeberechtigung ist übergeben.',
   },
+  administration,
   ...records,
   live: {
     title: 'Live-Ansicht',

@@ -1,3 +1,4 @@
+import { administration } from './en/administration'
 import { records } from './en/records'
 
 export const en = {
@@ -224,6 +225,7 @@ export const en = {
       `From now on ${host} reports for the factory, and the other connector is refused. Reports that the other one has not sent stay there.`,
     handedOver: 'The lease is handed over.',
   },
+  administration,
   ...records,
   live: {
     title: 'Live feed',

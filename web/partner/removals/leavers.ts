@@ -57,6 +57,20 @@ export function tool(toolId: string, organisationId: string): Leaver {
   }
 }
 
+export function collaboration({ collaborationId, name }: Collaboration): Leaver {
+  return {
+    key: `collaborations/${collaborationId}`,
+    name,
+    of: collaborationId,
+    note: texts.administration.collaborations.removeNote,
+    leave: (dryRun) =>
+      platform.delete('/collaborations/{collaborationId}', {
+        path: { collaborationId },
+        query: { dryRun },
+      }),
+  }
+}
+
 /** The members and factories of a collaboration. */
 export function partners({ collaborationId, name, members, factories }: Collaboration): Leaver[] {
   return [

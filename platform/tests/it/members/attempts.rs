@@ -89,6 +89,7 @@ pub fn attempts(
         "DELETE /tools/{toolId}" => bare(format!("/tools/{}", owner.tool())),
         "DELETE /factories/{factoryId}" => bare(format!("/factories/{}", owner.factory)),
         "DELETE /organisations/{organisationId}" => bare(format!("/organisations/{}", owner.id)),
+        "DELETE /collaborations/{collaborationId}" => bare("/collaborations/order".into()),
         "DELETE /collaborations/{collaborationId}/members/{organisationId}" => {
             bare(format!("/collaborations/order/members/{}", owner.id))
         }

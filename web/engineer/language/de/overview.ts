@@ -50,7 +50,6 @@ export const overview: typeof English = {
   firstSteps: {
     title: 'Erste Schritte',
     hint: 'Von hier bis zum ersten Wert, der diese Fabrik verlässt.',
-    done: 'erledigt',
     link: 'Der Plattform beitreten',
     linkText: 'Die Verbindung steht noch nicht. Ihre Seite sagt, warum.',
     source: 'Eine Maschine verbinden',

@@ -48,7 +48,6 @@ export const overview = {
   firstSteps: {
     title: 'First steps',
     hint: 'From here to the first value that leaves this factory.',
-    done: 'done',
     link: 'Join the platform',
     linkText: 'The link is not connected yet. Its page says why.',
     source: 'Connect a machine',

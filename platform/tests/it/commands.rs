@@ -1,0 +1,165 @@
+//! Commands that set a platform up without a page, as its program runs them.
+
+use std::{
+    io::Write as _,
+    path::PathBuf,
+    process::{Command, Output, Stdio},
+};
+
+use platform::store::{Scope, Store};
+
+/// A platform that no one has set up, in a folder of its own.
+struct Bare {
+    folder: tempfile::TempDir,
+}
+
+impl Bare {
+    fn new() -> Self {
+        let bare = Self { folder: tempfile::tempdir().expect("a folder") };
+        let data = bare.folder.path().join("data");
+        let text = format!("data_directory = {data:?}\n");
+        std::fs::write(bare.config(), text).expect("written");
+        bare
+    }
+
+    fn config(&self) -> PathBuf {
+        self.folder.path().join("platform.toml")
+    }
+
+    /// Runs a command of words, with this standard input.
+    fn run(&self, words: &str, input: &str) -> Output {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_platform"))
+            .args(words.split(' '))
+            .arg("--config")
+            .arg(self.config())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("started");
+        let mut stdin = child.stdin.take().expect("piped");
+        // A command that reads nothing may have ended.
+        let _ = stdin.write_all(input.as_bytes());
+        drop(stdin);
+        child.wait_with_output().expect("ended")
+    }
+
+    /// Returns what a command that succeeds prints.
+    fn said(&self, words: &str) -> String {
+        let output = self.run(words, "a password of sixteen");
+        assert!(output.status.success(), "{words}: {output:?}");
+        String::from_utf8(output.stdout).expect("text").trim_end_matches('\n').to_owned()
+    }
+
+    /// Returns the reason for which a command fails.
+    fn refusal(&self, words: &str) -> String {
+        let output = self.run(words, "");
+        assert!(!output.status.success(), "{words}: {output:?}");
+        String::from_utf8(output.stderr).expect("text")
+    }
+}
+
+#[test]
+fn a_platform_is_set_up_by_commands_alone() {
+    let bare = Bare::new();
+    bare.said("organisation add acme --name Acme");
+    bare.said("organisation add hull");
+    assert_eq!(bare.said("organisation list"), "acme\tAcme\nhull\thull");
+    bare.said("person set anna --role PLANNER --organisation acme");
+    bare.said("user set root --role ADMINISTRATOR");
+    assert_eq!(bare.said("user list"), "anna\tPLANNER\tacme\nroot\tADMINISTRATOR\t-");
+    let token = bare.said("factory add HULL_1 --organisation hull --name Hull");
+    assert_eq!(token.split('.').count(), 2, "an address and a secret: {token}");
+    assert_eq!(bare.said("factory list"), "HULL_1\thull\tHull\tnot enrolled");
+    bare.said("collaboration add frames --name Frames --member acme --factory HULL_1");
+    bare.said("collaboration add-member frames hull");
+    assert_eq!(bare.said("collaboration list"), "frames\tFrames\tacme,hull\tHULL_1");
+    let first = bare.said("tool add Planning --organisation acme");
+    let second = bare.said("tool credential Planning");
+    assert!(!first.is_empty() && first != second, "each password is new");
+    assert_eq!(bare.said("tool list"), "Planning\tacme\tPlanning");
+}
+
+#[test]
+fn commands_name_what_is_missing_or_there_already() {
+    let bare = Bare::new();
+    for (words, reason) in [
+        ("tool add T --organisation nobody", "there is no organisation nobody"),
+        ("tool credential T", "there is no tool T"),
+        ("collaboration add c --factory F", "there is no factory F"),
+        ("collaboration add-member c acme", "there is no collaboration c"),
+        ("tool remove T", "there is no tools/T"),
+        ("tool add bad/id --organisation acme", "must match"),
+    ] {
+        let refusal = bare.refusal(words);
+        assert!(refusal.contains(reason), "{words}: {refusal}");
+    }
+    bare.said("collaboration add c");
+    let refusal = bare.refusal("collaboration add c");
+    assert!(refusal.contains("the id c is in use, or was"), "{refusal}");
+    bare.said("collaboration remove c");
+    assert_eq!(bare.said("collaboration list"), "");
+    let refusal = bare.refusal("collaboration add c");
+    assert!(refusal.contains("the id c is in use, or was"), "never given again: {refusal}");
+}
+
+#[tokio::test]
+async fn what_is_in_force_is_in_the_way_of_a_removal_by_command() {
+    let bare = Bare::new();
+    bare.said("factory add HULL_1 --organisation hull");
+    bare.said("collaboration add frames --member hull --factory HULL_1");
+    bare.said("user set root --role ADMINISTRATOR");
+    let refusal = bare.refusal("organisation remove hull");
+    assert!(refusal.contains("organisations/hull stays"), "{refusal}");
+    let refusal = bare.refusal("user remove root");
+    assert!(refusal.contains("users/root stays"), "the last administrator: {refusal}");
+    let preview = bare.said("factory remove HULL_1 --dry-run");
+    assert!(preview.contains("collaborations/frames/factories/HULL_1"), "{preview}");
+    bare.said("collaboration remove-factory frames HULL_1");
+    bare.said("collaboration remove-member frames hull --dry-run");
+    assert_eq!(bare.said("collaboration list"), "frames\tframes\thull\t");
+    bare.said("collaboration remove-member frames hull");
+    bare.said("factory remove HULL_1");
+    bare.said("organisation remove hull");
+    for list in ["factory list", "organisation list"] {
+        assert_eq!(bare.said(list), "", "{list}");
+    }
+    assert_eq!(bare.said("user list"), "root\tADMINISTRATOR\t-");
+    let store = Store::open(&bare.folder.path().join("data/platform.sqlite")).await.expect("open");
+    let mut work = store.read().await.expect("begun");
+    let entries = work.audit().list_after(&Scope::Platform, 0, 1_000).await.expect("listed");
+    let removals: Vec<&str> = entries
+        .iter()
+        .filter(|entry| entry.operation.starts_with("remove"))
+        .map(|entry| entry.subject.as_str())
+        .collect();
+    let left = [
+        "collaborations/frames/factories/HULL_1",
+        "collaborations/frames/members/hull",
+        "factories/HULL_1",
+        "organisations/hull",
+    ];
+    assert_eq!(removals, left, "each removal is on record");
+}
+
+/// Commands of the platform that the README lists, without the one that runs it.
+fn commands_of_the_readme() -> Vec<&'static str> {
+    include_str!("../../../README.md")
+        .lines()
+        .filter_map(|line| line.strip_prefix("target/release/platform "))
+        .filter(|words| *words != "serve")
+        .collect()
+}
+
+#[test]
+fn the_commands_of_the_readme_set_a_platform_up() {
+    let bare = Bare::new();
+    let commands = commands_of_the_readme();
+    assert!(commands.len() > 5, "{commands:?}");
+    let said: Vec<String> = commands.iter().map(|words| bare.said(words)).collect();
+    assert_eq!(
+        said.last().map(String::as_str),
+        Some("frames\tframes\tacme,munich\tMUC_1"),
+        "the last one lists what the others made"
+    );
+}
