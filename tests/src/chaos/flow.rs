@@ -39,19 +39,14 @@ fn silent(factory: &str, before: &Counts, now: &Counts) -> Vec<String> {
 pub(super) async fn flows(stage: &mut Stage) -> anyhow::Result<()> {
     stage.supervise()?;
     let mut platform = stage.world.platform_api().await?;
+    let deadline = Instant::now() + RECOVERY;
     let mut before = Vec::new();
     for factory in [MUNICH, HAMBURG] {
-        before.push((factory, received(&platform, factory).await?));
+        before.push((factory, received_by(deadline, stage, &mut platform, factory).await?));
     }
-    let deadline = Instant::now() + RECOVERY;
     for (factory, before) in before {
         loop {
-            // A clock that jumps ends sessions, too.
-            let Ok(now) = received(&platform, factory).await else {
-                anyhow::ensure!(Instant::now() < deadline, "no answer about {factory}");
-                platform = stage.world.platform_api().await?;
-                continue;
-            };
+            let now = received_by(deadline, stage, &mut platform, factory).await?;
             let silent = silent(factory, &before, &now);
             if silent.is_empty() {
                 break;
@@ -66,6 +61,22 @@ pub(super) async fn flows(stage: &mut Stage) -> anyhow::Result<()> {
     }
     stage.note_room().await?;
     Ok(())
+}
+
+/// Asks until the platform answers: a clock that jumps ends sessions, too.
+async fn received_by(
+    deadline: Instant,
+    stage: &Stage,
+    platform: &mut Api,
+    factory: &str,
+) -> anyhow::Result<Counts> {
+    loop {
+        if let Ok(counts) = received(platform, factory).await {
+            return Ok(counts);
+        }
+        anyhow::ensure!(Instant::now() < deadline, "no answer about {factory}");
+        *platform = stage.world.platform_api().await?;
+    }
 }
 
 /// Returns the number of reports that the platform has of each request to a factory.
