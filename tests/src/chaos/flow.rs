@@ -66,7 +66,7 @@ pub(super) async fn flows(stage: &mut Stage) -> anyhow::Result<()> {
 /// Asks until the platform answers: a clock that jumps ends sessions, too.
 async fn received_by(
     deadline: Instant,
-    stage: &Stage,
+    stage: &mut Stage,
     platform: &mut Api,
     factory: &str,
 ) -> anyhow::Result<Counts> {
