@@ -33,7 +33,7 @@ version = "0.1.0"
 [[package]]
 name = "serde"
 version = "1.0.0"
-source = "registry+https://github.com/rust-lang/crates.io-index"
+source = "registry+https://registry.example/index"
 `
   assert.deepEqual(packagesOf('Cargo.lock', cargo), ['cargo serde@1.0.0'])
   const npm = {
