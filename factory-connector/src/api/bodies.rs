@@ -51,6 +51,7 @@ use super::{
     preview::Draft,
     problems::{decision_problem, mapping_faults},
     revocations::RevocationBody,
+    source_inquiry::DiscoveryBody,
     sources::TrustBody,
     templates::{self, Series, TemplateDraft},
     users::UserBody,
@@ -58,7 +59,7 @@ use super::{
 use crate::clock::now;
 
 /// Ids of the operations with a body.
-pub const OPERATIONS: [&str; 38] = [
+pub const OPERATIONS: [&str; 40] = [
     "signIn",
     "changePassword",
     "beginSecondFactor",
@@ -97,6 +98,8 @@ pub const OPERATIONS: [&str; 38] = [
     "decidePast",
     "revokeConsents",
     "beginLedgerLog",
+    "discoverSource",
+    "testSource",
 ];
 
 /// Person in whose name bodies are judged.
@@ -133,9 +136,14 @@ impl BodyReader<'_> {
             | "addClientCertificate" => self.certificate(operation, body).await,
             "trustClientCertificate" => of::<ClientTrustBody>(body).await.map(drop),
             "trustSourceCertificate" => of::<TrustBody>(body).await.map(drop),
-            "addSource" | "changeSource" => of::<SourceConfig>(body).await.and_then(|source| {
-                serde_json::to_string(&source).map(drop).map_err(|error| Problem::internal(&error))
-            }),
+            "discoverSource" => of::<DiscoveryBody>(body).await.map(drop),
+            "addSource" | "changeSource" | "testSource" => {
+                of::<SourceConfig>(body).await.and_then(|source| {
+                    serde_json::to_string(&source)
+                        .map(drop)
+                        .map_err(|error| Problem::internal(&error))
+                })
+            }
             "decideField"
             | "previewDecision"
             | "startShadowMapping"

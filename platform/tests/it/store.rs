@@ -233,7 +233,8 @@ async fn a_decision_holds_until_a_later_one_and_survives_a_revision() {
     work.fields().replace(&id("net"), &wanted).await.expect("stored");
     for (state, seconds, factory, effect) in [
         (MappingState::Mapped, 10, "F", DecisionEffect::Opened),
-        (MappingState::Mapped, 10, "F", DecisionEffect::Changed),
+        (MappingState::Mapped, 10, "F", DecisionEffect::Repeated),
+        (MappingState::Mapped, 12, "F", DecisionEffect::Changed),
         (MappingState::Refused, 9, "F", DecisionEffect::Ignored),
         (MappingState::Refused, 11, "G", DecisionEffect::Ignored),
     ] {

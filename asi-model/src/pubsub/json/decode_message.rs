@@ -16,7 +16,7 @@ use crate::{
         DataSetMessage, DataSetMessageKind, DataSetMetaData, FieldMetaData, FieldRepresentation,
         MetaDataLookup, NetworkMessage, PayloadField,
     },
-    values::{BuiltInType, DataValue},
+    values::{BuiltInType, DataValue, Scalar, Variant},
 };
 
 pub(super) fn network_message<'t, 'a, 'd>(
@@ -191,7 +191,10 @@ fn fields<'t, 'a>(
                 let is_status =
                     described.is_some_and(|field| field.built_in_type == BuiltInType::StatusCode);
                 match value {
-                    DecodedValue::Variant(value) if is_status => {
+                    // A status is the value there, and not the quality of one; with a quality it is in a DataValue.
+                    DecodedValue::Variant(value)
+                        if is_status && !matches!(value, Variant::Scalar(Scalar::DataValue(_))) =>
+                    {
                         DataValue { value, ..DataValue::default() }
                     }
                     value => value.into_data_value(),

@@ -116,6 +116,9 @@ async fn what_was_given_up_while_it_left_and_is_missing_keeps_its_cause() {
     let announced = sqlx::query(announced).bind(made.writer as i64).bind(made.epoch as i64);
     announced.execute(&mut beside).await.expect("announced");
     running.accept(&rows).await;
+    // Long enough ago that it is not under way any more.
+    let sent = "UPDATE report SET sent_at = 1 WHERE sequence = 1";
+    sqlx::query(sent).execute(&mut beside).await.expect("sent");
     running.receipt_without(&made, 2, &[1]).await;
     let again = gaps(&running).await;
     assert_eq!(again.iter().map(|gap| &gap["cause"]).collect::<Vec<_>>(), ["COALESCED"]);

@@ -75,6 +75,13 @@ async fn refusals_name_who_has_used_a_share_up() {
     let factory = BrokerUser::with_secret(SECRET.as_bytes()).may_produce(pattern(INGRESS));
     broker.users.put("f1", factory.of_organisation("north"));
 
+    let mut rude = RawPeer::open(broker.port(), "f1", Some(INGRESS)).await;
+    let large = section(0x75, &binary(&[b'x'; 20_000]));
+    rude.send(&frame(AMQP, 0, &[transfer(0, 0, false), large].concat())).await;
+    eventually("a message too large", || counted.of("size", "north") > 0).await;
+    drop(rude);
+    eventually("it has left", || broker.handle.connections().is_empty()).await;
+
     let full = TestLink::start(&broker.url(), "f1", &[]);
     for number in 0..3 {
         full.send(INGRESS, envelope(number, "{}"));
@@ -93,11 +100,5 @@ async fn refusals_name_who_has_used_a_share_up() {
     for link in [full, second, platform] {
         link.stop().await;
     }
-
-    eventually("all have left", || broker.handle.connections().is_empty()).await;
-    let mut rude = RawPeer::open(broker.port(), "f1", Some(INGRESS)).await;
-    let large = section(0x75, &binary(&[b'x'; 20_000]));
-    rude.send(&frame(AMQP, 0, &[transfer(0, 0, false), large].concat())).await;
-    eventually("a message too large", || counted.of("size", "north") > 0).await;
     broker.stop().await;
 }

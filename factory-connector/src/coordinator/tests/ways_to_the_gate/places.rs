@@ -30,8 +30,12 @@ const PLACES: [(&str, &[&str]); 17] = [
         ],
     ),
     // The gate of a preview, and the one way in.
-    // Beside offered values, those of a failed transaction which their own state withholds.
-    ("gate.on(", &["src/api/preview.rs 1", "state/src/use_cases/values.rs 2"]),
+    // Beside offered values, those of a failed transaction which their own state withholds. Bodies of requests are judged
+    // as a preview judges them, and nothing of them is kept.
+    (
+        "gate.on(",
+        &["src/api/bodies.rs 1", "src/api/preview.rs 1", "state/src/use_cases/values.rs 2"],
+    ),
     // Those of the fields, and the drafts of a preview, whose values are not released ones.
     (
         "Gate::new(",
