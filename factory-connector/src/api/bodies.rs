@@ -312,7 +312,7 @@ impl BodyReader<'_> {
     }
 
     fn deliver(&mut self, delivery: EntryDelivery) -> Result<(), Problem> {
-        let (entries, _, _) = delivery.read(PERSON, now())?;
+        let entries = delivery.read(PERSON, now())?.entries;
         drop(enter_all(self.state, entries, now()));
         Ok(())
     }

@@ -70,13 +70,21 @@ pub struct EntryDelivery {
     entries: Vec<serde_json::Value>,
 }
 
+/// Entries of a delivery that can be read, with the results of all.
+pub(in crate::api) struct ReadDelivery {
+    pub entries: Vec<OperatorEntry>,
+    /// Position of each in the delivery.
+    positions: Vec<usize>,
+    results: Vec<EntryResult>,
+}
+
 impl EntryDelivery {
-    /// Returns the entries that can be read, the position of each in the delivery, and the results of all.
+    /// Reads the entries.
     pub(in crate::api) fn read(
         self,
         made_by: &str,
         now: DateTime,
-    ) -> Result<(Vec<OperatorEntry>, Vec<usize>, Vec<EntryResult>), Problem> {
+    ) -> Result<ReadDelivery, Problem> {
         if self.entries.len() > ENTRIES_MAX {
             return Err(Problem::bad_request(
                 "TOO_MANY",
@@ -104,7 +112,7 @@ impl EntryDelivery {
                 Err(error) => results.push(unreadable(entry_id, &error)),
             }
         }
-        Ok((entries, positions, results))
+        Ok(ReadDelivery { entries, positions, results })
     }
 }
 
@@ -173,7 +181,8 @@ pub async fn deliver_operator_entries(
     ApiJson(delivery): ApiJson<EntryDelivery>,
 ) -> Result<Json<Page<EntryResult>>, Problem> {
     let now = DateTime::from_unix_micros(now().unix_micros());
-    let (entries, positions, mut results) = delivery.read(&user.principal.user_name, now)?;
+    let ReadDelivery { entries, positions, mut results } =
+        delivery.read(&user.principal.user_name, now)?;
     let outcomes = api.coordinator.execute(|state, now| enter_all(state, entries, now)).await?;
     for (position, outcome) in positions.into_iter().zip(outcomes) {
         let entry_id = std::mem::take(&mut results[position].entry_id);

@@ -26,7 +26,7 @@ const KEPT_MAX: u64 = 32 << 20;
 /// Memory that a program with pages may keep beside that: blocks of 19 MiB in which passwords are hashed are kept for the
 /// next hashes. Two are computed at once, and the threads that did before may each keep one in their part of the
 /// allocator: up to 83 MiB in all were seen, after ten thousand guesses as after two thousand.
-const KEPT_FOR_HASHES: u64 = 2 * (19 << 20);
+const KEPT_FOR_HASHES: u64 = 3 * (19 << 20);
 /// Part of the time of a siege for which attackers have to have a processor: one sixth, which is less than half of what
 /// they get on a machine of two that they share with all that they attack. With less of it they have hardly attacked.
 const ATTACKERS_PART: u32 = 6;
