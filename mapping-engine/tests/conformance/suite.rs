@@ -15,7 +15,7 @@ pub use lifecycle::{
     scripts_rest_and_are_reset_by_hand, state_survives_the_worker,
     values_keep_their_order_under_load,
 };
-pub use walls::its_walls_are_reported;
+pub use walls::{a_closed_folder_does_not_change_its_user, its_walls_are_reported};
 
 impl bench::Bench {
     /// Publishes a script mapping `id` of the inputs named, to a field of a type.

@@ -2,6 +2,7 @@
 
 use std::{
     ffi::{c_long, c_uint, c_void},
+    os::unix::fs::PermissionsExt as _,
     ptr,
 };
 
@@ -52,5 +53,21 @@ pub async fn its_walls_are_reported(worker: &Worker) {
     let user_id = rustix::process::geteuid();
     assert_eq!(walls.has_own_user, user_id.is_root(), "as root it is another: {walls:?}");
     assert_eq!(walls.user_id == user_id.as_raw(), !user_id.is_root());
+    bench.stop().await;
+}
+
+/// A folder that is closed to all but its owner is what installations by hand have, and root's own.
+pub async fn a_closed_folder_does_not_change_its_user(worker: &Worker) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("worker");
+    std::fs::copy(&worker.path, &path).expect("a copy");
+    let closed = std::fs::Permissions::from_mode(0o700);
+    std::fs::set_permissions(folder.path(), closed).expect("ours");
+    let mut bench = Bench::start(&Worker { engine: worker.engine, path }, |_| {});
+    bench.put_script("one", &["a"], "Double", "(v) => v").await;
+    assert_eq!(bench.ask("one", 1.5).await.value, 1.5.into());
+    let walls = bench.handle.script_workers().remove(0).walls.expect("it runs");
+    let user_id = rustix::process::geteuid();
+    assert_eq!(walls.user_id == user_id.as_raw(), !user_id.is_root(), "{walls:?}");
     bench.stop().await;
 }

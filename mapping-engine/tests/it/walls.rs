@@ -10,21 +10,12 @@ use crate::bench::{Bench, Worker, script_mapping};
 
 /// Writes a worker that reports these walls and ends.
 fn worker_that_reports(folder: &TempDir, sandbox: Sandbox) -> Worker {
-    worker_that_runs(folder, &report(sandbox))
-}
-
-/// Returns the command of a shell that reports these walls.
-fn report(sandbox: Sandbox) -> String {
     let engine = "a worker of this test".into();
     let welcome = WorkerMessage::Welcome { version: PROTOCOL_VERSION, engine, sandbox };
     let bytes = frame::framed(&welcome.encode()).expect("short");
     let escaped: String = bytes.iter().map(|byte| format!("\\{byte:03o}")).collect();
-    format!("printf '{escaped}'")
-}
-
-fn worker_that_runs(folder: &TempDir, commands: &str) -> Worker {
     let path: PathBuf = folder.path().join("worker");
-    let program = format!("#!/bin/sh\n{commands}\nread -r _\n");
+    let program = format!("#!/bin/sh\nprintf '{escaped}'\nread -r _\n");
     std::fs::write(&path, program).expect("written");
     for open in [folder.path(), &path] {
         let mode = std::fs::Permissions::from_mode(0o755);
@@ -102,18 +93,4 @@ async fn root_is_the_user_of_no_worker_unless_a_setting_says_so() {
     let (said, status) = tried_with(&worker, |config| config.user_id = 0).await;
     assert!(!said.contains("userId"), "{said}");
     assert_eq!(status.walls.map(|walls| walls.user_id), Some(0), "the page shows it");
-}
-
-/// A folder that is closed to all but its owner is what installations by hand have, and root's own.
-#[tokio::test(flavor = "multi_thread")]
-async fn a_worker_in_a_closed_folder_runs_as_its_own_user_all_the_same() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let other = Sandbox { user_id: 65_534, ..AS_ROOT };
-    let [root, other] = [AS_ROOT, other].map(report);
-    let as_it_is = format!("if [ \"$(id -u)\" = 0 ]; then {root}; else {other}; fi");
-    let worker = worker_that_runs(&folder, &as_it_is);
-    let closed = std::fs::Permissions::from_mode(0o700);
-    std::fs::set_permissions(folder.path(), closed).expect("ours");
-    let (said, status) = tried_with(&worker, |_| {}).await;
-    assert_eq!(status.walls.map(|walls| walls.user_id), Some(65_534), "{said}");
 }

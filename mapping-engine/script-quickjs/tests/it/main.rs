@@ -29,6 +29,7 @@ macro_rules! conform {
 
 conform! {
     a_broken_worker_is_a_diagnostic,
+    a_closed_folder_does_not_change_its_user,
     checks_and_dry_runs_show_everything,
     faults_have_kind_and_place,
     hostile_scripts_end_in_time_and_disturb_nobody,

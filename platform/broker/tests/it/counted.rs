@@ -14,7 +14,7 @@ use metrics::{Counter, Gauge, Histogram, Key, KeyName, Metadata, Recorder, Share
 use parking_lot::Mutex;
 
 use crate::{
-    raw::{AMQP, RawPeer, binary, frame, section, transfer},
+    raw::{AMQP, RawPeer, binary, boolean, described, frame, section, transfer, uint},
     support::{SECRET, TestBroker, TestLink, envelope, eventually, pattern, queue},
 };
 
@@ -78,6 +78,9 @@ async fn refusals_name_who_has_used_a_share_up() {
     let mut rude = RawPeer::open(broker.port(), "f1", Some(INGRESS)).await;
     let large = section(0x75, &binary(&[b'x'; 20_000]));
     rude.send(&frame(AMQP, 0, &[transfer(0, 0, false), large].concat())).await;
+    // The broker has detached the link, and this is the answer.
+    let detach = described(0x16, &[uint(0), boolean(true)]);
+    rude.send(&frame(AMQP, 0, &detach)).await;
     eventually("a message too large", || counted.of("size", "north") > 0).await;
     drop(rude);
     eventually("it has left", || broker.handle.connections().is_empty()).await;
