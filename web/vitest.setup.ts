@@ -2,6 +2,9 @@ import { beforeEach } from 'vitest'
 
 // Tests of the build's own tools run without a browser.
 if (typeof window !== 'undefined') {
+  // A second is short where pages are tested beside a build of everything else.
+  const { configure } = await import('@testing-library/svelte')
+  configure({ asyncUtilTimeout: 10_000 })
   // jsdom has no media queries.
   window.matchMedia = (media) => ({
     matches: false,

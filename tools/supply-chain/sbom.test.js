@@ -132,7 +132,7 @@ test('each patched crate says what it was and what was changed', () => {
   const connector = bills.get('factory-connector')
   const vendored = connector?.components.filter(({ pedigree }) => pedigree) ?? []
   const names = vendored.map(({ name }) => name).sort()
-  const opcua = ['core', 'crypto', 'nodes', 'server', 'types'].map((part) => `async-opcua-${part}`)
+  const opcua = ['client', 'core', 'crypto', 'nodes', 'server', 'types'].map((part) => `async-opcua-${part}`)
   assert.deepEqual(names, [...opcua, 'fe2o3-amqp', 'serde_amqp'])
   for (const { name, pedigree } of vendored) {
     assert.equal(pedigree.ancestors[0].purl.includes(name), true)
