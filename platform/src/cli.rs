@@ -64,7 +64,7 @@ enum Command {
     /// List, add, change and remove the people who may sign in.
     #[command(subcommand, visible_alias = "person")]
     User(user::UserCommand),
-    /// List and add collaborations, and say who takes part in them.
+    /// List, add and remove collaborations, and say who takes part in them.
     #[command(subcommand)]
     Collaboration(collaboration::CollaborationCommand),
     /// List, add and remove tools, and make their credentials.

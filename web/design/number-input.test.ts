@@ -58,4 +58,11 @@ describe('the input of a number', () => {
     await userEvent.type(input(), '-1')
     expect(onchange).toHaveBeenLastCalledWith(undefined)
   })
+  it('takes no beginning of a number that is refused: 1.000 is not 1', async () => {
+    const onchange = show(5)
+    await userEvent.clear(input())
+    await userEvent.type(input(), language.code === 'de' ? '1.000' : '1,000')
+    expect(input().getAttribute('aria-invalid')).toBe('true')
+    expect(onchange).toHaveBeenLastCalledWith(undefined)
+  })
 })

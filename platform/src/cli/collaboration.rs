@@ -4,7 +4,7 @@ use anyhow::Context;
 use asi_model::{CollaborationId, FactoryId, OrganisationId};
 use clap::Subcommand;
 use platform::{
-    audit::CommandLine,
+    audit::MachineUser,
     clock::Clock,
     config::PlatformConfig,
     store::{
@@ -112,7 +112,7 @@ fn joined(ids: &[impl ToString]) -> String {
 
 async fn add(config: &PlatformConfig, collaboration: Collaboration) -> anyhow::Result<()> {
     let store = open(config).await?;
-    let mut work = store.begin(CommandLine, "addCollaboration").await?;
+    let mut work = store.begin(MachineUser::of_process(), "addCollaboration").await?;
     for member in &collaboration.members {
         check_organisation(&mut work, member).await?;
     }
@@ -139,7 +139,7 @@ async fn add_member(
     member: &OrganisationId,
 ) -> anyhow::Result<()> {
     let store = open(config).await?;
-    let mut work = store.begin(CommandLine, "addMember").await?;
+    let mut work = store.begin(MachineUser::of_process(), "addMember").await?;
     let is_new = !lookup(&mut work, id).await?.members.contains(member);
     check_organisation(&mut work, member).await?;
     work.collaborations().add_member(id, member).await?;
@@ -154,7 +154,7 @@ async fn add_factory(
     factory: &FactoryId,
 ) -> anyhow::Result<()> {
     let store = open(config).await?;
-    let mut work = store.begin(CommandLine, "addCollaborationFactory").await?;
+    let mut work = store.begin(MachineUser::of_process(), "addCollaborationFactory").await?;
     let is_new = !lookup(&mut work, id).await?.factories.contains(factory);
     let known = lookup_factory(&mut work, factory).await?;
     work.collaborations().add_factory(id, factory).await?;

@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use platform::{
-    audit::CommandLine,
+    audit::MachineUser,
     clock::Clock,
     config::PlatformConfig,
     leaving,
@@ -23,7 +23,7 @@ pub(super) async fn remove(
     is_preview: bool,
 ) -> anyhow::Result<()> {
     let store = open(config).await?;
-    let mut work = store.begin(CommandLine, operation).await?;
+    let mut work = store.begin(MachineUser::of_process(), operation).await?;
     let subject = work.removals().subject(leaver).await?;
     let subject = subject.with_context(|| format!("there is no {}", leaver.path()))?;
     let effects = work.removals().preview(leaver).await?;

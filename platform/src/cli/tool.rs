@@ -4,7 +4,7 @@ use anyhow::Context;
 use asi_model::{OrganisationId, ToolId};
 use clap::Subcommand;
 use platform::{
-    audit::CommandLine,
+    audit::MachineUser,
     clock::Clock,
     config::PlatformConfig,
     enrolment::make_tool_credential,
@@ -73,7 +73,7 @@ async fn add(
     name: Option<String>,
 ) -> anyhow::Result<()> {
     let store = open(config).await?;
-    let mut work = store.begin(CommandLine, "addTool").await?;
+    let mut work = store.begin(MachineUser::of_process(), "addTool").await?;
     anyhow::ensure!(
         work.organisations().exists(&organisation_id).await?,
         "there is no organisation {organisation_id}; `platform organisation add` adds one"
@@ -87,7 +87,7 @@ async fn add(
 
 async fn print_credential(config: &PlatformConfig, id: ToolId) -> anyhow::Result<()> {
     let store = open(config).await?;
-    let mut work = store.begin(CommandLine, "makeToolCredential").await?;
+    let mut work = store.begin(MachineUser::of_process(), "makeToolCredential").await?;
     let known = work.tools().lookup(&Scope::Platform, &id).await?;
     let known =
         known.with_context(|| format!("there is no tool {id}; `platform tool add` adds one"))?;

@@ -172,7 +172,8 @@ export class SourceDraft {
     const [strongest] = this.securities
     if (this.isNew && strongest !== undefined) this.securityKey = strongest.key
     const [first] = this.signIns
-    if (first !== undefined && !this.signIns.includes(this.identity)) this.identity = first
+    if (this.isNew && first !== undefined && !this.signIns.includes(this.identity))
+      this.identity = first
     return undefined
   }
 

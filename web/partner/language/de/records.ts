@@ -90,6 +90,8 @@ export const records: typeof English = {
       removePasskey: 'hat einen Passkey entfernt',
       addOrganisation: 'hat eine Organisation hinzugefügt',
       putUser: 'hat eine Person und ihr Passwort gesetzt',
+      rotateSealingKey: 'hat die Geheimnisse mit einem neuen Schlüssel versiegelt',
+      forgetSecret: 'hat ein Geheimnis entfernt, das kein Schlüssel öffnet',
       addFactory: 'hat eine Fabrik hinzugefügt',
       makeEnrolmentToken: 'hat einen Anmeldeschlüssel erzeugt',
       enrol: 'hat einen Connector angemeldet',

@@ -89,6 +89,8 @@ export const records = {
       removePasskey: 'removed a passkey',
       addOrganisation: 'added an organisation',
       putUser: 'set a person and its password',
+      rotateSealingKey: 'sealed the secrets with a new key',
+      forgetSecret: 'removed a secret that no key opens',
       addFactory: 'added a factory',
       makeEnrolmentToken: 'made an enrolment token',
       enrol: 'enrolled a connector',
