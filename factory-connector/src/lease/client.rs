@@ -240,7 +240,7 @@ fn log_change(before: &LeaseStatus, after: &LeaseStatus) {
             LeaseState::Unanswered => tracing::warn!(
                 since = %after.since,
                 "The link is up, and the platform answers nothing: it is down, or this connector's access was revoked \
-                 there. What leaves may not count; it stays stored here until it is receipted."
+                 there. What leaves may not count; reports stay stored here until they are receipted."
             ),
             LeaseState::Refused => tracing::error!(
                 holder = host(&after.holder),

@@ -175,7 +175,12 @@ async fn check(
     if is_preview {
         return Ok(());
     }
-    app.sessions.check_signed_in_lately(&who.session, "What is one's own leaves").await
+    app.sessions
+        .check_signed_in_lately(
+            &who.session,
+            "Your account, and what belongs to your organisation, can be removed only",
+        )
+        .await
 }
 
 /// Returns true for what a planner's own organisation has. Accounts and the organisation itself are of all its people.

@@ -118,7 +118,7 @@ impl MemberTurns {
         let TurnKind { code, of_person, of_organisation, words: [what, done], .. } = self.kind;
         let detail = format!(
             "At most {of_person} {what} of a person and {of_organisation} of an organisation are {done} at the same \
-             time, and the others wait; too many of yours do."
+             time, and the others wait; too many of yours or of your organisation's do, or they take too long."
         );
         Problem {
             retry_after_seconds: NonZeroU64::new(RETRY_AFTER.as_secs()),

@@ -185,10 +185,11 @@ impl TrustList {
         let is_moved =
             self.shift(thumbprint, TRUSTED, DENIED)? || self.shift(thumbprint, WAITING, DENIED)?;
         if is_moved {
+            // First what ends its sessions: a record that cannot be removed must not keep them open.
+            self.changed(by, format!("The certificate {thumbprint} is denied."));
             if let Some(fingerprint) = self.fingerprint_of(DENIED, thumbprint)? {
                 self.approvals.forget(&fingerprint)?;
             }
-            self.changed(by, format!("The certificate {thumbprint} is denied."));
         }
         Ok(is_moved)
     }

@@ -121,11 +121,10 @@ pub(super) fn to_delivery(
         _ => None,
     };
     let creation_time = properties.creation_time.as_ref().and_then(moment);
-    // A broker takes it off what it sets aside as expired; the time of expiry stays.
-    let ttl = header.ttl.map(|ttl| Duration::from_millis(u64::from(ttl))).or_else(|| {
-        let expiry = properties.absolute_expiry_time.as_ref().and_then(moment)?;
-        Duration::try_from(expiry - creation_time?).ok()
-    });
+    // `ttl` is what was left when it was sent, and a broker takes it off what has expired; the time of expiry says both.
+    let expiry = properties.absolute_expiry_time.as_ref().and_then(moment);
+    let ttl = expiry.zip(creation_time).and_then(|(at, from)| Duration::try_from(at - from).ok());
+    let ttl = ttl.or_else(|| header.ttl.map(|ttl| Duration::from_millis(u64::from(ttl))));
     let lease = text(LEASE).and_then(|number| number.parse().ok());
     let signature = text(SIGNATURE).map(str::to_owned);
     let envelope = Envelope {

@@ -151,12 +151,12 @@ impl TrustList {
                     fs::remove_file(path)
                         .map_err(|source| TwinError::Pki { path: path.clone(), source })?;
                 }
-                self.approvals.forget(&fingerprint(&certificate))?;
                 let thumbprint = thumbprint(&certificate);
                 self.changed(
                     by,
                     format!("The certificate {thumbprint} was revoked and is denied."),
                 );
+                self.approvals.forget(&fingerprint(&certificate))?;
             }
         }
         Ok(())
