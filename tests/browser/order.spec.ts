@@ -38,13 +38,13 @@ test('a failure and its reason are on the pages of both sides, until it is over'
   test.setTimeout(300_000)
   const partner = await signedIn(browser, platform, { locale: 'en-GB' })
   await partner.goto(network('MakeFrame1'))
+  const reason = partner.locator('[data-field="interruptedBy"]')
+  await expect(reason).toContainText('Tool life exceeded', { timeout: 200_000 })
+  await expect(box(partner, 'MakeFrame1')).toContainText('Interrupted')
   const engineer = await signedIn(browser, connector, { locale: 'en-GB' })
   await engineer.goto(
     `${connector.url.replace(/\/$/, '')}/#/fields/${NETWORK}/MakeFrame1/ReqResponse1/interruptedBy`,
   )
-  const reason = partner.locator('[data-field="interruptedBy"]')
-  await expect(reason).toContainText('Tool life exceeded', { timeout: 200_000 })
-  await expect(box(partner, 'MakeFrame1')).toContainText('Interrupted')
   await expect(engineer.locator('main')).toContainText('Tool life exceeded')
   await expect(box(partner, 'MakeFrame1')).toContainText('Running', { timeout: 60_000 })
   await expect(reason).not.toContainText('Tool life exceeded')

@@ -63,10 +63,10 @@ pub const UNHURRIED: Pace = Pace {
 /// The same within minutes, for tests: late by more than the minute that the pages begin to count at.
 pub const HURRIED: Pace = Pace {
     make: Timing { planned: (0, 24), start: 0, cycle: 8, quantity: 12 },
-    ship: Timing { planned: (26, 38), start: 114, cycle: 1, quantity: 12 },
-    inspect: Timing { planned: (40, 64), start: 128, cycle: 2, quantity: 12 },
-    assemble: Timing { planned: (68, 78), start: 156, cycle: 8, quantity: 1 },
-    failure: (25, 15),
+    ship: Timing { planned: (26, 38), start: 118, cycle: 1, quantity: 12 },
+    inspect: Timing { planned: (40, 64), start: 132, cycle: 2, quantity: 12 },
+    assemble: Timing { planned: (68, 78), start: 160, cycle: 8, quantity: 1 },
+    failure: (25, 20),
     kill: (60, 5),
     gaps: (60, 3),
     every: 180,

@@ -10,9 +10,7 @@ use super::{
 };
 use crate::{
     course::{Course, Timing},
-    frame_order::{
-        COLLABORATION, HAMBURG, MUNICH, NETWORK, field, operation_network, request,
-    },
+    frame_order::{COLLABORATION, HAMBURG, MUNICH, NETWORK, field, operation_network, request},
     harness::Api,
 };
 

@@ -259,3 +259,20 @@ pub async fn values_flow(platform: &Api, decisions: &[StoryDecision]) -> anyhow:
     })
     .await
 }
+
+/// Waits until no report of a factory is missing at the platform, but for announced gaps. Returns the number of those received.
+///
+/// # Errors
+/// When some stay away.
+pub async fn none_missing(platform: &Api, factory_id: &str) -> anyhow::Result<u64> {
+    eventually("no report is missing", PATIENCE, || async {
+        let path = format!("/api/v1/factories/{factory_id}/writers");
+        let writers = platform.list(&path).await.map_err(|e| format!("{e:#}"))?;
+        let is_whole = |writer: &Value| writer["missingCount"].as_u64() == Some(0);
+        if writers.is_empty() || !writers.iter().all(is_whole) {
+            return Err(Value::from(writers).to_string());
+        }
+        Ok(writers.iter().filter_map(|writer| writer["received"].as_u64()).sum())
+    })
+    .await
+}
