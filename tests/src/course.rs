@@ -109,7 +109,7 @@ impl Course {
     /// When the number can be neither read nor written.
     pub fn begin(pace: &'static Pace, folder: &Path, now: OffsetDateTime) -> anyhow::Result<Self> {
         let file = folder.join(FILE);
-        let newest = match std::fs::read_to_string(&file) {
+        let newest: u64 = match std::fs::read_to_string(&file) {
             Ok(text) => {
                 text.trim().parse().with_context(|| format!("reading {}", file.display()))?
             }

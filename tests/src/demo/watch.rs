@@ -17,6 +17,7 @@ use crate::{
     course::HURRIED,
     frame_order::{HAMBURG, MUNICH, NETWORK},
     harness::{Api, Daemon, DaemonCommand, Steps, binary, eventually, say},
+    scenario::story,
     world::{ADMIN, ENGINEER, PASSWORD, Places},
 };
 
@@ -61,18 +62,24 @@ pub async fn watch(keep: bool) -> anyhow::Result<()> {
 async fn everything(demo: &mut Daemon, places: &Places, steps: &mut Steps) -> anyhow::Result<()> {
     steps.run("the demo starts, and says what comes", starts(demo)).await?;
     let platform = signed_in(places.platform_web, ADMIN).await?;
-    let samples = Samples::take(platform);
+    let samples = Samples::take(platform.clone());
     steps.run("lateness, what it hits, a failure and recovery on the pages", pages(places)).await?;
     steps.run("frames are counted from the start of the order", counted(&samples)).await?;
     steps
         .run("one operation is late before it ends, and others wait for it", late(&samples))
         .await?;
     steps.run("the milling cell fails and works again", fails_and_recovers(&samples)).await?;
-    steps.run("a killed connector starts again, and nothing is lost", killed(demo, MUNICH)).await?;
+    steps
+        .run(
+            "a killed connector starts again, and nothing is lost",
+            killed(demo, &platform, MUNICH),
+        )
+        .await?;
+    steps.run("the partner saw values grow old, and go on", silent(&samples)).await?;
     steps
         .run("a program that a person kills starts again, too", async {
             kill(demo, "Hamburg's connector")?;
-            killed(demo, HAMBURG).await
+            killed(demo, &platform, HAMBURG).await
         })
         .await?;
     steps.run("the order ends at its quantity, all along the chain", ends(&samples)).await?;
@@ -180,8 +187,9 @@ fn kill(demo: &Daemon, name: &str) -> anyhow::Result<()> {
     Ok(kill_process(process, Signal::KILL)?)
 }
 
-/// Waits until the terminal has said of a factory's connector that it ended, runs again, and lost nothing.
-async fn killed(demo: &mut Daemon, factory_id: &str) -> anyhow::Result<String> {
+/// Waits until the terminal has said of a factory's connector that it ended, runs again, and lost nothing; the platform has
+/// to agree.
+async fn killed(demo: &mut Daemon, platform: &Api, factory_id: &str) -> anyhow::Result<String> {
     let city = if factory_id == MUNICH { "Munich" } else { "Hamburg" };
     for text in [
         format!("Ended: {city}'s connector"),
@@ -190,6 +198,27 @@ async fn killed(demo: &mut Daemon, factory_id: &str) -> anyhow::Result<String> {
     ] {
         shown(demo, &text, ROUND).await?;
     }
+    let received = story::none_missing(platform, factory_id).await?;
+    Ok(format!("{received} reports received"))
+}
+
+/// Waits until an operation that runs had no report for most of the time that a killed connector stays away, and then had
+/// one again.
+async fn silent(samples: &Samples) -> anyhow::Result<String> {
+    let silence = |sample: &Sample| {
+        let make = sample.of("MakeFrame1");
+        make.silence.filter(|_| make.state == "Running").map(|silence| silence.as_seconds_f64())
+    };
+    let away = f64::from(HURRIED.kill.1);
+    let quiet = seen(samples, "no report while the connector is away", |sample| {
+        silence(sample).is_some_and(|seconds| seconds > away - 1.0)
+    })
+    .await?;
+    seen(samples, "reports again", |sample| {
+        sample.taken_at > quiet.taken_at
+            && silence(sample).is_some_and(|seconds| seconds < away - 1.0)
+    })
+    .await?;
     Ok(String::new())
 }
 

@@ -26,6 +26,8 @@ pub(super) struct ShownOperation {
     pub planned_end: Option<OffsetDateTime>,
     /// Seconds between the planned end and the expected one; 0 where none is expected.
     pub expected_late_s: i64,
+    /// Age of its last report; none where there is none.
+    pub silence: Option<time::Duration>,
 }
 
 /// The network at one moment.
@@ -59,6 +61,7 @@ impl Sample {
                 planned_quantity: shown["plannedQuantity"].as_f64().unwrap_or_default(),
                 planned_end,
                 expected_late_s: late.map_or(0, |(end, planned)| (end - planned).whole_seconds()),
+                silence: moment(&shown["lastReportAt"]).map(|at| OffsetDateTime::now_utc() - at),
             };
             (id, operation)
         });
