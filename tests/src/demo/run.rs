@@ -118,7 +118,7 @@ struct Rounds {
     to_come: std::vec::IntoIter<Announcement>,
     /// Round whose plan the platform does not have yet.
     to_plan: Option<u32>,
-    /// Factories whose connectors started again and have not proven yet that nothing is missing.
+    /// Factories of which a kill may have cost reports, until it is proven that none is missing.
     to_prove: Vec<&'static str>,
 }
 
@@ -203,8 +203,11 @@ impl Rounds {
             }
             Turn::Started { name, pid } => {
                 say(&format!("{:9}Started again: {}, process {pid}.", "", called(&name)));
-                let of_name = |factory_id: &&str| name == format!("connector-{factory_id}");
-                self.to_prove.extend([MUNICH, HAMBURG].into_iter().find(of_name));
+                // Reports are at stake where either end was killed.
+                let is_end = |factory_id: &&str| {
+                    name == "platform" || name == format!("connector-{factory_id}")
+                };
+                self.to_prove.extend([MUNICH, HAMBURG].into_iter().filter(is_end));
             }
         }
     }
