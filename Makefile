@@ -16,7 +16,7 @@ WEB_SOURCES := $(shell find web -type f -not -path '*/node_modules/*' -not -path
 help: ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 22
 
-demo: prerequisites web ## two factories and a cloud on this machine, until Ctrl-C; a second start goes on
+demo: prerequisites web ## two factories, a cloud and an order on this machine, until Ctrl-C; a second start goes on
 	$(CARGO) build --locked $(PROGRAMS)
 	target/debug/demo run
 

@@ -12,6 +12,9 @@ use crate::signals::Moment;
 /// The machine's value at a moment.
 pub type Signal = Box<dyn Fn(Moment) -> Variant + Send + Sync>;
 
+/// A time that the machine knows at a moment, in simulated seconds since the epoch.
+pub type SimulatedTime = Box<dyn Fn(Moment) -> f64 + Send + Sync>;
+
 /// The nodes of one machine.
 pub struct Blueprint {
     /// The namespace of the machine's own nodes.
@@ -75,6 +78,8 @@ pub struct VariablePlan {
 pub enum Source {
     /// The machine runs by itself.
     Signal(Signal),
+    /// A time, shown by the machine's clock to the second.
+    Time(SimulatedTime),
     /// Clients may write it; this is what it begins with.
     Written(Variant),
     /// One of a bank's counters: `update` number `n` changes counter `n % counters`.

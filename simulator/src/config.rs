@@ -9,7 +9,7 @@ use std::{
 use serde::{Deserialize, Serialize};
 use shop_floor_model::{ProfileLimit, ServerProfile};
 
-use crate::signals::hash;
+use crate::{orders::OrdersConfig, signals::hash};
 
 /// A commented example.
 pub const EXAMPLE: &str = include_str!("../simulator.example.toml");
@@ -60,6 +60,9 @@ pub struct MachineConfig {
     /// Seconds per part; each kind has its own default.
     #[serde(default)]
     pub cycle_seconds: Option<f64>,
+    /// Orders of a milling cell, a press or a conveyor; without them it produces without end.
+    #[serde(default)]
+    pub orders: Option<OrdersConfig>,
     /// The asset id that a robot shows. Default: its name.
     #[serde(default)]
     pub asset_id: Option<String>,
@@ -213,6 +216,7 @@ impl MachineConfig {
             port: 0,
             namespace_uri: None,
             cycle_seconds: None,
+            orders: None,
             asset_id: None,
             variables: 0,
             changes_per_second: 0.0,
@@ -317,6 +321,9 @@ impl Config {
             }
             if machine.cycle_seconds.is_some_and(|cycle| !(0.05..=3600.0).contains(&cycle)) {
                 return invalid(key("cycle_seconds"), "must be between 0.05 and 3600");
+            }
+            if let Some(reason) = machine.orders.as_ref().and_then(OrdersConfig::fault) {
+                return invalid(key("orders"), reason);
             }
             if machine.variables > 200_000
                 || !(0.0..=10_000_000.0).contains(&machine.changes_per_second)

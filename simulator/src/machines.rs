@@ -3,6 +3,7 @@
 mod bank;
 mod conveyor;
 mod metal;
+mod order;
 mod robot;
 
 use crate::{MachineConfig, MachineKind, blueprint::Blueprint};

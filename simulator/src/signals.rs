@@ -1,5 +1,7 @@
 //! Signals: pure functions of seed and simulated time.
 
+use crate::orders::{OrderPhase, OrderProgress, OrderRhythm};
+
 /// A moment of a simulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
@@ -56,7 +58,7 @@ pub fn quantised(value: f64, step: f64) -> f64 {
     if step < 1.0 { steps / (1.0 / step).round() } else { steps * step }
 }
 
-/// Rhythm of production: one part per cycle, one interruption per period.
+/// Rhythm of production: one part per cycle, one interruption per period. With orders, they say when the machine works.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Production {
     /// Time from part to part, in seconds.
@@ -65,6 +67,8 @@ pub struct Production {
     pub period: f64,
     /// Seconds that an interruption lasts.
     pub interruption: f64,
+    /// Orders that are worked off; none where the machine produces without end.
+    pub orders: Option<OrderRhythm>,
 }
 
 /// Progress of production at a moment.
@@ -72,9 +76,11 @@ pub struct Production {
 pub struct Progress {
     /// Seconds that it has been producing in all.
     pub running_seconds: f64,
-    /// Parts finished in all.
+    /// Parts finished: of the present order, where there are orders.
     pub parts: u64,
-    /// Parts that were no good.
+    /// Parts finished in all.
+    pub parts_in_all: u64,
+    /// Parts of [`Self::parts`] that were no good.
     pub scrap: u64,
     /// Completed fraction of the current part, 0..1.
     pub cycle_progress: f64,
@@ -82,6 +88,16 @@ pub struct Progress {
     pub interruption: Option<u8>,
     /// Interruptions that have begun so far.
     pub interruptions: u64,
+    pub order: Option<OrderProgress>,
+}
+
+impl Progress {
+    /// True while parts are made.
+    #[must_use]
+    pub fn works(&self) -> bool {
+        self.interruption.is_none()
+            && self.order.is_none_or(|order| order.phase == OrderPhase::Running)
+    }
 }
 
 /// One part in so many is scrap.
@@ -90,11 +106,39 @@ const INTERRUPTIONS: u64 = 1;
 const INTERRUPTION_KINDS: u64 = 2;
 const PART_TIMES: u64 = 3;
 const SCRAP: u64 = 4;
+const ORDERS: u64 = 5;
+/// Kind of the interruption in an order: an alarm.
+const FAILURE: u8 = 0;
 
 impl Production {
     /// Returns the progress at a moment.
     #[must_use]
     pub fn at(&self, moment: Moment) -> Progress {
+        match self.orders {
+            Some(rhythm) => self.in_orders(rhythm, moment),
+            None => self.without_end(moment),
+        }
+    }
+
+    fn in_orders(&self, rhythm: OrderRhythm, moment: Moment) -> Progress {
+        let order = rhythm.at(moment.seconds, self.cycle);
+        let seed = hash(moment.seed, ORDERS, order.index);
+        let quantity = u64::from(rhythm.quantity);
+        let (parts, cycle_progress) = self.parts(seed, order.worked);
+        let parts = parts.min(quantity);
+        Progress {
+            running_seconds: order.worked_in_all,
+            parts,
+            parts_in_all: order.index * quantity + parts,
+            scrap: scrap(seed, parts),
+            cycle_progress,
+            interruption: (order.phase == OrderPhase::Interrupted).then_some(FAILURE),
+            interruptions: order.failures,
+            order: Some(order),
+        }
+    }
+
+    fn without_end(&self, moment: Moment) -> Progress {
         let period = (moment.seconds / self.period).floor();
         let index = period as u64;
         let within = moment.seconds - period * self.period;
@@ -106,11 +150,13 @@ impl Production {
         Progress {
             running_seconds,
             parts,
+            parts_in_all: parts,
             scrap: scrap(moment.seed, parts),
             cycle_progress,
             interruption: is_interrupted
                 .then(|| hash(moment.seed, INTERRUPTION_KINDS, index) as u8),
             interruptions: index + u64::from(within >= begin),
+            order: None,
         }
     }
 
@@ -135,7 +181,8 @@ fn scrap(seed: u64, parts: u64) -> u64 {
 mod tests {
     use super::*;
 
-    const PRODUCTION: Production = Production { cycle: 4.0, period: 600.0, interruption: 40.0 };
+    const PRODUCTION: Production =
+        Production { cycle: 4.0, period: 600.0, interruption: 40.0, orders: None };
 
     #[test]
     fn counters_only_grow_by_one_and_scrap_is_part_of_them() {
@@ -153,6 +200,25 @@ mod tests {
         }
         assert_eq!(last.parts, 1400);
         assert_eq!(last.interruptions, 10);
+    }
+
+    #[test]
+    fn an_order_is_counted_from_its_start_to_its_quantity_and_no_further() {
+        let rhythm = OrderRhythm { quantity: 12, begins_after: 20.0, every: 100.0, failure: None };
+        let production = Production { orders: Some(rhythm), ..PRODUCTION };
+        for seconds in 0..1000 {
+            let progress = production.at(Moment { seed: 7, seconds: f64::from(seconds) });
+            let order = progress.order.expect("there are orders");
+            assert!(progress.parts <= 12 && progress.scrap <= progress.parts, "{progress:?}");
+            assert_eq!(progress.works(), order.phase == OrderPhase::Running);
+            match order.phase {
+                OrderPhase::Waiting => assert_eq!(progress.parts, 0),
+                OrderPhase::Done => assert_eq!(progress.parts, 12, "{progress:?}"),
+                _ => assert!(f64::from(seconds) - order.start < 48.0, "{progress:?}"),
+            }
+        }
+        let last = production.at(Moment { seed: 7, seconds: 999.0 });
+        assert_eq!((last.parts, last.parts_in_all), (12, 120));
     }
 
     #[test]

@@ -22,6 +22,7 @@ export default defineConfig({
   },
   projects: [
     { name: 'story', testMatch: /story\.spec\.ts/ },
+    { name: 'order', testMatch: /order\.spec\.ts/ },
     { name: 'passkey', testMatch: /passkey\.spec\.ts/ },
     { name: 'operator', testMatch: /operator\.spec\.ts/ },
     { name: 'newcomer', testMatch: /newcomer\.spec\.ts/ },

@@ -15,6 +15,7 @@ mod mutants;
 mod mutants_cover;
 mod notices;
 mod openapi;
+mod order;
 mod passwords;
 mod promises;
 mod shown;

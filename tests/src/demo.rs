@@ -1,23 +1,30 @@
 //! The demo: the frame order, played for a person or checked without one.
 
+mod announcements;
 mod check;
 mod newcomer;
 mod run;
+mod supervision;
+mod watch;
 
 pub use check::{check, check_with, latency, screenshots};
 pub use newcomer::newcomer;
 pub use run::run;
+pub use watch::watch;
 
 pub use crate::scenario::Cast;
 use crate::{
     frame_order::{HAMBURG, MUNICH},
     harness::Steps,
-    scenario::story,
+    scenario::{
+        order::{order_decisions, send_round},
+        story,
+    },
     world::World,
 };
 
 /// Plays the story up to the point where values flow; each step is left alone where an earlier
-/// start took it.
+/// start took it. In a world with a course the machines work off its orders, and the network has its plan.
 ///
 /// # Errors
 /// The first step that fails.
@@ -56,16 +63,25 @@ pub async fn play(world: &mut World, steps: &mut Steps) -> anyhow::Result<Cast> 
             )
             .await?;
     }
-    steps.run("the buyer sends the operation network", story::send_network(&platform)).await?;
+    let course = world.places.course;
+    let decisions = if course.is_some() { order_decisions() } else { story::decisions() };
+    steps
+        .run("the buyer sends the operation network", async {
+            match &course {
+                Some(course) => send_round(&platform, course, 0).await,
+                None => story::send_network(&platform).await,
+            }
+        })
+        .await?;
     for (factory_id, connector) in [MUNICH, HAMBURG].into_iter().zip(&connectors) {
         steps
             .run(
                 &format!("{factory_id}: the engineer decides"),
-                story::decide(connector, factory_id),
+                story::decide(connector, factory_id, &decisions),
             )
             .await?;
     }
-    steps.run("values reach the buyer", story::values_flow(&platform)).await?;
+    steps.run("values reach the buyer", story::values_flow(&platform, &decisions)).await?;
     let mut connectors = connectors.into_iter();
     let (Some(munich), Some(hamburg)) = (connectors.next(), connectors.next()) else {
         anyhow::bail!("both connectors were started above");

@@ -18,7 +18,7 @@ pub const COLLABORATION: &str = "frame-order-4711";
 pub const NETWORK: &str = "frame-4711";
 
 /// Makes a report field that the buyer asks for.
-fn field(
+pub(crate) fn field(
     name: &str,
     built_in_type: u8,
     unit: Option<&str>,
@@ -35,7 +35,14 @@ fn field(
     field
 }
 
-fn request(id: &str, purpose: &str, per_minute: u32, report_name: &str, fields: &[Value]) -> Value {
+/// Makes a request of the buyer, with the reports per minute that it wants.
+pub(crate) fn request(
+    id: &str,
+    purpose: &str,
+    per_minute: u32,
+    report_name: &str,
+    fields: &[Value],
+) -> Value {
     json!({
         "dynamicDataRequestId": id, "dynamicDataRequestPublisherId": "ProductionMonitoring", "requesterId": BUYER,
         "recipientList": [BUYER], "purpose": purpose, "updateFrequency": per_minute, "updateFrequencyUnit": "MINUTE",

@@ -9,6 +9,7 @@
 //! - [`demo`]: the frame order played for a person, or checked without one.
 //! - [`mod@probes`]: attacks that once worked, replayed, and many at once.
 //! - [`world`]: two factories and a cloud, configured and running.
+//! - [`course`]: when the demo's order is planned and worked off.
 //! - [`frame_order`]: partners, operations and requests of the order that two factories share.
 //! - [`scenario`]: the frame order from the first message to the last value; the demo, its check and
 //!   the tests all play it.
@@ -17,6 +18,7 @@
 
 pub mod bench;
 pub mod chaos;
+pub mod course;
 pub mod demo;
 pub mod frame_order;
 pub mod harness;

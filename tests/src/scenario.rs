@@ -4,6 +4,7 @@
 mod cast;
 mod decisions;
 pub(crate) mod load;
+pub mod order;
 pub mod story;
 
 pub use cast::Cast;

@@ -72,6 +72,10 @@ describe('the standing of an operation', () => {
     expect(standing([late, next], [gap], 9)['b']).toEqual({ heldUpBy: 'a' })
     const begun = { ...next, actualStart: at(9) }
     expect(standing([late, begun], [gap], 9)['b']).toBeUndefined()
+    for (const state of ['Running', 'Interrupted', 'Ended'] as const)
+      expect(standing([late, { ...next, state }], [gap], 9)['b']).toBeUndefined()
+    const waiting = { ...next, state: 'AllowedToStart' as const }
+    expect(standing([late, waiting], [gap], 9)['b']).toEqual({ heldUpBy: 'a' })
     const beside = { ...gap, relationType: 'START_TO_START' as const }
     expect(standing([late, next], [beside], 9)['b']).toBeUndefined()
   })

@@ -4,6 +4,7 @@ import type { GraphOperation, GraphRelation, Standing } from './model'
 /** Differences below this are noise of clocks and rounding. */
 const NOISE_MS = 60_000
 const ENDED = new Set(['Ended', 'Aborted'])
+const BEGUN = new Set(['Running', 'Interrupted', ...ENDED])
 
 /** Operations with how each stands against the plan at a moment. */
 export function withStandings(
@@ -50,7 +51,7 @@ function standings(
       const start = time(next?.plannedStart)
       const earliest = earliestStart(relation, end)
       if (next === undefined || start === undefined || earliest === undefined) continue
-      if (next.actualStart !== undefined || earliest - start < NOISE_MS) continue
+      if (hasBegun(next) || earliest - start < NOISE_MS) continue
       const known = found.get(next.operationId)
       found.set(next.operationId, { ...known, heldUpBy: known?.heldUpBy ?? from })
       const length = (time(next.plannedEnd) ?? start) - start
@@ -61,6 +62,10 @@ function standings(
     }
   }
   return found
+}
+
+function hasBegun({ actualStart, state }: GraphOperation): boolean {
+  return actualStart !== undefined || BEGUN.has(state ?? '')
 }
 
 /** Earliest start of the operation that waits for another one's end. */

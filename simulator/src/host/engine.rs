@@ -137,6 +137,7 @@ impl Engine {
             let (value, status) = match (held, &plan.source) {
                 (Some(held), _) => held.clone(),
                 (None, Source::Signal(signal)) => (signal(moment), StatusCode::GOOD),
+                (None, Source::Time(time)) => (self.time_of(time(moment)).into(), StatusCode::GOOD),
                 (None, Source::Written(_) | Source::Counter) => continue,
             };
             let status = self.status_of(&node.key, status);
@@ -182,6 +183,12 @@ impl Engine {
     fn status_of(&self, key: &str, own: StatusCode) -> StatusCode {
         let injected = self.statuses.get(key).copied().unwrap_or(self.status);
         if injected == StatusCode::GOOD { own } else { injected }
+    }
+
+    /// Time of the machine's clock at a simulated time.
+    fn time_of(&self, seconds: f64) -> DateTime {
+        let passed = Duration::try_from_secs_f64((seconds / self.speed).round());
+        self.machine_time(self.epoch.after(passed.unwrap_or_default()))
     }
 
     fn machine_time(&self, now: DateTime) -> DateTime {

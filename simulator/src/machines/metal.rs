@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use asi_model::values::{Array, BuiltInType as T, DateTime, NodeId, Scalar, Variant};
 
+use super::order::order;
 use crate::{
-    MachineConfig,
+    MachineConfig, OrdersConfig,
     blueprint::{
         Blueprint, Class, POWER_AGGREGATE, POWER_AGGREGATE_FIELDS, Unit, english, ids, structure,
     },
@@ -45,9 +46,11 @@ impl Character {
 
     fn power(self, moment: Moment) -> f64 {
         let (idle, working) = self.power;
-        let load = match self.progress(moment) {
-            Progress { interruption: Some(_), .. } => 0.0,
-            progress => 0.6 + 0.4 * (progress.cycle_progress * std::f64::consts::PI).sin(),
+        let progress = self.progress(moment);
+        let load = if progress.works() {
+            0.6 + 0.4 * (progress.cycle_progress * std::f64::consts::PI).sin()
+        } else {
+            0.0
         };
         let noise = 1.0 + 0.05 * moment.noise(POWER, 3.0);
         quantised((idle + (working - idle) * load) * noise, 1.0)
@@ -85,7 +88,7 @@ impl Character {
 
 fn state(progress: Progress) -> i32 {
     match progress.interruption {
-        None => 1,
+        None => i32::from(progress.works()),
         Some(kind) if kind % 4 == 3 => 2,
         Some(_) => 3,
     }
@@ -93,20 +96,21 @@ fn state(progress: Progress) -> i32 {
 
 pub(super) fn milling_cell(config: &MachineConfig) -> Blueprint {
     let cycle = config.cycle_seconds.unwrap_or(5.0);
+    let orders = config.orders.as_ref().map(OrdersConfig::rhythm);
     let character = Character {
-        production: Production { cycle, period: 600.0, interruption: 25.0 },
+        production: Production { cycle, period: 600.0, interruption: 25.0, orders },
         power: (450.0, 6200.0),
     };
     let mut blueprint = Blueprint::new(&config.namespace_uri());
     let root = blueprint.root(&config.name, ids::BASE_OBJECT_TYPE);
     identification(&mut blueprint, root, "Fräswerk GmbH", "FW-500 5X", config);
-    production(&mut blueprint, root, character);
+    production(&mut blueprint, root, character, config.orders.as_ref());
     status(&mut blueprint, root, character);
     energy(&mut blueprint, root, character);
 
     let spindle = blueprint.group(root, "Spindle");
     let temperature = blueprint.signal(spindle, "Temperature", T::Double, move |moment| {
-        let load = if character.progress(moment).interruption.is_some() { 0.0 } else { 1.0 };
+        let load = if character.progress(moment).works() { 1.0 } else { 0.0 };
         quantised(42.0 + 9.0 * load + 6.0 * moment.noise(TEMPERATURE, 45.0), 0.1).into()
     });
     blueprint.is_analog(temperature, Unit::CELSIUS, Some((0.0, 120.0)));
@@ -115,7 +119,7 @@ pub(super) fn milling_cell(config: &MachineConfig) -> Blueprint {
         blueprint.signal(spindle, "Power", T::Double, move |moment| character.power(moment).into());
     blueprint.is_analog(power, Unit::WATT, Some((0.0, 15_000.0)));
     let speed = blueprint.signal(spindle, "Speed", T::Double, move |moment| {
-        let turns = character.progress(moment).interruption.is_none();
+        let turns = character.progress(moment).works();
         let speed = if turns { 8000.0 + 120.0 * moment.noise(SPEED, 2.0) } else { 0.0 };
         quantised(speed, 10.0).into()
     });
@@ -135,21 +139,22 @@ pub(super) fn milling_cell(config: &MachineConfig) -> Blueprint {
 
 pub(super) fn press(config: &MachineConfig) -> Blueprint {
     let cycle = config.cycle_seconds.unwrap_or(2.0);
+    let orders = config.orders.as_ref().map(OrdersConfig::rhythm);
     let character = Character {
-        production: Production { cycle, period: 900.0, interruption: 40.0 },
+        production: Production { cycle, period: 900.0, interruption: 40.0, orders },
         power: (900.0, 11_000.0),
     };
     let mut blueprint = Blueprint::new(&config.namespace_uri());
     let root = blueprint.root(&config.name, ids::BASE_OBJECT_TYPE);
     identification(&mut blueprint, root, "Pressenbau AG", "PX 250", config);
-    production(&mut blueprint, root, character);
+    production(&mut blueprint, root, character, config.orders.as_ref());
     status(&mut blueprint, root, character);
     energy(&mut blueprint, root, character);
 
     let ram = blueprint.group(root, "Ram");
     blueprint.signal(ram, "Strokes", T::UInt64, move |moment| {
         // Every tenth stroke is an empty one.
-        let parts = character.progress(moment).parts;
+        let parts = character.progress(moment).parts_in_all;
         (parts + parts / 10).into()
     });
     let force = blueprint.signal(ram, "Force", T::Double, move |moment| {
@@ -182,7 +187,12 @@ fn identification(
     }
 }
 
-fn production(blueprint: &mut Blueprint, root: usize, character: Character) {
+fn production(
+    blueprint: &mut Blueprint,
+    root: usize,
+    character: Character,
+    orders: Option<&OrdersConfig>,
+) {
     let group = blueprint.group(root, "Production");
     let parts = blueprint.signal(group, "PartCounter", T::UInt32, move |moment| {
         (character.progress(moment).parts as u32).into()
@@ -197,12 +207,12 @@ fn production(blueprint: &mut Blueprint, root: usize, character: Character) {
     });
     let total = blueprint.signal(group, "TotalParts", T::UInt64, move |moment| {
         // The machine had a life before, longer than 32 or 53 bits can count.
-        ((1_u64 << 53) + 1 + character.progress(moment).parts).into()
+        ((1_u64 << 53) + 1 + character.progress(moment).parts_in_all).into()
     });
     blueprint.describe(total, "Parts made in the machine's life");
     blueprint.signal(group, "LastPartAt", T::DateTime, move |moment| {
         // Known to the second of simulated time since an epoch of the machine's own.
-        let parts = character.progress(moment).parts as f64;
+        let parts = character.progress(moment).parts_in_all as f64;
         let epoch: DateTime = "2026-01-01T00:00:00Z".parse().expect("a valid time");
         epoch.after(std::time::Duration::from_secs_f64(parts * character.production.cycle)).into()
     });
@@ -212,9 +222,15 @@ fn production(blueprint: &mut Blueprint, root: usize, character: Character) {
     });
     blueprint.is_analog(cycle, Unit::SECOND, None);
     blueprint.signal(group, "CurrentProgram", T::String, move |moment| {
-        let parts = character.progress(moment).parts;
-        PROGRAMS[(parts / 40) as usize % PROGRAMS.len()].into()
+        let progress = character.progress(moment);
+        // An order is of one product.
+        let turn = if progress.order.is_some() { 0 } else { progress.parts / 40 };
+        PROGRAMS[turn as usize % PROGRAMS.len()].into()
     });
+    if let Some(orders) = orders {
+        order(blueprint, group, character.production, orders);
+        return;
+    }
     blueprint.written(group, "OrderId", "none");
     blueprint.written(group, "OrderedQuantity", 0_u32);
     let name = blueprint.own("StartJob");
@@ -249,7 +265,7 @@ fn status(blueprint: &mut Blueprint, root: usize, character: Character) {
         // Bit 0 powered, 1 running, 2 alarm, 3 door closed, 8 part in the clamp.
         let bits = [
             (0, true),
-            (1, progress.interruption.is_none()),
+            (1, progress.works()),
             (2, state(progress) == 3),
             (3, progress.interruption.is_none_or(|kind| kind % 4 != 2)),
             (8, progress.cycle_progress < 0.95),

@@ -21,7 +21,8 @@ pub const ROBOTICS: &str = "http://opcfoundation.org/UA/Robotics/";
 
 const AXES: u64 = 40;
 const MOTORS: u64 = 60;
-const PRODUCTION: Production = Production { cycle: 8.0, period: 720.0, interruption: 20.0 };
+const PRODUCTION: Production =
+    Production { cycle: 8.0, period: 720.0, interruption: 20.0, orders: None };
 /// Swing of each axis: degrees to either side, and seconds per swing.
 const SWINGS: [(f64, f64); 6] =
     [(120.0, 8.0), (60.0, 8.0), (80.0, 4.0), (150.0, 8.0), (90.0, 4.0), (300.0, 16.0)];

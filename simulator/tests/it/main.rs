@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use asi_model::{DataValue, Scalar, StatusCode, Variant, values::BuiltInType};
 use simulator::{
-    Config, MachineConfig, MachineFault, MachineKind, Simulator, SimulatorError, SimulatorHandle,
-    blueprint, signals::Moment,
+    Config, FailureConfig, MachineConfig, MachineFault, MachineKind, OrdersConfig, Simulator,
+    SimulatorError, SimulatorHandle, blueprint, signals::Moment,
 };
 use tempfile::TempDir;
 use testkit::wait::eventually;
@@ -112,6 +112,44 @@ async fn a_fixed_epoch_lets_counters_go_on_and_speed_hurries_them() {
     };
     let made = eventually("50 parts, of a quarter of a simulated second each", PATIENCE, are_made);
     made.await.expect("they are made");
+}
+
+#[tokio::test]
+async fn an_order_counts_to_its_quantity_and_says_when_it_ends() {
+    let mut cell = MachineConfig::new("Cell", MachineKind::MillingCell);
+    cell.cycle_seconds = Some(40.0);
+    cell.orders = Some(OrdersConfig {
+        name: "4711".to_owned(),
+        first_number: 3,
+        quantity: 12,
+        begins_after_seconds: 20.0,
+        every_seconds: 1e9,
+        failure: Some(FailureConfig { after_seconds: 70.0, lasts_seconds: 45.0 }),
+    });
+    let mut config = Config::of(vec![cell]);
+    config.speed = 1000.0;
+    config.epoch = Some("2026-01-01T00:00:00Z".into());
+    config.check().expect("the order can be worked off");
+    // Long past the end of an order, and before the next one.
+    let (handle, _directory, _stop) = start(config).await;
+    let machine = handle.machine("Cell").expect("configured");
+    let values = machine.values().await.expect("running");
+    let value = |wanted: &str| {
+        let found = values.iter().find(|(key, ..)| *key == format!("Production.{wanted}"));
+        found.unwrap_or_else(|| panic!("no {wanted}")).2.value.clone()
+    };
+    assert_eq!(value("PartCounter"), Variant::from(12_u32));
+    assert_eq!(value("OrderedQuantity"), Variant::from(12_u32));
+    assert_eq!(value("OrderState"), Variant::from(3_i32));
+    assert_eq!(value("InterruptedBy"), Variant::from("none"));
+    let seconds = |name: &str| match value(name).as_scalar() {
+        Some(Scalar::DateTime(time)) => time.ticks() / 10_000_000,
+        other => panic!("{name} is {other:?}"),
+    };
+    // 525 simulated seconds of work and failure, at a thousandth of the time.
+    assert!((0..=1).contains(&(seconds("OrderEnd") - seconds("OrderStart"))));
+    let refused = machine.set("Production.OrderId", 7_u32).await;
+    assert_eq!(refused, Err(SimulatorError::WrongType { expected: BuiltInType::String }));
 }
 
 #[tokio::test]

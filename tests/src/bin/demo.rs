@@ -15,14 +15,17 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Plays the frame order until Ctrl-C; a second start goes on where the first stopped.
+    /// Plays the frame order until Ctrl-C; a second start goes on where the first stopped, with the next order.
     Run {
         /// Folder of configuration, data and logs.
         #[arg(long, default_value = "demo-data")]
         folder: PathBuf,
+        /// Lets an order take three minutes instead of twenty.
+        #[arg(long)]
+        hurried: bool,
     },
     /// Plays it headless in a folder of its own and checks each step as a client from outside
-    /// would.
+    /// would; then watches a hurried `demo run` through an order and into the next.
     Check {
         /// Keeps the folder for a look at logs and data.
         #[arg(long)]
@@ -42,8 +45,11 @@ enum Command {
 async fn main() -> ExitCode {
     rustls::crypto::ring::default_provider().install_default().ok();
     let outcome = match Arguments::parse().command {
-        Command::Run { folder } => demo::run(folder).await,
-        Command::Check { keep } => demo::check(keep).await,
+        Command::Run { folder, hurried } => demo::run(folder, hurried).await,
+        Command::Check { keep } => match demo::check(keep).await {
+            Ok(()) => demo::watch(keep).await,
+            Err(error) => Err(error),
+        },
         Command::Newcomer { with_very_much } => demo::newcomer(with_very_much).await,
         Command::Screenshots => demo::screenshots().await,
     };

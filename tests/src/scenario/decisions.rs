@@ -32,7 +32,7 @@ pub struct StoryDecision {
     pub decision: Value,
 }
 
-fn mapped(
+pub(super) fn mapped(
     machine: &str,
     key: &str,
     value_type: &str,
@@ -57,7 +57,7 @@ pub fn decisions() -> Vec<StoryDecision> {
     decisions
 }
 
-fn decide(
+pub(super) fn decide(
     factory_id: &'static str,
     operation: &'static str,
     request: &'static str,

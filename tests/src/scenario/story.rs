@@ -152,6 +152,15 @@ pub async fn send_network(platform: &Api) -> anyhow::Result<String> {
         let body = json!({ "collaborationId": COLLABORATION, "operationNetwork": network });
         platform.put::<Value>(&path, &body).await?;
     }
+    parts_are_accepted(platform).await
+}
+
+/// Waits until both factories have accepted their part of the newest revision.
+///
+/// # Errors
+/// When a factory refuses it, or does not answer.
+pub async fn parts_are_accepted(platform: &Api) -> anyhow::Result<String> {
+    let path = format!("/api/v1/operation-networks/{NETWORK}");
     eventually("both factories accept their part", PATIENCE, || async {
         let view: Value = platform.get(&path).await.map_err(|e| format!("{e:#}"))?;
         let parts = view["parts"].as_array().cloned().unwrap_or_default();
@@ -173,15 +182,19 @@ pub fn field_path(operation: &str, request: &str, field: &str) -> String {
     format!("/api/v1/fields/{NETWORK}/{operation}/{request}/{field}")
 }
 
-/// Takes the decisions of one factory's engineer through the API that the page uses; decided fields
-/// stay as they are.
+/// Takes those of the decisions that are one factory's engineer's through the API that the page uses; decided fields stay
+/// as they are.
 ///
 /// # Errors
 /// When the connector refuses one.
-pub async fn decide(connector: &Api, factory_id: &str) -> anyhow::Result<String> {
+pub async fn decide(
+    connector: &Api,
+    factory_id: &str,
+    decisions: &[StoryDecision],
+) -> anyhow::Result<String> {
     let inbox: Value = connector.get(&format!("/api/v1/operation-networks/{NETWORK}")).await?;
     let (mut mapped, mut refused) = (0, 0);
-    for story in decisions().into_iter().filter(|story| story.factory_id == factory_id) {
+    for story in decisions.iter().filter(|story| story.factory_id == factory_id) {
         let path = field_path(story.operation, story.request, story.field);
         let is_pending = field_state(&inbox, story.field).is_none_or(|state| state == "PENDING");
         if is_pending {
@@ -229,8 +242,8 @@ pub async fn platform_field(platform: &Api, field: &str) -> anyhow::Result<Value
 ///
 /// # Errors
 /// When one stays away.
-pub async fn values_flow(platform: &Api) -> anyhow::Result<String> {
-    let fed: Vec<&str> = decisions()
+pub async fn values_flow(platform: &Api, decisions: &[StoryDecision]) -> anyhow::Result<String> {
+    let fed: Vec<&str> = decisions
         .iter()
         .filter(|story| story.decision["valueSource"] == "MAPPING")
         .map(|story| story.field)
@@ -243,6 +256,23 @@ pub async fn values_flow(platform: &Api) -> anyhow::Result<String> {
             }
         }
         Ok(format!("{} fields", fed.len()))
+    })
+    .await
+}
+
+/// Waits until no report of a factory is missing at the platform, but for announced gaps. Returns the number of those received.
+///
+/// # Errors
+/// When some stay away.
+pub async fn none_missing(platform: &Api, factory_id: &str) -> anyhow::Result<u64> {
+    eventually("no report is missing", PATIENCE, || async {
+        let path = format!("/api/v1/factories/{factory_id}/writers");
+        let writers = platform.list(&path).await.map_err(|e| format!("{e:#}"))?;
+        let is_whole = |writer: &Value| writer["missingCount"].as_u64() == Some(0);
+        if writers.is_empty() || !writers.iter().all(is_whole) {
+            return Err(Value::from(writers).to_string());
+        }
+        Ok(writers.iter().filter_map(|writer| writer["received"].as_u64()).sum())
     })
     .await
 }

@@ -1,4 +1,5 @@
-//! The configuration files of a world: written once, then the user's to change.
+//! The configuration files of a world: written once, then the user's to change; but machines that work off orders are
+//! given those of each start.
 
 use std::path::Path;
 
@@ -10,6 +11,7 @@ use super::{
     counters,
 };
 use crate::{
+    course::{Pace, Timing},
     frame_order::{BUYER, HAMBURG, MUNICH},
     harness::{make_private, write_private},
 };
@@ -25,10 +27,16 @@ pub(super) fn write_all(places: &Places, external: Option<&ExternalBroker>) -> a
             &places.folder.join(format!("connector-{factory_id}.toml")),
             &connector(places, factory_id)?,
         )?;
-        write_once(
-            &places.folder.join(format!("machines-{factory_id}.toml")),
-            &machines(places, factory_id)?,
-        )?;
+        let (file, text) = (
+            places.folder.join(format!("machines-{factory_id}.toml")),
+            machines(places, factory_id)?,
+        );
+        if places.course.is_some() {
+            // Orders begin with each start.
+            write_private(&file, &text).with_context(|| format!("writing {}", file.display()))?;
+        } else {
+            write_once(&file, &text)?;
+        }
     }
     Ok(())
 }
@@ -132,23 +140,27 @@ fn has_one_user() -> bool {
 fn machines(places: &Places, factory_id: &str) -> anyhow::Result<String> {
     let factory = places.factory(factory_id)?;
     let [first, second, third] = factory.machines;
+    let rhythm = |timing: fn(&Pace) -> Timing, fails: bool, otherwise: &str| match &places.course {
+        Some(course) => course.configuration(timing(course.pace), fails),
+        None => otherwise.to_owned(),
+    };
     let (seed, mut machines) = if factory_id == MUNICH {
+        let made = rhythm(|pace| pace.make, true, "cycle_seconds = 5.0");
+        let shipped = rhythm(|pace| pace.ship, false, "cycle_seconds = 7.0");
         let machines = vec![
-            format!(
-                "name = \"MillingCell1\"\nkind = \"milling-cell\"\nport = {first}\ncycle_seconds = 5.0"
-            ),
-            format!(
-                "name = \"Conveyor1\"\nkind = \"conveyor\"\nport = {second}\ncycle_seconds = 7.0"
-            ),
+            format!("name = \"MillingCell1\"\nkind = \"milling-cell\"\nport = {first}\n{made}"),
+            format!("name = \"Conveyor1\"\nkind = \"conveyor\"\nport = {second}\n{shipped}"),
             format!(
                 "name = \"Robot1\"\nkind = \"robot\"\nport = {third}\nasset_id = \"GRU_Robot_eDO_1\""
             ),
         ];
         (4711, machines)
     } else {
+        let inspected = rhythm(|pace| pace.inspect, false, "cycle_seconds = 9.0");
+        let assembled = rhythm(|pace| pace.assemble, false, "");
         let machines = vec![
-            format!("name = \"Press1\"\nkind = \"press\"\nport = {first}\ncycle_seconds = 9.0"),
-            format!("name = \"Conveyor2\"\nkind = \"conveyor\"\nport = {second}"),
+            format!("name = \"Press1\"\nkind = \"press\"\nport = {first}\n{inspected}"),
+            format!("name = \"Conveyor2\"\nkind = \"conveyor\"\nport = {second}\n{assembled}"),
             format!(
                 "name = \"Robot2\"\nkind = \"robot\"\nport = {third}\nasset_id = \"HAM_Robot_1\""
             ),
@@ -159,9 +171,11 @@ fn machines(places: &Places, factory_id: &str) -> anyhow::Result<String> {
         let port = if factory_id == MUNICH { munich } else { hamburg };
         machines.push(counters::configuration(port));
     }
-    let epoch = time::OffsetDateTime::now_utc()
-        .replace_nanosecond(0)?
-        .format(&time::format_description::well_known::Rfc3339)?;
+    let epoch = match &places.course {
+        Some(course) => course.epoch(),
+        None => time::OffsetDateTime::now_utc().replace_nanosecond(0)?,
+    };
+    let epoch = epoch.format(&time::format_description::well_known::Rfc3339)?;
     Ok(format!(
         "seed = {seed}\nepoch = \"{epoch}\"\nhost = \"127.0.0.1\"\ncontrol = \"127.0.0.1:{control}\"\n\
          pki_directory = \"{folder}/machines-{factory_id}\"\nupdate_interval_ms = 20\n\n[[machines]]\n{machines}\n",

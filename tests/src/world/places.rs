@@ -5,7 +5,10 @@ use std::{net::TcpListener, path::PathBuf};
 use anyhow::Context as _;
 use serde::{Deserialize, Serialize};
 
-use crate::frame_order::{HAMBURG, MUNICH};
+use crate::{
+    course::Course,
+    frame_order::{HAMBURG, MUNICH},
+};
 
 /// Folder and ports of one world, stored in the folder for further starts.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -28,6 +31,9 @@ pub struct Places {
     /// Counters of Munich and of Hamburg, which change at a steady rate, where a world has them.
     #[serde(default)]
     pub counters: Option<[u16; 2]>,
+    /// Orders that the machines work off from this start on, where a world has them; else they produce without end.
+    #[serde(skip)]
+    pub course: Option<Course>,
     pub munich: FactoryPlaces,
     pub hamburg: FactoryPlaces,
 }
@@ -61,13 +67,23 @@ impl Places {
             Ok(notes) => serde_json::from_slice(&notes)
                 .with_context(|| format!("reading {}", file.display()))?,
             Err(_) => {
-                let places = Self::well_known()?;
-                std::fs::write(&file, serde_json::to_vec_pretty(&places)?)?;
+                let places = Self { folder: folder.clone(), ..Self::well_known()? };
+                places.note()?;
                 places
             }
         };
         places.folder = folder;
         Ok(places)
+    }
+
+    /// Notes the ports in the folder, for further starts.
+    ///
+    /// # Errors
+    /// When they cannot be written.
+    pub fn note(&self) -> anyhow::Result<()> {
+        let file = self.folder.join(FILE);
+        std::fs::write(&file, serde_json::to_vec_pretty(self)?)
+            .with_context(|| format!("writing {}", file.display()))
     }
 
     fn well_known() -> anyhow::Result<Self> {
@@ -105,6 +121,7 @@ impl Places {
             broker_detour: None,
             broker_websocket: None,
             counters: None,
+            course: None,
             munich: factory(&ports[3..9]),
             hamburg: factory(&ports[9..15]),
         }

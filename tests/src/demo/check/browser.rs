@@ -7,7 +7,7 @@ use tokio::process::Command;
 
 use crate::{
     harness::repository,
-    world::{ADMIN, ENGINEER, PASSWORD, World},
+    world::{ADMIN, ENGINEER, PASSWORD, Places, World},
 };
 
 /// Time that a browser may take: pictures of everything are several hundred, drawn without a
@@ -48,6 +48,19 @@ pub async fn run_with(
     arguments: &[&str],
     variables: &[(&str, String)],
 ) -> anyhow::Result<String> {
+    run_at(&world.places, script, arguments, variables).await
+}
+
+/// Runs like [`run_with`], against a world that another program has started.
+///
+/// # Errors
+/// The findings of the browser.
+pub async fn run_at(
+    places: &Places,
+    script: &str,
+    arguments: &[&str],
+    variables: &[(&str, String)],
+) -> anyhow::Result<String> {
     let folder = repository()?.join("tests/browser");
     let script = if script == "test" { "playwright test" } else { script };
     let mut command = Command::new("npx");
@@ -58,10 +71,10 @@ pub async fn run_with(
         .stdin(Stdio::null())
         .kill_on_drop(true);
     command
-        .env("PLATFORM_URL", format!("http://127.0.0.1:{}", world.places.platform_web))
+        .env("PLATFORM_URL", format!("http://127.0.0.1:{}", places.platform_web))
         .env("PLATFORM_USER", ADMIN)
         .env("PLATFORM_PASSWORD", PASSWORD)
-        .env("CONNECTOR_URL", format!("http://127.0.0.1:{}", world.places.munich.connector_web))
+        .env("CONNECTOR_URL", format!("http://127.0.0.1:{}", places.munich.connector_web))
         .env("CONNECTOR_USER", ENGINEER)
         .env("CONNECTOR_PASSWORD", PASSWORD)
         .envs(variables.iter().map(|(name, value)| (*name, value)));

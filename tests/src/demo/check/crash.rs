@@ -2,8 +2,6 @@
 
 use std::time::Duration;
 
-use serde_json::Value;
-
 use crate::{
     frame_order::{HAMBURG, MUNICH},
     harness::{Steps, eventually},
@@ -84,21 +82,7 @@ async fn goes_on(platform: &crate::harness::Api) -> anyhow::Result<String> {
 pub(super) async fn nothing_lost(cast: &Cast) -> anyhow::Result<String> {
     let mut received = 0;
     for factory_id in [MUNICH, HAMBURG] {
-        let count = eventually("no sequence is missing", Duration::from_secs(30), || async {
-            let path = format!("/api/v1/factories/{factory_id}/writers");
-            let writers = cast.platform.list(&path).await.map_err(|e| format!("{e:#}"))?;
-            let has_hole = |writer: &Value| {
-                writer["missing"]
-                    .as_array()
-                    .map_or_else(|| writer["missing"].as_u64() > Some(0), |m| !m.is_empty())
-            };
-            if writers.is_empty() || writers.iter().any(has_hole) {
-                return Err(Value::from(writers).to_string());
-            }
-            Ok(writers.iter().filter_map(|writer| writer["received"].as_u64()).sum::<u64>())
-        })
-        .await?;
-        received += count;
+        received += story::none_missing(&cast.platform, factory_id).await?;
     }
     Ok(format!("{received} reports received"))
 }
