@@ -211,7 +211,7 @@ pub enum TrustFileKind {
     Issuer,
     /// An authority's revocation list; it replaces the one before.
     RevocationList,
-    /// The certificate of a client that is denied, whoever vouches for it; its open sessions end.
+    /// The certificate of a client that is denied, also where an authority vouches for it; its open sessions end.
     DeniedCertificate,
 }
 

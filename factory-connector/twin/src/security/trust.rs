@@ -234,7 +234,7 @@ impl TrustList {
         Ok(())
     }
 
-    /// Denies a certificate (DER), whether it is known here or not and whoever vouches for it; its open sessions end.
+    /// Denies a certificate (DER), known here or not, also where an authority vouches for it; its open sessions end.
     ///
     /// # Errors
     /// [`TwinError::Refused`] where it is none, [`TwinError::Pki`] when it cannot be stored.

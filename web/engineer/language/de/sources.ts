@@ -179,7 +179,7 @@ export const sources: typeof English = {
       CERTIFICATE: 'Ein Client oder eine Stelle, der vertraut wird',
       ISSUER: 'Eine Zwischenstelle',
       REVOCATION_LIST: 'Die Sperrliste einer Stelle',
-      DENIED_CERTIFICATE: 'Ein Client, der abgelehnt wird, wer immer für ihn bürgt',
+      DENIED_CERTIFICATE: 'Ein Client, der abgelehnt wird, auch wenn eine Stelle für ihn bürgt',
     } as Record<string, string>,
     file: 'Aus einer Datei',
     content: 'Inhalt',

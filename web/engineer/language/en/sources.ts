@@ -174,7 +174,7 @@ export const sources = {
       CERTIFICATE: 'A client, or an authority to trust',
       ISSUER: 'An intermediate authority',
       REVOCATION_LIST: 'An authority’s list of revoked certificates',
-      DENIED_CERTIFICATE: 'A client to deny, whoever vouches for it',
+      DENIED_CERTIFICATE: 'A client to deny, also where an authority vouches for it',
     } as Record<string, string>,
     file: 'From a file',
     content: 'Content',

@@ -43,7 +43,7 @@ pub(super) enum TrustedBy {
     Itself,
     /// An engineer trusts an authority that issued it.
     Authority,
-    /// Nobody; a development setting lets it in.
+    /// A development setting, which lets in what nobody approved.
     Setting,
 }
 
