@@ -115,6 +115,8 @@ fn open_external(
     let mut link = LinkConfig::new(first.clone(), login, container);
     link.brokers.clone_from(&external.urls);
     link.profile = external.profile.clone();
+    // What one factory has waiting leaves the others their room.
+    link.has_session_per_address = true;
     // A broker that speaks AMQP collects there what expired or was refused; the platform's own keeps that by itself.
     if !first.is_mqtt() {
         link.consumed = vec![LogicalAddress::DeadLetters];
