@@ -106,7 +106,7 @@ mod tests {
     const BYTES: u64 = 100_000;
 
     fn message() -> Publish {
-        Publish::new("t", QoS::AtLeastOnce, vec![0; 60_000], None)
+        Publish::new("t", QoS::AtLeastOnce, vec![0_u8; 60_000], None)
     }
 
     #[tokio::test]
