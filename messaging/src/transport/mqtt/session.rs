@@ -120,7 +120,7 @@ impl SessionOpener {
     }
 }
 
-/// Returns the name of a session at the broker, which no other user has: a user's name has no colon.
+/// Returns the name of a session at the broker: that of its user alone, or one that begins with it.
 fn client_id(user_name: &str, name: Option<&str>) -> String {
     name.map_or_else(|| user_name.to_owned(), |name| format!("{user_name}:{name}"))
 }
