@@ -85,12 +85,13 @@ async fn what_one_factory_has_waiting_at_mosquitto_leaves_the_others_their_room(
     const INGRESS: [&str; 2] = ["factory.f1.ingress", "factory.f2.ingress"];
     // For each client a third of what one factory sends.
     let broker = Mosquitto::start(&bounded((BODY * COUNT / 6) as u64), Saving::Always).await;
-    let start = |user: &str, consumed: &[&str]| {
+    let start = |url: &str, user: &str, consumed: &[&str]| {
         let password = format!("secret of {user}");
-        TestLink::start(BrokerProfile::mqtt(), &broker.url(), user, &password, consumed)
+        TestLink::start(BrokerProfile::mqtt(), url, user, &password, consumed)
     };
-    let platform = start("platform", &INGRESS);
-    let (greedy, modest) = (start("f1", &[]), start("f2", &[]));
+    let start_platform = || start(&broker.url(), "platform", &INGRESS);
+    let platform = start_platform();
+    let [greedy, modest] = ["f1", "f2"].map(|user| start(&broker.url_of_accounts(), user, &[]));
     greedy.send(INGRESS[0], "first");
     modest.send(INGRESS[1], "first");
     eventually("both sessions are there", || platform.deliveries_of("first") == 2).await;
@@ -100,7 +101,7 @@ async fn what_one_factory_has_waiting_at_mosquitto_leaves_the_others_their_room(
     eventually("all are accepted", || greedy.spool.waiting() == 0).await;
     modest.send(INGRESS[1], "little");
     eventually("it is accepted", || modest.spool.waiting() == 0).await;
-    let platform = start("platform", &INGRESS);
+    let platform = start_platform();
     eventually("what the other one sent is there", || platform.has_received("little")).await;
     let much = || platform.inbox.ids().iter().filter(|id| id.starts_with("much")).count();
     eventually("what there was room for arrives", || much() >= COUNT / 4).await;
